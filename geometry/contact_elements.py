@@ -1,0 +1,43 @@
+"""The contact elements: triangular patches laid over the damper's two contact faces."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+LEFT, RIGHT = 0, 1
+
+
+@dataclass(frozen=True, eq=False)
+class ContactElements:
+    """One entry a contact element, those of the left face first, then those of the right in the same order.
+
+    Local axes (t1, t2, n): t1 points up the slope of the face, t2 along +z, n from the damper into the
+    platform. The left face is the mirror image (x -> -x) of the right one and so are its axes; they are
+    therefore left-handed there, and mirror-symmetric motion has equal coordinates on both faces.
+
+    face: (n,) LEFT or RIGHT
+    centroid: (n, 3) [m]
+    area: (n,) [m^2]
+    tangent1, tangent2, normal: (n, 3) unit vectors
+    triangle: (n, 3, 3) the patch's corners [m]
+    """
+
+    face: Integers
+    centroid: Floats
+    area: Floats
+    tangent1: Floats
+    tangent2: Floats
+    normal: Floats
+    triangle: Floats
+
+    def __len__(self) -> int:
+        return len(self.area)
+
+    @property
+    def axes(self) -> Floats:
+        """(n, 3, 3): axes[i, d] is the unit vector of local direction d (t1, t2, n) of element i."""
+        return np.stack([self.tangent1, self.tangent2, self.normal], axis=1)
