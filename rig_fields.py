@@ -1,0 +1,94 @@
+"""What a rig file is made of: tables that refuse unknown keys, and quantities that become SI floats once."""
+
+import math
+import re
+from dataclasses import dataclass
+from decimal import Decimal
+from functools import cache
+from tokenize import TokenError
+from typing import Any
+
+import pint
+from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler
+from pydantic_core import CoreSchema, core_schema
+
+_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|[+-]?(?:nan|inf)\b"
+_NUMBER_AND_UNIT = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*")
+
+
+class Section(BaseModel):
+    """A table of the rig file: frozen, and unknown keys are refused."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Annotation of a float that is read from text with a unit: Annotated[float, Quantity("m", "150 mm")].
+
+    si: the SI unit of the float
+    example: number and unit as a person would write them; error messages show it
+    above, at_least, at_most: bounds, in the unit of the example
+    """
+
+    si: str
+    example: str
+    above: float | None = None
+    at_least: float | None = None
+    at_most: float | None = None
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Replace the float's own schema: a bare number is never a quantity."""
+        return core_schema.no_info_plain_validator_function(self.to_si)
+
+    @property
+    def allowed(self) -> str:
+        """The bounds in words, such as "above 0 mm and at most 1000 mm"; empty if there are none."""
+        unit = self.example.split(maxsplit=1)[1]
+        bounds = [("above", self.above), ("at least", self.at_least), ("at most", self.at_most)]
+        return " and ".join(f"{word} {bound:g} {unit}" for word, bound in bounds if bound is not None)
+
+    def to_si(self, text: object) -> float:
+        """Text with a unit to a float in SI.
+
+        raises: ValueError, with what would be allowed, if the unit is missing, unknown or of another
+            dimension, or the number is not finite or out of range
+        """
+        if isinstance(text, (int, float)) and not isinstance(text, bool):
+            raise ValueError(f'state its unit as text, such as "{self.example}"')
+        number, unit = self._split(text)
+        # Root units, not dimensions: radians have none, so "2700 rad/s" would pass for hertz, "45 %" for an angle.
+        if (1 * unit).to_root_units().units != _registry().Quantity(1, self.si).to_root_units().units:
+            raise ValueError(f'wrong dimension: needs a unit of the kind {self.si}, such as "{self.example}"')
+        value = _registry().Quantity(number, unit)
+        in_si = float(value.to(self.si).magnitude) if number.is_finite() else math.inf
+        if not math.isfinite(in_si):
+            raise ValueError(f'not a finite number; write it like "{self.example}"')
+        self._check_range(float(value.to(self.example.split(maxsplit=1)[1]).magnitude))
+        return in_si
+
+    def _split(self, text: object) -> tuple[Decimal, pint.Unit]:
+        match = _NUMBER_AND_UNIT.fullmatch(text) if isinstance(text, str) else None
+        if match is None:
+            raise ValueError(f'not a number with a unit; write it like "{self.example}"')
+        number, unit = Decimal(match[1]), match[2]
+        if not unit:
+            raise ValueError(f'state its unit, such as "{self.example}"')
+        try:
+            return number, _registry().parse_units(unit)
+        except (pint.PintError, ValueError, TypeError, AttributeError, AssertionError, TokenError):
+            raise ValueError(f'unknown unit "{unit}"; write it like "{self.example}"') from None
+
+    def _check_range(self, number: float) -> None:
+        if (
+            (self.above is not None and not number > self.above)
+            or (self.at_least is not None and not number >= self.at_least)
+            or (self.at_most is not None and not number <= self.at_most)
+        ):
+            raise ValueError(f"out of range: allowed is {self.allowed}")
+
+
+@cache
+def _registry() -> pint.UnitRegistry:
+    """With decimal numbers, so that "60000 N/mm^3" is 6e13 and not 5.999...e13."""
+    return pint.UnitRegistry(non_int_type=Decimal)
