@@ -1,0 +1,65 @@
+"""What the friction laws with a slider and a unilateral normal spring share: parameters and the march in time."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from updamp.hbm.contact.history import last_cycle
+from updamp.hbm.contact.law import SEPARATED, SLIP, STICK
+
+Return = Callable[[jax.Array, jax.Array], jax.Array]
+
+
+class FrictionParameters(NamedTuple):
+    """One entry an element.
+
+    mu: coefficient of friction [-]
+    kt, kn: tangential and normal stiffness [N/m]
+    n0: preload [N]; may be 0
+    t0: (2,) tangential force at rest along (t1, t2) [N]
+    gap: opening at rest [m]
+    """
+
+    mu: jax.Array
+    kt: jax.Array
+    kn: jax.Array
+    n0: jax.Array
+    t0: jax.Array
+    gap: jax.Array
+
+
+def normal_force(displacement: jax.Array, p: FrictionParameters) -> jax.Array:
+    """Unilateral spring with preload: N = max(N0 + kn (u_n - gap), 0)."""
+    return jnp.maximum(p.n0 + p.kn * (displacement[..., 2] - p.gap), 0.0)
+
+
+def tangential_force(displacement: jax.Array, p: FrictionParameters, return_map: Return, cycles: int) -> jax.Array:
+    """(n_time, 2) force of the slider behind the spring kt, starting from the force t0 at rest."""
+    limit = p.mu * normal_force(displacement, p)
+
+    def step(slider: jax.Array, sample: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
+        tangential, bound = sample
+        force = return_map(p.kt * (tangential - slider), bound)
+        return tangential - force / p.kt, force
+
+    return last_cycle(step, -p.t0 / p.kt, (displacement[:, :2], limit), cycles)
+
+
+def dynamic_force(displacement: jax.Array, p: FrictionParameters, return_map: Return, cycles: int) -> jax.Array:
+    """(n_time, 3) force less that at rest: preload is a state, not a force."""
+    tangential = tangential_force(displacement, p, return_map, cycles) - p.t0
+    rest = jnp.maximum(p.n0 - p.kn * p.gap, 0.0)
+    return jnp.concatenate([tangential, (normal_force(displacement, p) - rest)[:, None]], axis=1)
+
+
+def state(displacement: jax.Array, p: FrictionParameters, at_limit: Return, force: jax.Array) -> jax.Array:
+    """(n_time,) STICK, SLIP or SEPARATED."""
+    normal = normal_force(displacement, p)
+    slipping = at_limit(force, p.mu * normal)
+    return jnp.where(normal <= 0.0, SEPARATED, jnp.where(slipping, SLIP, STICK))
+
+
+def stuck_stiffness(p: FrictionParameters) -> jax.Array:
+    return jnp.stack([p.kt, p.kt, p.kn])

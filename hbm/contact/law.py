@@ -1,0 +1,51 @@
+"""What a contact law is: one pure function of a period of relative displacement.
+
+History is a scan inside the call, the tangent comes from forward-mode differentiation, nothing is remembered.
+"""
+
+from typing import Any, Protocol
+
+import jax
+
+STICK, SLIP, SEPARATED = 0, 1, 2
+
+
+class ContactLaw(Protocol):
+    """A law for one element; the solver maps it over all elements of a group.
+
+    parameters: a NamedTuple class, one scalar (or small vector) an entry and element
+    directions: number of relative displacements of one element, 3 for (t1, t2, n)
+    rate_dependent: whether `force` uses the velocity
+    """
+
+    @property
+    def parameters(self) -> type: ...
+
+    @property
+    def directions(self) -> int: ...
+
+    @property
+    def rate_dependent(self) -> bool: ...
+
+    def force(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
+        """Force that resists the relative displacement, over one settled period, less that at rest.
+
+        displacement, velocity: (n_time, directions) [m, m/s] -> (n_time, directions) [N]
+        """
+        ...
+
+    def reference_stiffness(self, parameters: Any) -> jax.Array:
+        """(directions,) stiffness [N/m] of the element as long as it neither slips nor separates."""
+        ...
+
+
+class FrictionLaw(ContactLaw, Protocol):
+    """A law with stick, slip and separation in (t1, t2, n)."""
+
+    def state(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
+        """(n_time,) STICK, SLIP or SEPARATED over the same period."""
+        ...
+
+    def normal_force(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
+        """(n_time,) total pressing force [N], preload included."""
+        ...

@@ -1,0 +1,46 @@
+"""Nonlinear springs without history: cubic, and unilateral with a gap."""
+
+from dataclasses import dataclass
+from typing import ClassVar, NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+
+class CubicParameters(NamedTuple):
+    """coefficient: force = coefficient u^3 [N/m^3]"""
+
+    coefficient: jax.Array
+
+
+@dataclass(frozen=True)
+class CubicSpring:
+    parameters: ClassVar[type] = CubicParameters
+    directions: ClassVar[int] = 1
+    rate_dependent: ClassVar[bool] = False
+
+    def force(self, displacement: jax.Array, velocity: jax.Array, parameters: CubicParameters) -> jax.Array:
+        return parameters.coefficient * displacement**3
+
+    def reference_stiffness(self, parameters: CubicParameters) -> jax.Array:
+        return jnp.zeros(1)
+
+
+class UnilateralParameters(NamedTuple):
+    """stiffness [N/m]; gap: opening before contact [m]"""
+
+    stiffness: jax.Array
+    gap: jax.Array
+
+
+@dataclass(frozen=True)
+class UnilateralSpring:
+    parameters: ClassVar[type] = UnilateralParameters
+    directions: ClassVar[int] = 1
+    rate_dependent: ClassVar[bool] = False
+
+    def force(self, displacement: jax.Array, velocity: jax.Array, parameters: UnilateralParameters) -> jax.Array:
+        return parameters.stiffness * jnp.maximum(displacement - parameters.gap, 0.0)
+
+    def reference_stiffness(self, parameters: UnilateralParameters) -> jax.Array:
+        return jnp.zeros(1)

@@ -1,0 +1,83 @@
+"""What the harmonic balance stage hands on: one branch of periodic responses."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.hbm.harmonics import Harmonics
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, eq=False)
+class ResponseCurve:
+    """A branch at constant force, its points in the order in which continuation met them.
+
+    mode: name of the study's mode, such as "OOP"; force: amplitude [N]
+    orders: harmonics; coefficients ordered as in hbm/harmonics.py
+    points: names of the observed points, such as "blade_right.tip.x"
+    frequency: (n,) [Hz]
+    displacement: (n, n_relative, n_coefficients) relative displacement at the contacts [m]
+    response: (n, n_points, n_coefficients) displacement of the observed points [m]
+    work_in, friction_loss, material_loss: (n,) energy a cycle [J]
+    iterations: (n,) of Newton; error: (n,) residual over displacement; active: (n,) rows that slip or separate
+    complete: whether the branch reached the end of its window
+    stopped: why not, if it did not ("" otherwise)
+    seconds: processor wall time spent
+    """
+
+    mode: str
+    force: float
+    orders: tuple[int, ...]
+    points: tuple[str, ...]
+    frequency: Floats
+    displacement: Floats
+    response: Floats
+    work_in: Floats
+    friction_loss: Floats
+    material_loss: Floats
+    iterations: Integers
+    error: Floats
+    active: Integers
+    complete: bool
+    stopped: str
+    seconds: float
+
+    def __len__(self) -> int:
+        return len(self.frequency)
+
+    @property
+    def harmonics(self) -> Harmonics:
+        return Harmonics(self.orders)
+
+    @property
+    def unconverged(self) -> int:
+        """Points that were wanted and not reached: a stopped branch counts as one."""
+        return int(bool(self.stopped))
+
+    def amplitude(self, point: str, k: int = 1) -> Complex:
+        """(n,) complex amplitude of harmonic k at a named point [m].
+
+        raises: ValueError naming the points there are
+        """
+        if point not in self.points:
+            raise ValueError(f"no point '{point}' on this curve; there are {', '.join(self.points)}")
+        return self.harmonics.amplitude(self.response[:, self.points.index(point)], k)
+
+    def receptance(self, point: str) -> Complex:
+        """(n,) first harmonic over force [m/N]"""
+        return self.amplitude(point) / self.force
+
+    def peak(self, point: str) -> tuple[float, float]:
+        """Frequency [Hz] and receptance [m/N] at the largest first harmonic, by a parabola through three points."""
+        size = np.abs(self.receptance(point))
+        i = int(np.clip(np.argmax(size), 1, len(size) - 2))
+        f, a = self.frequency[i - 1 : i + 2], size[i - 1 : i + 2]
+        c = np.polyfit(f - f[1], a, 2) if len(set(f)) == 3 else np.array([0.0, 0.0, a[1]])
+        top = -c[1] / (2 * c[0]) if c[0] < 0 else 0.0
+        if not min(f) <= f[1] + top <= max(f):
+            return float(f[1]), float(a[1])
+        return float(f[1] + top), float(np.polyval(c, top))
