@@ -1,0 +1,28 @@
+from pathlib import Path
+
+import pytest
+from updamp.geometry.build_mesh import build_mesh
+from updamp.geometry.rig_mesh import RigMesh
+from updamp.rig import Rig, load_rig
+
+RIG_FILE = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
+
+
+@pytest.fixture(scope="session")
+def rig() -> Rig:
+    return load_rig(RIG_FILE)
+
+
+@pytest.fixture(scope="session")
+def rig_file() -> Path:
+    return RIG_FILE
+
+
+@pytest.fixture(scope="session")
+def small(rig: Rig) -> RigMesh:
+    return build_mesh(rig, "small")
+
+
+@pytest.fixture(scope="session")
+def full(rig: Rig) -> RigMesh:
+    return build_mesh(rig, "full")
