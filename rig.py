@@ -4,6 +4,7 @@ import hashlib
 import math
 import tomllib
 from collections.abc import Mapping
+from copy import deepcopy
 from functools import reduce
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -283,4 +284,4 @@ def _override(table: dict[str, Any], key: str, value: Any) -> None:
         table = table.setdefault(parent, {})
         if not isinstance(table, dict):
             raise RigError(f"{key} = {value!r}: {parent} is not a table, so {last} cannot be set in it")
-    table[last] = value
+    table[last] = deepcopy(value)  # a later override may reach into it

@@ -56,7 +56,9 @@ def _own(path: str, problem: ErrorDetails) -> Iterator[str]:
 
 def _locate(loc: tuple[int | str, ...], model: type[BaseModel]) -> tuple[str, type[BaseModel], FieldInfo | None]:
     """Dotted path of a finding, the table it is in and, if the finding is about a key of that table, its field."""
-    path, table, kind, field = "", model, model, None
+    path, table = "", model
+    kind: Any = model
+    field: FieldInfo | None = None
     for part in loc:
         origin, arguments = get_origin(kind), get_args(kind)
         if part == "[key]":

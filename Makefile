@@ -1,0 +1,42 @@
+# `make help` says what there is. The environment is made in .venv, from a lock of tried versions.
+PYTHON ?= python3
+PYTEST_OPTIONS ?=
+BIN := .venv/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
+
+.PHONY: help setup system test run bench
+.DEFAULT_GOAL := help
+
+help:
+	@echo "make run     the reference rig at full size, into results/pesaresi2017/"
+	@echo "make test    ruff, mypy and the tests (PYTEST_OPTIONS='-k rig' for some of them)"
+	@echo "make bench   the benchmarks"
+	@echo "make setup   the environment in .venv, from requirements.lock (the others do it too)"
+
+setup: .venv/ready
+
+system:
+	@$(PYTHON) tools/check_system.py
+
+.venv/ready: requirements.lock requirements-cholmod.lock pyproject.toml | system
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed: make PYTHON=...")'
+	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	@echo "Installing the locked packages into .venv (a minute or two) ..."
+	@$(PIP) install --requirement requirements.lock
+	@$(PIP) install --no-deps --no-build-isolation --editable .
+	@$(PIP) install --no-deps --requirement requirements-cholmod.lock > .venv/cholmod.log 2>&1 \
+		|| echo "CHOLMOD (optional solver) was not built: needs gcc, Python's headers, libsuitesparse-dev; see .venv/cholmod.log"
+	@mkdir -p .venv/types && ln -sfn ../.. .venv/types/updamp  # for mypy, see pyproject.toml
+	@touch $@
+
+test: setup
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/pytest $(PYTEST_OPTIONS)
+
+run: setup
+	$(BIN)/updamp run rigs/pesaresi2017.toml --mesh full --out results/pesaresi2017
+
+bench: setup
+	@for script in benchmarks/*.py; do echo "== $$script"; $(BIN)/python $$script || exit 1; done

@@ -1,0 +1,27 @@
+"""The packages listed for installation are those on disk."""
+
+import tomllib
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+NOT_INSTALLED = {"tests", "build", "dist"}
+
+
+def packages_on_disk() -> set[str]:
+    folders = (path.parent.relative_to(ROOT).parts for path in ROOT.glob("[!.]*/**/__init__.py"))
+    return {".".join(("updamp", *parts)) for parts in folders if parts[0] not in NOT_INSTALLED}
+
+
+def test_listed_packages_are_those_on_disk() -> None:
+    listed = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
+    assert listed == sorted(listed)
+    assert set(listed) == packages_on_disk() | {"updamp"}
+
+
+def test_folders_with_code_are_packages() -> None:
+    places = {path.parent for package in ("fem", "geometry", "hbm") for path in (ROOT / package).rglob("*.py")}
+    assert [str(place) for place in places if not (place / "__init__.py").exists()] == []
+
+
+def test_root_is_no_package_of_its_own() -> None:
+    assert not (ROOT / "__init__.py").exists()
