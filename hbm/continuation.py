@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-
-from updamp.hbm.newton import Arc, NewtonOptions, Solution, Status, linear_solution, solve
+from updamp.hbm.jacobian import factorise
+from updamp.hbm.newton import Arc, NewtonOptions, Solution, Status, evaluate, linear_solution, solve
 from updamp.hbm.system import Excitation, NonlinearSystem
 
 Floats = NDArray[np.float64]
@@ -35,6 +35,10 @@ class ContinuationOptions:
     frequency_scale: float = 0.5
     max_points: int = 1500
     newton: NewtonOptions = field(default_factory=NewtonOptions)
+
+    def scale_w(self, window: tuple[float, float]) -> float:
+        """Angular frequency that counts as one unit of arc [rad/s]; window [Hz]."""
+        return 2 * np.pi * self.frequency_scale * (window[1] - window[0])
 
     def __post_init__(self) -> None:
         if not 0 < self.smallest_step < self.first_step <= self.largest_step:
@@ -73,7 +77,7 @@ class BranchPoint:
         return self.solution.status
 
 
-class BranchStopped(Exception):
+class BranchStoppedError(Exception):
     """A branch that cannot go on. What was computed has been handed out already."""
 
     def __init__(self, frequency: float, error: float, status: Status) -> None:
@@ -89,7 +93,7 @@ def first_point(
 ) -> Solution:
     """Solve at w from the stuck response; where that is too far, the force is raised in steps, halved as needed.
 
-    raises: BranchStopped where no step of the force is small enough
+    raises: BranchStoppedError where no step of the force is small enough
     """
     options = options or NewtonOptions()
     solution = solve(system, excitation, linear_solution(system, w, excitation), w, options)
@@ -103,7 +107,7 @@ def first_point(
         if ramped.converged:
             share, x, solution, step = share_next, ramped.x, ramped, 1.5 * step
         elif step < 1e-3:
-            raise BranchStopped(w / (2 * np.pi), ramped.errors[-1], ramped.status)
+            raise BranchStoppedError(w / (2 * np.pi), ramped.errors[-1], ramped.status)
         else:
             step /= 2
     return solution
@@ -121,10 +125,10 @@ def continue_branch(
 
     resume_from: the last points of an interrupted branch; the first point handed out is the one that follows
 
-    raises: BranchStopped where the step would fall below its floor
+    raises: BranchStoppedError where the step would fall below its floor
     """
     options = options or ContinuationOptions()
-    scale_w = 2 * np.pi * options.frequency_scale * (window[1] - window[0])
+    scale_w = options.scale_w(window)
     if resume_from:
         points = list(resume_from[-2:])
     else:
@@ -139,6 +143,21 @@ def continue_branch(
         yield point
         if not inside[0] <= point.w <= inside[1]:
             return
+
+
+def branch_point(
+    system: NonlinearSystem, excitation: Excitation, x: Floats, w: float, scale_w: float, onwards: tuple[Floats, float]
+) -> BranchPoint:
+    """A point of the branch known to be solved, such as a stored one, with its tangent along `onwards` (dx, dw)."""
+    equation = evaluate(system, excitation, x, w)
+    jacobian = factorise(equation.receptance, equation.departure)
+    solution = Solution(x, w, Status.CONVERGED, 0, (equation.error,), equation, jacobian)
+    tangent_x, tangent_w = _tangent(solution, excitation, scale_w)
+    size = _size(x)
+    dx, dw = onwards
+    sign = 1.0 if np.vdot(tangent_x, dx) / size**2 + tangent_w * dw / scale_w**2 > 0 else -1.0
+    moved = float(np.sqrt(np.sum(dx**2) / size**2 + dw**2 / scale_w**2))
+    return BranchPoint(x, w, sign * tangent_x, sign * tangent_w, moved, False, solution)
 
 
 def _start(solution: Solution, excitation: Excitation, scale_w: float, upwards: bool) -> BranchPoint:
@@ -180,7 +199,7 @@ def _next_point(
             break
         if step / 2 < options.smallest_step:
             status = Status.STALLED if solution.converged else solution.status
-            raise BranchStopped(last.frequency, solution.errors[-1], status)
+            raise BranchStoppedError(last.frequency, solution.errors[-1], status)
         step /= 2
     tangent_x, tangent_w = _tangent(solution, excitation, scale_w)
     if np.vdot(tangent_x, dx) / size**2 + tangent_w * dw / scale_w**2 < 0:

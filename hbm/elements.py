@@ -9,7 +9,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
-
 from updamp.hbm.contact.law import ContactLaw
 from updamp.hbm.harmonics import Harmonics
 
@@ -57,14 +56,25 @@ def element_forces(
     """
     evaluate = _compiled(group.law, harmonics, n_time)
     force, tangent, rate = evaluate(displacement, w, group.parameters)
-    return ElementForces(
-        np.asarray(force), np.asarray(tangent), np.asarray(rate) if group.law.rate_dependent else None
-    )
+    return ElementForces(np.asarray(force), np.asarray(tangent), np.asarray(rate) if group.law.rate_dependent else None)
 
 
 def force_only(group: ElementGroup, displacement: Floats, w: float, harmonics: Harmonics, n_time: int) -> Floats:
     """The forces alone, several times cheaper than with their tangent."""
     return np.asarray(_compiled_force(group.law, harmonics, n_time)(displacement, w, group.parameters))
+
+
+def over_period(
+    group: ElementGroup,
+    quantity: Callable[[jax.Array, jax.Array, Any], jax.Array],
+    displacement: Floats,
+    w: float,
+    harmonics: Harmonics,
+    n_time: int,
+) -> tuple[Floats, Floats]:
+    """Samples of the motion (n_elements, n_time, directions) [m] and of a quantity of the law, such as `law.force`."""
+    motion, value = _compiled_quantity(quantity, harmonics, n_time)(displacement, w, group.parameters)
+    return np.asarray(motion), np.asarray(value)
 
 
 def samples(coefficients: jax.Array, w: Any, harmonics: Harmonics, n_time: int) -> tuple[jax.Array, jax.Array]:
@@ -87,6 +97,17 @@ def _one_element(law: ContactLaw, harmonics: Harmonics, n_time: int) -> Callable
 @lru_cache(maxsize=32)
 def _compiled_force(law: ContactLaw, harmonics: Harmonics, n_time: int) -> Callable[..., Any]:
     return jax.jit(jax.vmap(_one_element(law, harmonics, n_time), in_axes=(0, None, 0)))
+
+
+@lru_cache(maxsize=32)
+def _compiled_quantity(
+    quantity: Callable[[jax.Array, jax.Array, Any], jax.Array], harmonics: Harmonics, n_time: int
+) -> Callable[..., Any]:
+    def one(coefficients: jax.Array, w: jax.Array, parameters: Any) -> tuple[jax.Array, jax.Array]:
+        motion, velocity = samples(coefficients, w, harmonics, n_time)
+        return motion, quantity(motion, velocity, parameters)
+
+    return jax.jit(jax.vmap(one, in_axes=(0, None, 0)))
 
 
 @lru_cache(maxsize=32)

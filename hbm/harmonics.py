@@ -62,7 +62,9 @@ class Harmonics:
         raises: ValueError where n_time cannot resolve the highest harmonic
         """
         if n_time <= 2 * self.orders[-1]:
-            raise ValueError(f"time_samples = {n_time}: harmonic {self.orders[-1]} needs more than {2 * self.orders[-1]}")
+            raise ValueError(
+                f"time_samples = {n_time}: harmonic {self.orders[-1]} needs more than {2 * self.orders[-1]}"
+            )
         transform = 2.0 / n_time * self.synthesis(n_time).T
         if 0 in self.orders:
             transform[0] /= 2

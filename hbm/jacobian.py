@@ -1,4 +1,4 @@
-"""The exact Jacobian J = I + G T of the residual, inverted through the rows where some element departs from its springs.
+"""The exact Jacobian J = I + G T of the residual, inverted through the rows that depart from stuck.
 
 With S the rows where the tangent T is not zero: J^-1 r = r - G_:S (I + T_S: G_:S)^-1 T_S: r, a dense system of
 |S| n_coefficients unknowns instead of all of them.
@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
-
 from updamp.hbm.system import Departure, NonlinearSystem, Receptance
 
 Floats = NDArray[np.float64]

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
-
 from updamp.fem.reduced_model import ReducedModel
 
 Floats = NDArray[np.float64]
@@ -58,7 +57,9 @@ class LinearModel:
         damping = self.hysteretic + w * self.viscous if w > 0 else np.zeros_like(self.hysteretic)
         return np.diag(self.omega_squared - w**2) + 1j * damping
 
-    def receptance(self, w: float, rows: Floats | slice = slice(None), columns: Floats | slice = slice(None)) -> Complex:
+    def receptance(
+        self, w: float, rows: Floats | slice = slice(None), columns: Floats | slice = slice(None)
+    ) -> Complex:
         """H(w) [m/N] between the rows (and columns) chosen"""
         modal = np.linalg.solve(self.modal_dynamic_stiffness(w), self.phi[columns].T)
         return self.phi[rows] @ modal + self.residual[rows][:, columns]
@@ -96,9 +97,7 @@ def from_reduced(reduced: ReducedModel, loss_factor: float) -> LinearModel:
     points = tuple(f"{c.name}.{p}" for c in reduced.components for p in c.points)
     n_rows = n_relative + len(points)
     phi, residual, start = [], np.zeros((n_rows, n_rows)), n_relative
-    for component, sign, rows in zip(
-        reduced.components, reduced.contact_sign(), reduced.contact_rows(), strict=True
-    ):
+    for component, sign, rows in zip(reduced.components, reduced.contact_sign(), reduced.contact_rows(), strict=True):
         select = np.zeros((n_rows, len(component.residual)))
         select[rows, np.arange(len(rows))] = sign
         n_points = len(component.points)

@@ -6,7 +6,6 @@ from enum import Enum
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
-
 from updamp.hbm.jacobian import Jacobian, factorise
 from updamp.hbm.system import Departure, Excitation, NonlinearSystem, Receptance
 
@@ -141,7 +140,7 @@ def solve(
     equation = evaluate(system, excitation, x, w)
     errors = [equation.error]
     jacobian: Jacobian | None = None
-    for iteration in range(options.iterations):
+    for _iteration in range(options.iterations):
         if errors[-1] < options.tolerance and jacobian is not None:
             return _solution(equation, Status.CONVERGED, errors, jacobian)
         if not np.isfinite(errors[-1]):
@@ -176,7 +175,11 @@ def _step(equation: Equation, jacobian: Jacobian, excitation: Excitation, arc: A
 
 
 def _damped(
-    system: NonlinearSystem, excitation: Excitation, equation: Equation, step: tuple[Floats, float], options: NewtonOptions
+    system: NonlinearSystem,
+    excitation: Excitation,
+    equation: Equation,
+    step: tuple[Floats, float],
+    options: NewtonOptions,
 ) -> Equation | None:
     """The first of the full, half, ... step that lowers the residual; None where none does."""
     damping = 1.0

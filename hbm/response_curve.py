@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-
 from updamp.hbm.harmonics import Harmonics
 
 Floats = NDArray[np.float64]

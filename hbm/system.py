@@ -13,7 +13,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-
 from updamp.hbm.elements import ElementGroup, element_forces, force_only
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.linear_model import LinearModel, add_springs
@@ -134,10 +133,13 @@ class Receptance:
     @cached_property
     def modal_rate(self) -> Mapping[int, Complex]:
         viscous, identity = self.system.stuck.viscous, np.eye(len(self.system.stuck.omega_squared))
-        return {k: -inverse @ (1j * k * viscous - 2 * k**2 * self.w * identity) @ inverse for k, inverse in self.modal.items()}
+        return {
+            k: -inverse @ (1j * k * viscous - 2 * k**2 * self.w * identity) @ inverse
+            for k, inverse in self.modal.items()
+        }
 
     def apply(self, forces: Floats, rows: slice | Integers | None = None) -> Floats:
-        """G forces: forces on the relative rows (n_relative, n_coefficients) -> displacement of `rows` (default: those)."""
+        """G forces, from the relative rows (n_relative, n_coefficients) to `rows` (default: the same)."""
         stuck, n = self.system.stuck, self.system.stuck.n_relative
         rows = slice(n) if rows is None else rows
         return stuck.residual[rows, :n] @ forces + self._through_modes(self.modal, forces, rows)
@@ -168,7 +170,9 @@ class Receptance:
     def excitation_rate(self, excitation: Excitation) -> Floats:
         """d/dw of `excitation`."""
         stuck, harmonics = self.system.stuck, self.system.harmonics
-        amplitude = excitation.force * (stuck.phi[: stuck.n_relative] @ (self.modal_rate[1] @ stuck.phi[excitation.row]))
+        amplitude = excitation.force * (
+            stuck.phi[: stuck.n_relative] @ (self.modal_rate[1] @ stuck.phi[excitation.row])
+        )
         response = np.zeros((len(amplitude), harmonics.n_coefficients))
         harmonics.set_amplitude(response, 1, amplitude)
         return response

@@ -5,7 +5,6 @@ from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
-
 from updamp.hbm.contact import friction
 from updamp.hbm.contact.friction import FrictionParameters
 

@@ -3,7 +3,7 @@
 History is a scan inside the call, the tangent comes from forward-mode differentiation, nothing is remembered.
 """
 
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import jax
 
@@ -39,6 +39,7 @@ class ContactLaw(Protocol):
         ...
 
 
+@runtime_checkable
 class FrictionLaw(ContactLaw, Protocol):
     """A law with stick, slip and separation in (t1, t2, n)."""
 

@@ -1,0 +1,128 @@
+"""Trace a response curve: continuation, with what is to be kept of every point."""
+
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from updamp.hbm import energy, observe
+from updamp.hbm.continuation import BranchPoint, BranchStoppedError, ContinuationOptions, branch_point, continue_branch
+from updamp.hbm.response_curve import ResponseCurve
+from updamp.hbm.system import Excitation, NonlinearSystem
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class CurveRequest:
+    """What to trace: a branch through `window` [Hz] at constant force, seen at named points.
+
+    mode: its name in the study; upwards: start at the lower end of the window
+    """
+
+    mode: str
+    excitation: Excitation
+    window: tuple[float, float]
+    points: tuple[str, ...]
+    upwards: bool = True
+    options: ContinuationOptions = field(default_factory=ContinuationOptions)
+
+
+def trace(
+    system: NonlinearSystem, request: CurveRequest, resume_from: ResponseCurve | None = None
+) -> Iterator[ResponseCurve]:
+    """The curve so far, after every point; the last one handed out is `complete` or says why it `stopped`.
+
+    resume_from: an interrupted curve of the same system and request; only what follows it is solved
+    raises: nothing; a branch that cannot go on ends the curve with its sentence in `stopped`
+    """
+    started = time.perf_counter()
+    earlier = resume_from
+    if earlier is not None and (earlier.complete or earlier.stopped):
+        yield earlier
+        return
+    resume = _last_points(system, request, earlier) if earlier is not None and len(earlier) >= 2 else ()
+    records = _Records(system, request, earlier if resume else None, started)
+    try:
+        for point in continue_branch(
+            system, request.excitation, request.window, request.options, request.upwards, resume
+        ):
+            records.add(point)
+            yield records.curve()
+    except BranchStoppedError as stop:
+        yield records.curve(stopped=str(stop))
+        return
+    low, high = request.window
+    left = not low < records.curve().frequency[-1] < high
+    budget = (
+        "" if left else f"{request.options.max_points} points did not reach the end of the window: raise max_points"
+    )
+    yield records.curve(complete=left, stopped=budget)
+
+
+def _last_points(system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve) -> Sequence[BranchPoint]:
+    """The last two points of a stored curve as points of a branch, tangents computed anew."""
+    scale_w = request.options.scale_w(request.window)
+    places = [(curve.displacement[i], 2 * np.pi * curve.frequency[i]) for i in (-2, -1)]
+    onwards = (places[1][0] - places[0][0], places[1][1] - places[0][1])
+    return [branch_point(system, request.excitation, x, w, scale_w, onwards) for x, w in places]
+
+
+class _Records:
+    """Columns of the curve, one entry a point."""
+
+    def __init__(
+        self, system: NonlinearSystem, request: CurveRequest, earlier: ResponseCurve | None, started: float
+    ) -> None:
+        self.system, self.request, self.started = system, request, started
+        self.rows = np.array([system.free.row(p) for p in request.points])
+        self.earlier = earlier
+        self.columns: dict[str, list[Floats | float | int]] = {name: [] for name in _COLUMNS}
+        if earlier is not None:
+            for name in _COLUMNS:
+                self.columns[name].extend(getattr(earlier, name))
+
+    def add(self, point: BranchPoint) -> None:
+        equation, excitation = point.solution.equation, self.request.excitation
+        rows = np.append(self.rows, excitation.row)
+        response = observe.response(equation, excitation, rows)
+        assert point.solution.jacobian is not None, "a converged solution carries its Jacobian"
+        entry = {
+            "frequency": point.frequency,
+            "displacement": point.x,
+            "response": response[:-1],
+            "work_in": energy.work_in(self.system, excitation, response[-1]),
+            "friction_loss": float(energy.friction_loss(self.system, point.x, point.w).sum()),
+            "material_loss": energy.material_loss(equation, excitation),
+            "iterations": point.solution.iterations,
+            "error": equation.error,
+            "active": point.solution.jacobian.n_active,
+        }
+        for name, value in entry.items():
+            self.columns[name].append(value)
+
+    def curve(self, complete: bool = False, stopped: str = "") -> ResponseCurve:
+        before = self.earlier.seconds if self.earlier is not None else 0.0
+        columns = {name: np.array(values) for name, values in self.columns.items()}
+        return replace(
+            _empty(self.request, self.system),
+            **columns,  # type: ignore[arg-type]
+            complete=complete,
+            stopped=stopped,
+            seconds=before + time.perf_counter() - self.started,
+        )
+
+
+_COLUMNS = (
+    "frequency", "displacement", "response", "work_in", "friction_loss", "material_loss",
+    "iterations", "error", "active",
+)  # fmt: skip
+
+
+def _empty(request: CurveRequest, system: NonlinearSystem) -> ResponseCurve:
+    none = np.zeros(0)
+    return ResponseCurve(
+        request.mode, request.excitation.force, system.harmonics.orders, request.points,
+        none, none, none, none, none, none, none.astype(int), none, none.astype(int), False, "", 0.0,
+    )  # fmt: skip

@@ -1,0 +1,66 @@
+"""What can be read off a solved point: displacement anywhere, loops, contact states."""
+
+from enum import IntEnum
+
+import jax
+import numpy as np
+from numpy.typing import NDArray
+from updamp.hbm.contact.law import SEPARATED, SLIP, FrictionLaw
+from updamp.hbm.elements import over_period, samples
+from updamp.hbm.newton import Equation
+from updamp.hbm.system import Excitation, NonlinearSystem
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+class ContactState(IntEnum):
+    """Over a period, as Pesaresi et al. (2017) Fig. 18 distinguish."""
+
+    STUCK = 0
+    STICK_SLIP = 1
+    SEPARATING = 2
+    NEVER_IN_CONTACT = 3
+
+
+def response(equation: Equation, excitation: Excitation, rows: Integers) -> Floats:
+    """(len(rows), n_coefficients) displacement of rows of the linear model, all contacts' forces included [m]."""
+    receptance = equation.receptance
+    return receptance.excitation(excitation, rows) - receptance.apply(equation.departure.value, rows)
+
+
+def contact_states(system: NonlinearSystem, x: Floats, w: float, time_samples: int = 256) -> Integers:
+    """(n_elements,) ContactState of each friction element, group by group.
+
+    x: (n_relative, n_coefficients) [m]
+    raises: TypeError where a group's law has no stick, slip and separation
+    """
+    states = []
+    for group in system.groups:
+        if not isinstance(group.law, FrictionLaw):
+            raise TypeError(f"{type(group.law).__name__} has no contact states: choose a law with friction")
+        _, state = over_period(group, group.law.state, x[group.rows], w, system.harmonics, time_samples)
+        open_, slips = state == SEPARATED, (state == SLIP).any(axis=1)
+        label = np.where(slips, ContactState.STICK_SLIP, ContactState.STUCK)
+        label = np.where(open_.any(axis=1), ContactState.SEPARATING, label)
+        states.append(np.where(open_.all(axis=1), ContactState.NEVER_IN_CONTACT, label))
+    return np.concatenate(states)
+
+
+def force_loop(
+    system: NonlinearSystem, x: Floats, w: float, element: int, time_samples: int = 512
+) -> tuple[Floats, Floats]:
+    """Relative displacement (n_time, d) [m] and force (n_time, d) [N] of one element over a period.
+
+    element: counted through the groups
+    raises: IndexError naming how many there are
+    """
+    first = 0
+    for group in system.groups:
+        if element < first + len(group.rows):
+            i = element - first
+            motion, velocity = samples(x[group.rows[i]], w, system.harmonics, time_samples)
+            parameters = jax.tree.map(lambda p, i=i: p[i], group.parameters)
+            return np.asarray(motion), np.asarray(group.law.force(motion, velocity, parameters))
+        first += len(group.rows)
+    raise IndexError(f"element {element}: the system has {first}, numbered from 0")

@@ -1,0 +1,60 @@
+"""What a slow sweep would see of a branch: the parts it follows and the frequencies where it jumps."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """visited: (n,) places on the branch in the order of the sweep; jumps: (n_jumps,) frequencies [Hz], in that order;
+    jump_after: (n_jumps,) place in `visited` after which each jump happens"""
+
+    visited: Integers
+    jumps: Floats
+    jump_after: Integers
+
+
+def turning_points(frequency: Floats) -> Integers:
+    """Places on the branch where the frequency turns round, the ends not among them."""
+    direction = np.sign(np.diff(frequency))
+    return 1 + np.flatnonzero(direction[1:] * direction[:-1] < 0)
+
+
+def sweep(frequency: Floats, upwards: bool) -> Sweep:
+    """Follow the branch with rising (or falling) frequency; where it turns back, jump to the next part further along
+    that exists at the same frequency. Parts traversed against the sweep lie between two turning points: a sweep
+    does not see them.
+
+    frequency: (n,) [Hz] in the order of the branch, which starts and ends at opposite sides of the window
+    raises: ValueError for fewer than two points
+    """
+    if len(frequency) < 2:
+        raise ValueError(f"a sweep needs at least two points of the branch; there are {len(frequency)}")
+    order = np.arange(len(frequency))
+    if (frequency[-1] > frequency[0]) != upwards:
+        order = order[::-1]
+    along = frequency[order] if upwards else -frequency[order]
+    visited, jumps, jump_after, start = [], [], [], 0
+    while True:
+        falls = np.flatnonzero(np.diff(along[start:]) < 0)
+        end = start + int(falls[0]) if len(falls) else len(along) - 1
+        visited.extend(order[start : end + 1])
+        landing = _landing(along, end)
+        if landing is None:
+            break
+        jumps.append(frequency[order[end]])
+        jump_after.append(len(visited) - 1)
+        start = landing
+    return Sweep(np.array(visited), np.array(jumps), np.array(jump_after, dtype=np.int64))
+
+
+def _landing(along: Floats, end: int) -> int | None:
+    """First later place beyond the fold's frequency, on a part that the sweep traverses forwards."""
+    later = np.arange(end + 1, len(along))
+    beyond = later[(along[later] > along[end]) & (np.diff(along[end:]) > 0)]
+    return int(beyond[0]) if len(beyond) else None
