@@ -1,0 +1,80 @@
+"""Wall time and memory of a piece of work, child processes included."""
+
+import os
+import resource
+import sys
+import threading
+import time
+from types import TracebackType
+from typing import Self
+
+import psutil
+
+_BYTES_PER_MAXRSS = 1 if sys.platform == "darwin" else 1024
+
+
+class Meter:
+    """Context manager: seconds, interval and peak resident memory [bytes] of the work inside.
+
+    Memory is that of the process `root` (default: this one) and all below it, sampled; where this process's own
+    high-water mark rose meanwhile, the mark counts if it is larger, so that short spikes are not missed.
+    """
+
+    def __init__(self, root: int | None = None, every: float = 0.25) -> None:
+        self.root, self.every = psutil.Process(root or os.getpid()), every
+        self.started = self.ended = time.time()
+        self.peak_memory = 0.0
+        self._done = threading.Event()
+        self._mark = _high_water_mark()
+
+    def __enter__(self) -> Self:
+        self.started = time.time()
+        self._clock = time.perf_counter()
+        self._mark = _high_water_mark()
+        self._thread = threading.Thread(target=self._sample, name="memory meter", daemon=True)
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._done.set()
+        self._thread.join()
+        self.ended = self.started + self.seconds
+        if (mark := _high_water_mark()) > self._mark:
+            self.peak_memory = max(self.peak_memory, mark)
+
+    @property
+    def seconds(self) -> float:
+        """Since the start, or from start to end once it is over."""
+        if self._done.is_set() and self.ended > self.started:
+            return self.ended - self.started
+        return time.perf_counter() - self._clock
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        return self.started, self.started + self.seconds
+
+    def _sample(self) -> None:
+        while True:
+            self.peak_memory = max(self.peak_memory, _resident(self.root))
+            if self._done.wait(self.every):
+                return
+
+
+def _resident(root: psutil.Process) -> float:
+    total = 0.0
+    try:
+        family = [root, *root.children(recursive=True)]
+    except psutil.Error:
+        return total
+    for process in family:
+        try:
+            total += process.memory_info().rss
+        except psutil.Error:  # it ended meanwhile
+            continue
+    return total
+
+
+def _high_water_mark() -> float:
+    return float(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * _BYTES_PER_MAXRSS)
