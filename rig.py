@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, StringConstraints, ValidationError, model_validator
 from pydantic_core import to_json
+
 from updamp.rig_checks import buildable
 from updamp.rig_errors import RigError, explain
 from updamp.rig_fields import Quantity, Section

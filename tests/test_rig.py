@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from pydantic import ValidationError
+
 from updamp.rig import Rig, load_rig
 from updamp.rig_errors import RigError
 from updamp.rig_fields import Quantity
