@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
+
 from updamp.hbm.jacobian import factorise
 from updamp.hbm.newton import Arc, NewtonOptions, Solution, Status, evaluate, linear_solution, solve
 from updamp.hbm.system import Excitation, NonlinearSystem

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
+
 from updamp.hbm import energy, observe
 from updamp.hbm.continuation import BranchPoint, BranchStoppedError, ContinuationOptions, branch_point, continue_branch
 from updamp.hbm.response_curve import ResponseCurve
@@ -78,9 +79,9 @@ class _Records:
         self.system, self.request, self.started = system, request, started
         self.rows = np.array([system.free.row(p) for p in request.points])
         self.earlier = earlier
-        self.columns: dict[str, list[Floats | float | int]] = {name: [] for name in _COLUMNS}
+        self.columns: dict[str, list[Floats | float | int]] = {name: [] for name in COLUMNS}
         if earlier is not None:
-            for name in _COLUMNS:
+            for name in COLUMNS:
                 self.columns[name].extend(getattr(earlier, name))
 
     def add(self, point: BranchPoint) -> None:
@@ -114,7 +115,7 @@ class _Records:
         )
 
 
-_COLUMNS = (
+COLUMNS = (
     "frequency", "displacement", "response", "work_in", "friction_loss", "material_loss",
     "iterations", "error", "active",
 )  # fmt: skip

@@ -9,6 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
+
 from updamp.hbm.contact.law import ContactLaw
 from updamp.hbm.harmonics import Harmonics
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
+
 from updamp.hbm.elements import over_period
 from updamp.hbm.newton import Equation
 from updamp.hbm.system import Excitation, NonlinearSystem

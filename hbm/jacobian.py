@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
+
 from updamp.hbm.system import Departure, NonlinearSystem, Receptance
 
 Floats = NDArray[np.float64]

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
+
 from updamp.fem.reduced_model import ReducedModel
 
 Floats = NDArray[np.float64]

@@ -6,6 +6,7 @@ from enum import Enum
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
+
 from updamp.hbm.jacobian import Jacobian, factorise
 from updamp.hbm.system import Departure, Excitation, NonlinearSystem, Receptance
 

@@ -5,6 +5,7 @@ from enum import IntEnum
 import jax
 import numpy as np
 from numpy.typing import NDArray
+
 from updamp.hbm.contact.law import SEPARATED, SLIP, FrictionLaw
 from updamp.hbm.elements import over_period, samples
 from updamp.hbm.newton import Equation

@@ -4,6 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from scipy.optimize import minimize_scalar
+
 from updamp.hbm.harmonics import Harmonics
 
 Floats = NDArray[np.float64]
@@ -71,12 +74,22 @@ class ResponseCurve:
         return self.amplitude(point) / self.force
 
     def peak(self, point: str) -> tuple[float, float]:
-        """Frequency [Hz] and receptance [m/N] at the largest first harmonic, by a parabola through three points."""
-        size = np.abs(self.receptance(point))
-        i = int(np.clip(np.argmax(size), 1, len(size) - 2))
-        f, a = self.frequency[i - 1 : i + 2], size[i - 1 : i + 2]
-        c = np.polyfit(f - f[1], a, 2) if len(set(f)) == 3 else np.array([0.0, 0.0, a[1]])
-        top = -c[1] / (2 * c[0]) if c[0] < 0 else 0.0
-        if not min(f) <= f[1] + top <= max(f):
-            return float(f[1]), float(a[1])
-        return float(f[1] + top), float(np.polyval(c, top))
+        """Frequency [Hz] and receptance [m/N] at the largest first harmonic: the top of a cubic spline through the
+        points around it, over the length of the branch, so that overhanging peaks are met as well.
+        """
+        receptance = self.receptance(point)
+        size = np.abs(receptance)
+        i = int(np.argmax(size))
+        near = slice(max(i - 3, 0), i + 4)
+        f, z = self.frequency[near], receptance[near]
+        if len(f) < 4:
+            return float(self.frequency[i]), float(size[i])
+        width = max(float(np.ptp(f)), np.finfo(float).tiny)
+        length = np.concatenate([[0.0], np.cumsum(np.hypot(np.abs(np.diff(z)) / size[i], np.diff(f) / width))])
+        spline = CubicSpline(length, np.column_stack([f, size[near]]))
+        at = minimize_scalar(
+            lambda t: -spline(t)[1],
+            bounds=(length[max(i - near.start - 1, 0)], length[min(i - near.start + 1, len(f) - 1)]),
+        ).x
+        frequency, top = spline(at)
+        return (float(frequency), float(top)) if top >= size[i] else (float(self.frequency[i]), float(size[i]))

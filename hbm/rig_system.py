@@ -2,6 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
+
 from updamp.fem.contact_rest import StaticContact
 from updamp.fem.reduced_model import ReducedModel
 from updamp.hbm.contact.friction import FrictionParameters

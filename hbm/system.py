@@ -13,6 +13,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+
 from updamp.hbm.elements import ElementGroup, element_forces, force_only
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.linear_model import LinearModel, add_springs

@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
+
 from updamp.hbm.contact import friction
 from updamp.hbm.contact.friction import FrictionParameters
 

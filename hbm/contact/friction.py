@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
+
 from updamp.hbm.contact.history import last_cycle
 from updamp.hbm.contact.law import SEPARATED, SLIP, STICK
 

@@ -5,6 +5,7 @@ from typing import ClassVar, NamedTuple
 
 import jax
 import jax.numpy as jnp
+
 from updamp.hbm.contact.history import last_cycle
 
 

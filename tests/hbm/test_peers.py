@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from support.peers import blades_and_damper_system, friction, one_degree_of_freedom, solved
+
 from updamp.hbm.contact.coulomb_circle import CoulombCircle
 from updamp.hbm.contact.jenkins import Jenkins, JenkinsParameters
 from updamp.hbm.contact.jenkins_box import JenkinsBox

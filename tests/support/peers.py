@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.contact.law import ContactLaw
 from updamp.hbm.elements import ElementGroup
