@@ -20,10 +20,12 @@ class UniformPressure(Section):
 
 
 class TwoAreaPressure(Section):
-    """A central strip of the face, along the damper, carries its own share of the load; each area is uniform.
+    """A strip in the middle of the damper's length, over the whole slope, carries its own share of the load.
 
-    central_share: share of the load on the central area; 0.8 is the paper's 80/20
-    central_fraction: the central area's part of the face's length
+    The pressure is uniform in the strip and uniform outside it.
+
+    central_share: share of the load in the strip; 0.8 is the paper's 80/20
+    central_fraction: the strip's part of the damper's length
     """
 
     model: Literal["two_area"]
