@@ -3,6 +3,7 @@
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,7 +80,7 @@ class _Records:
         self.system, self.request, self.started = system, request, started
         self.rows = np.array([system.free.row(p) for p in request.points])
         self.earlier = earlier
-        self.columns: dict[str, list[Floats | float | int]] = {name: [] for name in COLUMNS}
+        self.columns: dict[str, list[Any]] = {name: [] for name in COLUMNS}
         if earlier is not None:
             for name in COLUMNS:
                 self.columns[name].extend(getattr(earlier, name))
@@ -89,7 +90,7 @@ class _Records:
         rows = np.append(self.rows, excitation.row)
         response = observe.response(equation, excitation, rows)
         assert point.solution.jacobian is not None, "a converged solution carries its Jacobian"
-        entry = {
+        entry: dict[str, Any] = {
             "frequency": point.frequency,
             "displacement": point.x,
             "response": response[:-1],

@@ -80,7 +80,7 @@ def over_period(
 
 def samples(coefficients: jax.Array, w: Any, harmonics: Harmonics, n_time: int) -> tuple[jax.Array, jax.Array]:
     """(..., directions, n_coefficients) -> displacement and velocity, each (..., n_time, directions)."""
-    displacement = jnp.einsum("tc,...dc->...td", harmonics.synthesis(n_time), coefficients)
+    displacement: jax.Array = jnp.einsum("tc,...dc->...td", harmonics.synthesis(n_time), coefficients)
     velocity = w * jnp.einsum("tc,...dc->...td", harmonics.synthesis_rate(n_time), coefficients)
     return displacement, velocity
 
@@ -90,7 +90,7 @@ def _one_element(law: ContactLaw, harmonics: Harmonics, n_time: int) -> Callable
 
     def force(coefficients: jax.Array, w: jax.Array, parameters: Any) -> jax.Array:
         displacement, velocity = samples(coefficients, w, harmonics, n_time)
-        return (analysis @ law.force(displacement, velocity, parameters)).T
+        return jnp.matmul(analysis, law.force(displacement, velocity, parameters)).T
 
     return force
 

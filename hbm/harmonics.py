@@ -4,6 +4,7 @@ x(t) = X0 + sum_k Xc_k cos(k w t) + Xs_k sin(k w t), coefficients ordered [0, c1
 axis, for the harmonics in use only; complex amplitude X_k = Xc_k - i Xs_k.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -70,7 +71,7 @@ class Harmonics:
             transform[0] /= 2
         return transform
 
-    def _basis(self, n_time: int, cos_and_sin) -> Floats:  # type: ignore[no-untyped-def]
+    def _basis(self, n_time: int, cos_and_sin: Callable[[int, Floats], tuple[Floats, Floats]]) -> Floats:
         phase = self.phase(n_time)
         basis = np.zeros((n_time, self.n_coefficients))
         for k, place in self.slices.items():
@@ -81,7 +82,8 @@ class Harmonics:
     def amplitude(self, coefficients: Floats, k: int) -> Complex:
         """Complex amplitude X_k = Xc_k - i Xs_k; (..., n_coefficients) -> (...)."""
         part = coefficients[..., self.slices[k]]
-        return part[..., 0] + 0j if k == 0 else part[..., 0] - 1j * part[..., 1]
+        cosine = part[..., 0].astype(np.complex128)
+        return cosine if k == 0 else cosine - 1j * part[..., 1]
 
     def set_amplitude(self, coefficients: Floats, k: int, amplitude: Complex) -> None:
         """Write X_k into `coefficients` in place; the imaginary part of harmonic 0 is not representable."""

@@ -62,7 +62,7 @@ class LinearModel:
         self, w: float, rows: Floats | slice = slice(None), columns: Floats | slice = slice(None)
     ) -> Complex:
         """H(w) [m/N] between the rows (and columns) chosen"""
-        modal = np.linalg.solve(self.modal_dynamic_stiffness(w), self.phi[columns].T)
+        modal = scipy.linalg.solve(self.modal_dynamic_stiffness(w), self.phi[columns].T)
         return self.phi[rows] @ modal + self.residual[rows][:, columns]
 
 

@@ -1,5 +1,6 @@
 """From the reduced model, the rest state and the rig to the coupled problem."""
 
+import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,12 +25,12 @@ def rig_system(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> Nonlinea
     contact, balance = rig.contact, rig.harmonic_balance
     area, n = reduced.contacts.area, len(reduced.contacts)
     parameters = FrictionParameters(
-        mu=np.full(n, contact.friction_coefficient),
-        kt=contact.tangential_stiffness * area,
-        kn=contact.normal_stiffness * area,
-        n0=rest.normal_force,
-        t0=np.zeros((n, 2)),
-        gap=rest.gap,
+        mu=jnp.full(n, contact.friction_coefficient),
+        kt=jnp.asarray(contact.tangential_stiffness * area),
+        kn=jnp.asarray(contact.normal_stiffness * area),
+        n0=jnp.asarray(rest.normal_force),
+        t0=jnp.zeros((n, 2)),
+        gap=jnp.asarray(rest.gap),
     )
     group = ElementGroup(CONTACT_LAWS[contact.law](balance.cycles), parameters, np.arange(3 * n).reshape(n, 3))
     linear = add_wires(from_reduced(reduced, rig.material.loss_factor), rig)

@@ -39,7 +39,10 @@ def sweep(frequency: Floats, upwards: bool) -> Sweep:
     if (frequency[-1] > frequency[0]) != upwards:
         order = order[::-1]
     along = frequency[order] if upwards else -frequency[order]
-    visited, jumps, jump_after, start = [], [], [], 0
+    visited: list[int] = []
+    jumps: list[float] = []
+    jump_after: list[int] = []
+    start = 0
     while True:
         falls = np.flatnonzero(np.diff(along[start:]) < 0)
         end = start + int(falls[0]) if len(falls) else len(along) - 1

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy.linalg
 from numpy.typing import NDArray
 
 from updamp.hbm.elements import ElementGroup, element_forces, force_only
@@ -129,7 +130,7 @@ class Receptance:
     @cached_property
     def modal(self) -> Mapping[int, Complex]:
         stuck = self.system.stuck
-        return {k: np.linalg.inv(stuck.modal_dynamic_stiffness(k * self.w)) for k in self.system.harmonics.orders}
+        return {k: scipy.linalg.inv(stuck.modal_dynamic_stiffness(k * self.w)) for k in self.system.harmonics.orders}
 
     @cached_property
     def modal_rate(self) -> Mapping[int, Complex]:

@@ -18,6 +18,10 @@ class ContactLaw(Protocol):
     rate_dependent: whether `force` uses the velocity
     """
 
+    def __hash__(self) -> int:
+        """Laws are immutable; compiled functions are kept by law."""
+        ...
+
     @property
     def parameters(self) -> type: ...
 

@@ -1,0 +1,129 @@
+"""Three ways to solve y + T G y = b, the equations of the elements that depart from stuck."""
+
+from functools import cached_property
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+from scipy.sparse.linalg import LinearOperator, gmres
+
+from updamp.hbm.system import Departure, Receptance
+from updamp.hbm.tangent import apply_tangent, real_form
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+class DirectForces:
+    """The matrix I + T_S: G_:S on the active rows S, formed and factorised."""
+
+    def __init__(self, receptance: Receptance, departure: Departure, rows: Integers) -> None:
+        self._rows = rows
+        matrix = _active_matrix(receptance, departure, rows)
+        self._factors = scipy.linalg.lu_factor(matrix, overwrite_a=True, check_finite=False)
+
+    def __call__(self, b: Floats) -> Floats:
+        y = np.zeros_like(b)
+        active = b[self._rows]
+        y[self._rows] = scipy.linalg.lu_solve(self._factors, active.ravel(), check_finite=False).reshape(active.shape)
+        return y
+
+
+class KrylovForces:
+    """GMRES with the operator applied through modes and residual.
+
+    No preconditioner is needed: the reference springs are one already. With contact stiffness K and flexibility R the
+    eigenvalues of G K lie at l / (1 + l), l those of R K, so those of I + T G lie between 1 / (1 + max l) and about 1,
+    but for a few of resonant modes. Where it does not converge the equations are solved directly.
+
+    tolerance: of the residual, relative to b; Newton's convergence becomes linear with this factor
+    """
+
+    def __init__(
+        self, receptance: Receptance, departure: Departure, rows: Integers, tolerance: float = 1e-5, restart: int = 120
+    ) -> None:
+        self._receptance, self._departure, self._rows = receptance, departure, rows
+        self._tolerance, self._restart = tolerance, restart
+        self.iterations = 0
+
+    def __call__(self, b: Floats) -> Floats:
+        def count(_: float) -> None:
+            self.iterations += 1
+
+        operator = LinearOperator((b.size, b.size), matvec=lambda v: self._matvec(v.reshape(b.shape)).ravel())
+        y, failed = gmres(
+            operator, b.ravel(), rtol=self._tolerance, atol=0.0, restart=self._restart, maxiter=1, callback=count,
+            callback_type="pr_norm",
+        )  # fmt: skip
+        return self._direct(b) if failed else y.reshape(b.shape)
+
+    def _matvec(self, y: Floats) -> Floats:
+        return y + apply_tangent(self._receptance.system, self._departure, self._receptance.apply(y))
+
+    @cached_property
+    def _direct(self) -> DirectForces:
+        return DirectForces(self._receptance, self._departure, self._rows)
+
+
+class ModalForces:
+    """Without residual flexibility G = phi D^-1 phi^T, and y = b - T phi (D + phi^T T phi)^-1 phi^T b."""
+
+    def __init__(self, receptance: Receptance, departure: Departure) -> None:
+        self._receptance, self._departure = receptance, departure
+        self._factors = scipy.linalg.lu_factor(self._matrix(), overwrite_a=True, check_finite=False)
+
+    def __call__(self, b: Floats) -> Floats:
+        phi = self._phi
+        modal = scipy.linalg.lu_solve(self._factors, (phi.T @ b).ravel(), check_finite=False)
+        motion = phi @ modal.reshape(phi.shape[1], -1)
+        return b - apply_tangent(self._receptance.system, self._departure, motion)
+
+    @property
+    def _phi(self) -> Floats:
+        stuck = self._receptance.system.stuck
+        return stuck.phi[: stuck.n_relative]
+
+    def _matrix(self) -> Floats:
+        system, phi = self._receptance.system, self._phi
+        m, c = phi.shape[1], system.harmonics.n_coefficients
+        matrix = np.zeros((m, c, m, c))
+        for group, tangent in zip(system.groups, self._departure.tangents, strict=True):
+            local = phi[group.rows]  # (n, d, m)
+            n, d = local.shape[:2]
+            half = tangent.reshape(n, d * c * d, c).transpose(0, 2, 1).reshape(n, c * d * c, d) @ local
+            # half: (n, [b, d, a], m) with T[n, d, a, e, b] contracted over e
+            half = half.reshape(n, c, d, c, m).transpose(3, 1, 4, 0, 2).reshape(c * c * m, n * d)
+            matrix += (half @ local.reshape(n * d, m)).reshape(c, c, m, m).transpose(3, 0, 2, 1)
+        for k, part in system.harmonics.slices.items():
+            stiffness = system.stuck.modal_dynamic_stiffness(k * self._receptance.w)
+            matrix[:, part, :, part] += real_form(stiffness, k)
+        return matrix.reshape(m * c, m * c)
+
+
+def _active_matrix(receptance: Receptance, departure: Departure, rows: Integers) -> Floats:
+    """I + T_S: G_:S, ordered (row, coefficient)."""
+    system = receptance.system
+    n_coefficients, n_active = system.harmonics.n_coefficients, len(rows)
+    matrix = np.zeros((n_active, n_coefficients, n_active, n_coefficients))
+    place = np.full(system.free.n_relative, -1)
+    place[rows] = np.arange(n_active)
+    for group, tangent in zip(system.groups, departure.tangents, strict=True):
+        chosen = np.flatnonzero((place[group.rows] >= 0).any(axis=1))
+        element_rows = group.rows[chosen]
+        for k, part in system.harmonics.slices.items():
+            product = _tangent_times_receptance(receptance, tangent[chosen][..., part], k, element_rows, rows)
+            wanted = place[element_rows] >= 0
+            matrix[place[element_rows][wanted], :, :, part] = product[wanted]
+    square = matrix.reshape(n_active * n_coefficients, -1)
+    square[np.diag_indices_from(square)] += 1
+    return square
+
+
+def _tangent_times_receptance(
+    receptance: Receptance, tangent: Floats, k: int, element_rows: Integers, columns: Integers
+) -> Floats:
+    """T G_k: tangent (n, d, n_coefficients, d, width of k) -> (n, d, n_coefficients, n_columns, width of k)."""
+    n, d, c, _, width = tangent.shape
+    G = real_form(receptance.block(k, element_rows.ravel(), columns), k)  # (n d, width, n_columns, width)
+    product = tangent.reshape(n, d * c, d * width) @ G.reshape(n, d * width, -1)
+    return product.reshape(n, d, c, len(columns), width)
