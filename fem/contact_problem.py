@@ -17,7 +17,8 @@ class ContactStatus(Enum):
     CONVERGED = "converged: every contact keeps its conditions"
     CYCLING = (
         "no set of open, stuck and slipping contacts was found that keeps all conditions within the iterations "
-        "allowed; try more load steps, a smaller friction coefficient, or more iterations"
+        "allowed; check that the contacts can carry the load at all, then try more load steps, a smaller friction "
+        "coefficient, or more iterations"
     )
     NO_EQUILIBRIUM = (
         "the contacts cannot carry the load: a rigid-body motion is left that pulls the faces apart or that friction "
@@ -94,17 +95,24 @@ class ContactSolution:
 
 @dataclass(frozen=True)
 class ContactOptions:
-    """max_iterations: of the active set, a load step; tolerance: relative, of signs and of equilibrium;
-    block_trials: iterations that may fail to lower the number of violations before single pivots are made."""
+    """How long the active set is sought.
+
+    max_iterations: of a symmetric problem (no friction, or given friction limits), a load step
+    direct_iterations: of Coulomb's problem itself, from one starting set
+    friction_cycles: updates of the friction limits, a load step
+    tolerance: relative, of signs and of equilibrium
+    block_trials: iterations that may fail to lower the number of violations before single pivots are made
+    """
 
     max_iterations: int = 2000
+    direct_iterations: int = 40
+    friction_cycles: int = 100
     tolerance: float = 1e-11
     block_trials: int = 10
 
     def __post_init__(self) -> None:
-        if self.max_iterations < 1:
-            raise ValueError(f"max_iterations is {self.max_iterations}; it must be at least 1")
+        for name in ("max_iterations", "direct_iterations", "friction_cycles", "block_trials"):
+            if getattr(self, name) < 1:
+                raise ValueError(f"{name} is {getattr(self, name)}; it must be at least 1")
         if not 0 < self.tolerance < 1e-3:
             raise ValueError(f"tolerance is {self.tolerance}; it must be between 0 and 1e-3")
-        if self.block_trials < 1:
-            raise ValueError(f"block_trials is {self.block_trials}; it must be at least 1")

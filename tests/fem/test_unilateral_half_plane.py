@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from updamp.fem.contact_problem import ContactProblem, ContactState, ContactStatus
 from updamp.fem.unilateral_contact import solve_unilateral_contact
 

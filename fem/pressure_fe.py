@@ -1,0 +1,101 @@
+"""Pressure from unilateral contact, with or without friction, on the compliance of blades and damper."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.fem.contact_face import FaceCoordinates, rest_state
+from updamp.fem.contact_problem import ContactOptions, ContactProblem, ContactSolution, ContactStatus
+from updamp.fem.contact_rest import StaticContact
+from updamp.fem.reduced_model import ReducedComponent, ReducedModel
+from updamp.fem.surface_profile import initial_gap
+from updamp.fem.unilateral_contact import solve_unilateral_contact
+from updamp.rig import Rig
+from updamp.rig_pressure import FePressure
+
+Floats = NDArray[np.float64]
+
+LOAD_STEPS = 20  # with friction and a gap; without a gap all is proportional to the load, and one step is exact
+WIRES = ("wire_back.y", "wire_front.y")
+
+
+class StaticContactError(RuntimeError):
+    """The static contact problem has no solution, or none was found; the message says what to try."""
+
+
+def finite_element(reduced: ReducedModel, rig: Rig, options: ContactOptions | None = None) -> StaticContact:
+    """Rest state of the damper pulled up against both platforms.
+
+    The pull acts half on each end of the damper, vertically; the wires' own stiffness is left out, as they carry
+    the pull whatever they stretch. Faces are in rigid unilateral contact (no layer of contact stiffness: the only
+    compliance is that of the bodies, modes and residual). Without friction nothing holds the damper along z;
+    it then keeps its place there (least rigid motion).
+
+    raises: StaticContactError if the contact problem is not solved
+    """
+    model = rig.contact.pressure
+    assert isinstance(model, FePressure)
+    friction = rig.contact.friction_coefficient if model.friction else 0.0
+    gap = initial_gap(FaceCoordinates.of(reduced.contacts), model.profile)
+    problem, load, free = wedge_problem(reduced, gap, friction, rig.load.pull)
+    steps = LOAD_STEPS if friction > 0 and np.any(gap > 0) else 1
+    solution = solve_along(problem, load, free, steps, options or ContactOptions())
+    state = solution.value[-1]
+    return rest_state(
+        model.model, reduced.contacts, np.maximum(state.force[:, 2], 0.0), state.force[:, :2],
+        np.maximum(state.opening, 0.0), rig.load.pull,
+    )  # fmt: skip
+
+
+def solve_along(
+    problem: ContactProblem, load: Floats, free: Floats, steps: int, options: ContactOptions
+) -> ContactSolution:
+    """Proportional loading in equal steps. raises: StaticContactError unless every step converges."""
+    parts = np.arange(1, steps + 1)[:, None] / steps
+    solution = solve_unilateral_contact(problem, parts * load, parts * free, options)
+    if solution.status is not ContactStatus.CONVERGED:
+        reached = len(solution.value)
+        raise StaticContactError(
+            f"static contact, load step {reached + 1} of {steps} after {solution.iterations[-1]} iterations "
+            f"(largest violation {solution.residuals[-1]:.1e}): {solution.status.value}"
+        )
+    return solution
+
+
+def wedge_problem(
+    reduced: ReducedModel, gap: Floats, friction: float, pull: float
+) -> tuple[ContactProblem, Floats, Floats]:
+    """The contact problem, the pull on the damper's rigid-body modes, and the displacement by the pull alone.
+
+    gap: (n,) [m]; pull: [N]
+    raises: StaticContactError if a blade floats or the damper has no six rigid-body modes
+    """
+    n = len(reduced.contacts)
+    flexibility = np.zeros((3 * n, 3 * n))
+    for component, rows in zip(reduced.components, reduced.contact_rows(), strict=True):
+        flexibility[np.ix_(rows, rows)] += static_flexibility(component)[: len(rows), : len(rows)]
+    damper = reduced.damper
+    _check_rigid_modes(reduced)
+    rigid = damper.phi[:, damper.omega == 0]
+    external = np.zeros(len(damper.residual))
+    for name in WIRES:
+        external[damper.n_contact_dofs + damper.points.index(name)] = pull / len(WIRES)
+    free = (static_flexibility(damper) @ external)[: 3 * n]
+    problem = ContactProblem((flexibility + flexibility.T) / 2, rigid[: 3 * n], gap, np.full(n, friction))
+    return problem, rigid.T @ external, free
+
+
+def static_flexibility(component: ReducedComponent) -> Floats:
+    """(n_interface, n_interface) [m/N] of the elastic modes and the residual; rigid-body modes are left out."""
+    elastic = component.omega > 0
+    scaled = component.phi[:, elastic] / component.omega[elastic]
+    return scaled @ scaled.T + component.residual
+
+
+def _check_rigid_modes(reduced: ReducedModel) -> None:
+    for component, wanted in zip(reduced.components, (0, 0, 6), strict=True):
+        found = int(np.sum(component.omega == 0))
+        if found != wanted:
+            raise StaticContactError(
+                f"{component.name} has {found} modes with a frequency of exactly 0, where {wanted} are expected; "
+                f"the blades are clamped and the damper floats: check the reduction"
+            )
