@@ -1,0 +1,87 @@
+"""Maps over the damper's two contact faces, patch by patch: pressure and contact states."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
+
+from updamp.fem.contact_rest import StaticContact
+from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements
+from updamp.pictures.style import BLUE, INK, LIGHT_GREY, SEQUENTIAL, VERMILLION, YELLOW, figure
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+SIDES = {LEFT: "left face", RIGHT: "right face"}
+# In the order of hbm.observe.ContactState.
+STATES = {"stuck": BLUE, "stick-slip": YELLOW, "separating": VERMILLION, "never in contact": LIGHT_GREY}
+
+
+def unrolled(contacts: ContactElements, side: int) -> Floats:
+    """(n_side, 3, 2) corners of one face's patches: (place along the damper, height up the slope from its edge) [mm]"""
+    on = contacts.face == side
+    up = np.einsum("ecx,ex->ec", contacts.triangle[on], contacts.tangent1[on])
+    along = np.einsum("ecx,ex->ec", contacts.triangle[on], contacts.tangent2[on])
+    return 1e3 * np.stack([along, up - up.min()], axis=-1)
+
+
+def pressure(path: Path, contacts: ContactElements, rest: StaticContact) -> None:
+    """Pressure at rest on both faces [MPa]."""
+    value = rest.normal_force / contacts.area / 1e6
+    limits = (0.0, 1.05 * float(value.max()))
+    with figure(path, 9.0, 3.1) as drawing:
+        axes = drawing.subplots(2, 1, sharex=True)
+        for ax, side in zip(axes, SIDES, strict=True):
+            patches = _patches(ax, contacts, side)
+            patches.set(array=value[contacts.face == side], cmap=SEQUENTIAL, clim=limits)
+        axes[0].set_title(f"Pressure at rest, model “{rest.model}”, pull {rest.applied:.4g} N")
+        axes[1].set_xlabel("along the damper z [mm]")
+        drawing.colorbar(patches, ax=axes, label="pressure [MPa]", shrink=0.9)
+
+
+def contact_states(path: Path, contacts: ContactElements, mode: str, states: Mapping[float, Integers]) -> None:
+    """State of every patch over a period at the peak, one row a force level.
+
+    states: force [N] -> (n_contacts,) ContactState
+    """
+    colours = ListedColormap(list(STATES.values()))
+    norm = BoundaryNorm(np.arange(len(STATES) + 1) - 0.5, len(STATES))
+    with figure(path, 11.0, 1.3 + 1.05 * len(states)) as drawing:
+        axes = drawing.subplots(len(states), 2, sharex=True, sharey=True, squeeze=False)
+        for row, (force, state) in zip(axes, sorted(states.items()), strict=True):
+            for ax, side in zip(row, SIDES, strict=True):
+                _patches(ax, contacts, side).set(array=state[contacts.face == side], cmap=colours, norm=norm)
+                share = _share(contacts, side, state == 0)
+                ax.set_title(f"{force:g} N, {SIDES[side]}: {share:.0f} % of the area stuck", fontsize=9)
+                ax.set_ylabel("")
+            row[0].set_ylabel("slope [mm]")
+        for ax in axes[-1]:
+            ax.set_xlabel("along the damper z [mm]")
+        drawing.suptitle(f"{mode}: contact states over a period at the peak", fontweight="bold", x=0.01, ha="left")
+        handles = [Patch(facecolor=colour, edgecolor=INK, linewidth=0.4, label=name) for name, colour in STATES.items()]
+        drawing.legend(handles=handles, loc="outside lower center", ncols=len(STATES))
+
+
+def _patches(ax: Axes, contacts: ContactElements, side: int) -> PolyCollection:
+    corners = unrolled(contacts, side)
+    patches = PolyCollection(list(corners), edgecolors="white", linewidths=0.6)
+    ax.add_collection(patches)
+    ax.set(
+        aspect="equal",
+        xlim=(corners[..., 0].min(), corners[..., 0].max()),
+        ylim=(0.0, corners[..., 1].max()),
+        ylabel=f"{SIDES[side]}\nup the slope [mm]",
+    )
+    ax.grid(visible=False)
+    return patches
+
+
+def _share(contacts: ContactElements, side: int, chosen: NDArray[np.bool_]) -> float:
+    """[%] of the face's area"""
+    on = contacts.face == side
+    return float(100 * contacts.area[on & chosen].sum() / contacts.area[on].sum())

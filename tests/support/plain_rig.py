@@ -1,0 +1,64 @@
+"""A reduced model of the rig's geometry with the fewest modes that can vibrate: two blades that bend, a rigid damper.
+
+For tests of what comes after the finite elements, without running them. Masses and frequencies are of the right size.
+"""
+
+import numpy as np
+from updamp.fem.reduced_model import ReducedComponent, ReducedModel
+from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements
+from updamp.rig import Rig
+
+LOCAL_FLEXIBILITY = 2e-10  # m/N, of each contact degree of freedom
+BLADE_MODES = ((269.0, 0), (1500.0, 2), (4000.0, 1))  # Hz, direction
+
+
+def plain_reduced_model(rig: Rig, contacts: ContactElements) -> ReducedModel:
+    return ReducedModel(
+        _blade("blade_left", rig, contacts, LEFT), _blade("blade_right", rig, contacts, RIGHT),
+        _damper(rig, contacts), contacts, 1e-12,
+    )  # fmt: skip
+
+
+def _blade(name: str, rig: Rig, contacts: ContactElements, side: int) -> ReducedComponent:
+    """Clamped beam: displacement grows with the square of the height (bending) or with the height (axial)."""
+    on = contacts.face == side
+    height = rig.blade.height
+    points = ("excitation.x", "tip.x", "platform.x", "platform.y")
+    heights = (rig.excitation.height, rig.response_height, rig.edge_height, rig.edge_height)
+    mass = rig.material.density * height * rig.blade.width * rig.blade.thickness / 4
+    phi = np.zeros((3 * on.sum() + len(points), len(BLADE_MODES)))
+    for mode, (_, direction) in enumerate(BLADE_MODES):
+        grow = (contacts.centroid[on, 1] / height) ** 2
+        phi[: 3 * on.sum(), mode] = (grow[:, None] * contacts.axes[on][:, :, direction]).ravel()
+        for i, (point, y) in enumerate(zip(points, heights, strict=True)):
+            if "xyz".index(point[-1]) == direction:
+                phi[3 * on.sum() + i, mode] = (y / height) ** 2
+    omega = 2 * np.pi * np.array([frequency for frequency, _ in BLADE_MODES])
+    return ReducedComponent(name, omega, phi / np.sqrt(mass), LOCAL_FLEXIBILITY * np.eye(len(phi)), points)
+
+
+def _damper(rig: Rig, contacts: ContactElements) -> ReducedComponent:
+    half_width, bottom = rig.face_bottom
+    low = bottom - rig.damper.base_height
+    back, front = np.array([0.0, bottom, -rig.blade.width / 2]), np.array([0.0, bottom, rig.blade.width / 2])
+    names = [(f"corner_{side}", np.array([x, low, 0.0])) for side, x in (("left", -half_width), ("right", half_width))]
+    rows, points = [], []
+    for point, place in names:
+        for axis in "xy":
+            points.append(f"{point}.{axis}")
+            rows.append(_rigid(place, bottom)["xyz".index(axis)])
+    for end, place in (("back", back), ("front", front)):
+        for axis in "xyz":
+            points.append(f"wire_{end}.{axis}")
+            rows.append(_rigid(place, bottom)["xyz".index(axis)])
+    local = np.concatenate([axes @ _rigid(c, bottom) for axes, c in zip(contacts.axes, contacts.centroid, strict=True)])
+    mass = rig.material.density * 1.2e-4 * rig.blade.width
+    inertia = mass * np.array([rig.blade.width**2, rig.blade.width**2, (2 * half_width) ** 2]) / 12
+    phi = np.vstack([local, rows]) / np.sqrt([mass, mass, mass, *inertia])
+    return ReducedComponent("damper", np.zeros(6), phi, LOCAL_FLEXIBILITY * np.eye(len(phi)), tuple(points))
+
+
+def _rigid(place: np.ndarray, height: float) -> np.ndarray:
+    """(3, 6): displacement of a place under translations and rotations about (0, height, 0)."""
+    x, y, z = place - np.array([0.0, height, 0.0])
+    return np.hstack([np.eye(3), np.array([[0, z, -y], [-z, 0, x], [y, -x, 0]])])
