@@ -1,5 +1,7 @@
 """Pressure from unilateral contact, with or without friction, on the compliance of blades and damper."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,20 +17,53 @@ from updamp.rig_pressure import FePressure
 Floats = NDArray[np.float64]
 
 LOAD_STEPS = 20  # with friction and a gap; without a gap all is proportional to the load, and one step is exact
-WIRES = ("wire_back.y", "wire_front.y")
+ENDS = ("back", "front")
+WIRES = tuple(f"wire_{end}.y" for end in ENDS)
+
+Pull = Callable[[ReducedComponent, float], tuple[Floats, Floats]]
 
 
 class StaticContactError(RuntimeError):
     """The static contact problem has no solution, or none was found; the message says what to try."""
 
 
-def finite_element(reduced: ReducedModel, rig: Rig, options: ContactOptions | None = None) -> StaticContact:
+def pull_on_ends(damper: ReducedComponent, pull: float) -> tuple[Floats, Floats]:
+    """The wires' pull [N], vertical, half spread over each end face. The wires' own stiffness plays no part: they carry
+    the pull whatever they stretch.
+
+    returns: load on the rigid-body modes, and the elastic displacement (n_contact_dofs,) [m] that it gives by itself
+    """
+    external = np.zeros(len(damper.residual))
+    for name in WIRES:
+        external[damper.n_contact_dofs + damper.points.index(name)] = pull / len(WIRES)
+    free = static_flexibility(damper) @ external
+    return damper.phi[:, damper.omega == 0].T @ external, free[: damper.n_contact_dofs]
+
+
+def pull_on_mass(damper: ReducedComponent, pull: float) -> tuple[Floats, Floats]:
+    """The pull [N] as a body force along y, as the centrifugal load of an engine acts.
+
+    A uniform acceleration loads the rigid-body modes alone, for elastic modes are mass-orthogonal to them; the
+    wires' points only tell which of their combinations is the motion along y (that moves both ends alike, and in y).
+    """
+    rigid = damper.phi[:, damper.omega == 0]
+    ends = [damper.n_contact_dofs + damper.points.index(f"wire_{end}.{axis}") for end in ENDS for axis in "xyz"]
+    sides = [damper.n_contact_dofs + damper.points.index(f"corner_{side}.y") for side in ("left", "right")]
+    along_y = np.tile([0.0, 1.0, 0.0], len(ENDS))
+    motion = np.linalg.lstsq(rigid[ends + sides], np.concatenate([along_y, np.ones(2)]), rcond=None)[0]
+    # Mass-normalised modes: the load a M e_y of total force `pull` has these modal amplitudes times the acceleration.
+    return motion * pull / (motion @ motion), np.zeros(damper.n_contact_dofs)
+
+
+def finite_element(
+    reduced: ReducedModel, rig: Rig, options: ContactOptions | None = None, pull_on: Pull = pull_on_ends
+) -> StaticContact:
     """Rest state of the damper pulled up against both platforms.
 
-    The pull acts half on each end of the damper, vertically; the wires' own stiffness is left out, as they carry
-    the pull whatever they stretch. Faces are in rigid unilateral contact (no layer of contact stiffness: the only
-    compliance is that of the bodies, modes and residual). Without friction nothing holds the damper along z;
-    it then keeps its place there (least rigid motion).
+    Where the pull acts matters: on the ends it bends a slender damper, which then bears near its ends.
+    Faces are in rigid unilateral contact (no layer of contact stiffness: the only compliance is that of the bodies,
+    modes and residual). Without friction nothing holds the damper along z; it then keeps its place there (least
+    rigid motion).
 
     raises: StaticContactError if the contact problem is not solved
     """
@@ -36,7 +71,8 @@ def finite_element(reduced: ReducedModel, rig: Rig, options: ContactOptions | No
     assert isinstance(model, FePressure)
     friction = rig.contact.friction_coefficient if model.friction else 0.0
     gap = initial_gap(FaceCoordinates.of(reduced.contacts), model.profile)
-    problem, load, free = wedge_problem(reduced, gap, friction, rig.load.pull)
+    problem = wedge_problem(reduced, gap, friction)
+    load, free = pull_on(reduced.damper, rig.load.pull)
     steps = LOAD_STEPS if friction > 0 and np.any(gap > 0) else 1
     solution = solve_along(problem, load, free, steps, options or ContactOptions())
     state = solution.value[-1]
@@ -61,27 +97,18 @@ def solve_along(
     return solution
 
 
-def wedge_problem(
-    reduced: ReducedModel, gap: Floats, friction: float, pull: float
-) -> tuple[ContactProblem, Floats, Floats]:
-    """The contact problem, the pull on the damper's rigid-body modes, and the displacement by the pull alone.
+def wedge_problem(reduced: ReducedModel, gap: Floats, friction: float) -> ContactProblem:
+    """The contact problem of the floating damper between both blades. gap: (n,) [m]
 
-    gap: (n,) [m]; pull: [N]
     raises: StaticContactError if a blade floats or the damper has no six rigid-body modes
     """
+    _check_rigid_modes(reduced)
     n = len(reduced.contacts)
     flexibility = np.zeros((3 * n, 3 * n))
     for component, rows in zip(reduced.components, reduced.contact_rows(), strict=True):
         flexibility[np.ix_(rows, rows)] += static_flexibility(component)[: len(rows), : len(rows)]
-    damper = reduced.damper
-    _check_rigid_modes(reduced)
-    rigid = damper.phi[:, damper.omega == 0]
-    external = np.zeros(len(damper.residual))
-    for name in WIRES:
-        external[damper.n_contact_dofs + damper.points.index(name)] = pull / len(WIRES)
-    free = (static_flexibility(damper) @ external)[: 3 * n]
-    problem = ContactProblem((flexibility + flexibility.T) / 2, rigid[: 3 * n], gap, np.full(n, friction))
-    return problem, rigid.T @ external, free
+    rigid = reduced.damper.phi[: 3 * n, reduced.damper.omega == 0]
+    return ContactProblem((flexibility + flexibility.T) / 2, rigid, gap, np.full(n, friction))
 
 
 def static_flexibility(component: ReducedComponent) -> Floats:
