@@ -28,6 +28,7 @@ class LinearModel:
     hysteretic: (m, m) [rad^2/s^2]; viscous: (m, m) [rad/s]
     n_relative: rows that are relative displacements
     points: names of the rows that follow them
+    basis: (m, m) these modes in those of the model that springs were added to (add_springs); None where none were
     """
 
     omega_squared: Floats
@@ -37,6 +38,7 @@ class LinearModel:
     viscous: Floats
     n_relative: int
     points: tuple[str, ...]
+    basis: Floats | None = None
 
     @property
     def n_rows(self) -> int:
@@ -86,7 +88,13 @@ def add_springs(model: LinearModel, directions: Floats, stiffness: Floats) -> Li
         residual=(residual + residual.T) / 2,
         hysteretic=X.T @ model.hysteretic @ X,
         viscous=X.T @ model.viscous @ X,
+        basis=X,
     )
+
+
+def stuck_on(model: LinearModel, stiffness: Floats) -> LinearModel:
+    """The model with every relative displacement on a spring: (n_relative,) [N/m]."""
+    return add_springs(model, np.eye(model.n_rows, model.n_relative), stiffness)
 
 
 def from_reduced(reduced: ReducedModel, loss_factor: float) -> LinearModel:

@@ -1,0 +1,83 @@
+"""What is held while a parameter changes: the frequency, the place along the branch, or the phase of a response."""
+
+from dataclasses import dataclass
+from typing import ClassVar, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.hbm.continuation import BranchPoint
+from updamp.hbm.harmonics import Harmonics
+from updamp.hbm.newton import Arc, Equation
+from updamp.hbm.observe import response
+from updamp.hbm.system import Excitation
+
+Floats = NDArray[np.float64]
+
+
+class Condition(Protocol):
+    """A linear condition on the change of a solved point.
+
+    rows: rows of the linear model whose response it looks at
+    """
+
+    @property
+    def rows(self) -> tuple[int, ...]: ...
+
+    def change(self, dx: Floats, dw: Floats, dy: Floats) -> Floats:
+        """What is to be zero: (n,) for n changes.
+
+        dx: (n_relative, n_coefficients, n) [m]; dw: (n,) [rad/s]; dy: (len(rows), n_coefficients, n) [m]
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class FixedFrequency:
+    rows: ClassVar[tuple[int, ...]] = ()
+
+    def change(self, dx: Floats, dw: Floats, dy: Floats) -> Floats:  # noqa: ARG002 - the protocol's arguments
+        return dw
+
+
+@dataclass(frozen=True, eq=False)
+class FixedArc:
+    """The point moves on the plane across the branch's tangent; well-defined at folds too."""
+
+    arc: Arc
+    rows: ClassVar[tuple[int, ...]] = ()
+
+    @staticmethod
+    def at(point: BranchPoint, scale_w: float) -> "FixedArc":
+        """scale_w: as in ContinuationOptions.scale_w [rad/s]"""
+        size = float(np.linalg.norm(point.x))
+        return FixedArc(Arc(point.x, point.w, point.tangent_x, point.tangent_w, size, scale_w))
+
+    def change(self, dx: Floats, dw: Floats, dy: Floats) -> Floats:  # noqa: ARG002 - the protocol's arguments
+        along = np.tensordot(self.arc.tangent_x, dx, axes=2) / self.arc.scale_x**2
+        return np.asarray(along + self.arc.tangent_w * dw / self.arc.scale_w**2)
+
+
+@dataclass(frozen=True, eq=False)
+class FixedPhase:
+    """The phase of a row's first harmonic against the excitation stays: resonance by phase.
+
+    amplitude: complex first harmonic of the row at the point [m]
+    """
+
+    row: int
+    amplitude: complex
+    harmonics: Harmonics
+
+    @staticmethod
+    def at(equation: Equation, excitation: Excitation, row: int) -> "FixedPhase":
+        harmonics = equation.receptance.system.harmonics
+        y = response(equation, excitation, np.array([row]))
+        return FixedPhase(row, complex(harmonics.amplitude(y[0], 1)), harmonics)
+
+    @property
+    def rows(self) -> tuple[int, ...]:
+        return (self.row,)
+
+    def change(self, dx: Floats, dw: Floats, dy: Floats) -> Floats:  # noqa: ARG002 - the protocol's arguments
+        return np.asarray((self.harmonics.amplitude(dy[0].T, 1) / self.amplitude).imag)
