@@ -6,17 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 
 from updamp.fem.assembly import SystemMatrices
 from updamp.fem.interface import Interface
 from updamp.fem.quadratic_mesh import QuadraticMesh
 from updamp.fem.rigid_body import rigid_body_fields, rigid_body_modes
 from updamp.fem.solvers import Factorisation, LinearSolver
+from updamp.fem.support import Support, isostatic_support
 
 Floats = NDArray[np.float64]
-
-# Makes a free component's K + shift M positive definite; far below its first elastic mode.
-FREE_SHIFT = (2 * np.pi * 2000.0) ** 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +23,8 @@ class Component:
     """Matrices and interface of one component.
 
     rigid: (n_dofs, n_rigid) mass-orthonormal rigid-body modes, none where it is clamped
-    shift: [rad^2/s^2] such that stiffness + shift mass is positive definite, 0 where it is clamped
+    support: springs that hold a free component isostatically, so that its stiffness can be factorised. Loads in
+        equilibrium put no force on them: its static response to such loads, less any rigid motion, is exact.
     """
 
     name: str
@@ -32,29 +32,31 @@ class Component:
     matrices: SystemMatrices
     interface: Interface
     rigid: Floats
-    shift: float
+    support: Support
 
 
 @dataclass(frozen=True, eq=False)
 class FactorisedComponent:
-    """A component, and the factorisation of its stiffness + shift mass."""
+    """A component, and the factorisation of its supported stiffness."""
 
     component: Component
-    shifted: Factorisation
+    factor: Factorisation
 
 
 def component(mesh: QuadraticMesh, matrices: SystemMatrices, interface: Interface, *, free: bool) -> Component:
     """free: whether it floats, as the damper does"""
-    nodes = mesh.nodes[matrices.free_nodes]
-    rigid = rigid_body_modes(nodes, matrices.mass) if free else np.zeros((matrices.n_dofs, 0))
-    return Component(mesh.name, mesh, matrices, interface, rigid, FREE_SHIFT if free else 0.0)
+    if not free:
+        nothing = np.zeros((matrices.n_dofs, 0))
+        return Component(mesh.name, mesh, matrices, interface, nothing, Support(sparse.csc_array(nothing), np.zeros(0)))
+    rigid = rigid_body_modes(mesh.nodes, matrices.mass)
+    support = isostatic_support(mesh.nodes, matrices.stiffness.diagonal().mean())
+    return Component(mesh.name, mesh, matrices, interface, rigid, support)
 
 
 @contextmanager
 def factorised(part: Component, solver: LinearSolver) -> Iterator[FactorisedComponent]:
     """Factorise for the length of a `with` block: the factor is the largest thing in memory."""
     matrices = part.matrices
-    matrix = matrices.stiffness + part.shift * matrices.mass.tobsr((3, 3)) if part.shift else matrices.stiffness
     near_null_space = rigid_body_fields(part.mesh.nodes[matrices.free_nodes])
-    with closing(solver(matrix, near_null_space)) as shifted:
-        yield FactorisedComponent(part, shifted)
+    with closing(solver(part.support.added_to(matrices.stiffness), near_null_space)) as factor:
+        yield FactorisedComponent(part, factor)

@@ -14,16 +14,16 @@ from numpy.typing import NDArray
 
 from updamp.fem.assembly import assemble, clamp
 from updamp.fem.component import Component, FactorisedComponent, component, factorised
-from updamp.fem.coupled_full import CoupledModes, blade_flexibility, coupled_modes_full
+from updamp.fem.coupled_full import CoupledModes, coupled_modes_full, static_flexibility
 from updamp.fem.coupled_reduced import coupled_frequencies_reduced
 from updamp.fem.coupling import Coupling, coupling_named
 from updamp.fem.interface import blade_interface, damper_interface
 from updamp.fem.material import ElasticMaterial
-from updamp.fem.modes import Modes
+from updamp.fem.modes import Modes, normal_modes
 from updamp.fem.quadratic_mesh import quadratic_mesh
 from updamp.fem.reduced_model import ReducedComponent, ReducedModel
-from updamp.fem.reduction import ReductionOptions, component_modes, mirrored, reduce_component
-from updamp.fem.solvers import LinearSolver, solver_named
+from updamp.fem.reduction import ReductionOptions, mirrored, reduce_component
+from updamp.fem.solvers import solver_named
 from updamp.fem.springs import ContactStiffness, Springs, Wires, stuck_contact, wire_springs
 from updamp.geometry.rig_mesh import RigMesh
 from updamp.rig import Rig
@@ -104,16 +104,18 @@ def finite_element_model(
     clock = _Clock(progress)
     with clock("assembly", "stiffness and mass"):
         blade, damper = assemble_rig(mesh, rig.material, coupling_named(rig.contact.coupling))
-    with clock("modes", "modes of the damper"), factorised(damper, solver) as part:
-        damper_modes, damper_reduced = _modes_and_reduction(part, options, clock)
     with ExitStack() as held:
-        with clock("modes", "factorisation of the blade"):
-            part = held.enter_context(factorised(blade, solver))
-        blade_modes, right = _modes_and_reduction(part, options, clock)
-        reduced = _reduced_model(right, damper_reduced, mesh, blade_modes, damper_modes)
+        with clock("modes", "factorisations"):
+            parts = [held.enter_context(factorised(part, solver)) for part in (blade, damper)]
+        blade_modes, damper_modes = (_modes(part, options, clock) for part in parts)
+        right, floating = (
+            _reduction(part, modes, options, clock)
+            for part, modes in zip(parts, (blade_modes, damper_modes), strict=True)
+        )
+        reduced = _reduced_model(right, floating, mesh, blade_modes, damper_modes)
         with clock("coupled_check", "stuck rig on the full model"):
             flexibility = _static_flexibility(right) if options.residual else None
-            coupled = contact and _check(part, flexibility, damper, solver, reduced, rig, contact)
+            coupled = contact and _check(*parts, flexibility, reduced, rig, contact)
     return FiniteElementResult(
         reduced,
         blade_modes.frequencies,
@@ -128,8 +130,8 @@ def coupled_check(mesh: RigMesh, rig: Rig, reduced: ReducedModel, contact: Conta
     """The check alone, for a reduced model that is there already: after a change of the contact stiffness."""
     solver = solver_named(rig.reduction.solver)
     blade, damper = assemble_rig(mesh, rig.material, coupling_named(rig.contact.coupling))
-    with factorised(blade, solver) as part:
-        return _check(part, None, damper, solver, reduced, rig, contact)
+    with factorised(blade, solver) as blade_part, factorised(damper, solver) as damper_part:
+        return _check(blade_part, damper_part, None, reduced, rig, contact)
 
 
 def rig_springs(reduced: ReducedModel, rig: Rig, contact: ContactStiffness) -> Springs:
@@ -140,14 +142,14 @@ def rig_springs(reduced: ReducedModel, rig: Rig, contact: ContactStiffness) -> S
     return stuck_contact(reduced.contacts, contact) + wire_springs(reduced.contacts, wires)
 
 
-def _modes_and_reduction(
-    part: FactorisedComponent, options: ReductionOptions, clock: "_Clock"
-) -> tuple[Modes, ReducedComponent]:
-    name = part.component.name
-    with clock("modes", f"modes of the {name}"):
-        modes = component_modes(part, options)
-    with clock("reduction", f"residual flexibility of the {name}"):
-        return modes, reduce_component(part, modes, options)
+def _modes(part: FactorisedComponent, options: ReductionOptions, clock: "_Clock") -> Modes:
+    with clock("modes", f"modes of the {part.component.name}"):
+        return normal_modes(part, options.modes)
+
+
+def _reduction(part: FactorisedComponent, modes: Modes, options: ReductionOptions, clock: "_Clock") -> ReducedComponent:
+    with clock("reduction", f"residual flexibility of the {part.component.name}"):
+        return reduce_component(part, modes, options)
 
 
 def _reduced_model(
@@ -170,25 +172,23 @@ def _static_flexibility(reduced: ReducedComponent) -> Floats:
 
 def _check(
     blade: FactorisedComponent,
+    damper: FactorisedComponent,
     flexibility: Floats | None,
-    damper: Component,
-    solver: LinearSolver,
     reduced: ReducedModel,
     rig: Rig,
     contact: ContactStiffness,
 ) -> CoupledCheck:
     springs = rig_springs(reduced, rig, contact)
-    # The mirror image reads x of its points with the other sign; the springs only touch its contact elements.
-    flexibility = blade_flexibility(blade) if flexibility is None else flexibility
-    modes = coupled_modes_full(blade, flexibility, damper, solver, springs)
+    flexibility = static_flexibility(blade) if flexibility is None else flexibility
+    modes = coupled_modes_full(blade, damper, flexibility, springs)
     return CoupledCheck(
         modes.frequencies,
         coupled_frequencies_reduced(reduced, springs, len(modes.frequencies)),
         modes.out_of_phase,
         modes.in_phase,
         {
-            "OOP": _shape(blade.component, damper, modes, modes.out_of_phase),
-            "IP": _shape(blade.component, damper, modes, modes.in_phase),
+            "OOP": _shape(blade.component, damper.component, modes, modes.out_of_phase),
+            "IP": _shape(blade.component, damper.component, modes, modes.in_phase),
         },
         modes.max_relative_residual,
     )

@@ -1,5 +1,6 @@
 """Normal modes of one component by shift-invert Lanczos (ARPACK), rigid-body modes in closed form."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,10 +8,10 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-from updamp.fem.assembly import SystemMatrices
-from updamp.fem.solvers.linear_solver import Factorisation
+from updamp.fem.component import FactorisedComponent
 
 Floats = NDArray[np.float64]
+Product = Callable[[Floats], Floats]
 
 LANCZOS_VECTORS = 60  # about 60 solves for 24 modes; fewer vectors cost restarts
 SEED = 20170301
@@ -44,19 +45,16 @@ class Modes:
         return int((self.omega == 0).sum())
 
 
-def normal_modes(
-    matrices: SystemMatrices, shifted: Factorisation, shift: float, rigid: Floats | None, n_modes: int
-) -> Modes:
+def normal_modes(part: FactorisedComponent, n_modes: int) -> Modes:
     """The lowest modes, rigid-body modes included.
 
-    shifted: factorisation of K + shift M
-    shift: >= 0, 0 for a clamped component [rad^2/s^2]
-    rigid: (n_dofs, n_rigid) mass-orthonormal rigid-body modes of a free component. They are kept as they are, and
-        projected out of the search, so that elastic modes are orthogonal to them to round-off.
+    Rigid-body modes are projected out of every load and every response, so that the search sees the exact static
+    response of a free component, and its elastic modes are orthogonal to them to round-off.
+
     raises: InaccurateModesError, ValueError for more modes than the mesh can give
     """
+    matrices, rigid = part.component.matrices, part.component.rigid
     n_dofs = matrices.n_dofs
-    rigid = np.zeros((n_dofs, 0)) if rigid is None else rigid
     n_elastic = n_modes - rigid.shape[1]
     vectors = min(max(LANCZOS_VECTORS, 2 * n_elastic + 1), n_dofs - 1)
     if not 0 < n_elastic < vectors:
@@ -67,7 +65,7 @@ def normal_modes(
     mass_rigid = matrices.mass @ rigid
 
     def search(load: Floats) -> Floats:
-        motion = shifted.solve(load - mass_rigid @ (rigid.T @ load))
+        motion = part.factor.solve(load - mass_rigid @ (rigid.T @ load))
         return motion - rigid @ (mass_rigid.T @ motion)
 
     start = np.random.default_rng(SEED).standard_normal(n_dofs)
@@ -75,7 +73,7 @@ def normal_modes(
         matrices.stiffness,
         n_elastic,
         matrices.mass,
-        sigma=-shift,
+        sigma=0,
         which="LM",
         v0=start - rigid @ (mass_rigid.T @ start),
         ncv=vectors,
@@ -84,7 +82,7 @@ def normal_modes(
     order = np.argsort(values)
     elastic = elastic[:, order] - rigid @ (mass_rigid.T @ elastic[:, order])
     omega = np.sqrt(_rayleigh(matrices.stiffness, elastic))
-    residual = relative_residuals(matrices.stiffness, matrices.mass, omega, elastic).max()
+    residual = relative_residuals(matrices.stiffness.dot, matrices.mass.dot, omega, elastic).max()
     _check(residual)
     return Modes(
         np.concatenate([np.zeros(rigid.shape[1]), omega]), np.asfortranarray(np.hstack([rigid, elastic])), residual
@@ -96,10 +94,10 @@ def _rayleigh(stiffness: sparse.sparray, phi: Floats) -> Floats:
     return np.einsum("im,im->m", phi, stiffness @ phi)
 
 
-def relative_residuals(stiffness, mass, omega: Floats, phi: Floats) -> Floats:
-    """(n_modes,) ||K phi - omega^2 M phi|| / ||K phi|| [-]; stiffness and mass need only multiply."""
-    forces = stiffness @ phi
-    return np.linalg.norm(forces - (mass @ phi) * omega**2, axis=0) / np.linalg.norm(forces, axis=0)
+def relative_residuals(stiffness: Product, mass: Product, omega: Floats, phi: Floats) -> Floats:
+    """(n_modes,) ||K phi - omega^2 M phi|| / ||K phi|| [-]. stiffness, mass: functions that multiply by K, M"""
+    forces = stiffness(phi)
+    return np.linalg.norm(forces - mass(phi) * omega**2, axis=0) / np.linalg.norm(forces, axis=0)
 
 
 def _check(residual: float) -> None:

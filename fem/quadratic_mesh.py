@@ -86,7 +86,7 @@ def _with_mid_edges(quads: Integers, edge_node, name: str) -> Integers:
     middles = np.stack([edge_node(quads[:, [k, (k + 1) % 4]]) for k in range(4)], axis=1)
     if (middles < 0).any():
         raise ValueError(
-            f"face group '{name}': quadrilateral {quads[(middles < 0).any(axis=1)][0]} is not a side of any hexahedron; "
-            "give its vertices in cyclic order"
+            f"face group '{name}': quadrilateral {quads[(middles < 0).any(axis=1)][0]} is not a side of any "
+            "hexahedron; give its vertices in cyclic order"
         )
     return np.hstack([quads, middles])

@@ -51,7 +51,7 @@ class AmgPreparation:
         if status:
             reached = np.linalg.norm(rhs - self._matrix @ solution) / np.linalg.norm(rhs)
             raise SolverFailedError(
-                f"AMG: conjugate gradients reached a relative residual of {reached:.2e} in {MAX_ITERATIONS} iterations, "
+                f"AMG: conjugate gradients reached a relative residual of {reached:.2e} in {MAX_ITERATIONS} steps, "
                 f"{RELATIVE_TOLERANCE:.0e} is asked for; use a direct solver ('pardiso', 'cholmod') or a mesh with "
                 "less elongated elements"
             )

@@ -1,7 +1,7 @@
 """MKL PARDISO through pypardiso: the default. Installs by pip alone; MKL is free of charge but not open source.
 
 pypardiso's own `solve` compares and copies the whole matrix at each call and leaves PARDISO's defaults on, which for
-positive definite matrices cost twice the factor and seven times the solve. So its loaded library is called directly.
+positive definite matrices cost twice the factor and seven times the solve. So the library it loaded is called directly.
 """
 
 import ctypes
@@ -30,20 +30,22 @@ def pardiso(matrix: sparse.bsr_array, near_null_space: Floats) -> "PardisoFactor
             f"the solver 'pardiso' is not available ({missing}); install it with: pip install pypardiso "
             "(or choose reduction.solver = 'cholmod' or 'amg')"
         ) from missing
-    return PardisoFactorisation(pypardiso.PyPardisoSolver(mtype=_POSITIVE_DEFINITE), matrix)
+    return PardisoFactorisation(pypardiso.ps._mkl_pardiso, matrix)
 
 
 class PardisoFactorisation:
     """See Factorisation."""
 
-    def __init__(self, library, matrix: sparse.bsr_array):
-        self._library = library
+    def __init__(self, routine, matrix: sparse.bsr_array):
+        self._routine = routine
+        self._handle = np.zeros(64, dtype=np.int64)
+        self._parameters = np.zeros(64, dtype=np.int32)
+        self._parameters[0] = 1  # take the values given here
+        self._parameters[1] = 3  # nested dissection in parallel
+        self._permutation = np.zeros(1, dtype=np.int32)
         self._indptr, self._indices, self._data = upper_triangle(matrix, first=1)
         self._size = matrix.shape[0]
         self._open = True
-        library.iparm[:] = 0
-        library.iparm[0] = 1  # take the values given here
-        library.iparm[1] = 3  # nested dissection in parallel
         self._call(_ANALYSE_AND_FACTORISE, np.zeros(1), np.zeros(1), 1)
 
     def solve(self, rhs: Floats) -> Floats:
@@ -71,9 +73,9 @@ class PardisoFactorisation:
         def integers(array: NDArray[np.int32]):
             return array.ctypes.data_as(ctypes.POINTER(ctypes.c_int32))
 
-        library, error = self._library, ctypes.c_int32(0)
-        library._mkl_pardiso(
-            library.pt.ctypes.data_as(ctypes.POINTER(library._pt_type[0])),
+        error = ctypes.c_int32(0)
+        self._routine(
+            self._handle.ctypes.data_as(ctypes.POINTER(ctypes.c_int64)),
             number(1),
             number(1),
             number(_POSITIVE_DEFINITE),
@@ -82,9 +84,9 @@ class PardisoFactorisation:
             self._data.ctypes.data,
             integers(self._indptr),
             integers(self._indices),
-            integers(library.perm),
+            integers(self._permutation),
             number(n_rhs),
-            integers(library.iparm),
+            integers(self._parameters),
             number(0),
             rhs.ctypes.data,
             solution.ctypes.data,
