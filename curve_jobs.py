@@ -17,6 +17,8 @@ from pathlib import Path
 from queue import Empty
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from updamp import store
 from updamp.resources import Meter
 from updamp.rig import Rig
@@ -40,14 +42,14 @@ _ONE_THREAD = {
 class CurveJob:
     """One curve to trace.
 
-    force: amplitude [N]; key: of the curve; reduced, rest: files of the stages before; output: the curve's file
+    force: amplitude [N]; key: of the curve; finite_elements, rest: files of the stages before; output: the curve's file
     """
 
     rig: Rig
     mode: str
     force: float
     key: str
-    reduced: Path
+    finite_elements: Path
     rest: Path
     output: Path
 
@@ -103,7 +105,7 @@ def trace_curve(
 
     system, request = curve_problem(job)
     earlier, stamp = _resumable(job)
-    last_written, curve = time.monotonic(), earlier
+    last_written, curve = -np.inf, earlier
     with Meter(memory_of) as meter:
         for curve in trace(system, request, earlier):
             report(_progress(curve, request.window, request.upwards))
@@ -128,7 +130,7 @@ def curve_problem(job: CurveJob) -> tuple[Any, Any]:
     from updamp.hbm.curve import CurveRequest
     from updamp.hbm.rig_system import excitation, rig_system
 
-    reduced, rest = store.read(job.reduced, ReducedModel), store.read(job.rest, StaticContact)
+    reduced, rest = store.read(job.finite_elements, ReducedModel, part="reduced"), store.read(job.rest, StaticContact)
     system = rig_system(reduced, rest, job.rig)
     observed = tuple(name for name in system.free.points if ".excitation." not in name)
     window = job.rig.study.modes[job.mode].window

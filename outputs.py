@@ -3,6 +3,7 @@
 import hashlib
 import json
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from pathlib import Path
 
 
@@ -12,10 +13,8 @@ class Outputs:
     def __init__(self, folder: Path, record: Path) -> None:
         self.folder, self.record = folder, record
         self._keys: dict[str, str] = {}
-        try:
+        with suppress(OSError, ValueError):  # none yet, or not one of ours: everything is made anew
             self._keys = dict(json.loads(record.read_text(encoding="utf-8")))
-        except (OSError, ValueError):  # none yet, or not one of ours: everything is made anew
-            pass
 
     def make(self, name: str, sources: Iterable[str], version: int, write: Callable[[Path], object]) -> bool:
         """Let `write` make folder/name, unless it is there and was made from the same sources by the same version.

@@ -8,6 +8,7 @@ from typing import Self
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TaskID, TextColumn, TimeElapsedColumn
+from rich.text import Text
 
 Update = Callable[[float, str], None]
 
@@ -47,17 +48,18 @@ class Display:
             self._bars[name] = self._progress.add_task(name, total=1.0, detail="")
         self._progress.update(self._bars[name], completed=share, detail=detail)
 
-    def done(self, name: str, detail: str, mark: str = "[green]done[/]") -> None:
+    def done(self, name: str, detail: str, mark: str = "done", style: str = "green") -> None:
         """Replace the bar by a line."""
         if name in self._bars:
             self._progress.remove_task(self._bars.pop(name))
-        self.console.print(f"{mark:<15} {name:<18} {detail}", highlight=False, soft_wrap=True)
+        line = Text.assemble((f"{mark:<10}", style), f"{name:<16} {detail}")
+        self.console.print(line, highlight=False, soft_wrap=True)
 
     def unchanged(self, name: str, detail: str = "") -> None:
-        self.done(name, detail, mark="[dim]unchanged[/]")
+        self.done(name, detail, mark="unchanged", style="dim")
 
     def failed(self, name: str, detail: str) -> None:
-        self.done(name, detail, mark="[red]stopped[/]")
+        self.done(name, detail, mark="stopped", style="red")
 
     @contextmanager
     def stage(self, name: str) -> Iterator[Update]:

@@ -17,6 +17,7 @@ from typing import Any, TypeVar, get_args, get_type_hints
 
 import h5py
 import numpy as np
+
 from updamp.store_units import UNITS
 
 SCHEMA_VERSION = 1
@@ -74,13 +75,15 @@ def write(path: Path, product: Any, stamp: Stamp) -> None:
         temporary.unlink(missing_ok=True)
 
 
-def read(path: Path, kind: type[Product]) -> Product:
+def read(path: Path, kind: type[Product], part: str = "") -> Product:
     """Read a product of the class `kind`.
+
+    part: name of a field: read that alone, `kind` is its class then
 
     raises: StoreError where the file is missing, damaged, of another schema or holds something else
     """
     with _opened(path) as file:
-        product: Product = _get(path, file["product"], kind)
+        product: Product = _get(path, file["product" + (f"/{part}" if part else "")], kind)
         return product
 
 

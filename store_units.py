@@ -19,6 +19,20 @@ UNITS: Mapping[str, Mapping[str, str]] = {
     "RigMesh": {"min_scaled_jacobian": "1"},
     "ReducedComponent": {"omega": "rad/s", "phi": "kg^-1/2", "residual": "m/N"},
     "ReducedModel": {"max_relative_residual": "1"},
+    "FiniteElementResult": {
+        "blade_frequencies": "Hz",
+        "damper_frequencies": "Hz",
+        "blade_shapes": "kg^-1/2",
+        "seconds": "s",
+    },
+    "CoupledCheck": {
+        "full": "Hz",
+        "reduced": "Hz",
+        "out_of_phase": "1",
+        "in_phase": "1",
+        "shapes": "kg^-1/2",
+        "max_relative_residual": "1",
+    },
     "StaticContact": {
         "normal_force": "N",
         "tangential_force": "N",

@@ -10,6 +10,7 @@ import numpy as np
 from rich.table import Table
 
 from updamp.fem.contact_rest import StaticContact
+from updamp.fem.finite_element_model import CoupledCheck, FiniteElementResult
 from updamp.geometry.rig_mesh import RigMesh
 from updamp.hbm.response_curve import ResponseCurve
 from updamp.hbm.sweeps import sweep
@@ -26,6 +27,27 @@ def mesh_entry(mesh: RigMesh) -> dict[str, Any]:
     }
 
 
+def modes_entry(result: FiniteElementResult) -> dict[str, Any]:
+    return {
+        "per_component": len(result.blade_frequencies),
+        "free_1F_Hz": float(result.blade_frequencies[0]),
+        "max_relative_residual": result.reduced.max_relative_residual,
+    }
+
+
+def coupled_entry(check: CoupledCheck) -> dict[str, Any]:
+    def of(mode: int) -> dict[str, float]:
+        return {"full": float(check.full[mode]), "reduced": float(check.reduced[mode])}
+
+    return {
+        "OOP_Hz": of(check.out_of_phase),
+        "IP_Hz": of(check.in_phase),
+        "first_modes_Hz": {"full": check.full.tolist(), "reduced": check.reduced.tolist()},
+        "largest_difference": check.largest_difference,
+        "max_relative_residual": check.max_relative_residual,
+    }
+
+
 def static_entry(rest: StaticContact) -> dict[str, Any]:
     return {
         "applied_N": rest.applied,
@@ -36,25 +58,46 @@ def static_entry(rest: StaticContact) -> dict[str, Any]:
 
 
 def curve_entry(curve: ResponseCurve, point: str) -> dict[str, Any]:
-    """point: where the peak is taken, first harmonic"""
-    frequency, peak = curve.peak(point)
-    at_peak = int(np.abs(curve.receptance(point)).argmax())
-    return {
+    """point: where the peak is taken, first harmonic; a branch that found no point at all has no peak"""
+    entry: dict[str, Any] = {
         "mode": curve.mode,
         "force_N": curve.force,
-        "peak_receptance_mm_per_N": 1e3 * peak,
-        "peak_frequency_Hz": frequency,
+        "peak_receptance_mm_per_N": None,
+        "peak_frequency_Hz": None,
         "points": len(curve),
         "unconverged": curve.unconverged,
         "seconds": round(curve.seconds, 2),
         "response_point": point,
+        "problem": problem(curve),
+    }
+    return {**entry, **_solved(curve, point)} if len(curve) else entry
+
+
+def _solved(curve: ResponseCurve, point: str) -> dict[str, Any]:
+    frequency, peak = curve.peak(point)
+    at_peak = int(np.abs(curve.receptance(point)).argmax())
+    return {
+        "peak_receptance_mm_per_N": 1e3 * peak,
+        "peak_frequency_Hz": frequency,
         "largest_residual": float(curve.error.max()),
         "energy_balance_error": energy_balance_error(curve),
         "friction_share_of_loss_at_peak": float(curve.friction_loss[at_peak] / curve.work_in[at_peak]),
         "jumps_up_Hz": jumps(curve, upwards=True),
         "jumps_down_Hz": jumps(curve, upwards=False),
-        "stopped": curve.stopped,
     }
+
+
+def problem(curve: ResponseCurve) -> str:
+    """Why the curve is not the whole branch through its window; "" where it is."""
+    if curve.stopped or not len(curve):
+        return curve.stopped or "the branch has no point"
+    first, last = curve.frequency[0], curve.frequency[-1]
+    if abs(last - first) < np.ptp(curve.frequency) / 2:
+        return (
+            f"the branch turned back and left the window where it had entered, at {last:.4f} Hz: "
+            "take smaller steps, or start from the other end"
+        )
+    return ""
 
 
 def energy_balance_error(curve: ResponseCurve) -> float:
@@ -63,8 +106,8 @@ def energy_balance_error(curve: ResponseCurve) -> float:
 
 
 def jumps(curve: ResponseCurve, upwards: bool) -> list[float]:
-    """Frequencies at which a slow sweep jumps [Hz]; none are known of a branch that did not cross its window."""
-    return sweep(curve.frequency, upwards).jumps.tolist() if curve.complete and len(curve) > 1 else []
+    """Frequencies at which a slow sweep jumps [Hz]; none are known of a branch that did not cross it."""
+    return sweep(curve.frequency, upwards).jumps.tolist() if curve.complete and not problem(curve) else []
 
 
 def union_length(intervals: Sequence[tuple[float, float]]) -> float:
@@ -108,13 +151,13 @@ def curves_table(entries: Sequence[Mapping[str, Any]]) -> Table:
         table.add_row(
             entry["mode"],
             f"{entry['force_N']:g}",
-            f"{entry['peak_receptance_mm_per_N']:.5f}",
-            f"{entry['peak_frequency_Hz']:.2f}",
-            ", ".join(f"{f:.2f}" for f in entry["jumps_up_Hz"]),
-            ", ".join(f"{f:.2f}" for f in entry["jumps_down_Hz"]),
+            f"{entry['peak_receptance_mm_per_N']:.5f}" if entry["points"] else "",
+            f"{entry['peak_frequency_Hz']:.2f}" if entry["points"] else "",
+            ", ".join(f"{f:.2f}" for f in entry.get("jumps_up_Hz", ())),
+            ", ".join(f"{f:.2f}" for f in entry.get("jumps_down_Hz", ())),
             str(entry["points"]),
             f"{entry['seconds']:.0f}",
-            f"[red]{entry['stopped']}[/]" if entry["stopped"] else "",
+            "[red]not complete[/]" if entry["problem"] else "",
         )
     return table
 

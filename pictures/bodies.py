@@ -1,18 +1,15 @@
 """Pictures of the rig itself: the mesh with its contact patches."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from updamp.geometry.contact_elements import LEFT, RIGHT
 from updamp.geometry.mirror import mirrored
 from updamp.geometry.rig_mesh import RigMesh
-from updamp.pictures.scene import load_pyvista, patches, save, surface
+from updamp.pictures.scene import Plotter, load_pyvista, patches, save, surface
 from updamp.pictures.style import DARK_STEEL, INK, LEFT_FACE, RIGHT_FACE, STEEL
-
-if TYPE_CHECKING:
-    import pyvista as pv
 
 LIFT = -5e-5  # m, of the patches off the damper
 FINE = 20_000  # elements from which edges are drawn thinner
@@ -44,12 +41,12 @@ def mesh(path: Path, rig_mesh: RigMesh) -> None:
     save(plotter, path)
 
 
-def _title(plotter: "pv.Plotter", text: str) -> None:
+def _title(plotter: Plotter, text: str) -> None:
     plotter.set_background("white")
     plotter.add_text(text, position=(0.02, 0.94), viewport=True, font_size=9, color=INK)
 
 
-def _add_blades(plotter: "pv.Plotter", rig_mesh: RigMesh, edges: dict[str, Any]) -> None:
+def _add_blades(plotter: Plotter, rig_mesh: RigMesh, edges: dict[str, Any]) -> None:
     for body in (surface(rig_mesh.blade), surface(mirrored(rig_mesh.blade))):
         plotter.add_mesh(body, color=STEEL, ambient=0.35, **edges)
 
@@ -59,14 +56,14 @@ def _edges(rig_mesh: RigMesh) -> dict[str, Any]:
     return {"show_edges": True, "edge_color": DARK_STEEL, "line_width": 0.5 if fine else 1.0, "edge_opacity": 0.6}
 
 
-def _add_damper(plotter: "pv.Plotter", rig_mesh: RigMesh, edges: dict[str, Any]) -> None:
+def _add_damper(plotter: Plotter, rig_mesh: RigMesh, edges: dict[str, Any]) -> None:
     plotter.add_mesh(surface(rig_mesh.damper), color=DARK_STEEL, ambient=0.3, **{**edges, "edge_color": INK})
     for side, colour in ((LEFT, LEFT_FACE), (RIGHT, RIGHT_FACE)):
         patch = patches(rig_mesh.contacts, side, LIFT)
         plotter.add_mesh(patch, color=colour, show_edges=True, edge_color="white", line_width=1.5, lighting=False)
 
 
-def _look(plotter: "pv.Plotter", direction: tuple[float, float, float], zoom: float) -> None:
+def _look(plotter: Plotter, direction: tuple[float, float, float], zoom: float) -> None:
     """From `direction`, y up."""
     centre = np.array(plotter.renderer.center)
     plotter.camera_position = [tuple(centre + 1e3 * np.array(direction)), tuple(centre), (0.0, 1.0, 0.0)]

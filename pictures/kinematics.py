@@ -50,7 +50,9 @@ def damper_kinematics(path: Path, rig: Rig, curves: Mapping[str, tuple[ResponseC
         for (orbits, histories), (mode, (curve, place)) in zip(rows, curves.items(), strict=True):
             motion = damper_motion(curve, place)
             _orbits(orbits, rig, motion)
-            orbits.set_title(f"{mode}, {curve.force:g} N, {curve.frequency[place]:.1f} Hz: orbits of the bottom corners")
+            orbits.set_title(
+                f"{mode}, {curve.force:g} N, {curve.frequency[place]:.1f} Hz: orbits of the bottom corners"
+            )
             histories.set_title("translation of the damper and its rotation")
             _histories(histories, rig, motion, curve.force)
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from updamp.geometry.rig_mesh import ComponentMesh
-from updamp.pictures.scene import load_pyvista, save, surface
+from updamp.pictures.scene import Plotter, load_pyvista, photograph, save, surface
 from updamp.pictures.style import COLOURS, INK, LIGHT_GREY, SEQUENTIAL
 
 if TYPE_CHECKING:
@@ -61,8 +61,7 @@ def animation(path: Path, shape: Shape) -> None:
     for phase in np.sin(2 * np.pi * np.arange(FRAMES) / FRAMES):
         for body, rest, displacement in bodies:
             body.points = rest + phase * displacement
-        plotter.render()
-        frames.append(Image.fromarray(plotter.screenshot(return_img=True)))
+        frames.append(photograph(plotter))
     plotter.close()
     palette = frames[FRAMES // 4].quantize(COLOURS // 2, dither=Image.Dither.NONE)
     frames = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
@@ -72,7 +71,7 @@ def animation(path: Path, shape: Shape) -> None:
     )
 
 
-def _add(plotter: "pv.Plotter", shape: Shape, phase: float) -> "list[tuple[pv.PolyData, Floats, Floats]]":
+def _add(plotter: Plotter, shape: Shape, phase: float) -> "list[tuple[pv.PolyData, Floats, Floats]]":
     """Draw the rest and the deformed bodies; returns these, with their points at rest and displacement [mm]."""
     height = 1e3 * max(float(np.ptp(body.vertices[:, 1])) for body, _ in shape.parts)
     sizes = [np.linalg.norm(displacement, axis=1) for _, displacement in shape.parts]

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     import pyvista as pv
 
 Floats = NDArray[np.float64]
+Plotter = Any  # a pyvista.Plotter, whose decorated methods type checkers misread
 
 # Without them pyvista does not fail with a message, it crashes: shared library -> Debian package.
 LIBRARIES: Mapping[str, str] = {"libGL.so.1": "libgl1", "libEGL.so.1": "libegl1"}
@@ -72,7 +73,12 @@ def patches(contacts: ContactElements, side: int, lift: float = 0.0) -> "pv.Poly
     return load_pyvista().PolyData(1e3 * corners.reshape(-1, 3), triangles.ravel())
 
 
-def save(plotter: "pv.Plotter", path: Path) -> None:
-    picture = Image.fromarray(plotter.screenshot(return_img=True))
+def photograph(plotter: Plotter) -> Image.Image:
+    plotter.render()
+    return Image.fromarray(np.asarray(plotter.screenshot(return_img=True)))
+
+
+def save(plotter: Plotter, path: Path) -> None:
+    picture = photograph(plotter)
     plotter.close()
     write_png(picture, path)

@@ -4,26 +4,26 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import matplotlib as mpl
 from PIL import Image
 
 mpl.use("Agg")
 
-from matplotlib import colormaps  # noqa: E402  (the backend is chosen first)
-from matplotlib.figure import Figure  # noqa: E402
+from matplotlib import colormaps
+from matplotlib.figure import Figure
 
 # Okabe and Ito (2008)
 BLUE, ORANGE, GREEN, VERMILLION, SKY, YELLOW = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#56B4E9", "#F0E442"
 GREY, LIGHT_GREY, INK = "#8A8F98", "#DADDE2", "#22262E"
 LEFT_FACE, RIGHT_FACE = BLUE, ORANGE
 STEEL, DARK_STEEL = "#C3C8D0", "#7D8592"
-SEQUENTIAL = "cividis"
+SEQUENTIAL: Final = "cividis"
 DPI = 110
 COLOURS = 160
 
-_RC: dict[str, Any] = {
+_RC: Any = {
     "font.family": "DejaVu Sans",
     "font.size": 9.5,
     "axes.titlesize": 10.5,

@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields, is_dataclass
 import h5py
 import numpy as np
 import pytest
+
 from updamp import store
 from updamp.fem.contact_rest import StaticContact
 from updamp.fem.reduced_model import ReducedComponent, ReducedModel

@@ -1,6 +1,7 @@
 """Response curves that look like those of a rig with a softening damper, without solving anything."""
 
 import numpy as np
+
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.response_curve import ResponseCurve
 

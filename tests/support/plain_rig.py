@@ -4,6 +4,7 @@ For tests of what comes after the finite elements, without running them. Masses 
 """
 
 import numpy as np
+
 from updamp.fem.reduced_model import ReducedComponent, ReducedModel
 from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements
 from updamp.rig import Rig

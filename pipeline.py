@@ -1,0 +1,199 @@
+"""The command line: `updamp run`, `updamp check`, `updamp show`."""
+
+import json
+import os
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.metadata import version
+from pathlib import Path
+from types import FrameType
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.text import Text
+
+from updamp import stages
+
+app = typer.Typer(
+    help="From a bladed test rig's dimensions to its nonlinear vibration with a friction damper.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+BAD_INPUT, INCOMPLETE, INTERRUPTED = 2, 1, 130
+
+RigFile = Annotated[Path, typer.Argument(metavar="RIG", help="Rig file, such as rigs/pesaresi2017.toml.")]
+Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"updamp {version('updamp')}")
+        raise typer.Exit
+
+
+@app.callback()
+def main(
+    _: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version and end.")
+    ] = False,
+) -> None:
+    pass
+
+
+@app.command()
+def run(
+    rig: RigFile,
+    mesh: Annotated[str, typer.Option(help="Preset of the rig file: small (first looks), medium or full.")],
+    out: Annotated[Path, typer.Option(help="Folder for all that is written; the same one to resume or to reuse.")],
+    jobs: Annotated[
+        int | None, typer.Option(help="Curves traced at the same time.", show_default="the CPUs, at most 4")
+    ] = None,
+    mode: Annotated[list[str] | None, typer.Option(help="Only this mode of the study; may be repeated.")] = None,
+    force: Annotated[
+        list[str] | None, typer.Option(help='Only this amplitude, such as "3.84 N"; may be repeated.')
+    ] = None,
+    pictures: Annotated[bool, typer.Option(help="Whether to draw pictures.")] = True,
+    check: Annotated[bool, typer.Option(help="Whether to compare the reduced with the full coupled model.")] = True,
+    until: Annotated[str | None, typer.Option(help=f"Last stage: {', '.join(s.name for s in stages.STAGES)}.")] = None,
+    debug: Debug = False,
+) -> None:
+    """Run all stages: mesh, finite elements, static contact, response curves.
+
+    A stage whose input has not changed is taken from its file. After an interruption the same command goes on where
+    it stopped, in the middle of a curve too.
+    """
+    with _clean_errors(debug), _interruptible():
+        from updamp.rig import load_rig
+        from updamp.run import RunOptions
+
+        options = RunOptions(
+            preset=mesh,
+            folder=out,
+            workers=jobs if jobs is not None else min(os.cpu_count() or 1, 4),
+            modes=tuple(mode or ()),
+            forces=tuple(_force(text) for text in force or ()),
+            check=check,
+            pictures=pictures,
+            until=_stage(until),
+        )
+        complete = _run(load_rig(rig), options)
+    if not complete:
+        raise typer.Exit(INCOMPLETE)
+
+
+def _run(rig, options) -> bool:  # type: ignore[no-untyped-def]  # their modules are loaded when a run begins
+    """Whether every curve crossed its window and every picture was drawn."""
+    from updamp.progress import Display
+    from updamp.resources import Meter
+    from updamp.run import Run
+    from updamp.run_outputs import summarise, write_outputs
+    from updamp.summary import curves_table, write_summary
+
+    console = Console()
+    with Meter() as meter:
+        with Display(console) as display:
+            this = Run(rig, options, display)
+            products = this.products()
+            made, undrawn = write_outputs(this, products)
+            display.done("files", ", ".join(made) or "all as they were")
+        summary = summarise(this, products, meter.seconds, meter.peak_memory)
+        path = options.folder / "summary.json"
+        write_summary(path, summary)
+    if summary.get("curves"):
+        console.print(curves_table(summary["curves"]))
+    problems = [f"{c['mode']} {c['force_N']:g} N: {c['problem']}" for c in summary.get("curves", ()) if c["problem"]]
+    problems += [f"{name}: {message}" for name, message in summary.get("failed_curves", {}).items()]
+    problems += [undrawn] if undrawn else []
+    for line in problems:
+        console.print(Text.assemble(("not complete ", "red"), line), soft_wrap=True)
+    console.print(f"{path} after {summary['timing_s']['total']:.1f} s", highlight=False, soft_wrap=True)
+    return not problems
+
+
+@app.command()
+def check(rig: RigFile, debug: Debug = False) -> None:
+    """Read a rig file and explain it: every value in SI, and what follows from them."""
+    with _clean_errors(debug):
+        from updamp.rig import load_rig
+        from updamp.rig_tables import derived_table, values_table
+
+        loaded, console = load_rig(rig), Console()
+        console.print(values_table(loaded))
+        console.print(derived_table(loaded))
+
+
+@app.command()
+def show(folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.")], debug: Debug = False) -> None:
+    """Show what a run found."""
+    with _clean_errors(debug):
+        path = folder / "summary.json"
+        if not path.is_file():
+            raise ValueError(f"{path}: no such file; make it with: updamp run RIG --mesh PRESET --out {folder}")
+        from updamp.summary import curves_table, overview_table
+
+        summary, console = json.loads(path.read_text(encoding="utf-8")), Console()
+        console.print(overview_table(summary))
+        if summary.get("curves"):
+            console.print(curves_table(summary["curves"]))
+
+
+def _force(text: str) -> float:
+    from updamp.rig_fields import Quantity
+
+    try:
+        return Quantity("N", "10 N", above=0).to_si(text)
+    except ValueError as error:
+        raise ValueError(f"--force {text}: {error}") from None
+
+
+def _stage(name: str | None) -> stages.Stage | None:
+    known = {stage.name: stage for stage in stages.STAGES}
+    if name is not None and name not in known:
+        raise ValueError(f"--until {name}: the stages are {', '.join(known)}")
+    return known[name] if name else None
+
+
+@contextmanager
+def _clean_errors(debug: bool) -> Iterator[None]:
+    """What a person can mend comes as a sentence; a mistake in the program keeps its traceback.
+
+    The project's own errors derive from ValueError, RuntimeError and ImportError.
+    """
+    try:
+        yield
+    except KeyboardInterrupt:
+        command = " ".join(["updamp", *sys.argv[1:]])
+        typer.echo(
+            f"\nInterrupted. What is solved so far is kept; to go on from there run again:\n  {command}", err=True
+        )
+        raise typer.Exit(INTERRUPTED) from None
+    except typer.Exit:
+        raise
+    except (ValueError, RuntimeError, ImportError, OSError) as error:
+        if debug:
+            raise
+        typer.echo(f"error: {error}", err=True)
+        raise typer.Exit(BAD_INPUT) from None
+
+
+@contextmanager
+def _interruptible() -> Iterator[None]:
+    """A request to terminate is treated like Ctrl-C, so that checkpoints are written."""
+
+    def interrupt(number: int, frame: FrameType | None) -> None:  # noqa: ARG001
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+if __name__ == "__main__":
+    app()
