@@ -108,7 +108,7 @@ def _pattern(connectivity: Integers, n_nodes: int) -> tuple[NDArray[np.int32], N
 
 
 def _gather(where: NDArray[np.int32], values: Floats, length: int) -> Floats:
-    return np.bincount(where, weights=values.ravel(), minlength=length)
+    return np.bincount(where, weights=values.ravel(), minlength=length).astype(np.float64, copy=False)
 
 
 def _same_for_each_component(scalar: sparse.csr_array) -> sparse.csr_array:

@@ -14,7 +14,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 
 from updamp.fem.component import FactorisedComponent
 from updamp.fem.interface import BLADE_POINTS
-from updamp.fem.modes import SEED, relative_residuals
+from updamp.fem.modes import SEED, Product, relative_residuals
 from updamp.fem.reduction import BLOCK
 from updamp.fem.solvers import Factorisation
 from updamp.fem.springs import Springs
@@ -78,7 +78,7 @@ def coupled_modes_full(
     coupled = _CoupledSystem(blade, damper, flexibility, springs)
     n = coupled.n_dofs
 
-    def operator(product):
+    def operator(product: Product) -> LinearOperator:
         return LinearOperator((n, n), matvec=product, matmat=product, dtype=np.float64)
 
     _, vectors = eigsh(
@@ -167,7 +167,8 @@ def _coupled_modes(coupled: _CoupledSystem, vectors: Floats) -> CoupledModes:
     order = np.argsort(values)
     omega, vectors = np.sqrt(values[order]), vectors[:, order]
     residual = relative_residuals(coupled.stiffness, coupled.mass, omega, vectors).max()
-    return CoupledModes(omega / (2 * np.pi), *coupled.split(vectors), coupled.tips(vectors), float(residual))
+    left, right, damper = coupled.split(vectors)
+    return CoupledModes(omega / (2 * np.pi), left, right, damper, coupled.tips(vectors), float(residual))
 
 
 def _flexibility(operator: sparse.csc_array, factor: Factorisation) -> Floats:

@@ -19,10 +19,10 @@ from updamp.fem.coupled_reduced import coupled_frequencies_reduced
 from updamp.fem.coupling import Coupling, coupling_named
 from updamp.fem.interface import blade_interface, damper_interface
 from updamp.fem.material import ElasticMaterial
-from updamp.fem.modes import Modes, normal_modes
+from updamp.fem.modes import Modes
 from updamp.fem.quadratic_mesh import quadratic_mesh
 from updamp.fem.reduced_model import ReducedComponent, ReducedModel
-from updamp.fem.reduction import ReductionOptions, mirrored, reduce_component
+from updamp.fem.reduction import ReductionOptions, component_modes, mirrored, reduce_component
 from updamp.fem.solvers import solver_named
 from updamp.fem.springs import ContactStiffness, Springs, Wires, stuck_contact, wire_springs
 from updamp.geometry.rig_mesh import RigMesh
@@ -106,16 +106,16 @@ def finite_element_model(
         blade, damper = assemble_rig(mesh, rig.material, coupling_named(rig.contact.coupling))
     with ExitStack() as held:
         with clock("modes", "factorisations"):
-            parts = [held.enter_context(factorised(part, solver)) for part in (blade, damper)]
-        blade_modes, damper_modes = (_modes(part, options, clock) for part in parts)
-        right, floating = (
-            _reduction(part, modes, options, clock)
-            for part, modes in zip(parts, (blade_modes, damper_modes), strict=True)
-        )
+            on_root, on_support = (held.enter_context(factorised(part, solver)) for part in (blade, damper))
+        blade_modes, damper_modes = (_modes(part, options, clock) for part in (on_root, on_support))
+        right = _reduction(on_root, blade_modes, options, clock)
+        floating = _reduction(on_support, damper_modes, options, clock)
         reduced = _reduced_model(right, floating, mesh, blade_modes, damper_modes)
-        with clock("coupled_check", "stuck rig on the full model"):
-            flexibility = _static_flexibility(right) if options.residual else None
-            coupled = contact and _check(*parts, flexibility, reduced, rig, contact)
+        coupled = None
+        if contact:
+            with clock("coupled_check", "stuck rig on the full model"):
+                flexibility = _static_flexibility(right) if options.residual else None
+                coupled = _check(on_root, on_support, flexibility, reduced, rig, contact)
     return FiniteElementResult(
         reduced,
         blade_modes.frequencies,
@@ -144,7 +144,7 @@ def rig_springs(reduced: ReducedModel, rig: Rig, contact: ContactStiffness) -> S
 
 def _modes(part: FactorisedComponent, options: ReductionOptions, clock: "_Clock") -> Modes:
     with clock("modes", f"modes of the {part.component.name}"):
-        return normal_modes(part, options.modes)
+        return component_modes(part, options)
 
 
 def _reduction(part: FactorisedComponent, modes: Modes, options: ReductionOptions, clock: "_Clock") -> ReducedComponent:

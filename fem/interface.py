@@ -1,5 +1,6 @@
 """The degrees of freedom through which a component is seen: contact elements and named points."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,7 +36,7 @@ class Interface:
     def n_interface(self) -> int:
         return self.operator.shape[1]
 
-    def blocks(self, width: int):
+    def blocks(self, width: int) -> Iterator[slice]:
         """Slices of the columns, `width` at a time."""
         return (slice(start, start + width) for start in range(0, self.n_interface, width))
 

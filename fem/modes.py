@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from updamp.fem.component import FactorisedComponent
@@ -81,17 +80,13 @@ def normal_modes(part: FactorisedComponent, n_modes: int) -> Modes:
     )
     order = np.argsort(values)
     elastic = elastic[:, order] - rigid @ (mass_rigid.T @ elastic[:, order])
-    omega = np.sqrt(_rayleigh(matrices.stiffness, elastic))
+    # Rayleigh's quotient: its error is the square of the mode's.
+    omega = np.sqrt(np.einsum("im,im->m", elastic, matrices.stiffness @ elastic))
     residual = relative_residuals(matrices.stiffness.dot, matrices.mass.dot, omega, elastic).max()
     _check(residual)
     return Modes(
         np.concatenate([np.zeros(rigid.shape[1]), omega]), np.asfortranarray(np.hstack([rigid, elastic])), residual
     )
-
-
-def _rayleigh(stiffness: sparse.sparray, phi: Floats) -> Floats:
-    """omega^2 of mass-normalised modes: the error of the quotient is the square of the mode's."""
-    return np.einsum("im,im->m", phi, stiffness @ phi)
 
 
 def relative_residuals(stiffness: Product, mass: Product, omega: Floats, phi: Floats) -> Floats:

@@ -1,6 +1,6 @@
 """Hexahedra with mid-edge nodes: the 20-node serendipity mesh of one component."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +12,7 @@ from updamp.geometry.rig_mesh import ComponentMesh
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
+EdgeLookup = Callable[[Integers], Integers]
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +67,7 @@ def quadratic_mesh(component: ComponentMesh) -> QuadraticMesh:
     )
 
 
-def _edge_lookup(edges: Integers, n_vertices: int):
+def _edge_lookup(edges: Integers, n_vertices: int) -> EdgeLookup:
     """Function from vertex pairs (n, 2) to their mid-edge nodes (n,), -1 where there is no such edge."""
     keys = edges[0] * n_vertices + edges[1]
     order = np.argsort(keys)
@@ -80,7 +81,7 @@ def _edge_lookup(edges: Integers, n_vertices: int):
     return lookup
 
 
-def _with_mid_edges(quads: Integers, edge_node, name: str) -> Integers:
+def _with_mid_edges(quads: Integers, edge_node: EdgeLookup, name: str) -> Integers:
     """(n, 4) vertices in cyclic order -> (n, 8): the vertices, then the middles of edges 01, 12, 23, 30."""
     quads = np.asarray(quads, dtype=np.int64).reshape(-1, 4)
     middles = np.stack([edge_node(quads[:, [k, (k + 1) % 4]]) for k in range(4)], axis=1)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.fem.component import FactorisedComponent
-from updamp.fem.modes import Modes
+from updamp.fem.modes import Modes, normal_modes
 from updamp.fem.reduced_model import ReducedComponent
 
 Floats = NDArray[np.float64]
@@ -25,6 +25,11 @@ class ReductionOptions:
     def __post_init__(self) -> None:
         if self.modes < 1:
             raise ValueError(f"reduction.modes = {self.modes} must be at least 1")
+
+
+def component_modes(part: FactorisedComponent, options: ReductionOptions) -> Modes:
+    """The kept modes of one component. raises: InaccurateModesError, ValueError"""
+    return normal_modes(part, options.modes)
 
 
 def reduce_component(part: FactorisedComponent, modes: Modes, options: ReductionOptions) -> ReducedComponent:

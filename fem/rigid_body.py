@@ -20,7 +20,7 @@ def rigid_body_fields(nodes: Floats) -> Floats:
     return fields.reshape(-1, 6)
 
 
-def rigid_body_modes(nodes: Floats, mass: sparse.sparray) -> Floats:
+def rigid_body_modes(nodes: Floats, mass: sparse.csr_array) -> Floats:
     """Mass-orthonormal rigid-body modes (3 n, 6): translations first, then rotations about the centre of mass.
 
     Gram-Schmidt through the Cholesky factor of the 6 x 6 mass; a second pass takes the round-off of the first.

@@ -3,6 +3,7 @@
 import numpy as np
 import pyamg
 from scipy import sparse
+from scipy.sparse.linalg import LinearOperator, cg
 
 from updamp.fem.solvers.linear_solver import Floats, SolverFailedError
 
@@ -31,12 +32,11 @@ def amg(matrix: sparse.bsr_array, near_null_space: Floats) -> "AmgPreparation":
 class AmgPreparation:
     """See Factorisation; nothing is factorised but the coarsest level."""
 
-    def __init__(self, matrix: sparse.bsr_array, preconditioner):
-        self._matrix, self._preconditioner = matrix, preconditioner
+    def __init__(self, matrix: sparse.bsr_array, preconditioner: LinearOperator) -> None:
+        self._matrix: sparse.bsr_array | None = matrix
+        self._preconditioner: LinearOperator | None = preconditioner
 
     def solve(self, rhs: Floats) -> Floats:
-        if self._matrix is None:
-            raise SolverFailedError("AMG: the hierarchy was closed; prepare it again")
         if rhs.ndim == 1:
             return self._solve_one(rhs)
         return np.stack([self._solve_one(column) for column in rhs.T], axis=1)
@@ -45,7 +45,9 @@ class AmgPreparation:
         self._matrix = self._preconditioner = None
 
     def _solve_one(self, rhs: Floats) -> Floats:
-        solution, status = sparse.linalg.cg(
+        if self._matrix is None:
+            raise SolverFailedError("AMG: the hierarchy was closed; prepare it again")
+        solution, status = cg(
             self._matrix, rhs, rtol=RELATIVE_TOLERANCE, maxiter=MAX_ITERATIONS, M=self._preconditioner
         )
         if status:

@@ -5,6 +5,8 @@ positive definite matrices cost twice the factor and seven times the solve. So t
 """
 
 import ctypes
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +38,7 @@ def pardiso(matrix: sparse.bsr_array, near_null_space: Floats) -> "PardisoFactor
 class PardisoFactorisation:
     """See Factorisation."""
 
-    def __init__(self, routine, matrix: sparse.bsr_array):
+    def __init__(self, routine: Callable[..., None], matrix: sparse.bsr_array) -> None:
         self._routine = routine
         self._handle = np.zeros(64, dtype=np.int64)
         self._parameters = np.zeros(64, dtype=np.int32)
@@ -67,10 +69,10 @@ class PardisoFactorisation:
         self.close()
 
     def _call(self, phase: int, rhs: Floats, solution: Floats, n_rhs: int) -> None:
-        def number(value: int):
+        def number(value: int) -> Any:
             return ctypes.byref(ctypes.c_int32(value))
 
-        def integers(array: NDArray[np.int32]):
+        def integers(array: NDArray[np.int32]) -> Any:
             return array.ctypes.data_as(ctypes.POINTER(ctypes.c_int32))
 
         error = ctypes.c_int32(0)
