@@ -197,7 +197,7 @@ def trace_all(
 
 
 def _outcomes(
-    futures: "Mapping[Future[CurveEnd], CurveJob]", messages: Any, report: Callable[[str, CurveProgress], None]
+    futures: "Mapping[Future[CurveOutcome], CurveJob]", messages: Any, report: Callable[[str, CurveProgress], None]
 ) -> Iterator[CurveOutcome]:
     """Each curve's outcome as it comes, passing on progress in between."""
     waiting = dict(futures)
@@ -206,11 +206,8 @@ def _outcomes(
             report(*messages.get(timeout=REPORT_EVERY))
         for future in [f for f in waiting if f.done()]:
             job = waiting.pop(future)
-            error = future.exception()
-            if error is None:
-                yield CurveOutcome(job, future.result())
-            else:
-                yield CurveOutcome(job, CurveEnd.FAILED, f"{type(error).__name__}: {error}")
+            error = future.exception()  # of the pool, such as a worker that the system has killed for want of memory
+            yield future.result() if error is None else CurveOutcome(job, CurveEnd.FAILED, f"{error}")
 
 
 @contextmanager
@@ -240,7 +237,8 @@ def _start_worker(messages: Any, stop: Any) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def _work(job: CurveJob) -> CurveEnd:
+def _work(job: CurveJob) -> CurveOutcome:
+    """Errors come back as text: not every exception survives the way between processes."""
     last, parent = 0.0, os.getppid()
 
     def report(progress: CurveProgress) -> None:
@@ -252,7 +250,10 @@ def _work(job: CurveJob) -> CurveEnd:
     def orphaned() -> bool:
         return os.getppid() != parent
 
-    end = trace_curve(job, report, lambda: _stop.is_set() or orphaned(), memory_of=parent)
+    try:
+        outcome = CurveOutcome(job, trace_curve(job, report, lambda: _stop.is_set() or orphaned(), memory_of=parent))
+    except Exception as error:
+        outcome = CurveOutcome(job, CurveEnd.FAILED, f"{type(error).__name__}: {error}")
     if orphaned():
         os._exit(1)  # the pool is gone, and its queues would be waited for without end
-    return end
+    return outcome

@@ -16,6 +16,7 @@ from rich.console import Console
 from rich.text import Text
 
 from updamp import stages
+from updamp.resources import Meter
 
 app = typer.Typer(
     help="From a bladed test rig's dimensions to its nonlinear vibration with a friction damper.",
@@ -81,29 +82,28 @@ def run(
             pictures=pictures,
             until=_stage(until),
         )
-        complete = _run(load_rig(rig), options)
+        with Meter() as meter:
+            complete = _run(load_rig(rig), options, meter)
     if not complete:
         raise typer.Exit(INCOMPLETE)
 
 
-def _run(rig, options) -> bool:  # type: ignore[no-untyped-def]  # their modules are loaded when a run begins
+def _run(rig, options, meter: Meter) -> bool:  # type: ignore[no-untyped-def]  # their modules are loaded when a run begins
     """Whether every curve crossed its window and every picture was drawn."""
     from updamp.progress import Display
-    from updamp.resources import Meter
     from updamp.run import Run
     from updamp.run_outputs import summarise, write_outputs
     from updamp.summary import curves_table, write_summary
 
     console = Console()
-    with Meter() as meter:
-        with Display(console) as display:
-            this = Run(rig, options, display)
-            products = this.products()
-            made, undrawn = write_outputs(this, products)
-            display.done("files", ", ".join(made) or "all as they were")
-        summary = summarise(this, products, meter.seconds, meter.peak_memory)
-        path = options.folder / "summary.json"
-        write_summary(path, summary)
+    with Display(console) as display:
+        this = Run(rig, options, display)
+        products = this.products()
+        made, undrawn = write_outputs(this, products)
+        display.done("files", ", ".join(made) or "all as they were")
+    summary = summarise(this, products, meter.seconds, meter.peak_memory)
+    path = options.folder / "summary.json"
+    write_summary(path, summary)
     if summary.get("curves"):
         console.print(curves_table(summary["curves"]))
     problems = [f"{c['mode']} {c['force_N']:g} N: {c['problem']}" for c in summary.get("curves", ()) if c["problem"]]

@@ -3,11 +3,16 @@
 For tests of what comes after the finite elements, without running them. Masses and frequencies are of the right size.
 """
 
+from pathlib import Path
+
 import numpy as np
 
 from updamp.fem.reduced_model import ReducedComponent, ReducedModel
+from updamp.fem.static_contact import static_contact
+from updamp.geometry.build_mesh import build_mesh
 from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements
-from updamp.rig import Rig
+from updamp.hbm.rig_system import rig_system
+from updamp.rig import Rig, load_rig
 
 LOCAL_FLEXIBILITY = 2e-10  # m/N, of each contact degree of freedom
 BLADE_MODES = ((269.0, 0), (1500.0, 2), (4000.0, 1))  # Hz, direction
@@ -18,6 +23,14 @@ def plain_reduced_model(rig: Rig, contacts: ContactElements) -> ReducedModel:
         _blade("blade_left", rig, contacts, LEFT), _blade("blade_right", rig, contacts, RIGHT),
         _damper(rig, contacts), contacts, 1e-12,
     )  # fmt: skip
+
+
+def around_first_stuck_mode(path: Path, half_width: float) -> tuple[str, str]:
+    """Window of frequencies, as in a rig file, about the first mode of the plain rig with all contacts stuck."""
+    rig = load_rig(path)
+    reduced = plain_reduced_model(rig, build_mesh(rig, "small").contacts)
+    frequency = rig_system(reduced, static_contact(reduced, rig), rig).stuck.frequencies[0]
+    return f"{frequency - half_width:.3f} Hz", f"{frequency + half_width:.3f} Hz"
 
 
 def _blade(name: str, rig: Rig, contacts: ContactElements, side: int) -> ReducedComponent:

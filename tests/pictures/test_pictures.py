@@ -1,0 +1,148 @@
+"""Pictures are drawn, small enough to keep, and show what they should."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from support.curves import softening_curve
+
+from updamp.fem.contact_rest import StaticContact
+from updamp.geometry.build_mesh import build_mesh
+from updamp.geometry.contact_elements import LEFT, RIGHT
+from updamp.geometry.mirror import mirrored
+from updamp.hbm.observe import ContactState
+from updamp.pictures import bodies, faces, kinematics, modes, response, scene
+from updamp.pictures.style import BLUE, LIGHT_GREY, ORANGE, VERMILLION, YELLOW
+from updamp.rig import load_rig
+
+RIG = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
+
+
+@pytest.fixture(scope="module")
+def rig():
+    return load_rig(RIG)
+
+
+@pytest.fixture(scope="module")
+def rig_mesh(rig):
+    return build_mesh(rig, "small")
+
+
+def pixels(path):
+    assert path.stat().st_size < 300_000
+    return np.asarray(Image.open(path).convert("RGB")).reshape(-1, 3).astype(int)
+
+
+def share(picture, colour, tolerance=12):
+    """Part of the picture in this colour."""
+    wanted = [int(colour[i : i + 2], 16) for i in (1, 3, 5)]
+    return np.mean(np.abs(picture - wanted).max(axis=1) <= tolerance)
+
+
+def test_the_mesh_shows_both_faces_patches(tmp_path, rig_mesh):
+    bodies.mesh(tmp_path / "deep" / "mesh.png", rig_mesh)
+    picture = pixels(tmp_path / "deep" / "mesh.png")
+    assert share(picture, ORANGE) > 0.005
+    assert share(picture, BLUE) > 0.001
+    assert share(picture, "#FFFFFF") > 0.3
+
+
+def bending(component, sign):
+    motion = np.zeros_like(component.vertices)
+    motion[:, 0] = sign * (component.vertices[:, 1] / 0.15) ** 2
+    return motion
+
+
+def test_mode_shapes_in_a_panel_and_in_motion(tmp_path, rig_mesh):
+    left = mirrored(rig_mesh.blade)
+    parts = tuple((body, bending(body, sign)) for body, sign in ((rig_mesh.blade, 1), (left, 1), (rig_mesh.damper, 0)))
+    shape = modes.Shape("IP: 424.0 Hz", parts)
+    modes.panel(tmp_path / "modes.png", [shape] * 4)
+    assert share(pixels(tmp_path / "modes.png"), "#FFFFFF") < 0.95
+    modes.animation(tmp_path / "mode.gif", shape)
+    assert (tmp_path / "mode.gif").stat().st_size < 300_000
+    with Image.open(tmp_path / "mode.gif") as film:
+        assert film.n_frames == modes.FRAMES
+        frames = []
+        for number in (0, modes.FRAMES // 4, modes.FRAMES // 2, 3 * modes.FRAMES // 4):
+            film.seek(number)
+            frames.append(np.asarray(film.convert("L")).astype(int))
+    differ = [np.mean(np.abs(frame - frames[0]) > 20) for frame in frames]
+    assert differ[1] > 0.01, "a quarter period later it is bent"
+    assert differ[3] > 0.01
+    assert differ[2] < 0.003, "half a period later it passes through rest again"
+
+
+def test_the_unrolled_faces_keep_areas_and_stand_upright(rig, rig_mesh):
+    contacts = rig_mesh.contacts
+    for side in (LEFT, RIGHT):
+        corners = faces.unrolled(contacts, side)
+        a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        area = np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2
+        np.testing.assert_allclose(area, 1e6 * contacts.area[contacts.face == side])
+        assert corners[..., 1].min() == pytest.approx(0)
+        assert corners[..., 1].max() == pytest.approx(1e3 * rig.damper.face_length)
+        heights = contacts.centroid[contacts.face == side, 1]
+        assert np.corrcoef(heights, corners[..., 1].mean(axis=1))[0, 1] == pytest.approx(1), "up is up the slope"
+
+
+def test_pressure_and_contact_states(tmp_path, rig_mesh):
+    contacts = rig_mesh.contacts
+    n = len(contacts)
+    rest = StaticContact("uniform", 1e6 * contacts.area, np.zeros((n, 2)), np.zeros(n), 960.0, 1.0, 0.0)
+    faces.pressure(tmp_path / "pressure.png", contacts, rest)
+    assert share(pixels(tmp_path / "pressure.png"), "#FFFFFF") < 0.9
+    only_stuck = np.full(n, ContactState.STUCK)
+    half_open = np.where(contacts.face == LEFT, ContactState.NEVER_IN_CONTACT, ContactState.SEPARATING)
+    faces.contact_states(tmp_path / "a.png", contacts, "OOP", {1.0: only_stuck})
+    faces.contact_states(tmp_path / "b.png", contacts, "IP", {1.0: half_open, 0.1: only_stuck})
+    stuck, mixed = pixels(tmp_path / "a.png"), pixels(tmp_path / "b.png")
+    assert share(stuck, BLUE) > 0.1
+    assert share(stuck, VERMILLION) < 0.01
+    assert share(mixed, VERMILLION) > 0.05
+    assert share(mixed, LIGHT_GREY) > 0.05
+    assert share(mixed, YELLOW) < 0.01, "in the key alone"
+
+
+def test_the_states_are_those_of_the_harmonic_balance_in_order():
+    assert [state.name.replace("_", " ").replace("STICK SLIP", "STICK-SLIP").lower() for state in ContactState] == list(
+        faces.STATES
+    )
+
+
+def test_frequency_responses_with_folds_and_a_stopped_branch(tmp_path):
+    curves = [
+        softening_curve(force=0.1),
+        softening_curve(force=1.0, softening=4.0),
+        softening_curve(force=3.0, softening=6.0, stopped="the branch stops"),
+    ]
+    response.frequency_responses(tmp_path / "frf.png", "IP", curves, "blade_right.tip.x")
+    assert share(pixels(tmp_path / "frf.png"), "#FFFFFF") < 0.98
+    labels = [mark.get_label() for mark in response._key_of_marks(curves)]
+    assert labels == ["peak", "jump, sweep up", "jump, sweep down", "branch stopped"]
+    assert [mark.get_label() for mark in response._key_of_marks(curves[:1])] == ["peak"]
+
+
+def test_damper_motion_translates_in_one_mode_and_rolls_in_the_other(tmp_path, rig):
+    curves = {mode: (softening_curve(mode), 100) for mode in ("OOP", "IP")}
+    kinematics.damper_kinematics(tmp_path / "motion.png", rig, curves)
+    assert share(pixels(tmp_path / "motion.png"), "#FFFFFF") < 0.98
+    oop, ip = (kinematics.damper_motion(curve, place) for curve, place in curves.values())
+    np.testing.assert_allclose(oop["left.x"], oop["right.x"])
+    np.testing.assert_allclose(ip["left.y"], -ip["right.y"])
+    # softening_curve: amplitude 1e-5 m times the share of the point, and 5 % of third harmonic in phase at its peak
+    assert oop["left.x"].max() == pytest.approx(0.3 * 1e-5, rel=0.06)
+
+
+def test_the_mean_position_is_no_part_of_an_orbit():
+    curve = softening_curve("IP")
+    curve.response[:, :, 0] = 1.0
+    assert max(np.abs(values).max() for values in kinematics.damper_motion(curve, 50).values()) < 1e-4
+
+
+def test_missing_system_libraries_are_named_before_anything_crashes(tmp_path, rig_mesh, monkeypatch):
+    monkeypatch.setattr(scene, "LIBRARIES", {"libc.so.6": "libc6", "libnowhere.so.7": "libnowhere7"})
+    with pytest.raises(scene.RenderingError, match=r"libnowhere\.so\.7 missing; apt-get install libnowhere7 \(Debian"):
+        bodies.mesh(tmp_path / "mesh.png", rig_mesh)
+    assert list(tmp_path.iterdir()) == []
