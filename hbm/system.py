@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from updamp.hbm.elements import ElementGroup, element_forces, force_only
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.linear_model import LinearModel, add_springs
+from updamp.hbm.linear_model import LinearModel, stuck_on
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -80,8 +80,7 @@ class NonlinearSystem:
     @cached_property
     def stuck(self) -> LinearModel:
         """The structure with every element on its reference springs."""
-        directions = np.eye(self.free.n_rows, self.free.n_relative)
-        return add_springs(self.free, directions, self.reference_stiffness)
+        return stuck_on(self.free, self.reference_stiffness)
 
     def departure(self, x: Floats, w: float) -> Departure:
         """g and its tangent at the relative displacements x: (n_relative, n_coefficients) [m]."""
