@@ -2,6 +2,7 @@
 
 import json
 import os
+import shlex
 import signal
 import sys
 from collections.abc import Iterator
@@ -167,7 +168,7 @@ def _clean_errors(debug: bool) -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
-        command = " ".join(["updamp", *sys.argv[1:]])
+        command = shlex.join(["updamp", *sys.argv[1:]])
         typer.echo(
             f"\nInterrupted. What is solved so far is kept; to go on from there run again:\n  {command}", err=True
         )

@@ -19,6 +19,7 @@ from typer.testing import CliRunner
 
 from updamp import stages, store
 from updamp.hbm.response_curve import ResponseCurve
+from updamp.pictures import scene
 from updamp.pipeline import app
 from updamp.progress import Display
 from updamp.resources import Meter
@@ -132,7 +133,7 @@ def test_a_second_run_does_nothing_and_is_quick(finished):
     assert second == first, "what the stages once cost is still reported"
 
 
-def must_not_run(*arguments):
+def must_not_run(*_):
     raise AssertionError("this stage has to come from its file")
 
 
@@ -218,6 +219,18 @@ def test_a_branch_that_turns_back_is_no_complete_curve(finished, tmp_path):
     assert "left the window where it had entered" in result.output
 
 
+def test_without_the_libraries_for_rendering_the_rest_is_made(finished, tmp_path, monkeypatch):
+    rig, out, _ = finished
+    shutil.copytree(out, tmp_path / "out")
+    shutil.rmtree(tmp_path / "out" / "pictures")
+    monkeypatch.setattr(scene, "LIBRARIES", {"libnowhere.so.7": "libnowhere7"})
+    result = run_command("run", rig, "--mesh", "small", "--out", tmp_path / "out")
+    assert result.exit_code == 1
+    assert "apt-get install libnowhere7" in result.output
+    drawn = {path.name for path in (tmp_path / "out" / "pictures").iterdir()}
+    assert drawn == set(PICTURES) - {"mesh.png", "modes.png", "mode.gif"}
+
+
 def test_an_interruption_is_survived(finished, tmp_path):
     """Ctrl-C in the middle of a curve of a real process: the partial file stays and the way on is shown."""
     _, out, _ = finished
@@ -238,7 +251,7 @@ def test_an_interruption_is_survived(finished, tmp_path):
         process.kill()
     assert process.returncode == 130, output
     assert "run again" in output
-    assert "--force 20 N" in output
+    assert "--force '20 N'" in output
     assert "Traceback" not in output
     assert len(store.read(partial, ResponseCurve)) >= 1
 
