@@ -69,8 +69,9 @@ def test_check_alone_for_another_contact_stiffness(tiny_mesh, reference_rig, res
 def test_reduced_model_does_not_know_the_contact_stiffness(tiny_mesh, reference_rig, result) -> None:
     other = finite_element_model(tiny_mesh, reference_rig).reduced
     for one, two in zip(other.components, result.reduced.components, strict=True):
-        np.testing.assert_allclose(one.residual, two.residual, atol=1e-12 * np.abs(two.residual).max())
-        np.testing.assert_allclose(one.omega, two.omega, rtol=1e-12)
+        # A threaded factorisation repeats to round-off only, which the lowest modes see magnified by their softness.
+        np.testing.assert_allclose(one.residual, two.residual, atol=1e-10 * np.abs(two.residual).max())
+        np.testing.assert_allclose(one.omega, two.omega, rtol=1e-9)
 
 
 def test_blades_move_against_and_with_each_other(tiny_mesh, result) -> None:
