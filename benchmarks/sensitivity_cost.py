@@ -1,4 +1,4 @@
-"""Cost of the derivatives with respect to 20 parameters, as a share of the solve of the same point. Processor time, one thread."""
+"""Derivatives with respect to 20 parameters, as a share of the solve of the point: processor time, one thread."""
 
 import os
 
