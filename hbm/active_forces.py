@@ -5,8 +5,8 @@ from functools import cached_property
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
-from scipy.sparse.linalg import LinearOperator, gmres
 
+from updamp.hbm.krylov import gmres
 from updamp.hbm.system import Departure, Receptance
 from updamp.hbm.tangent import apply_tangent, real_form
 
@@ -22,7 +22,7 @@ class DirectForces:
         matrix = _active_matrix(receptance, departure, rows)
         self._factors = scipy.linalg.lu_factor(matrix, overwrite_a=True, check_finite=False)
 
-    def __call__(self, b: Floats) -> Floats:
+    def __call__(self, b: Floats, start: Floats | None = None) -> Floats:  # noqa: ARG002  a direct solver needs none
         y = np.zeros_like(b)
         active = b[self._rows]
         y[self._rows] = scipy.linalg.lu_solve(self._factors, active.ravel(), check_finite=False).reshape(active.shape)
@@ -40,25 +40,33 @@ class KrylovForces:
     """
 
     def __init__(
-        self, receptance: Receptance, departure: Departure, rows: Integers, tolerance: float = 1e-5, restart: int = 120
+        self,
+        receptance: Receptance,
+        departure: Departure,
+        rows: Integers,
+        tolerance: float = 1e-5,
+        iterations: int = 120,
     ) -> None:
         self._receptance, self._departure, self._rows = receptance, departure, rows
-        self._tolerance, self._restart = tolerance, restart
+        self._tolerance, self._limit = tolerance, iterations
         self.iterations = 0
 
-    def __call__(self, b: Floats) -> Floats:
-        def count(_: float) -> None:
-            self.iterations += 1
+    def __call__(self, b: Floats, start: Floats | None = None) -> Floats:
+        """start: a first guess of y, such as the solution for a nearby point"""
+        first = None if start is None else start[self._rows].ravel()
+        found = gmres(self._operator, b[self._rows].ravel(), first, self._tolerance, self._limit)
+        self.iterations += found.iterations
+        return self._spread(found.value) if found.converged else self._direct(b)
 
-        operator = LinearOperator((b.size, b.size), matvec=lambda v: self._matvec(v.reshape(b.shape)).ravel())
-        y, failed = gmres(
-            operator, b.ravel(), rtol=self._tolerance, atol=0.0, restart=self._restart, maxiter=1, callback=count,
-            callback_type="pr_norm",
-        )  # fmt: skip
-        return self._direct(b) if failed else y.reshape(b.shape)
+    def _operator(self, active: Floats) -> Floats:
+        motion = self._receptance.apply(self._spread(active))
+        return active + apply_tangent(self._receptance.system, self._departure, motion)[self._rows].ravel()
 
-    def _matvec(self, y: Floats) -> Floats:
-        return y + apply_tangent(self._receptance.system, self._departure, self._receptance.apply(y))
+    def _spread(self, active: Floats) -> Floats:
+        system = self._receptance.system
+        forces = np.zeros((system.free.n_relative, system.harmonics.n_coefficients))
+        forces[self._rows] = active.reshape(len(self._rows), -1)
+        return forces
 
     @cached_property
     def _direct(self) -> DirectForces:
@@ -72,7 +80,7 @@ class ModalForces:
         self._receptance, self._departure = receptance, departure
         self._factors = scipy.linalg.lu_factor(self._matrix(), overwrite_a=True, check_finite=False)
 
-    def __call__(self, b: Floats) -> Floats:
+    def __call__(self, b: Floats, start: Floats | None = None) -> Floats:  # noqa: ARG002  a direct solver needs none
         phi = self._phi
         modal = scipy.linalg.lu_solve(self._factors, (phi.T @ b).ravel(), check_finite=False)
         motion = phi @ modal.reshape(phi.shape[1], -1)
@@ -109,6 +117,8 @@ def _active_matrix(receptance: Receptance, departure: Departure, rows: Integers)
     place[rows] = np.arange(n_active)
     for group, tangent in zip(system.groups, departure.tangents, strict=True):
         chosen = np.flatnonzero((place[group.rows] >= 0).any(axis=1))
+        if not len(chosen):
+            continue
         element_rows = group.rows[chosen]
         for k, part in system.harmonics.slices.items():
             product = _tangent_times_receptance(receptance, tangent[chosen][..., part], k, element_rows, rows)

@@ -5,7 +5,8 @@ given scale, so that steps are even in the logarithm of the amplitude and in the
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,8 @@ class ContinuationOptions:
     """Steps are lengths of arc in the relative metric.
 
     first_step, smallest_step, largest_step: the corrector's failures halve the step down to the smallest
+    secant_below: cosine of the angle between tangent and secant below which the secant is tried too
+    kink_step: below this step the corrector's failure is taken for a corner that turns back
     wanted_iterations: steps grow where Newton needs fewer and shrink where it needs more
     frequency_scale: share of the window that counts as one unit of arc
     max_points: at most this many points a branch
@@ -32,6 +35,8 @@ class ContinuationOptions:
     first_step: float = 0.05
     smallest_step: float = 1e-6
     largest_step: float = 0.2
+    secant_below: float = 0.98
+    kink_step: float = 1e-3
     wanted_iterations: int = 4
     frequency_scale: float = 0.5
     max_points: int = 1500
@@ -58,6 +63,7 @@ class BranchPoint:
     x: (n_relative, n_coefficients) [m]; w [rad/s]
     tangent_x, tangent_w: direction of the branch, of unit length in the metric at this point
     step: arc length from the point before; turning: whether the frequency turned round since then
+    agreement: cosine of the angle between the tangent here and the move that led here
     """
 
     x: Floats
@@ -66,6 +72,7 @@ class BranchPoint:
     tangent_w: float
     step: float
     turning: bool
+    agreement: float
     solution: Solution
 
     @property
@@ -131,7 +138,7 @@ def continue_branch(
     options = options or ContinuationOptions()
     scale_w = options.scale_w(window)
     if resume_from:
-        points = list(resume_from[-2:])
+        points = list(resume_from)
     else:
         w = 2 * np.pi * (window[0] if upwards else window[1])
         points = [_start(first_point(system, excitation, w, options.newton), excitation, scale_w, upwards)]
@@ -140,10 +147,33 @@ def continue_branch(
     inside = tuple(2 * np.pi * f for f in window)
     for _ in range(options.max_points - 1):
         point, step = _next_point(system, excitation, points, step, scale_w, options)
-        points = [points[-1], point]
+        if _retraces(point, points, scale_w):
+            # At a corner that is nearly a reversal the tangent was taken the wrong way round: go the other way.
+            points[-1] = replace(points[-1], tangent_x=-points[-1].tangent_x, tangent_w=-points[-1].tangent_w)
+            point, step = _next_point(system, excitation, points, options.kink_step, scale_w, options)
+            if _retraces(point, points, scale_w):
+                raise BranchStoppedError(point.frequency, point.solution.errors[-1], Status.STALLED)
+        points = [*points[-_HISTORY:], point]
         yield point
         if not inside[0] <= point.w <= inside[1]:
             return
+
+
+# Points kept to notice a branch that runs back over itself.
+_HISTORY = 30
+
+
+def _retraces(point: BranchPoint, points: Sequence[BranchPoint], scale_w: float) -> bool:
+    """Whether the point lies on the piece of the branch that led to the last point, not beyond it."""
+    size = _size(points[-1].x)
+    for start, end in pairwise(points):
+        along, off = (end.x - start.x, end.w - start.w), (point.x - start.x, point.w - start.w)
+        length = _distance(*along, size, scale_w)
+        share = _product(along, off, size, scale_w) / length**2
+        rest = (off[0] - share * along[0], off[1] - share * along[1])
+        if -0.05 < share < 0.95 and _distance(*rest, size, scale_w) < 0.02 * min(length, point.step):
+            return True
+    return False
 
 
 def branch_point(
@@ -153,26 +183,58 @@ def branch_point(
     equation = evaluate(system, excitation, x, w)
     jacobian = factorise(equation.receptance, equation.departure)
     solution = Solution(x, w, Status.CONVERGED, 0, (equation.error,), equation, jacobian)
-    tangent_x, tangent_w = _tangent(solution, excitation, scale_w)
-    size = _size(x)
+    tangent_x, tangent_w = _tangent(solution, excitation, scale_w, _size(x))
     dx, dw = onwards
-    sign = 1.0 if np.vdot(tangent_x, dx) / size**2 + tangent_w * dw / scale_w**2 > 0 else -1.0
-    moved = float(np.sqrt(np.sum(dx**2) / size**2 + dw**2 / scale_w**2))
-    return BranchPoint(x, w, sign * tangent_x, sign * tangent_w, moved, False, solution)
+    sign = 1.0 if _product((tangent_x, tangent_w), onwards, _size(x), scale_w) > 0 else -1.0
+    moved = _distance(dx, dw, _size(x), scale_w)
+    return BranchPoint(x, w, sign * tangent_x, sign * tangent_w, moved, False, 1.0, solution)
 
 
 def _start(solution: Solution, excitation: Excitation, scale_w: float, upwards: bool) -> BranchPoint:
-    tangent_x, tangent_w = _tangent(solution, excitation, scale_w)
-    sign = 1.0 if (tangent_w > 0) == upwards else -1.0
-    return BranchPoint(solution.x, solution.w, sign * tangent_x, sign * tangent_w, 0.0, False, solution)
+    tangent_x, tangent_w = _tangent(solution, excitation, scale_w, _size(solution.x))
+    sign = 1.0 if upwards else -1.0
+    return BranchPoint(solution.x, solution.w, sign * tangent_x, sign * tangent_w, 0.0, False, 1.0, solution)
 
 
-def _tangent(solution: Solution, excitation: Excitation, scale_w: float) -> tuple[Floats, float]:
-    """Unit tangent (dx, dw) of the branch, increasing w, from the last factorised Jacobian."""
-    assert solution.jacobian is not None, "a converged solution carries its Jacobian"
-    dx = -solution.jacobian.solve(solution.equation.frequency_derivative(excitation))
-    length = np.sqrt(np.sum(dx**2) / _size(solution.x) ** 2 + 1 / scale_w**2)
+def _point_after(solution: Solution, excitation: Excitation, scale_w: float, last: BranchPoint) -> BranchPoint:
+    """The solution with the direction to go on in: the tangent, oriented onwards, where it agrees with the move that
+    led here, and else the move itself. Where many contacts change state the tangent is that of a tiny piece of the
+    branch between two corners and says little about where the branch leads.
+    """
+    size, move = _size(last.x), (solution.x - last.x, solution.w - last.w)
+    moved = _distance(*move, size, scale_w)
+    dx, dw = _tangent(solution, excitation, scale_w, size)
+    agreement = _product(move, (dx, dw), size, scale_w) / moved
+    if abs(agreement) < _SMOOTH:
+        dx, dw, agreement = move[0] / moved, move[1] / moved, 1.0
+    rescale = np.sign(agreement) / _distance(dx, dw, _size(solution.x), scale_w)
+    dx, dw = rescale * dx, rescale * dw
+    return BranchPoint(solution.x, solution.w, dx, dw, moved, dw * last.tangent_w < 0, abs(agreement), solution)
+
+
+# Cosine of the angle between tangent and move above which the tangent is trusted.
+_SMOOTH = 0.7
+
+
+def _product(a: tuple[Floats, float], b: tuple[Floats, float], size: float, scale_w: float) -> float:
+    """Inner product of two directions (dx, dw) in the relative metric."""
+    return float(np.vdot(a[0], b[0]) / size**2 + a[1] * b[1] / scale_w**2)
+
+
+def _tangent(solution: Solution, excitation: Excitation, scale_w: float, size: float) -> tuple[Floats, float]:
+    """Unit tangent (dx, dw) of the branch, increasing w, from the last Jacobian."""
+    if solution.by_frequency is not None:
+        dx = -solution.by_frequency
+    else:
+        assert solution.jacobian is not None, "a converged solution carries its Jacobian"
+        dx = -solution.jacobian.solve(solution.equation.frequency_derivative(excitation))
+    length = _distance(dx, 1.0, size, scale_w)
     return dx / length, 1 / length
+
+
+def _distance(dx: Floats, dw: float, size: float, scale_w: float) -> float:
+    """Length in the relative metric."""
+    return float(np.sqrt(np.sum(dx**2) / size**2 + dw**2 / scale_w**2))
 
 
 def _size(x: Floats) -> float:
@@ -189,26 +251,104 @@ def _next_point(
 ) -> tuple[BranchPoint, float]:
     """The following point and the step to try after it; the step is halved until the corrector succeeds."""
     last = points[-1]
-    size = _size(last.x)
     while True:
-        x, w = _predict(points, step)
-        arc = Arc(x, w, last.tangent_x, last.tangent_w, size, scale_w)
-        solution = solve(system, excitation, x, w, options.newton, arc)
-        dx, dw = solution.x - last.x, solution.w - last.w
-        moved = np.sqrt(np.sum(dx**2) / size**2 + dw**2 / scale_w**2)
-        if solution.converged and 0.3 * step < moved < 3 * step:
+        solution = _forward(system, excitation, points, step, scale_w, options)
+        if solution is None and step < options.kink_step:
+            solution = _round_a_kink(system, excitation, points, step, scale_w, options)
+        if solution is not None:
             break
         if step / 2 < options.smallest_step:
-            status = Status.STALLED if solution.converged else solution.status
-            raise BranchStoppedError(last.frequency, solution.errors[-1], status)
+            x, w = _predict(points, step)
+            arc = Arc(x, w, last.tangent_x, last.tangent_w, _size(last.x), scale_w)
+            failed = solve(system, excitation, x, w, options.newton, arc)
+            status = Status.STALLED if failed.converged else failed.status
+            raise BranchStoppedError(last.frequency, failed.errors[-1], status)
         step /= 2
-    tangent_x, tangent_w = _tangent(solution, excitation, scale_w)
-    if np.vdot(tangent_x, dx) / size**2 + tangent_w * dw / scale_w**2 < 0:
-        tangent_x, tangent_w = -tangent_x, -tangent_w
-    turning = tangent_w * last.tangent_w < 0
-    point = BranchPoint(solution.x, solution.w, tangent_x, tangent_w, float(moved), turning, solution)
+    point = _point_after(solution, excitation, scale_w, last)
     growth = np.clip(2.0 ** ((options.wanted_iterations - solution.iterations) / 2), 0.5, 2.0)
-    return point, float(np.clip(step * growth, options.smallest_step, options.largest_step))
+    return point, float(np.clip(max(step, point.step) * growth, options.smallest_step, options.largest_step))
+
+
+def _forward(
+    system: NonlinearSystem,
+    excitation: Excitation,
+    points: Sequence[BranchPoint],
+    step: float,
+    scale_w: float,
+    options: ContinuationOptions,
+) -> Solution | None:
+    """One step along the tangent, or else along the secant: near many small corners it is the better guess."""
+    last, size = points[-1], _size(points[-1].x)
+    x, w = _predict(points, step)
+    arc = Arc(x, w, last.tangent_x, last.tangent_w, size, scale_w)
+    solution = _corrected(system, excitation, last, arc, step, options)
+    if solution is not None or len(points) < 2:
+        return solution
+    dx, dw = last.x - points[-2].x, last.w - points[-2].w
+    length = _distance(dx, dw, size, scale_w)
+    dx, dw = dx / length, dw / length
+    if _product((dx, dw), (last.tangent_x, last.tangent_w), size, scale_w) > options.secant_below:
+        return None
+    arc = Arc(last.x + step * dx, last.w + step * dw, dx, dw, size, scale_w)
+    return _corrected(system, excitation, last, arc, step, options)
+
+
+def _corrected(
+    system: NonlinearSystem,
+    excitation: Excitation,
+    last: BranchPoint,
+    arc: Arc,
+    step: float,
+    options: ContinuationOptions,
+) -> Solution | None:
+    """The solution on the arc, if there is one about a step away from the last point."""
+    solution = solve(system, excitation, arc.x0, arc.w0, options.newton, arc)
+    moved = _distance(solution.x - last.x, solution.w - last.w, arc.scale_x, arc.scale_w)
+    return solution if solution.converged and 0.5 * step < moved < 1.6 * step else None
+
+
+def _round_a_kink(
+    system: NonlinearSystem,
+    excitation: Excitation,
+    points: Sequence[BranchPoint],
+    step: float,
+    scale_w: float,
+    options: ContinuationOptions,
+) -> Solution | None:
+    """Where many contacts change their state at once the branch has a corner, and may turn back sharply in it.
+
+    Beyond the corner other tangents hold: they are taken a little ahead, and followed both ways; the way by which
+    the branch came does not count.
+    """
+    last, before = points[-1], points[-2] if len(points) > 1 else None
+    size = _size(last.x)
+    for ahead in (1.0, 4.0, 0.25):
+        x, w = last.x + ahead * step * last.tangent_x, last.w + ahead * step * last.tangent_w
+        equation = evaluate(system, excitation, x, w)
+        jacobian = factorise(equation.receptance, equation.departure)
+        beyond = Solution(x, w, Status.CONVERGED, 0, (equation.error,), equation, jacobian)
+        dx, dw = _tangent(beyond, excitation, scale_w, size)
+        for sign in (-1.0, 1.0):
+            for length in (step, 8 * step, 64 * step):
+                arc = Arc(last.x + sign * length * dx, last.w + sign * length * dw, sign * dx, sign * dw, size, scale_w)
+                solution = _corrected(system, excitation, last, arc, length, options)
+                if solution is not None and not _back_the_way(solution, last, before, size, scale_w):
+                    return solution
+    return None
+
+
+def _back_the_way(
+    solution: Solution, last: BranchPoint, before: BranchPoint | None, size: float, scale_w: float
+) -> bool:
+    """Whether the solution lies on the part of the branch that was just traversed."""
+    if before is None:
+        came_x, came_w = -last.tangent_x, -last.tangent_w
+    else:
+        came_x, came_w = before.x - last.x, before.w - last.w
+    dx, dw = solution.x - last.x, solution.w - last.w
+    product = _product((came_x, came_w), (dx, dw), size, scale_w)
+    lengths = _distance(dx, dw, size, scale_w) * _distance(came_x, came_w, size, scale_w)
+    return bool(product > 0.95 * lengths)
 
 
 def _predict(points: Sequence[BranchPoint], step: float) -> tuple[Floats, float]:

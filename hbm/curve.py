@@ -55,12 +55,17 @@ def trace(
     except BranchStoppedError as stop:
         yield records.curve(stopped=str(stop))
         return
-    low, high = request.window
-    left = not low < records.curve().frequency[-1] < high
-    budget = (
-        "" if left else f"{request.options.max_points} points did not reach the end of the window: raise max_points"
-    )
-    yield records.curve(complete=left, stopped=budget)
+    yield records.curve(complete=not (reason := _unfinished(request, records.curve())), stopped=reason)
+
+
+def _unfinished(request: CurveRequest, curve: ResponseCurve) -> str:
+    """Why a branch that ended did not go through the window, "" if it did."""
+    (low, high), last = request.window, curve.frequency[-1]
+    if low <= last <= high:
+        return f"the end of the window was not reached in {request.options.max_points} points: raise max_points"
+    if (last > high) != request.upwards:
+        return f"the branch came back to {last:.2f} Hz, where it began: widen the window there or take smaller steps"
+    return ""
 
 
 def _last_points(system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve) -> Sequence[BranchPoint]:

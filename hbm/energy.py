@@ -31,7 +31,7 @@ def friction_loss(system: NonlinearSystem, x: Floats, w: float, time_samples: in
 
 
 def material_loss(equation: Equation, excitation: Excitation) -> float:
-    """pi sum_k |q_k|^2 weighted by the damping of the modes [J]; the residual flexibility is taken as undamped."""
+    """pi sum_k k q_k^H D_k q_k [J], D_k the damping of the modes; the residual flexibility is taken as undamped."""
     system, receptance = equation.receptance.system, equation.receptance
     stuck, harmonics = system.stuck, system.harmonics
     loads = -stuck.phi[: stuck.n_relative].T @ equation.departure.value
@@ -44,5 +44,5 @@ def material_loss(equation: Equation, excitation: Excitation) -> float:
             load = load + excitation.force * stuck.phi[excitation.row]
         q = receptance.modal[k] @ load
         damping = stuck.hysteretic + k * receptance.w * stuck.viscous
-        total += np.pi * float(np.real(q.conj() @ damping @ q))
+        total += np.pi * k * float(np.real(q.conj() @ damping @ q))
     return total

@@ -26,8 +26,8 @@ DIRECT_UP_TO = 400
 class ForceSolver(Protocol):
     """Solves y + T G y = b for forces y on the active rows."""
 
-    def __call__(self, b: Floats) -> Floats:
-        """(n_relative, n_coefficients) -> same"""
+    def __call__(self, b: Floats, start: Floats | None = None) -> Floats:
+        """(n_relative, n_coefficients) -> same; start: a first guess, for those that iterate"""
         ...
 
 
@@ -46,10 +46,15 @@ class Jacobian:
 
     def solve(self, right: Floats) -> Floats:
         """J^-1 right: (n_relative, n_coefficients) -> same"""
+        return self.solve_from(right, None)[0]
+
+    def solve_from(self, right: Floats, start: Floats | None) -> tuple[Floats, Floats | None]:
+        """J^-1 right and the forces y it came by; start: those of a similar right-hand side, or None."""
         if self.forces is None:
-            return right
+            return right, None
         b = apply_tangent(self.receptance.system, self.departure, right)
-        return right - self.receptance.apply(self.forces(b))
+        y = self.forces(b, start)
+        return right - self.receptance.apply(y), y
 
 
 def factorise(receptance: Receptance, departure: Departure) -> Jacobian:

@@ -37,13 +37,16 @@ _ADVICE = {
 @dataclass(frozen=True)
 class NewtonOptions:
     """tolerance: largest residual over largest displacement; iterations: at most this many.
+    smallest_damping: shortest part of a step that is tried
+    memory: a residual may exceed the last one, but not all of this many
 
     raises: ValueError naming the option that is out of range
     """
 
     tolerance: float = 1e-9
-    iterations: int = 25
+    iterations: int = 15
     smallest_damping: float = 1 / 64
+    memory: int = 4
 
     def __post_init__(self) -> None:
         if not 1e-14 < self.tolerance < 1e-2:
@@ -83,7 +86,10 @@ class Equation:
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """x: (n_relative, n_coefficients) [m]; w [rad/s]; error: as in Equation, one entry an iteration"""
+    """x: (n_relative, n_coefficients) [m]; w [rad/s]; errors: as in Equation, one entry an iteration
+
+    jacobian: at the iterate before the last; by_frequency: its J^-1 dr/dw [m s], None at fixed frequency
+    """
 
     x: Floats
     w: float
@@ -92,6 +98,7 @@ class Solution:
     errors: tuple[float, ...]
     equation: Equation
     jacobian: Jacobian | None
+    by_frequency: Floats | None = None
 
     @property
     def converged(self) -> bool:
@@ -139,40 +146,57 @@ def solve(
     """
     options = options or NewtonOptions()
     equation = evaluate(system, excitation, x, w)
-    errors = [equation.error]
-    jacobian: Jacobian | None = None
-    for _iteration in range(options.iterations):
-        if errors[-1] < options.tolerance and jacobian is not None:
-            return _solution(equation, Status.CONVERGED, errors, jacobian)
+    errors, sizes = [equation.error], [float(np.linalg.norm(equation.residual))]
+    step: _Step | None = None
+    status = Status.TOO_MANY_ITERATIONS
+    while len(errors) <= options.iterations:
+        if errors[-1] < options.tolerance and step is not None:
+            status = Status.CONVERGED
+            break
         if not np.isfinite(errors[-1]):
-            return _solution(equation, Status.DIVERGED, errors, jacobian)
+            status = Status.DIVERGED
+            break
         try:
-            jacobian = factorise(equation.receptance, equation.departure)
+            step = _step(equation, factorise(equation.receptance, equation.departure), excitation, arc, step)
         except scipy.linalg.LinAlgError:
-            return _solution(equation, Status.DIVERGED, errors, jacobian)
-        dx, dw = _step(equation, jacobian, excitation, arc)
-        candidate = _damped(system, excitation, equation, (dx, dw), options)
+            status = Status.DIVERGED
+            break
+        candidate = _damped(system, excitation, equation, (step.dx, step.dw), options, max(sizes[-options.memory :]))
         if candidate is None:
-            return _solution(equation, Status.STALLED, errors, jacobian)
+            status = Status.STALLED
+            break
         equation = candidate
         errors.append(equation.error)
-    status = Status.CONVERGED if errors[-1] < options.tolerance else Status.TOO_MANY_ITERATIONS
-    return _solution(equation, status, errors, jacobian)
+        sizes.append(float(np.linalg.norm(equation.residual)))
+    if errors[-1] < options.tolerance and step is not None:
+        status = Status.CONVERGED
+    jacobian, slope = (None, None) if step is None else (step.jacobian, step.by_frequency)
+    return Solution(equation.x, equation.w, status, len(errors) - 1, tuple(errors), equation, jacobian, slope)
 
 
-def _solution(equation: Equation, status: Status, errors: list[float], jacobian: Jacobian | None) -> Solution:
-    return Solution(equation.x, equation.w, status, len(errors) - 1, tuple(errors), equation, jacobian)
+@dataclass(frozen=True, eq=False)
+class _Step:
+    """A Newton step; by_frequency: J^-1 dr/dw, None at fixed frequency; forces: what it came by"""
+
+    dx: Floats
+    dw: float
+    jacobian: Jacobian
+    by_frequency: Floats | None
+    forces: Floats | None
 
 
-def _step(equation: Equation, jacobian: Jacobian, excitation: Excitation, arc: Arc | None) -> tuple[Floats, float]:
+def _step(
+    equation: Equation, jacobian: Jacobian, excitation: Excitation, arc: Arc | None, before: _Step | None
+) -> _Step:
     """The Newton step, bordered by the arc's hyperplane where there is one (block elimination)."""
     by_residual = jacobian.solve(equation.residual)
     if arc is None:
-        return -by_residual, 0.0
-    by_frequency = jacobian.solve(equation.frequency_derivative(excitation))
+        return _Step(-by_residual, 0.0, jacobian, None, None)
+    start = before.forces if before is not None else None
+    by_frequency, forces = jacobian.solve_from(equation.frequency_derivative(excitation), start)
     off_plane = arc.product(equation.x - arc.x0, equation.w - arc.w0)
     dw = (arc.product(by_residual, 0.0) - off_plane) / arc.product(-by_frequency, 1.0)
-    return -by_residual - by_frequency * dw, dw
+    return _Step(-by_residual - by_frequency * dw, dw, jacobian, by_frequency, forces)
 
 
 def _damped(
@@ -181,15 +205,18 @@ def _damped(
     equation: Equation,
     step: tuple[Floats, float],
     options: NewtonOptions,
+    bound: float,
 ) -> Equation | None:
-    """The first of the full, half, ... step that lowers the residual; None where none does."""
+    """The first of the full, half, ... step whose residual stays below the bound; None where none does.
+
+    The bound is the largest of the last residuals, not the last one (Grippo, Lampariello and Lucidi 1986): where a
+    contact changes its state the residual has a kink, and a step across it may have to go up first.
+    """
     damping = 1.0
-    before = np.abs(equation.residual).max()
     floor = options.tolerance * max(np.abs(equation.x).max(), np.finfo(float).tiny)
     while damping >= options.smallest_damping:
         candidate = evaluate(system, excitation, equation.x + damping * step[0], equation.w + damping * step[1])
-        after = np.abs(candidate.residual).max()
-        if after < before or after < floor:
+        if np.linalg.norm(candidate.residual) < bound or np.abs(candidate.residual).max() < floor:
             return candidate
         damping /= 2
     return None
