@@ -24,6 +24,8 @@ class ContinuationOptions:
 
     first_step, smallest_step, largest_step: the corrector's failures halve the step down to the smallest
     secant_below: cosine of the angle between tangent and secant below which the secant is tried too
+    leap_below: below this step long ones are tried, over a piece that is rough with corners: `leaps` in length, from
+        the last point and from those `rewinds` before it
     kink_step: below this step the corrector's failure is taken for a corner that turns back
     wanted_iterations: steps grow where Newton needs fewer and shrink where it needs more
     frequency_scale: share of the window that counts as one unit of arc
@@ -36,6 +38,9 @@ class ContinuationOptions:
     smallest_step: float = 1e-6
     largest_step: float = 0.2
     secant_below: float = 0.98
+    leap_below: float = 0.01
+    leaps: tuple[float, ...] = (0.1, 0.05, 0.2)
+    rewinds: tuple[int, ...] = (0, 8)
     kink_step: float = 1e-3
     wanted_iterations: int = 4
     frequency_scale: float = 0.5
@@ -121,6 +126,11 @@ def first_point(
     return solution
 
 
+def distance(a: BranchPoint, b: BranchPoint, scale_w: float) -> float:
+    """Length of arc between neighbouring points of a branch, in the metric of continuation."""
+    return _distance(b.x - a.x, b.w - a.w, _size(a.x), scale_w)
+
+
 def continue_branch(
     system: NonlinearSystem,
     excitation: Excitation,
@@ -149,10 +159,15 @@ def continue_branch(
         point, step = _next_point(system, excitation, points, step, scale_w, options)
         if _retraces(point, points, scale_w):
             # At a corner that is nearly a reversal the tangent was taken the wrong way round: go the other way.
-            points[-1] = replace(points[-1], tangent_x=-points[-1].tangent_x, tangent_w=-points[-1].tangent_w)
-            point, step = _next_point(system, excitation, points, options.kink_step, scale_w, options)
-            if _retraces(point, points, scale_w):
-                raise BranchStoppedError(point.frequency, point.solution.errors[-1], Status.STALLED)
+            last = points[-1]
+            points[-1] = replace(last, tangent_x=-last.tangent_x, tangent_w=-last.tangent_w)
+            leap = _leap(system, excitation, points, scale_w, options)
+            if leap is not None:
+                point, step = _point_after(leap, excitation, scale_w, last), options.first_step
+            else:
+                point, step = _next_point(system, excitation, points, options.kink_step, scale_w, options)
+                if _retraces(point, points, scale_w):
+                    raise BranchStoppedError(point.frequency, point.solution.errors[-1], Status.STALLED)
         points = [*points[-_HISTORY:], point]
         yield point
         if not inside[0] <= point.w <= inside[1]:
@@ -160,18 +175,19 @@ def continue_branch(
 
 
 # Points kept to notice a branch that runs back over itself.
-_HISTORY = 30
+_HISTORY = 60
 
 
-def _retraces(point: BranchPoint, points: Sequence[BranchPoint], scale_w: float) -> bool:
+def _retraces(point: BranchPoint | Solution, points: Sequence[BranchPoint], scale_w: float) -> bool:
     """Whether the point lies on the piece of the branch that led to the last point, not beyond it."""
     size = _size(points[-1].x)
+    step = _distance(point.x - points[-1].x, point.w - points[-1].w, size, scale_w)
     for start, end in pairwise(points):
         along, off = (end.x - start.x, end.w - start.w), (point.x - start.x, point.w - start.w)
         length = _distance(*along, size, scale_w)
         share = _product(along, off, size, scale_w) / length**2
         rest = (off[0] - share * along[0], off[1] - share * along[1])
-        if -0.05 < share < 0.95 and _distance(*rest, size, scale_w) < 0.02 * min(length, point.step):
+        if -0.05 < share < 0.95 and _distance(*rest, size, scale_w) < 0.1 * min(length, step):
             return True
     return False
 
@@ -250,9 +266,11 @@ def _next_point(
     options: ContinuationOptions,
 ) -> tuple[BranchPoint, float]:
     """The following point and the step to try after it; the step is halved until the corrector succeeds."""
-    last = points[-1]
+    last, leapt = points[-1], False
     while True:
         solution = _forward(system, excitation, points, step, scale_w, options)
+        if solution is None and step < options.leap_below and not leapt:
+            solution, leapt = _leap(system, excitation, points, scale_w, options), True
         if solution is None and step < options.kink_step:
             solution = _round_a_kink(system, excitation, points, step, scale_w, options)
         if solution is not None:
@@ -291,6 +309,79 @@ def _forward(
         return None
     arc = Arc(last.x + step * dx, last.w + step * dw, dx, dw, size, scale_w)
     return _corrected(system, excitation, last, arc, step, options)
+
+
+def _leap(
+    system: NonlinearSystem,
+    excitation: Excitation,
+    points: Sequence[BranchPoint],
+    scale_w: float,
+    options: ContinuationOptions,
+) -> Solution | None:
+    """One long step over a rough piece, where contacts change state so often that short steps meet corner after
+    corner. It starts at the last point or at an earlier one, from before the rough piece.
+    """
+    last, size = points[-1], _size(points[-1].x)
+    for back in options.rewinds:
+        if back >= len(points) - 1:
+            break
+        run_up = points[: len(points) - back]
+        base = run_up[-1]
+        gap = _distance(last.x - base.x, last.w - base.w, size, scale_w)
+        for length in options.leaps:
+            for x, w in _guesses(run_up, gap + length, scale_w):
+                solution = _leapt(system, excitation, points, base, (x, w), scale_w, options)
+                if solution is not None:
+                    return solution
+    return None
+
+
+def _guesses(points: Sequence[BranchPoint], ahead: float, scale_w: float) -> Iterator[tuple[Floats, float]]:
+    """Places `ahead` of the last point: by a parabola through points as far apart as that, and along the tangent."""
+    last, size = points[-1], _size(points[-1].x)
+    apart = [_distance(p.x - last.x, p.w - last.w, size, scale_w) for p in points]
+    near = next((i for i in reversed(range(len(points))) if apart[i] > ahead / 2), None)
+    far = next((i for i in reversed(range(len(points))) if near is not None and apart[i] > 1.5 * apart[near]), None)
+    if near is not None and far is not None:
+        yield _parabola((points[far], points[near], last), (-apart[far], -apart[near]), ahead)
+    yield last.x + ahead * last.tangent_x, last.w + ahead * last.tangent_w
+
+
+def _leapt(
+    system: NonlinearSystem,
+    excitation: Excitation,
+    points: Sequence[BranchPoint],
+    base: BranchPoint,
+    guess: tuple[Floats, float],
+    scale_w: float,
+    options: ContinuationOptions,
+) -> Solution | None:
+    """The solution near the guess, if there is one beyond the last point and not on what was traversed."""
+    last, size = points[-1], _size(points[-1].x)
+    dx, dw = guess[0] - base.x, guess[1] - base.w
+    length = _distance(dx, dw, size, scale_w)
+    arc = Arc(*guess, dx / length, dw / length, size, scale_w)
+    solution = _corrected(system, excitation, base, arc, length, options)
+    if solution is None or _retraces(solution, points, scale_w):
+        return None
+    onwards = (solution.x - last.x, solution.w - last.w)
+    beyond = _product(onwards, (arc.tangent_x, arc.tangent_w), size, scale_w)
+    near = _distance(*onwards, size, scale_w) < 2 * max(options.leaps)  # not on some other branch
+    return solution if beyond > 0 and near else None
+
+
+def _parabola(
+    points: tuple[BranchPoint, BranchPoint, BranchPoint], at: tuple[float, float], ahead: float
+) -> tuple[Floats, float]:
+    """Extrapolate from places at[0], at[1] and 0 along the branch to `ahead`."""
+    a, b = at
+    weights = (
+        ahead * (ahead - b) / (a * (a - b)),
+        ahead * (ahead - a) / (b * (b - a)),
+        (ahead - a) * (ahead - b) / (a * b),
+    )
+    x = sum((c * p.x for c, p in zip(weights, points, strict=True)), start=np.zeros_like(points[0].x))
+    return x, sum(c * p.w for c, p in zip(weights, points, strict=True))
 
 
 def _corrected(

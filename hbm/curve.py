@@ -9,7 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm import energy, observe
-from updamp.hbm.continuation import BranchPoint, BranchStoppedError, ContinuationOptions, branch_point, continue_branch
+from updamp.hbm.continuation import (
+    BranchPoint,
+    BranchStoppedError,
+    ContinuationOptions,
+    branch_point,
+    continue_branch,
+    distance,
+)
 from updamp.hbm.response_curve import ResponseCurve
 from updamp.hbm.system import Excitation, NonlinearSystem
 
@@ -46,16 +53,46 @@ def trace(
         return
     resume = _last_points(system, request, earlier) if earlier is not None and len(earlier) >= 2 else ()
     records = _Records(system, request, earlier if resume else None, started)
+    last: BranchPoint | None = resume[-1] if resume else None
     try:
-        for point in continue_branch(
+        for last in continue_branch(
             system, request.excitation, request.window, request.options, request.upwards, resume
         ):
-            records.add(point)
+            records.add(last)
             yield records.curve()
     except BranchStoppedError as stop:
-        yield records.curve(stopped=str(stop))
+        yield from _from_the_other_end(system, request, records, last, str(stop))
         return
     yield records.curve(complete=not (reason := _unfinished(request, records.curve())), stopped=reason)
+
+
+# Arc between the ends of two pieces up to which they count as one branch: about two ordinary steps.
+_JOINT = 0.4
+
+
+def _from_the_other_end(
+    system: NonlinearSystem, request: CurveRequest, records: "_Records", stuck: BranchPoint | None, reason: str
+) -> Iterator[ResponseCurve]:
+    """Where the branch cannot go on, it is traced backwards from the far end of the window until both pieces meet.
+
+    The second piece is handed out when it is joined to the first; if the two do not meet, it is kept too and the
+    curve says why it stopped.
+    """
+    if stuck is None:
+        yield records.curve(stopped=reason)
+        return
+    scale_w = request.options.scale_w(request.window)
+    second = _Records(system, request, None, records.started)
+    try:
+        for point in continue_branch(system, request.excitation, request.window, request.options, not request.upwards):
+            second.add(point)
+            if distance(stuck, point, scale_w) < _JOINT:
+                yield records.joined(second, complete=True)
+                return
+            yield records.curve()
+    except BranchStoppedError as stop:
+        reason = f"{reason}. From the other end: {stop}"
+    yield records.joined(second, complete=False, stopped=reason)
 
 
 def _unfinished(request: CurveRequest, curve: ResponseCurve) -> str:
@@ -108,6 +145,12 @@ class _Records:
         }
         for name, value in entry.items():
             self.columns[name].append(value)
+
+    def joined(self, second: "_Records", complete: bool, stopped: str = "") -> ResponseCurve:
+        """This piece, and after it the second one the other way round."""
+        for name in COLUMNS:
+            self.columns[name].extend(reversed(second.columns[name]))
+        return self.curve(complete, stopped)
 
     def curve(self, complete: bool = False, stopped: str = "") -> ResponseCurve:
         before = self.earlier.seconds if self.earlier is not None else 0.0
