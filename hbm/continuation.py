@@ -35,13 +35,13 @@ class ContinuationOptions:
     """
 
     first_step: float = 0.05
-    smallest_step: float = 1e-6
+    smallest_step: float = 3e-4
     largest_step: float = 0.2
     secant_below: float = 0.98
     leap_below: float = 0.01
-    leaps: tuple[float, ...] = (0.1, 0.05, 0.2)
+    leaps: tuple[float, ...] = (0.1, 0.05, 0.2, 0.4)
     rewinds: tuple[int, ...] = (0, 8)
-    kink_step: float = 1e-3
+    kink_step: float = 2e-3
     wanted_iterations: int = 4
     frequency_scale: float = 0.5
     max_points: int = 1500
@@ -170,12 +170,24 @@ def continue_branch(
                     raise BranchStoppedError(point.frequency, point.solution.errors[-1], Status.STALLED)
         points = [*points[-_HISTORY:], point]
         yield point
+        if _crawls(points):
+            raise BranchStoppedError(point.frequency, point.solution.errors[-1], Status.CRAWLING)
         if not inside[0] <= point.w <= inside[1]:
             return
 
 
 # Points kept to notice a branch that runs back over itself.
 _HISTORY = 60
+
+
+def _crawls(points: Sequence[BranchPoint]) -> bool:
+    """Whether the last points together made less way than one ordinary step, and steps do not recover."""
+    recent = [p.step for p in points[-_PATIENCE:]]
+    return len(points) > _PATIENCE and sum(recent) < _LITTLE_WAY
+
+
+# Steps double after a success: from the floor, eight of them come further than this if nothing is in the way.
+_PATIENCE, _LITTLE_WAY = 8, 0.03
 
 
 def _retraces(point: BranchPoint | Solution, points: Sequence[BranchPoint], scale_w: float) -> bool:

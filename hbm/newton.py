@@ -20,6 +20,7 @@ class Status(Enum):
     TOO_MANY_ITERATIONS = "too many iterations"
     DIVERGED = "diverged"
     STALLED = "stalled"
+    CRAWLING = "steps stay tiny"
 
     @property
     def advice(self) -> str:
@@ -30,6 +31,7 @@ _ADVICE = {
     Status.CONVERGED: "",
     Status.TOO_MANY_ITERATIONS: "start closer (smaller step, neighbouring force level) or allow more iterations",
     Status.DIVERGED: "the residual is not finite: check stiffness, preload and the zero harmonic's support by the wire",
+    Status.CRAWLING: "many contacts change state together here: start from the other end, or use other time samples",
     Status.STALLED: "no step lowers the residual: use more time samples, or start from fewer harmonics",
 }
 
@@ -44,7 +46,7 @@ class NewtonOptions:
     """
 
     tolerance: float = 1e-9
-    iterations: int = 15
+    iterations: int = 12
     smallest_damping: float = 1 / 64
     memory: int = 4
 

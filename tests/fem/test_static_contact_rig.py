@@ -19,15 +19,16 @@ from updamp.geometry.contact_elements import LEFT
 from updamp.rig import Rig, load_rig
 
 RIG_FILE = "rigs/pesaresi2017.toml"
+LONG = {"blade.width": "60 mm", "platform.underside_angle": "45 deg"}  # a slender damper, which bends
 
 
 def rig_with(**pressure) -> Rig:
-    return load_rig(RIG_FILE, {"contact.pressure": pressure})
+    return load_rig(RIG_FILE, LONG | {"contact.pressure": pressure})
 
 
 @pytest.fixture(scope="module")
 def reduced() -> ReducedModel:
-    rig = load_rig(RIG_FILE)
+    rig = load_rig(RIG_FILE, LONG)
     mesh = build_mesh(rig, "small")
     options = ReductionOptions(modes=12)
 

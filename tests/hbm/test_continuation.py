@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from support.peers import blades_and_damper_system, one_degree_of_freedom, solved
 
+from updamp.hbm import curve as curve_module
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
-from updamp.hbm.continuation import ContinuationOptions, continue_branch
+from updamp.hbm.continuation import BranchStoppedError, ContinuationOptions, continue_branch
 from updamp.hbm.curve import CurveRequest, trace
 from updamp.hbm.elements import ElementGroup
 from updamp.hbm.newton import NewtonOptions, Status
@@ -136,3 +137,25 @@ def test_points_are_handed_out_one_by_one():
     first, second = next(branch), next(branch)
     assert first.frequency == pytest.approx(220.0)
     assert second.frequency > first.frequency
+
+
+def test_a_branch_that_stops_is_met_from_the_other_end(duffing, monkeypatch):
+    """The forward piece is cut short beyond the folds' first half; the other piece must complete the same curve."""
+    system, request, whole = duffing
+    cut = len(whole) // 2
+
+    def interrupted(system, excitation, window, options, upwards, resume=()):
+        branch = continue_branch(system, excitation, window, options, upwards, resume)
+        for i, point in enumerate(branch):
+            if upwards and i == cut:
+                raise BranchStoppedError(point.frequency, 1.0, Status.STALLED)
+            yield point
+
+    monkeypatch.setattr(curve_module, "continue_branch", interrupted)
+    *_, joined = trace(system, request)
+    assert joined.complete
+    assert not joined.stopped
+    assert len(turning_points(joined.frequency)) == 2
+    assert joined.peak("mass") == pytest.approx(whole.peak("mass"), rel=1e-3)
+    assert joined.frequency[0] == pytest.approx(whole.frequency[0])
+    assert joined.frequency[-1] == pytest.approx(request.window[1], rel=0.02)
