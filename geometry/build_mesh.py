@@ -6,6 +6,7 @@ from math import degrees
 from typing import TYPE_CHECKING
 
 import numpy as np
+
 from updamp.geometry.blade_section import blade_section
 from updamp.geometry.contact_triangulation import contact_elements
 from updamp.geometry.damper_section import damper_section

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+
 from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements
 from updamp.geometry.geometry_error import GeometryError
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import gmsh
 import numpy as np
 from numpy.typing import NDArray
+
 from updamp.geometry.rig_mesh import ComponentMesh
 
 HEXAHEDRON, QUADRILATERAL = 5, 3  # gmsh's element types, first order

@@ -1,6 +1,7 @@
 """The left-hand blade from the right-hand one."""
 
 import numpy as np
+
 from updamp.geometry.rig_mesh import ComponentMesh
 
 _HEXAHEDRON = [0, 3, 2, 1, 4, 7, 6, 5]

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+
 from updamp.geometry.geometry_error import GeometryError
 
 Floats = NDArray[np.float64]

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
 from updamp.geometry.contact_elements import ContactElements
 
 Floats = NDArray[np.float64]

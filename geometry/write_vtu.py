@@ -5,6 +5,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 from numpy.typing import NDArray
+
 from updamp.geometry.mirror import mirrored
 from updamp.geometry.rig_mesh import ComponentMesh, RigMesh
 

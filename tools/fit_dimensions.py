@@ -74,8 +74,8 @@ def fit(path: Path, start: Floats, preset: str, targets: Floats) -> tuple[Floats
         console.print(f"  {np.round(lengths, 4)} mm -> {np.round(numbers, 3)} Hz")
         return numbers / targets - 1
 
-    found = least_squares(misfit, start * 1e3, diff_step=0.01, xtol=1e-5, ftol=1e-10, max_nfev=6)
-    return found.x * 1e-3, found.jac * 1e3
+    found = least_squares(misfit, start * 1e3, diff_step=[0.01] * len(start), xtol=1e-5, ftol=1e-10, max_nfev=6)
+    return found.x * 1e-3, np.asarray(found.jac) * 1e3
 
 
 def main(

@@ -1,6 +1,7 @@
 from pathlib import Path
 
 import pytest
+
 from updamp.geometry.build_mesh import build_mesh
 from updamp.geometry.rig_mesh import RigMesh
 from updamp.rig import Rig, load_rig

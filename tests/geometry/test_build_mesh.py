@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import pyvista
 from scipy.spatial import cKDTree
+
 from updamp.geometry.build_mesh import build_mesh
 from updamp.geometry.geometry_error import GeometryError
 from updamp.geometry.mirror import mirrored

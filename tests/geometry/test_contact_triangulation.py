@@ -3,6 +3,7 @@ from math import cos, sin
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
+
 from updamp.geometry.contact_elements import LEFT, RIGHT
 from updamp.geometry.contact_triangulation import _strip, contact_elements, triangulate_rectangle
 from updamp.geometry.geometry_error import GeometryError

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from updamp.geometry.contact_elements import LEFT, RIGHT
 from updamp.geometry.geometry_error import GeometryError
 from updamp.geometry.mirror import mirrored

@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 import pyvista
-from updamp.geometry.write_vtu import with_mid_edge_nodes, write_vtu
 from vtkmodules.vtkCommonDataModel import VTK_QUADRATIC_HEXAHEDRON, VTK_TRIANGLE
+
+from updamp.geometry.write_vtu import with_mid_edge_nodes, write_vtu
 
 
 @pytest.fixture(scope="module")
