@@ -30,12 +30,13 @@ class ContinuationOptions:
     wanted_iterations: steps grow where Newton needs fewer and shrink where it needs more
     frequency_scale: share of the window that counts as one unit of arc
     max_points: at most this many points a branch
+    restarts: so many times the branch may be taken up afresh at a point where it stops
 
     raises: ValueError naming the option that is out of range
     """
 
     first_step: float = 0.05
-    smallest_step: float = 3e-4
+    smallest_step: float = 1e-3
     largest_step: float = 0.2
     secant_below: float = 0.98
     leap_below: float = 0.01
@@ -45,6 +46,7 @@ class ContinuationOptions:
     wanted_iterations: int = 4
     frequency_scale: float = 0.5
     max_points: int = 1500
+    restarts: int = 3
     newton: NewtonOptions = field(default_factory=NewtonOptions)
 
     def scale_w(self, window: tuple[float, float]) -> float:
@@ -155,25 +157,65 @@ def continue_branch(
         yield points[0]
     step = max(points[-1].step, options.first_step) if len(points) > 1 else options.first_step
     inside = tuple(2 * np.pi * f for f in window)
+    restarts = 0
     for _ in range(options.max_points - 1):
-        point, step = _next_point(system, excitation, points, step, scale_w, options)
-        if _retraces(point, points, scale_w):
-            # At a corner that is nearly a reversal the tangent was taken the wrong way round: go the other way.
-            last = points[-1]
-            points[-1] = replace(last, tangent_x=-last.tangent_x, tangent_w=-last.tangent_w)
-            leap = _leap(system, excitation, points, scale_w, options)
-            if leap is not None:
-                point, step = _point_after(leap, excitation, scale_w, last), options.first_step
-            else:
-                point, step = _next_point(system, excitation, points, options.kink_step, scale_w, options)
-                if _retraces(point, points, scale_w):
-                    raise BranchStoppedError(point.frequency, point.solution.errors[-1], Status.STALLED)
+        try:
+            point, step = _onwards(system, excitation, points, step, scale_w, options)
+        except BranchStoppedError:
+            if (fresh := _fresh_start(system, excitation, points, scale_w)) is None or restarts >= options.restarts:
+                raise
+            points, step, restarts = fresh, options.first_step, restarts + 1
+            continue
         points = [*points[-_HISTORY:], point]
+        restarts = 0 if point.step > options.first_step else restarts
         yield point
-        if _crawls(points):
-            raise BranchStoppedError(point.frequency, point.solution.errors[-1], Status.CRAWLING)
         if not inside[0] <= point.w <= inside[1]:
             return
+
+
+def _onwards(
+    system: NonlinearSystem,
+    excitation: Excitation,
+    points: list[BranchPoint],
+    step: float,
+    scale_w: float,
+    options: ContinuationOptions,
+) -> tuple[BranchPoint, float]:
+    """The next point and step; a point that runs back over the branch is not taken.
+
+    raises: BranchStoppedError
+    """
+    if _crawls(points):
+        last = points[-1]
+        raise BranchStoppedError(last.frequency, last.solution.errors[-1], Status.CRAWLING)
+    point, step = _next_point(system, excitation, points, step, scale_w, options)
+    if not _retraces(point, points, scale_w):
+        return point, step
+    # At a corner that is nearly a reversal the tangent was taken the wrong way round: go the other way.
+    last = points[-1]
+    turned = [*points[:-1], replace(last, tangent_x=-last.tangent_x, tangent_w=-last.tangent_w)]
+    leap = _leap(system, excitation, turned, scale_w, options)
+    if leap is not None:
+        return _point_after(leap, excitation, scale_w, last), options.first_step
+    point, step = _next_point(system, excitation, turned, options.kink_step, scale_w, options)
+    if _retraces(point, points, scale_w):
+        raise BranchStoppedError(point.frequency, point.solution.errors[-1], Status.STALLED)
+    return point, step
+
+
+def _fresh_start(
+    system: NonlinearSystem, excitation: Excitation, points: Sequence[BranchPoint], scale_w: float
+) -> list[BranchPoint] | None:
+    """The last point again, its tangent computed anew and oriented by the way the branch came over a longer piece.
+
+    In a rough piece the direction of the last points is that of their corners; forgetting it often frees the way.
+    """
+    last, size = points[-1], _size(points[-1].x)
+    for earlier in reversed(points[:-1]):
+        onwards = (last.x - earlier.x, last.w - earlier.w)
+        if _distance(*onwards, size, scale_w) > _LITTLE_WAY:
+            return [earlier, branch_point(system, excitation, last.x, last.w, scale_w, onwards)]
+    return None
 
 
 # Points kept to notice a branch that runs back over itself.
@@ -186,8 +228,8 @@ def _crawls(points: Sequence[BranchPoint]) -> bool:
     return len(points) > _PATIENCE and sum(recent) < _LITTLE_WAY
 
 
-# Steps double after a success: from the floor, eight of them come further than this if nothing is in the way.
-_PATIENCE, _LITTLE_WAY = 8, 0.03
+# Steps double after a success: from the floor, six of them come further than this if nothing is in the way.
+_PATIENCE, _LITTLE_WAY = 6, 0.03
 
 
 def _retraces(point: BranchPoint | Solution, points: Sequence[BranchPoint], scale_w: float) -> bool:

@@ -40,7 +40,7 @@ def test_patch_averages_quadratic_fields_exactly(blade, contacts) -> None:
     middles = (corners + np.roll(corners, 1, axis=1)) / 2
     mean = field(middles.reshape(-1, 3)).reshape(-1, 3).mean(axis=1)
     np.testing.assert_allclose(weights @ field(blade.nodes), mean, rtol=1e-12)
-    assert np.ptp(mean) > 0.1  # they differ from patch to patch
+    assert np.ptp(mean) > 0.01 * np.abs(mean).max()  # they differ from patch to patch
 
 
 def test_uniform_traction_has_its_resultant_and_moment(blade, contacts) -> None:

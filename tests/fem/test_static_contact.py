@@ -24,12 +24,13 @@ from updamp.rig import Contact, Rig, load_rig
 from updamp.rig_pressure import SurfaceProfile
 
 RIG_FILE = "rigs/pesaresi2017.toml"
+WEDGE = {"platform.underside_angle": "45 deg", "blade.width": "60 mm"}  # those of the wedge made here
 LENGTH, WIDTH, ANGLE = 8e-3, 60e-3, np.radians(45)
 PULL, MU = 960.0, 0.6
 
 
 def rig_with(**pressure) -> Rig:
-    return load_rig(RIG_FILE, {"contact.pressure": pressure})
+    return load_rig(RIG_FILE, WEDGE | {"contact.pressure": pressure})
 
 
 def faces(across: int = 3, along: int = 6) -> ContactElements:
@@ -153,7 +154,7 @@ def test_uniform_is_uniform(wedge: ReducedModel) -> None:
 
 
 def test_wrong_angle_of_the_rig_file_is_seen_in_the_equilibrium(wedge: ReducedModel) -> None:
-    rig = load_rig(RIG_FILE, {"platform.underside_angle": "46 deg"})
+    rig = load_rig(RIG_FILE, WEDGE | {"platform.underside_angle": "46 deg"})
     assert static_contact(wedge, rig).equilibrium_error > 1e-3
 
 
