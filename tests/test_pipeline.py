@@ -288,7 +288,9 @@ def test_with_debug_the_error_itself_comes_through(tmp_path):
 def test_check_explains_a_rig_file():
     result = run_command("check", RIG)
     assert result.exit_code == 0
-    pressure = 960 / (2 * load_rig(RIG).face_area * (np.cos(np.pi / 4) + 0.6 * np.sin(np.pi / 4))) / 1e6
+    rig = load_rig(RIG)
+    alpha = rig.platform.underside_angle
+    pressure = 960 / (2 * rig.face_area * (np.cos(alpha) + 0.6 * np.sin(alpha))) / 1e6
     assert f"{pressure:.4f} MPa" in result.output
     assert "material.youngs_modulus" in result.output
     assert "1.97e+11" in result.output
