@@ -76,7 +76,7 @@ STATIC_CONTACT = Stage(
 )
 CURVE = Stage(
     name="curve",
-    version=1,
+    version=2,
     sections=(
         "material.loss_factor",
         "wire",

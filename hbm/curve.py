@@ -148,9 +148,10 @@ class _Records:
 
     def joined(self, second: "_Records", complete: bool, stopped: str = "") -> ResponseCurve:
         """This piece, and after it the second one the other way round."""
+        joint = len(self.columns["frequency"])
         for name in COLUMNS:
             self.columns[name].extend(reversed(second.columns[name]))
-        return self.curve(complete, stopped)
+        return replace(self.curve(complete, stopped), joint=joint)
 
     def curve(self, complete: bool = False, stopped: str = "") -> ResponseCurve:
         before = self.earlier.seconds if self.earlier is not None else 0.0

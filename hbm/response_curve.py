@@ -29,6 +29,7 @@ class ResponseCurve:
     complete: whether the branch reached the end of its window
     stopped: why not, if it did not ("" otherwise)
     seconds: processor wall time spent
+    joint: points before the place where two pieces, traced from both ends of the window, were joined; 0 if not
     """
 
     mode: str
@@ -47,6 +48,7 @@ class ResponseCurve:
     complete: bool
     stopped: str
     seconds: float
+    joint: int = 0
 
     def __len__(self) -> int:
         return len(self.frequency)
