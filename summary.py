@@ -79,7 +79,7 @@ def _solved(curve: ResponseCurve, point: str) -> dict[str, Any]:
     return {
         "peak_receptance_mm_per_N": 1e3 * peak,
         "peak_frequency_Hz": frequency,
-        "joined_at_Hz": curve.frequency[curve.joint - 1 : curve.joint + 1].tolist() if curve.joint else [],
+        "gaps_Hz": curve.gaps().tolist(),
         "largest_residual": float(curve.error.max()),
         "energy_balance_error": energy_balance_error(curve),
         "friction_share_of_loss_at_peak": float(curve.friction_loss[at_peak] / curve.work_in[at_peak]),

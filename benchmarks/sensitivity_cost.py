@@ -13,7 +13,8 @@ import numpy as np
 
 from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.contact.jenkins_box import JenkinsBox
-from updamp.hbm.continuation import BranchPoint, continue_branch
+from updamp.hbm.branch import BranchPoint
+from updamp.hbm.continuation import continue_branch
 from updamp.hbm.elements import ElementGroup
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.jacobian import factorise

@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
 from updamp.hbm import observe
-from updamp.hbm.continuation import BranchPoint, branch_point
+from updamp.hbm.branch import BranchPoint, branch_point
 from updamp.hbm.curve import CurveRequest
+from updamp.hbm.metric import Metric
 from updamp.hbm.newton import Arc, solve
 from updamp.hbm.response_curve import ResponseCurve
 from updamp.hbm.settings import (
@@ -266,7 +267,7 @@ def again(request: CurveRequest, start: BranchPoint, finer: NonlinearSystem) -> 
     known = start.solution.equation.receptance.system.harmonics
     scale_w = request.options.scale_w(request.window)
     x, tangent_x = (known.change_to(finer.harmonics, values) for values in (start.x, start.tangent_x))
-    arc = Arc(x, start.w, tangent_x, start.tangent_w, float(np.linalg.norm(x)), scale_w)
+    arc = Arc(x, start.w, (tangent_x, start.tangent_w), Metric.at(x, finer.harmonics, scale_w))
     solution = solve(finer, request.excitation, x, start.w, request.options.newton, arc)
     if not solution.converged:
         return None

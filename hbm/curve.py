@@ -9,14 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm import energy, observe
-from updamp.hbm.continuation import (
-    BranchPoint,
-    BranchStoppedError,
-    ContinuationOptions,
-    branch_point,
-    continue_branch,
-    distance,
-)
+from updamp.hbm.branch import BranchPoint, branch_point
+from updamp.hbm.continuation import BranchStoppedError, ContinuationOptions, continue_branch
 from updamp.hbm.response_curve import ResponseCurve
 from updamp.hbm.system import Excitation, NonlinearSystem
 
@@ -81,12 +75,11 @@ def _from_the_other_end(
     if stuck is None:
         yield records.curve(stopped=reason)
         return
-    scale_w = request.options.scale_w(request.window)
     second = _Records(system, request, None, records.started)
     try:
         for point in continue_branch(system, request.excitation, request.window, request.options, not request.upwards):
             second.add(point)
-            if distance(stuck, point, scale_w) < _JOINT:
+            if stuck.distance(point) < _JOINT:
                 yield records.joined(second, complete=True)
                 return
             yield records.curve()
@@ -142,16 +135,19 @@ class _Records:
             "iterations": point.solution.iterations,
             "error": equation.error,
             "active": point.solution.jacobian.n_active,
+            "after_gap": point.after_gap,
         }
         for name, value in entry.items():
             self.columns[name].append(value)
 
     def joined(self, second: "_Records", complete: bool, stopped: str = "") -> ResponseCurve:
         """This piece, and after it the second one the other way round."""
-        joint = len(self.columns["frequency"])
+        # A gap of the second piece comes before the point that follows it in its own direction.
+        second.columns["after_gap"] = [True, *second.columns["after_gap"][1:]]
+        gaps = np.roll(second.columns["after_gap"], -1)
         for name in COLUMNS:
-            self.columns[name].extend(reversed(second.columns[name]))
-        return replace(self.curve(complete, stopped), joint=joint)
+            self.columns[name].extend(reversed(second.columns[name]) if name != "after_gap" else gaps[::-1])
+        return self.curve(complete, stopped)
 
     def curve(self, complete: bool = False, stopped: str = "") -> ResponseCurve:
         before = self.earlier.seconds if self.earlier is not None else 0.0
@@ -167,7 +163,7 @@ class _Records:
 
 COLUMNS = (
     "frequency", "displacement", "response", "work_in", "friction_loss", "material_loss",
-    "iterations", "error", "active",
+    "iterations", "error", "active", "after_gap",
 )  # fmt: skip
 
 
@@ -175,5 +171,5 @@ def _empty(request: CurveRequest, system: NonlinearSystem) -> ResponseCurve:
     none = np.zeros(0)
     return ResponseCurve(
         request.mode, request.excitation.force, system.harmonics.orders, request.points,
-        none, none, none, none, none, none, none.astype(int), none, none.astype(int), False, "", 0.0,
+        none, none, none, none, none, none, none.astype(int), none, none.astype(int), none.astype(bool), False, "", 0.0,
     )  # fmt: skip

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.law import ContactLaw
+from updamp.hbm.contact.law import AveragedLaw, ContactLaw
 from updamp.hbm.harmonics import Harmonics
 
 Floats = NDArray[np.float64]
@@ -85,12 +85,17 @@ def samples(coefficients: jax.Array, w: Any, harmonics: Harmonics, n_time: int) 
     return displacement, velocity
 
 
+def for_analysis(law: ContactLaw) -> Callable[[jax.Array, jax.Array, Any], jax.Array]:
+    """The law's force samples that Fourier coefficients are taken from."""
+    return law.averaged_force if isinstance(law, AveragedLaw) else law.force
+
+
 def _one_element(law: ContactLaw, harmonics: Harmonics, n_time: int) -> Callable[..., jax.Array]:
-    analysis = harmonics.analysis(n_time)
+    analysis, force_samples = harmonics.analysis(n_time), for_analysis(law)
 
     def force(coefficients: jax.Array, w: jax.Array, parameters: Any) -> jax.Array:
         displacement, velocity = samples(coefficients, w, harmonics, n_time)
-        return jnp.matmul(analysis, law.force(displacement, velocity, parameters)).T
+        return jnp.matmul(analysis, force_samples(displacement, velocity, parameters)).T
 
     return force
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.contact.law import ContactLaw
-from updamp.hbm.elements import ElementGroup, samples
+from updamp.hbm.elements import ElementGroup, for_analysis, samples
 from updamp.hbm.harmonics import Harmonics
 
 Floats = NDArray[np.float64]
@@ -30,14 +30,14 @@ def law_derivatives(
 
 @lru_cache(maxsize=32)
 def _compiled(law: ContactLaw, entries: tuple[str, ...], harmonics: Harmonics, n_time: int) -> Callable[..., Any]:
-    analysis = harmonics.analysis(n_time)
+    analysis, force_samples = harmonics.analysis(n_time), for_analysis(law)
 
     def one(coefficients: jax.Array, w: jax.Array, parameters: Any) -> Any:
         displacement, velocity = samples(coefficients, w, harmonics, n_time)
 
         def force(values: tuple[jax.Array, ...]) -> jax.Array:
             changed = parameters._replace(**dict(zip(entries, values, strict=True)))
-            return jnp.matmul(analysis, law.force(displacement, velocity, changed)).T
+            return jnp.matmul(analysis, force_samples(displacement, velocity, changed)).T
 
         return jax.jacfwd(force)(tuple(getattr(parameters, entry) for entry in entries))
 

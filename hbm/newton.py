@@ -8,6 +8,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from updamp.hbm.jacobian import Jacobian, factorise
+from updamp.hbm.metric import Metric, Move
 from updamp.hbm.system import Departure, Excitation, NonlinearSystem, Receptance
 
 Floats = NDArray[np.float64]
@@ -20,7 +21,6 @@ class Status(Enum):
     TOO_MANY_ITERATIONS = "too many iterations"
     DIVERGED = "diverged"
     STALLED = "stalled"
-    CRAWLING = "steps stay tiny"
 
     @property
     def advice(self) -> str:
@@ -31,7 +31,6 @@ _ADVICE = {
     Status.CONVERGED: "",
     Status.TOO_MANY_ITERATIONS: "start closer (smaller step, neighbouring force level) or allow more iterations",
     Status.DIVERGED: "the residual is not finite: check stiffness, preload and the zero harmonic's support by the wire",
-    Status.CRAWLING: "many contacts change state together here: start from the other end, or use other time samples",
     Status.STALLED: "no step lowers the residual: use more time samples, or start from fewer harmonics",
 }
 
@@ -109,17 +108,15 @@ class Solution:
 
 @dataclass(frozen=True, eq=False)
 class Arc:
-    """The hyperplane a corrector stays on: <tangent_x, x - x0> / scale_x^2 + tangent_w (w - w0) / scale_w^2 = 0."""
+    """The hyperplane a corrector stays on: moves from (x0, w0) that are normal to `tangent` (dx, dw) in `metric`."""
 
     x0: Floats
     w0: float
-    tangent_x: Floats
-    tangent_w: float
-    scale_x: float
-    scale_w: float
+    tangent: Move
+    metric: Metric
 
     def product(self, dx: Floats, dw: float) -> float:
-        return float(np.vdot(self.tangent_x, dx) / self.scale_x**2 + self.tangent_w * dw / self.scale_w**2)
+        return self.metric.product(self.tangent, (dx, dw))
 
 
 def evaluate(system: NonlinearSystem, excitation: Excitation, x: Floats, w: float) -> Equation:

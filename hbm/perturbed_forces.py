@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.contact.law import ContactLaw
-from updamp.hbm.elements import ElementGroup
+from updamp.hbm.elements import ElementGroup, for_analysis
 from updamp.hbm.harmonics import Harmonics
 
 Floats = NDArray[np.float64]
@@ -46,11 +46,15 @@ def perturbed_tangent(
 @lru_cache(maxsize=16)
 def _compiled(law: ContactLaw, harmonics: Harmonics, n_time: int) -> Any:
     memory = has_memory(law)
-    periods = getattr(law, "cycles", 1) + SETTLING if memory else 1
+    # After the period looked at there is one more: what is between its last sample and the next belongs to it.
+    periods = getattr(law, "cycles", 1) + SETTLING + 1 if memory else 1
+    looked_at = slice(-2 * n_time, -n_time) if memory else slice(None)
     once: Any = dataclasses.replace(law, cycles=1) if memory else law  # type: ignore[type-var]
+    force_samples = for_analysis(once)
     basis = np.tile(harmonics.synthesis(n_time), (periods, 1))
     rate = np.tile(harmonics.synthesis_rate(n_time), (periods, 1))
-    since = 2 * np.pi * (np.arange(periods * n_time) - (periods - 1) * n_time) / n_time  # w t, 0 in the last period
+    before = looked_at.indices(periods * n_time)[0]
+    since = 2 * np.pi * (np.arange(periods * n_time) - before) / n_time  # w t, 0 at the start of the period looked at
     analysis = harmonics.analysis(n_time)
 
     def one(coefficients: jax.Array, w: jax.Array, real: jax.Array, imag: jax.Array, parameters: Any) -> jax.Array:
@@ -60,8 +64,8 @@ def _compiled(law: ContactLaw, harmonics: Harmonics, n_time: int) -> Any:
         speed = growth[:, None] * (s * basis + w * rate)
 
         def force(u: jax.Array, v: jax.Array) -> jax.Array:
-            last: jax.Array = once.force(u, v, parameters)[-n_time:]
-            return last
+            one_period: jax.Array = force_samples(u, v, parameters)[looked_at]
+            return one_period
 
         def along(i: jax.Array, u: jax.Array, v: jax.Array) -> jax.Array:
             where = jnp.zeros(directions).at[i].set(1.0)
@@ -71,7 +75,7 @@ def _compiled(law: ContactLaw, harmonics: Harmonics, n_time: int) -> Any:
         def column(i: jax.Array, b: jax.Array) -> jax.Array:
             u, v = motion[:, b], speed[:, b]
             answer = along(i, u.real, v.real) + 1j * along(i, u.imag, v.imag)
-            return jnp.matmul(analysis, answer / growth[-n_time:, None]).T  # (directions, n_coefficients)
+            return jnp.matmul(analysis, answer / growth[looked_at, None]).T  # (directions, n_coefficients)
 
         each = jax.vmap(jax.vmap(column, in_axes=(None, 0)), in_axes=(0, None))
         columns: jax.Array = each(jnp.arange(directions), jnp.arange(basis.shape[1]))  # (e, b, d, a)

@@ -26,10 +26,11 @@ class ResponseCurve:
     response: (n, n_points, n_coefficients) displacement of the observed points [m]
     work_in, friction_loss, material_loss: (n,) energy a cycle [J]
     iterations: (n,) of Newton; error: (n,) residual over displacement; active: (n,) rows that slip or separate
+    after_gap: (n,) whether the branch was not followed from the point before: a jump, or the place where two pieces
+        traced from both ends of the window meet
     complete: whether the branch reached the end of its window
     stopped: why not, if it did not ("" otherwise)
     seconds: processor wall time spent
-    joint: points before the place where two pieces, traced from both ends of the window, were joined; 0 if not
     """
 
     mode: str
@@ -45,10 +46,10 @@ class ResponseCurve:
     iterations: Integers
     error: Floats
     active: Integers
+    after_gap: NDArray[np.bool_]
     complete: bool
     stopped: str
     seconds: float
-    joint: int = 0
 
     def __len__(self) -> int:
         return len(self.frequency)
@@ -56,6 +57,11 @@ class ResponseCurve:
     @property
     def harmonics(self) -> Harmonics:
         return Harmonics(self.orders)
+
+    def gaps(self) -> Floats:
+        """(n_gaps, 2) frequencies [Hz] at both sides of each place where the branch was not followed."""
+        after = np.flatnonzero(self.after_gap)
+        return np.column_stack([self.frequency[after - 1], self.frequency[after]])
 
     @property
     def unconverged(self) -> int:

@@ -6,7 +6,7 @@ from typing import ClassVar, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.continuation import BranchPoint
+from updamp.hbm.branch import BranchPoint
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.newton import Arc, Equation
 from updamp.hbm.observe import response
@@ -48,14 +48,13 @@ class FixedArc:
     rows: ClassVar[tuple[int, ...]] = ()
 
     @staticmethod
-    def at(point: BranchPoint, scale_w: float) -> "FixedArc":
-        """scale_w: as in ContinuationOptions.scale_w [rad/s]"""
-        size = float(np.linalg.norm(point.x))
-        return FixedArc(Arc(point.x, point.w, point.tangent_x, point.tangent_w, size, scale_w))
+    def at(point: BranchPoint) -> "FixedArc":
+        return FixedArc(Arc(point.x, point.w, point.tangent, point.metric))
 
     def change(self, dx: Floats, dw: Floats, dy: Floats) -> Floats:  # noqa: ARG002 - the protocol's arguments
-        along = np.tensordot(self.arc.tangent_x, dx, axes=2) / self.arc.scale_x**2
-        return np.asarray(along + self.arc.tangent_w * dw / self.arc.scale_w**2)
+        (tangent_x, tangent_w), metric = self.arc.tangent, self.arc.metric
+        along = np.tensordot(metric.weights**2 * tangent_x, dx, axes=2)
+        return np.asarray(along + tangent_w * dw / metric.scale_w**2)
 
 
 @dataclass(frozen=True, eq=False)

@@ -49,9 +49,17 @@ def tangential_force(displacement: jax.Array, p: FrictionParameters, return_map:
 
 def dynamic_force(displacement: jax.Array, p: FrictionParameters, return_map: Return, cycles: int) -> jax.Array:
     """(n_time, 3) force less that at rest: preload is a state, not a force."""
-    tangential = tangential_force(displacement, p, return_map, cycles) - p.t0
-    rest = jnp.maximum(p.n0 - p.kn * p.gap, 0.0)
-    return jnp.concatenate([tangential, (normal_force(displacement, p) - rest)[:, None]], axis=1)
+    return beyond_rest(tangential_force(displacement, p, return_map, cycles), displacement, p)
+
+
+def beyond_rest(tangential: jax.Array, displacement: jax.Array, p: FrictionParameters) -> jax.Array:
+    """(n_time, 3) from the total tangential force (n_time, 2)."""
+    normal = normal_force(displacement, p) - rest_normal_force(p)
+    return jnp.concatenate([tangential - p.t0, normal[:, None]], axis=1)
+
+
+def rest_normal_force(p: FrictionParameters) -> jax.Array:
+    return jnp.maximum(p.n0 - p.kn * p.gap, 0.0)
 
 
 def state(displacement: jax.Array, p: FrictionParameters, at_limit: Return, force: jax.Array) -> jax.Array:

@@ -6,17 +6,13 @@ from typing import ClassVar
 import jax
 import jax.numpy as jnp
 
-from updamp.hbm.contact import friction
+from updamp.hbm.contact import friction, play
 from updamp.hbm.contact.friction import FrictionParameters
 
 
-def clip_each(trial: jax.Array, limit: jax.Array) -> jax.Array:
-    """Each component is held within the limit: the box."""
-    return jnp.clip(trial, -limit, limit)
-
-
 def either_at_limit(force: jax.Array, limit: jax.Array) -> jax.Array:
-    return jnp.any(jnp.abs(force) >= limit[:, None] * (1 - 1e-12), axis=1)
+    """The tolerance is that of a difference of displacements far larger than the slip's elastic part."""
+    return jnp.any(jnp.abs(force) >= limit[:, None] * (1 - 1e-9), axis=1)
 
 
 @dataclass(frozen=True)
@@ -29,7 +25,13 @@ class JenkinsBox:
     rate_dependent: ClassVar[bool] = False
 
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
-        return friction.dynamic_force(displacement, parameters, clip_each, self.cycles)
+        tangential = play.march(displacement, parameters, self.cycles).tangential
+        return friction.beyond_rest(tangential, displacement, parameters)
+
+    def averaged_force(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
+        """As `force`, with what happens between the samples shared between them."""
+        rest = jnp.concatenate([parameters.t0, friction.rest_normal_force(parameters)[None]])
+        return play.march(displacement, parameters, self.cycles).averaged - rest
 
     def reference_stiffness(self, parameters: FrictionParameters) -> jax.Array:
         return friction.stuck_stiffness(parameters)
@@ -38,5 +40,5 @@ class JenkinsBox:
         return friction.normal_force(displacement, parameters)
 
     def state(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
-        tangential = friction.tangential_force(displacement, parameters, clip_each, self.cycles)
+        tangential = play.march(displacement, parameters, self.cycles).tangential
         return friction.state(displacement, parameters, either_at_limit, tangential)

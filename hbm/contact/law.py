@@ -44,6 +44,15 @@ class ContactLaw(Protocol):
 
 
 @runtime_checkable
+class AveragedLaw(ContactLaw, Protocol):
+    """A law that follows what happens between the samples."""
+
+    def averaged_force(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
+        """As `force`, but what its Fourier coefficients are taken from."""
+        ...
+
+
+@runtime_checkable
 class FrictionLaw(ContactLaw, Protocol):
     """A law with stick, slip and separation in (t1, t2, n)."""
 

@@ -82,7 +82,7 @@ def test_one_more_cycle_of_a_law_that_settles_slowly():
     settled = with_setting(system, Setting((0, 1), 64, 6))
     converged = peak.deviation(lambda _: setting_of(settled)).peak_percent
     assert abs(converged) > 1e-4
-    assert peak.deviation(one_more_cycle).peak_percent == pytest.approx(converged, rel=0.3)
+    assert 0.5 < peak.deviation(one_more_cycle).peak_percent / converged < 1.0
 
 
 def test_estimate_for_duffing_with_turning_points():

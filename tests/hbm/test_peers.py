@@ -6,7 +6,7 @@ from support.peers import blades_and_damper_system, friction, one_degree_of_free
 
 from updamp.hbm.contact.coulomb_circle import CoulombCircle
 from updamp.hbm.contact.jenkins import Jenkins, JenkinsParameters
-from updamp.hbm.contact.jenkins_box import JenkinsBox
+from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
 from updamp.hbm.contact.law import SEPARATED
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
 from updamp.hbm.continuation import first_point
@@ -16,7 +16,7 @@ from updamp.hbm.newton import NewtonOptions
 from updamp.hbm.observe import ContactState, contact_states, response
 from updamp.hbm.system import Excitation
 
-LAWS = {"box": JenkinsBox, "circle": CoulombCircle}
+LAWS = {"box": SampledJenkinsBox, "circle": CoulombCircle}
 TIGHT = NewtonOptions(tolerance=1e-12)
 FORTY = [c for c in solved("c_blades_damper_20")["own_solver_results_cycles3"] if c["F"] == 40]
 ROW = np.array([[0]])
@@ -63,14 +63,14 @@ def test_two_blades_and_a_damper_with_20_contacts(case):
 @pytest.mark.parametrize("force", [10, 40])
 def test_two_blades_and_a_damper_against_tmdsimpy(force):
     """The peer's own values: two cycles of the box law, 128 samples."""
-    system = blades_and_damper_system(JenkinsBox(2))
+    system = blades_and_damper_system(SampledJenkinsBox(2))
     for row in solved("c_blades_damper_20")[f"tmdsimpy_box_2cycles_F{force}_Nt128"]:
         amplitude, _, _ = _amplitude(system, 2 * np.pi * row["f_Hz"], float(force), "tip")
         assert abs(amplitude) == pytest.approx(row["tip_h1"], rel=1e-8), f"{row['f_Hz']} Hz"
 
 
 def test_box_law_settles_in_two_cycles_and_the_circle_does_not():
-    two, three = (_amplitude(blades_and_damper_system(JenkinsBox(c)), 2 * np.pi * 232, 40.0, "tip")[0] for c in (2, 3))
+    two, three = (_amplitude(blades_and_damper_system(SampledJenkinsBox(c)), 2 * np.pi * 232, 40.0, "tip")[0] for c in (2, 3))
     assert abs(two - three) < 1e-12 * abs(three)
     two, three = (
         _amplitude(blades_and_damper_system(CoulombCircle(c)), 2 * np.pi * 232, 40.0, "tip")[0] for c in (2, 3)

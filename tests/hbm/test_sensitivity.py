@@ -12,7 +12,8 @@ from support.peers import blades_and_damper_system
 
 from updamp.hbm.contact.coulomb_circle import CoulombCircle
 from updamp.hbm.contact.jenkins_box import JenkinsBox
-from updamp.hbm.continuation import branch_point, first_point
+from updamp.hbm.branch import branch_point
+from updamp.hbm.continuation import first_point
 from updamp.hbm.elements import ElementGroup
 from updamp.hbm.linear_model import LinearModel, add_springs
 from updamp.hbm.newton import Arc, NewtonOptions, Solution, solve
@@ -253,9 +254,8 @@ def test_at_fixed_arc(point, name):
     scale_w = 2 * np.pi * 10.0
     start = point.solution
     place = branch_point(point.system, point.excitation, start.x, start.w, scale_w, (0 * start.x, 1.0))
-    found = sensitivities(point.solution, point.excitation, [make(point.system)], FixedArc.at(place, scale_w), POINTS)
-    size = float(np.linalg.norm(start.x))
-    arc = Arc(start.x, start.w, place.tangent_x, place.tangent_w, size, scale_w)
+    found = sensitivities(point.solution, point.excitation, [make(point.system)], FixedArc.at(place), POINTS)
+    arc = Arc(start.x, start.w, place.tangent, place.metric)
 
     def again(system: NonlinearSystem, excitation: Excitation) -> Solution:
         return solve(system, excitation, start.x, start.w, TIGHT, arc)

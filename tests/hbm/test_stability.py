@@ -1,5 +1,7 @@
 """Exponents against closed forms, turning points, and multipliers found by marching in time."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from support.peers import friction, one_degree_of_freedom, solved
@@ -7,6 +9,7 @@ from support.period_map import multipliers
 
 from updamp.hbm.contact.jenkins import Jenkins, JenkinsParameters
 from updamp.hbm.contact.jenkins_box import JenkinsBox
+from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
 from updamp.hbm.continuation import first_point
 from updamp.hbm.curve import CurveRequest, trace
@@ -114,26 +117,33 @@ def test_exponents_of_stuck_contacts_are_those_of_the_modes(friction_system):
 
 
 def test_exponents_with_slip_and_separation_are_those_of_time_marching(friction_system):
-    """Real parts to 0.2 %, imaginary parts modulo the excitation's: the sliders' memory is in both. The tangent of the
-    harmonic balance alone, without that memory, gives -19.4 instead of -23.6 1/s."""
+    """The sliders' memory is in both: without it the decay is 25 % slower. 5 % are left between them because the march
+    takes closing and reversal at its steps: in the sampled law that alone moves the rate between 23.4 and 26.8 1/s from
+    256 to 2048 samples, in the law that follows events between samples by 0.01 1/s."""
     point, marched, states = _by_both(friction_system, 400.0, 256)
     w = 2 * np.pi * 105.0
     assert ContactState.SEPARATING in states
     assert point.stable
     assert point.trusted, point.reason
-    assert point.decisive.real == pytest.approx(marched[0].real, rel=2e-3)
+    assert point.change < 0.001 * abs(point.decisive.real)
+    assert point.decisive.real == pytest.approx(marched[0].real, rel=0.05)
     folded = [abs((sign * point.decisive.imag - marched[0].imag + w / 2) % w - w / 2) for sign in (1, -1)]
     assert min(folded) < 2e-3 * w
 
 
 def test_just_touching_contacts_make_rates_uncertain_and_it_is_said(friction_system):
     """At 12 N one slider is caught slipping or not, depending on the samples: marching in 256 and in 512 steps gives
-    rates 12 % apart, and so do exponents; the sign is not in doubt."""
-    (point, coarse, _), (_, fine, _) = (_by_both(friction_system, 12.0, steps) for steps in (256, 512))
+    rates 12 % apart, and so do exponents of the sampled law; the sign is not in doubt. Followed between the samples the
+    same contact leaves no doubt."""
+    system, definition = friction_system
+    sampled = replace(system, groups=(replace(system.groups[0], law=SampledJenkinsBox(2)),))
+    (point, coarse, _), (_, fine, _) = (_by_both((sampled, definition), 12.0, steps) for steps in (256, 512))
     gap = abs(coarse[0].real - fine[0].real)
     assert gap > 0.1 * abs(coarse[0].real)
     assert point.stable
     assert point.change == pytest.approx(gap, rel=0.1)
+    followed, *_ = _by_both(friction_system, 12.0, 256)
+    assert followed.change < 0.01 * gap
 
 
 def test_tangent_without_growth_is_that_of_the_harmonic_balance(friction_system):

@@ -1,0 +1,42 @@
+"""The law of `jenkins_box` with its events taken at the samples, as most codes have it: to compare with them."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import jax
+import jax.numpy as jnp
+
+from updamp.hbm.contact import friction
+from updamp.hbm.contact.friction import FrictionParameters
+
+
+def clip_each(trial: jax.Array, limit: jax.Array) -> jax.Array:
+    """Each component is held within the limit: the box."""
+    return jnp.clip(trial, -limit, limit)
+
+
+def either_at_limit(force: jax.Array, limit: jax.Array) -> jax.Array:
+    return jnp.any(jnp.abs(force) >= limit[:, None] * (1 - 1e-12), axis=1)
+
+
+@dataclass(frozen=True)
+class SampledJenkinsBox:
+    """cycles: hysteresis cycles marched; this law settles in exactly two."""
+
+    cycles: int = 2
+    parameters: ClassVar[type] = FrictionParameters
+    directions: ClassVar[int] = 3
+    rate_dependent: ClassVar[bool] = False
+
+    def force(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
+        return friction.dynamic_force(displacement, parameters, clip_each, self.cycles)
+
+    def reference_stiffness(self, parameters: FrictionParameters) -> jax.Array:
+        return friction.stuck_stiffness(parameters)
+
+    def normal_force(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
+        return friction.normal_force(displacement, parameters)
+
+    def state(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
+        tangential = friction.tangential_force(displacement, parameters, clip_each, self.cycles)
+        return friction.state(displacement, parameters, either_at_limit, tangential)

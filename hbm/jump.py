@@ -1,0 +1,99 @@
+"""Over a place where the response jumps: where contacts give way together the branch turns back and forth in corners
+too sharp and too many to follow, with amplitude and frequency all but standing while the mean position changes.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+from updamp.hbm.branch import BranchPoint
+from updamp.hbm.metric import Move
+from updamp.hbm.newton import Arc, NewtonOptions, Solution, solve
+from updamp.hbm.system import Excitation, NonlinearSystem
+
+# Gaps shorter than this are no jump: two ordinary steps of half the largest size.
+_NO_GAP = 0.1
+
+
+def land_beyond(
+    system: NonlinearSystem,
+    excitation: Excitation,
+    points: Sequence[BranchPoint],
+    lengths: Sequence[float],
+    options: NewtonOptions,
+) -> Solution | None:
+    """A solution about one of `lengths` beyond the last point, not on the piece that led there."""
+    last = points[-1]
+    for length in lengths:
+        for x, w in _guesses(points, length):
+            way = (x - last.x, w - last.w)
+            size = last.metric.length(way)
+            plane = Arc(x, w, (way[0] / size, way[1] / size), last.metric)
+            solution = solve(system, excitation, x, w, options, plane)
+            if not solution.converged or _retraces(solution, points):
+                continue
+            # beyond the last point, and not on some other branch
+            if last.metric.product(last.to(solution), way) > 0 and last.distance(solution) < 2 * max(lengths):
+                return solution
+    return None
+
+
+def towards_the_gap(
+    backwards: Iterable[BranchPoint], landed: BranchPoint, last: BranchPoint
+) -> Sequence[BranchPoint]:
+    """The far side of a jump in the order of the branch: `backwards` runs from `landed` towards the gap.
+
+    Followed as long as it comes no nearer to `last` than an ordinary step, and for no longer than the leap was twice.
+    """
+    way, leap, found = 0.0, last.distance(landed), [landed]
+    for point in backwards:
+        way += point.step
+        if last.distance(point) < _NO_GAP or way > 2 * leap or last.metric.product(last.to(point), last.tangent) < 0:
+            break
+        found.append(replace(point, tangent_x=-point.tangent_x, tangent_w=-point.tangent_w))
+    found.reverse()
+    steps = [last.distance(found[0]), *(a.distance(b) for a, b in pairwise(found))]
+    return [
+        replace(point, step=step, after_gap=i == 0 and step > _NO_GAP)
+        for i, (point, step) in enumerate(zip(found, steps, strict=True))
+    ]
+
+
+def _guesses(points: Sequence[BranchPoint], ahead: float) -> Iterator[Move]:
+    """Places `ahead` of the last point: along the tangent, and by a parabola through points about as far apart."""
+    last = points[-1]
+    yield last.x + ahead * last.tangent_x, last.w + ahead * last.tangent_w
+    apart = [last.distance(p) for p in points]
+    near = next((i for i in reversed(range(len(points))) if apart[i] > ahead / 2), None)
+    far = next((i for i in reversed(range(len(points))) if near is not None and apart[i] > 1.5 * apart[near]), None)
+    if near is not None and far is not None:
+        yield _parabola((points[far], points[near], last), (-apart[far], -apart[near]), ahead)
+
+
+def _parabola(
+    points: tuple[BranchPoint, BranchPoint, BranchPoint], at: tuple[float, float], ahead: float
+) -> Move:
+    """Extrapolate from places at[0], at[1] and 0 along the branch to `ahead`."""
+    a, b = at
+    weights = (
+        ahead * (ahead - b) / (a * (a - b)),
+        ahead * (ahead - a) / (b * (b - a)),
+        (ahead - a) * (ahead - b) / (a * b),
+    )
+    first, second, third = points
+    c, d, e = weights
+    return c * first.x + d * second.x + e * third.x, c * first.w + d * second.w + e * third.w
+
+
+def _retraces(solution: Solution, points: Sequence[BranchPoint]) -> bool:
+    """Whether the solution lies on the piece of the branch that led to the last point, not beyond it."""
+    last = points[-1]
+    step, metric = last.distance(solution), last.metric
+    for start, end in pairwise(points):
+        along, off = start.to(end), start.to(solution)
+        length = metric.length(along)
+        share = metric.product(along, off) / length**2
+        rest = (off[0] - share * along[0], off[1] - share * along[1])
+        if -0.05 < share < 0.95 and metric.length(rest) < 0.1 * min(length, step):
+            return True
+    return False

@@ -1,0 +1,45 @@
+"""How far apart two points of a branch are: the metric of continuation.
+
+It is relative: displacements are measured against the vibration at a point, and frequency against a given scale, so
+that steps are even in the logarithm of the amplitude and in the phase, off resonance and on it.
+
+The mean position hardly counts. Where all contacts slip, only the bending of the blades holds it: it drifts by many
+times the vibration, and turns back sharply wherever a contact sticks again, while amplitude and frequency go on
+evenly. Measured with it, a branch is all corners.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.hbm.harmonics import Harmonics
+
+Floats = NDArray[np.float64]
+Move = tuple[Floats, float]
+
+# Weight of the mean position: not zero, so that a move of it alone has a length.
+MEAN = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Metric:
+    """weights: (n_coefficients,) of the displacements' coefficients [1/m]; scale_w: one unit of arc [rad/s]"""
+
+    weights: Floats
+    scale_w: float
+
+    @staticmethod
+    def at(x: Floats, harmonics: Harmonics, scale_w: float) -> "Metric":
+        """x: (n_relative, n_coefficients) [m]"""
+        weights = np.ones(harmonics.n_coefficients)
+        if 0 in harmonics.orders:
+            weights[harmonics.slices[0]] = MEAN
+        return Metric(weights / max(float(np.linalg.norm(weights * x)), np.finfo(float).tiny), scale_w)
+
+    def product(self, a: Move, b: Move) -> float:
+        """Inner product of two moves (dx, dw)."""
+        return float(np.vdot(self.weights * a[0], self.weights * b[0]) + a[1] * b[1] / self.scale_w**2)
+
+    def length(self, move: Move) -> float:
+        return float(np.sqrt(self.product(move, move)))
