@@ -95,7 +95,7 @@ class Response(Section):
 class Contact(Section):
     """Contact between damper and platforms. Stiffness per area [N/m^3]; law and coupling by name."""
 
-    law: Literal["jenkins_box"]
+    law: Literal["jenkins_box", "jenkins_box_sampled", "coulomb_circle"]
     coupling: Literal["patch", "nearest_node"] = "patch"
     friction_coefficient: Annotated[float, Field(strict=True, ge=0, le=2, examples=[0.6])]
     tangential_stiffness: AreaStiffness

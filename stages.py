@@ -76,7 +76,7 @@ STATIC_CONTACT = Stage(
 )
 CURVE = Stage(
     name="curve",
-    version=2,
+    version=3,
     sections=(
         "material.loss_factor",
         "wire",

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
+from updamp.hbm.branch import BranchPoint
 from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.contact.jenkins_box import JenkinsBox
-from updamp.hbm.branch import BranchPoint
 from updamp.hbm.continuation import continue_branch
 from updamp.hbm.elements import ElementGroup
 from updamp.hbm.harmonics import Harmonics

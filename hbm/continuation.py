@@ -118,8 +118,7 @@ def continue_branch(
     handed_out = len(points)
     while handed_out < options.max_points:
         following, step = walk.following(points, min(step, options.largest_step))
-        for point in following:
-            yield point
+        yield from following
         handed_out += len(following)
         points = [*points, *following][-_HISTORY:]
         if not low <= points[-1].w <= high:
@@ -167,9 +166,7 @@ class Walk:
             return replace(solution, status=Status.STALLED)
         return solution
 
-    def _accepted(
-        self, last: BranchPoint, solution: Solution, step: float
-    ) -> tuple[Sequence[BranchPoint], float]:
+    def _accepted(self, last: BranchPoint, solution: Solution, step: float) -> tuple[Sequence[BranchPoint], float]:
         moved = last.distance(solution)
         point = point_at(solution, self.excitation, self.scale_w, last.to(solution), moved)
         growth = np.clip(2.0 ** ((self.options.wanted_iterations - solution.iterations) / 2), 0.5, 2.0)

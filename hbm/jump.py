@@ -38,9 +38,7 @@ def land_beyond(
     return None
 
 
-def towards_the_gap(
-    backwards: Iterable[BranchPoint], landed: BranchPoint, last: BranchPoint
-) -> Sequence[BranchPoint]:
+def towards_the_gap(backwards: Iterable[BranchPoint], landed: BranchPoint, last: BranchPoint) -> Sequence[BranchPoint]:
     """The far side of a jump in the order of the branch: `backwards` runs from `landed` towards the gap.
 
     Followed as long as it comes no nearer to `last` than an ordinary step, and for no longer than the leap was twice.
@@ -70,9 +68,7 @@ def _guesses(points: Sequence[BranchPoint], ahead: float) -> Iterator[Move]:
         yield _parabola((points[far], points[near], last), (-apart[far], -apart[near]), ahead)
 
 
-def _parabola(
-    points: tuple[BranchPoint, BranchPoint, BranchPoint], at: tuple[float, float], ahead: float
-) -> Move:
+def _parabola(points: tuple[BranchPoint, BranchPoint, BranchPoint], at: tuple[float, float], ahead: float) -> Move:
     """Extrapolate from places at[0], at[1] and 0 along the branch to `ahead`."""
     a, b = at
     weights = (

@@ -11,8 +11,8 @@ larger than the stiffness that is left, and Newton's method goes round in circle
   so that the mean, and nearly so every harmonic, is that of the continuous path. Where there is no event nothing is
   added, and the Fourier coefficients are those of the samples.
 
-Two things make this cheap. A push is a clamp, so the slider always stands where one segment put it: the march only finds
-out which, and the tangents need not be marched. And corners are few: they are picked out.
+Two things make this cheap. A push is a clamp, so the slider always stands where one segment put it: the march only
+finds out which, and the tangents need not be marched. And corners are few: they are picked out.
 """
 
 from typing import NamedTuple
@@ -22,18 +22,12 @@ import jax.numpy as jnp
 
 from updamp.hbm.contact.friction import FrictionParameters
 
-# Corners that are followed in each direction of each contact; any beyond are taken at the samples.
-def most_corners(n_time: int) -> int:
-    """A period of a few harmonics has up to a dozen; with many harmonics go many samples."""
-    return max(16, n_time // 8)
-
-
 # Trial forces this close to the limit (relative) are at it.
 _AT_LIMIT = 1e-9
 
 
 class Path(NamedTuple):
-    """tangential: (n_time, 2) at the samples [N]; averaged: (n_time, 3), (t1, t2, n), what Fourier analysis should see"""
+    """Forces [N]. tangential: (n_time, 2) at the samples; averaged: (n_time, 3), what Fourier analysis should see."""
 
     tangential: jax.Array
     averaged: jax.Array
@@ -78,13 +72,14 @@ def march(displacement: jax.Array, p: FrictionParameters, cycles: int) -> Path:
     rest = p.n0 / p.kn - p.gap
     p0, p1, dp0, dp1 = rest + displacement[:, 2], rest + after[:, 2], slope[:, 2], slope_after[:, 2]
 
-    def one(u0: jax.Array, u1: jax.Array, du0: jax.Array, du1: jax.Array, first: jax.Array) -> tuple[jax.Array, ...]:
+    def one(surface: tuple[jax.Array, ...], first: jax.Array) -> tuple[jax.Array, jax.Array]:
+        u0, u1, du0, du1 = surface
         segments = _Segment(u0, u1, p0, p1, du0, du1, dp0, dp1)
         slider = _sliders(segments, ratio, first, cycles)
         return u0 - slider, u0 - slider + _between_samples(segments, ratio, slider)
 
-    directions = (value[:, :2] for value in (displacement, after, slope, slope_after))
-    tangential, averaged = jax.vmap(one, in_axes=(1, 1, 1, 1, 0), out_axes=1)(*directions, -p.t0 / p.kt)
+    directions = tuple(value[:, :2] for value in (displacement, after, slope, slope_after))
+    tangential, averaged = jax.vmap(one, in_axes=(1, 0), out_axes=1)(directions, -p.t0 / p.kt)
     normal = jnp.maximum(p0, 0.0) + _between_contacts(_Segment(p0, p1, p0, p1, dp0, dp1, dp0, dp1))
     return Path(p.kt * tangential, jnp.concatenate([p.kt * averaged, p.kn * normal[:, None]], axis=1))
 
@@ -224,6 +219,14 @@ def _shared_out(n_time: int, where: jax.Array, integral: jax.Array, moment: jax.
 def _pick(corners: jax.Array) -> jax.Array:
     """(most_corners,) numbers of the segments with a corner, beyond the last one where there are fewer."""
     return jnp.nonzero(corners, size=most_corners(len(corners)), fill_value=len(corners))[0]
+
+
+def most_corners(n_time: int) -> int:
+    """Corners that are followed in each direction of each contact; any beyond are taken at the samples.
+
+    A period of a few harmonics has up to a dozen; with many harmonics go many samples.
+    """
+    return max(16, n_time // 8)
 
 
 def _next(value: jax.Array) -> jax.Array:

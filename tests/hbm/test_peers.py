@@ -70,7 +70,9 @@ def test_two_blades_and_a_damper_against_tmdsimpy(force):
 
 
 def test_box_law_settles_in_two_cycles_and_the_circle_does_not():
-    two, three = (_amplitude(blades_and_damper_system(SampledJenkinsBox(c)), 2 * np.pi * 232, 40.0, "tip")[0] for c in (2, 3))
+    two, three = (
+        _amplitude(blades_and_damper_system(SampledJenkinsBox(c)), 2 * np.pi * 232, 40.0, "tip")[0] for c in (2, 3)
+    )
     assert abs(two - three) < 1e-12 * abs(three)
     two, three = (
         _amplitude(blades_and_damper_system(CoulombCircle(c)), 2 * np.pi * 232, 40.0, "tip")[0] for c in (2, 3)

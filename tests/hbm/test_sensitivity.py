@@ -10,9 +10,9 @@ import scipy.linalg
 from scipy.optimize import brentq
 from support.peers import blades_and_damper_system
 
+from updamp.hbm.branch import branch_point
 from updamp.hbm.contact.coulomb_circle import CoulombCircle
 from updamp.hbm.contact.jenkins_box import JenkinsBox
-from updamp.hbm.branch import branch_point
 from updamp.hbm.continuation import first_point
 from updamp.hbm.elements import ElementGroup
 from updamp.hbm.linear_model import LinearModel, add_springs
