@@ -55,6 +55,6 @@ UNITS: Mapping[str, Mapping[str, str]] = {
         "active": "1",
         "complete": "1",
         "seconds": "s",
-        "joint": "1",
+        "after_gap": "1",
     },
 }

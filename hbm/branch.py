@@ -1,6 +1,6 @@
 """A solved point of a branch, with its direction."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,6 +62,24 @@ def point_at(
     if metric.product((dx, dw), onwards) < 0:
         length = -length
     return BranchPoint(solution.x, solution.w, dx / length, dw / length, metric, step, after_gap, solution)
+
+
+def point_after(last: BranchPoint, solution: Solution, excitation: Excitation) -> BranchPoint:
+    """The solution an ordinary step from the last point, with the direction in which the branch goes on.
+
+    That is the tangent where it agrees with the move that led here, and else the move itself: between two corners
+    close to each other the tangent is that of a tiny piece, and says little about where the branch leads.
+    """
+    move = last.to(solution)
+    point = point_at(solution, excitation, last.metric.scale_w, move, last.metric.length(move))
+    length = point.metric.length(move)
+    if point.metric.product(point.tangent, move) > _SMOOTH * length:
+        return point
+    return replace(point, tangent_x=move[0] / length, tangent_w=move[1] / length)
+
+
+# Cosine of the angle between tangent and move above which the tangent is trusted.
+_SMOOTH = 0.7
 
 
 def branch_point(

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.branch import BranchPoint, point_at
-from updamp.hbm.jump import land_beyond, towards_the_gap
+from updamp.hbm.branch import BranchPoint, point_after, point_at
+from updamp.hbm.jump import land_beyond, retraces, towards_the_gap
 from updamp.hbm.metric import Move
 from updamp.hbm.newton import Arc, NewtonOptions, Solution, Status, linear_solution, solve
 from updamp.hbm.system import Excitation, NonlinearSystem
@@ -158,17 +158,17 @@ class Walk:
             step /= 2
 
     def forward(self, points: Sequence[BranchPoint], step: float) -> Solution:
-        """The corrector from a step along the tangent; one that strays from there counts as stalled."""
+        """The corrector from a step along the tangent; one that strays from there, or back, counts as stalled."""
         last = points[-1]
         arc = Arc(*_predict(points, step), last.tangent, last.metric)
         solution = solve(self.system, self.excitation, arc.x0, arc.w0, self.options.newton, arc)
-        if solution.converged and not 0.5 * step < last.distance(solution) < 1.6 * step:
+        near = 0.5 * step < last.distance(solution) < 1.6 * step
+        if solution.converged and (not near or retraces(solution, points)):
             return replace(solution, status=Status.STALLED)
         return solution
 
     def _accepted(self, last: BranchPoint, solution: Solution, step: float) -> tuple[Sequence[BranchPoint], float]:
-        moved = last.distance(solution)
-        point = point_at(solution, self.excitation, self.scale_w, last.to(solution), moved)
+        point, moved = point_after(last, solution, self.excitation), last.distance(solution)
         growth = np.clip(2.0 ** ((self.options.wanted_iterations - solution.iterations) / 2), 0.5, 2.0)
         return [point], float(np.clip(max(step, moved) * growth, self.options.smallest_step, self.options.largest_step))
 

@@ -30,7 +30,7 @@ def land_beyond(
             size = last.metric.length(way)
             plane = Arc(x, w, (way[0] / size, way[1] / size), last.metric)
             solution = solve(system, excitation, x, w, options, plane)
-            if not solution.converged or _retraces(solution, points):
+            if not solution.converged or retraces(solution, points):
                 continue
             # beyond the last point, and not on some other branch
             if last.metric.product(last.to(solution), way) > 0 and last.distance(solution) < 2 * max(lengths):
@@ -81,7 +81,7 @@ def _parabola(points: tuple[BranchPoint, BranchPoint, BranchPoint], at: tuple[fl
     return c * first.x + d * second.x + e * third.x, c * first.w + d * second.w + e * third.w
 
 
-def _retraces(solution: Solution, points: Sequence[BranchPoint]) -> bool:
+def retraces(solution: Solution, points: Sequence[BranchPoint]) -> bool:
     """Whether the solution lies on the piece of the branch that led to the last point, not beyond it."""
     last = points[-1]
     step, metric = last.distance(solution), last.metric

@@ -43,5 +43,5 @@ def softening_curve(
     return ResponseCurve(
         mode, force, orders, POINTS, centre - softening * np.sin(theta) ** 2 - 0.5 / np.tan(theta),
         displacement, response, work, 0.75 * work, 0.25 * work, np.full(n, 3), np.full(n, 1e-12),
-        np.zeros(n, dtype=int), not stopped, stopped, 12.0,
+        np.zeros(n, dtype=int), np.zeros(n, dtype=bool), not stopped, stopped, 12.0,
     )  # fmt: skip
