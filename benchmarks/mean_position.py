@@ -1,68 +1,71 @@
-"""What the zero harmonic does to the resonances: frequency at the phase resonance against force, with it and without.
+"""What the zero harmonic does to the in-phase mode: peak against force, with it and without.
 
 Pesaresi et al. (2017), Fig. 12b: with harmonics 1-3 the mean position is held and the in-phase mode softens less.
 
-    .venv/bin/python benchmarks/mean_position.py            (small mesh; --mesh medium for 146 patches)
+    .venv/bin/python benchmarks/mean_position.py                              (small mesh)
+    .venv/bin/python benchmarks/mean_position.py --run results/pesaresi2017   (the stages of a run)
 """
 
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import typer
 from rich.console import Console
 from rich.table import Table
 
+from updamp import store
+from updamp.fem.contact_rest import StaticContact
 from updamp.fem.finite_element_model import finite_element_model
+from updamp.fem.reduced_model import ReducedModel
 from updamp.fem.static_contact import static_contact
 from updamp.geometry.build_mesh import build_mesh
+from updamp.hbm.curve import CurveRequest, trace
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.resonance_conditions import PhaseResonance
-from updamp.hbm.resonance_curve import ResonanceCurve, ResonanceRequest, trace_resonance
-from updamp.hbm.rig_system import rig_system
+from updamp.hbm.response_curve import ResponseCurve
+from updamp.hbm.rig_system import excitation, rig_system
 from updamp.hbm.system import NonlinearSystem
-from updamp.rig import load_rig
+from updamp.rig import Rig, load_rig
 
 RIG = Path(__file__).parents[1] / "rigs" / "pesaresi2017.toml"
-WINDOWS = {"OOP": (434.0, 452.0), "IP": (415.0, 432.0)}  # Hz, while stuck
-TARGETS = {"OOP": -np.pi / 2, "IP": -np.pi / 2}
+ORDERS = ((0, 1, 2, 3), (1, 2, 3))
 
 
-def resonance(system: NonlinearSystem, mode: str, forces: tuple[float, ...], blade: str) -> ResonanceCurve:
-    """The resonance of a mode against force, at the tip of the excited blade."""
-    request = ResonanceRequest(
-        mode,
-        f"blade_{blade}.excitation.x",
-        f"blade_{blade}.tip.x",
-        WINDOWS[mode],
-        forces,
-        PhaseResonance(TARGETS[mode]),
-    )
-    *_, curve = trace_resonance(system, request)
-    return curve
+def coupled(rig: Rig, run: Path | None) -> NonlinearSystem:
+    if run is None:
+        reduced = finite_element_model(build_mesh(rig, "small"), rig).reduced
+        return rig_system(reduced, static_contact(reduced, rig), rig)
+    stages = run / "stages"
+    reduced = store.read(stages / "finite_elements.h5", ReducedModel, part="reduced")
+    return rig_system(reduced, store.read(stages / "static_contact.h5", StaticContact), rig)
+
+
+def curve(system: NonlinearSystem, rig: Rig, mode: str, force: float) -> ResponseCurve:
+    request = CurveRequest(mode, excitation(system, rig, force), rig.study.modes[mode].window, (tip(rig),))
+    *_, traced = trace(system, request)
+    return traced
+
+
+def tip(rig: Rig) -> str:
+    return f"blade_{rig.excitation.blade}.tip.x"
 
 
 def main(
-    mesh: Annotated[str, typer.Option(help="mesh preset")] = "small",
+    run: Annotated[Path | None, typer.Option(help="folder of a run, for its finite elements")] = None,
+    mode: Annotated[str, typer.Option(help="of the rig file's study")] = "IP",
     largest: Annotated[float, typer.Option(help="largest force [N]")] = 17.0,
 ) -> None:
-    """Print resonance frequency and receptance with and without the zero harmonic."""
+    """Print peak frequency and receptance with and without the zero harmonic."""
     rig = load_rig(RIG)
-    reduced = finite_element_model(build_mesh(rig, mesh), rig).reduced
-    system = rig_system(reduced, static_contact(reduced, rig), rig)
-    forces = tuple(f for f in rig.study.force_levels if f <= largest)
-    table = Table("mode", "harmonics", *[f"{f:g} N" for f in forces], "stopped")
-    for mode in WINDOWS:
-        for orders in ((0, 1, 2, 3), (1, 2, 3)):
-            curve = resonance(system.with_harmonics(Harmonics(orders)), mode, forces, rig.excitation.blade)
-            met = curve.at_forces()
-            at = {float(f): i for i, f in enumerate(met.force)}
-            cells = [
-                f"{met.frequency[at[f]]:.2f} Hz, {abs(met.receptance[at[f]]) * 1e3:.4f} mm/N" if f in at else "-"
-                for f in forces
-            ]
-            table.add_row(mode, "-".join(map(str, orders)), *cells, curve.stopped)
-    Console(width=200).print(table)
+    system = coupled(rig, run)
+    table = Table("mode", "force", *[f"harmonics {'-'.join(map(str, o))}" for o in ORDERS])
+    for force in (f for f in rig.study.force_levels if f <= largest):
+        cells = []
+        for orders in ORDERS:
+            traced = curve(system.with_harmonics(Harmonics(orders)), rig, mode, force)
+            frequency, receptance = traced.peak(tip(rig))
+            cells.append(f"{frequency:.2f} Hz, {receptance * 1e3:.5f} mm/N {traced.stopped}")
+        table.add_row(mode, f"{force:g} N", *cells)
+    Console(width=160).print(table)
 
 
 if __name__ == "__main__":
