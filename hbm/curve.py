@@ -62,6 +62,8 @@ def trace(
 
 # Arc between the ends of two pieces up to which they count as one branch: about two ordinary steps.
 _JOINT = 0.4
+# And from which on there is nothing left between them.
+_MET = 0.03
 
 
 def _from_the_other_end(
@@ -75,17 +77,21 @@ def _from_the_other_end(
     if stuck is None:
         yield records.curve(stopped=reason)
         return
-    second = _Records(system, request, None, records.started)
+    second, nearest = _Records(system, request, None, records.started), np.inf
     try:
         for point in continue_branch(system, request.excitation, request.window, request.options, not request.upwards):
+            apart = stuck.distance(point)
+            if nearest < _JOINT and apart > nearest:
+                break
             second.add(point)
-            if stuck.distance(point) < _JOINT:
-                yield records.joined(second, complete=True)
-                return
+            nearest = apart
+            if nearest < _MET:
+                break
             yield records.curve()
     except BranchStoppedError as stop:
         reason = f"{reason}. From the other end: {stop}"
-    yield records.joined(second, complete=False, stopped=reason)
+    joined = nearest < _JOINT
+    yield records.joined(second, complete=joined, stopped="" if joined else reason)
 
 
 def _unfinished(request: CurveRequest, curve: ResponseCurve) -> str:
