@@ -41,4 +41,4 @@ run: setup
 	$(BIN)/updamp run rigs/pesaresi2017.toml --mesh full --out results/pesaresi2017
 
 bench: setup
-	@for script in benchmarks/*.py; do echo "== $$script"; $(BIN)/python $$script || exit 1; done
+	$(BIN)/python benchmarks/bench.py

@@ -1,0 +1,52 @@
+"""What harmonic balance costs: on the problem other codes were measured on, on the rig, and how it grows.
+
+    .venv/bin/python benchmarks/bench.py                       (the rig from results/pesaresi2017, see `make run`)
+    .venv/bin/python benchmarks/bench.py --run FOLDER --workers 1
+
+Prints tables; writes bench.json and, beside it, bench_growth.png.
+"""
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from harmonic_balance.growth import draw, growth
+from harmonic_balance.peers_problem import costs
+from harmonic_balance.results import Results
+from harmonic_balance.rig_curves import RIG, all_curves, point_cost, stages_of
+from rich.console import Console
+
+from updamp.rig import load_rig
+
+RESULTS = Path(__file__).parents[1] / "results"
+
+
+def main(
+    out: Annotated[Path, typer.Option(help="file to write")] = RESULTS / "bench.json",
+    run: Annotated[Path, typer.Option(help="folder of a run of the rig at full size")] = RESULTS / "pesaresi2017",
+    stress: Annotated[Path, typer.Option(help="result of the stress grid")] = RESULTS / "stress.json",
+    workers: Annotated[int, typer.Option(help="processes for the ten curves")] = 2,
+    ten: Annotated[bool, typer.Option(help="whether to trace all ten curves: minutes")] = True,
+) -> None:
+    """Measure, print and write."""
+    console = Console(width=160)
+    stages, rig = stages_of(run), load_rig(RIG)
+    with console.status("146 contacts, the problem of the peers") as status:
+        problem = costs()
+        status.update("a curve of the rig")
+        point = point_cost(stages) if stages is not None else None
+        status.update("ten curves of the rig")
+        curves = all_curves(stages, rig, workers) if stages is not None and ten else None
+        status.update("growth with contacts and harmonics")
+        grown = growth()
+    results = Results(problem, point, curves, grown, json.loads(stress.read_text()) if stress.is_file() else None)
+    results.show(console)
+    results.write(out)
+    picture = out.with_name("bench_growth.png")
+    draw(grown, picture)
+    console.print(f"{out}, {picture}", soft_wrap=True)
+
+
+if __name__ == "__main__":
+    typer.run(main)
