@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.branch import BranchPoint, point_after, point_at
-from updamp.hbm.jump import land_beyond, retraces, towards_the_gap
+from updamp.hbm.jump import land_beyond, towards_the_gap
 from updamp.hbm.metric import Move
 from updamp.hbm.newton import Arc, NewtonOptions, Solution, Status, linear_solution, solve
 from updamp.hbm.system import Excitation, NonlinearSystem
+from updamp.hbm.traversed import Traversed, traversed
 
 Floats = NDArray[np.float64]
 
@@ -36,7 +37,7 @@ class ContinuationOptions:
     leaps: tuple[float, ...] = (0.1, 0.05, 0.2, 0.4, 0.8)
     wanted_iterations: int = 4
     frequency_scale: float = 0.5
-    max_points: int = 1500
+    max_points: int = 800
     newton: NewtonOptions = field(default_factory=lambda: NewtonOptions(smallest_damping=1 / 8))
     persistent: NewtonOptions = field(default_factory=lambda: NewtonOptions(iterations=20))
 
@@ -112,21 +113,17 @@ def continue_branch(
         solution = first_point(system, excitation, w, options.persistent)
         points = [point_at(solution, excitation, scale_w, (0 * solution.x, 1.0 if upwards else -1.0), 0.0)]
         yield points[0]
-    walk = Walk(system, excitation, options, scale_w)
+    walk, behind = Walk(system, excitation, options, scale_w), traversed(points)
     step = max(points[-1].step, options.first_step) if len(points) > 1 else options.first_step
     low, high = (2 * np.pi * f for f in window)
     handed_out = len(points)
     while handed_out < options.max_points:
-        following, step = walk.following(points, min(step, options.largest_step))
+        following, step = walk.following(behind, min(step, options.largest_step))
         yield from following
         handed_out += len(following)
-        points = [*points, *following][-_HISTORY:]
-        if not low <= points[-1].w <= high:
+        behind = behind.then(following)
+        if not low <= behind.last.w <= high:
             return
-
-
-# Points kept to notice a leap that lands on what was traversed.
-_HISTORY = 60
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,32 +135,32 @@ class Walk:
     options: ContinuationOptions
     scale_w: float
 
-    def following(self, points: Sequence[BranchPoint], step: float) -> tuple[Sequence[BranchPoint], float]:
+    def following(self, behind: Traversed, step: float) -> tuple[Sequence[BranchPoint], float]:
         """The next point, or those beyond a jump, and the step to try after them.
 
         raises: BranchStoppedError
         """
-        options, last, leapt = self.options, points[-1], False
+        options, last, leapt = self.options, behind.last, False
         while True:
-            solution = self.forward(points, step)
+            solution = self.forward(behind, step)
             if solution.converged:
                 return self._accepted(last, solution, step)
             if step < options.leap_below and not leapt:
                 leapt = True
-                beyond = self._leap(points)
+                beyond = self._leap(behind)
                 if beyond:
                     return beyond, options.first_step
             if step / 2 < options.smallest_step:
                 raise BranchStoppedError(last.frequency, solution.errors[-1], solution.status)
             step /= 2
 
-    def forward(self, points: Sequence[BranchPoint], step: float) -> Solution:
+    def forward(self, behind: Traversed, step: float) -> Solution:
         """The corrector from a step along the tangent; one that strays from there, or back, counts as stalled."""
-        last = points[-1]
-        arc = Arc(*_predict(points, step), last.tangent, last.metric)
+        last = behind.last
+        arc = Arc(*_predict(behind.points, step), last.tangent, last.metric)
         solution = solve(self.system, self.excitation, arc.x0, arc.w0, self.options.newton, arc)
         near = 0.5 * step < last.distance(solution) < 1.6 * step
-        if solution.converged and (not near or retraces(solution, points)):
+        if solution.converged and (not near or behind.meets(solution)):
             return replace(solution, status=Status.STALLED)
         return solution
 
@@ -172,25 +169,26 @@ class Walk:
         growth = np.clip(2.0 ** ((self.options.wanted_iterations - solution.iterations) / 2), 0.5, 2.0)
         return [point], float(np.clip(max(step, moved) * growth, self.options.smallest_step, self.options.largest_step))
 
-    def _leap(self, points: Sequence[BranchPoint]) -> Sequence[BranchPoint]:
+    def _leap(self, behind: Traversed) -> Sequence[BranchPoint]:
         """The points beyond a jump: from where its far side begins to where the leap landed; none if none is found."""
-        landed = land_beyond(self.system, self.excitation, points, self.options.leaps, self.options.persistent)
+        landed = land_beyond(self.system, self.excitation, behind, self.options.leaps, self.options.persistent)
         if landed is None:
             return []
-        last = points[-1]
+        last = behind.last
         point = point_at(landed, self.excitation, self.scale_w, last.to(landed), last.distance(landed), after_gap=True)
         return towards_the_gap(self._backwards(point), point, last)
 
     def _backwards(self, start: BranchPoint) -> Iterator[BranchPoint]:
         """From `start` the other way, until the branch cannot be followed any further."""
-        points, step = [replace(start, tangent_x=-start.tangent_x, tangent_w=-start.tangent_w)], self.options.first_step
+        turned = replace(start, tangent_x=-start.tangent_x, tangent_w=-start.tangent_w)
+        behind, step = Traversed([turned]), self.options.first_step
         while step >= self.options.leap_below:
-            solution = self.forward(points, step)
+            solution = self.forward(behind, step)
             if not solution.converged:
                 step /= 2
                 continue
-            (point,), step = self._accepted(points[-1], solution, step)
-            points = [points[-1], point]
+            (point,), step = self._accepted(behind.last, solution, step)
+            behind = behind.then([point])
             yield point
 
 

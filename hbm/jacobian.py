@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 # Unknowns (active rows times coefficients) above which Krylov iteration beats a factorisation, one thread.
-DIRECT_UP_TO = 400
+DIRECT_UP_TO = 800
 
 
 class ForceSolver(Protocol):

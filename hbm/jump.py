@@ -10,6 +10,7 @@ from updamp.hbm.branch import BranchPoint
 from updamp.hbm.metric import Move
 from updamp.hbm.newton import Arc, NewtonOptions, Solution, solve
 from updamp.hbm.system import Excitation, NonlinearSystem
+from updamp.hbm.traversed import Traversed
 
 # Gaps shorter than this are no jump: two ordinary steps of half the largest size.
 _NO_GAP = 0.1
@@ -18,19 +19,19 @@ _NO_GAP = 0.1
 def land_beyond(
     system: NonlinearSystem,
     excitation: Excitation,
-    points: Sequence[BranchPoint],
+    behind: Traversed,
     lengths: Sequence[float],
     options: NewtonOptions,
 ) -> Solution | None:
-    """A solution about one of `lengths` beyond the last point, not on the piece that led there."""
-    last = points[-1]
+    """A solution about one of `lengths` beyond the last point, not on what was traversed."""
+    last = behind.last
     for length in lengths:
-        for x, w in _guesses(points, length):
+        for x, w in _guesses(behind.points, length):
             way = (x - last.x, w - last.w)
             size = last.metric.length(way)
             plane = Arc(x, w, (way[0] / size, way[1] / size), last.metric)
             solution = solve(system, excitation, x, w, options, plane)
-            if not solution.converged or retraces(solution, points):
+            if not solution.converged or behind.meets(solution):
                 continue
             # beyond the last point, and not on some other branch
             if last.metric.product(last.to(solution), way) > 0 and last.distance(solution) < 2 * max(lengths):
@@ -79,17 +80,3 @@ def _parabola(points: tuple[BranchPoint, BranchPoint, BranchPoint], at: tuple[fl
     first, second, third = points
     c, d, e = weights
     return c * first.x + d * second.x + e * third.x, c * first.w + d * second.w + e * third.w
-
-
-def retraces(solution: Solution, points: Sequence[BranchPoint]) -> bool:
-    """Whether the solution lies on the piece of the branch that led to the last point, not beyond it."""
-    last = points[-1]
-    step, metric = last.distance(solution), last.metric
-    for start, end in pairwise(points):
-        along, off = start.to(end), start.to(solution)
-        length = metric.length(along)
-        share = metric.product(along, off) / length**2
-        rest = (off[0] - share * along[0], off[1] - share * along[1])
-        if -0.05 < share < 0.95 and metric.length(rest) < 0.1 * min(length, step):
-            return True
-    return False

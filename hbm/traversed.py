@@ -1,0 +1,69 @@
+"""What lies behind the last point of a branch, so that the branch does not run back over itself or round in circles."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.hbm.branch import BranchPoint
+from updamp.hbm.newton import Solution
+
+Floats = NDArray[np.float64]
+
+# Points kept whole, to guess from; of the others their places are kept.
+_WHOLE = 60
+# Two mean positions closer than this share of their size are the same.
+_SAME_MEAN = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """Of the branch, between two neighbouring points (x, w)."""
+
+    start: tuple[Floats, float]
+    end: tuple[Floats, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Traversed:
+    """points: the last ones; pieces: all, but for gaps"""
+
+    points: Sequence[BranchPoint]
+    pieces: Sequence[Piece] = ()
+
+    @property
+    def last(self) -> BranchPoint:
+        return self.points[-1]
+
+    def then(self, following: Sequence[BranchPoint]) -> "Traversed":
+        added, before = [], self.last
+        for point in following:
+            if not point.after_gap:
+                added.append(Piece((before.x, before.w), (point.x, point.w)))
+            before = point
+        return Traversed([*self.points, *following][-_WHOLE:], [*self.pieces, *added])
+
+    def meets(self, solution: Solution) -> bool:
+        """Whether the solution lies on a piece that was traversed, not beyond the last point.
+
+        The metric hardly sees the mean position; the same vibration about another mean position is another branch.
+        """
+        step = self.last.distance(solution)
+        return any(self._on(piece, solution, step) for piece in self.pieces)
+
+    def _on(self, piece: Piece, solution: Solution, step: float) -> bool:
+        (x, w), metric = piece.start, self.last.metric
+        along, off = (piece.end[0] - x, piece.end[1] - w), (solution.x - x, solution.w - w)
+        length = metric.length(along)
+        share = metric.product(along, off) / length**2
+        if not -0.05 < share < 0.95:
+            return False
+        rest = (off[0] - share * along[0], off[1] - share * along[1])
+        if metric.length(rest) > 0.1 * min(length, step):
+            return False
+        return float(np.linalg.norm(rest[0])) < _SAME_MEAN * float(np.linalg.norm(solution.x))
+
+
+def traversed(points: Sequence[BranchPoint]) -> Traversed:
+    return Traversed(points[:1]).then(points[1:])
