@@ -27,19 +27,21 @@ def main(
     run: Annotated[Path, typer.Option(help="folder of a run of the rig at full size")] = RESULTS / "pesaresi2017",
     stress: Annotated[Path, typer.Option(help="result of the stress grid")] = RESULTS / "stress.json",
     workers: Annotated[int, typer.Option(help="processes for the ten curves")] = 2,
+    threads: Annotated[int, typer.Option(help="at most so many, 1 or 2, where both are measured")] = 2,
     ten: Annotated[bool, typer.Option(help="whether to trace all ten curves: minutes")] = True,
 ) -> None:
     """Measure, print and write."""
     console = Console(width=160)
     stages, rig = stages_of(run), load_rig(RIG)
-    with console.status("146 contacts, the problem of the peers") as status:
-        problem = costs()
-        status.update("a curve of the rig")
-        point = point_cost(stages) if stages is not None else None
-        status.update("ten curves of the rig")
-        curves = all_curves(stages, rig, workers) if stages is not None and ten else None
-        status.update("growth with contacts and harmonics")
-        grown = growth()
+    console.print("146 contacts, the problem of the peers ...")
+    problem = costs(threads)
+    console.print("a curve of the rig ...")
+    point = point_cost(stages) if stages is not None else None
+    if ten:
+        console.print(f"the ten curves of the rig, {workers} workers ...")
+    curves = all_curves(stages, rig, workers) if stages is not None and ten else None
+    console.print("growth with contacts and harmonics ...")
+    grown = growth()
     results = Results(problem, point, curves, grown, json.loads(stress.read_text()) if stress.is_file() else None)
     results.show(console)
     results.write(out)

@@ -34,9 +34,12 @@ def cost(law: ContactLaw, model: str = MODEL) -> Cost | None:
     return branch_cost(system, Excitation(system.free.row("excitation"), FORCE), WINDOW)
 
 
-def costs(model: str = MODEL) -> Costs:
-    """By law, then by threads."""
+def costs(most_threads: int = 2, model: str = MODEL) -> Costs:
+    """By law, then by threads; None for more than `most_threads`."""
     return {
-        name: {threads: in_a_process(count, cost, law, model) for threads, count in THREADS.items()}
+        name: {
+            threads: in_a_process(count, cost, law, model) if count <= most_threads else None
+            for threads, count in THREADS.items()
+        }
         for name, law in LAWS.items()
     }

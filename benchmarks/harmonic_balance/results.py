@@ -62,8 +62,10 @@ class Results:
             console.print(f"stress grid: {finished} of {curves} curves finished ({100 * finished / curves:.1f} %)")
 
     def _missing(self) -> Iterable[str]:
-        if any(cost is None for costs in self.problem.values() for cost in costs.values()):
+        if all(cost is None for costs in self.problem.values() for cost in costs.values()):
             yield f"{MODEL}: the solved problems (shared/reference/hbm) are not beside the checkout"
+        if self.rig is not None and self.ten is None:
+            yield "the ten curves: left out (--no-ten)"
         if self.rig is None:
             yield "the rig: no stages of a run were found; make them with `make run`, or name a run with --run"
         if self.stress is None:
