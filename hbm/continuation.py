@@ -34,7 +34,7 @@ class ContinuationOptions:
     smallest_step: float = 1e-3
     largest_step: float = 0.2
     leap_below: float = 0.01
-    leaps: tuple[float, ...] = (0.1, 0.05, 0.2, 0.4, 0.8)
+    leaps: tuple[float, ...] = (0.05, 0.1, 0.2, 0.4)
     wanted_iterations: int = 4
     frequency_scale: float = 0.5
     max_points: int = 800

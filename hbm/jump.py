@@ -33,8 +33,9 @@ def land_beyond(
             solution = solve(system, excitation, x, w, options, plane)
             if not solution.converged or behind.meets(solution):
                 continue
-            # beyond the last point, and not on some other branch
-            if last.metric.product(last.to(solution), way) > 0 and last.distance(solution) < 2 * max(lengths):
+            # beyond the last point, and about as far as was leapt: elsewhere it is some other branch
+            near = 0.5 * length < last.distance(solution) < 1.6 * length
+            if near and last.metric.product(last.to(solution), way) > 0:
                 return solution
     return None
 

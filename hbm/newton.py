@@ -126,6 +126,12 @@ def evaluate(system: NonlinearSystem, excitation: Excitation, x: Floats, w: floa
     return Equation(x, w, receptance, departure, residual)
 
 
+def residual_alone(system: NonlinearSystem, excitation: Excitation, x: Floats, w: float) -> Floats:
+    """(n_relative, n_coefficients) [m], without the tangents, which are most of the cost of `evaluate`."""
+    receptance = Receptance(system, w)
+    return x - receptance.excitation(excitation) + receptance.apply(system.departure_value(x, w))
+
+
 def linear_solution(system: NonlinearSystem, w: float, excitation: Excitation) -> Floats:
     """All elements stuck: the natural first guess."""
     return Receptance(system, w).excitation(excitation)
@@ -213,9 +219,16 @@ def _damped(
     """
     damping = 1.0
     floor = options.tolerance * max(np.abs(equation.x).max(), np.finfo(float).tiny)
+
+    def falls(residual: Floats) -> bool:
+        return bool(np.linalg.norm(residual) < bound or np.abs(residual).max() < floor)
+
     while damping >= options.smallest_damping:
-        candidate = evaluate(system, excitation, equation.x + damping * step[0], equation.w + damping * step[1])
-        if np.linalg.norm(candidate.residual) < bound or np.abs(candidate.residual).max() < floor:
-            return candidate
+        x, w = equation.x + damping * step[0], equation.w + damping * step[1]
+        # The full step is mostly taken, and then its tangents are needed; of the others only the last one's are.
+        if damping == 1.0 or falls(residual_alone(system, excitation, x, w)):
+            candidate = evaluate(system, excitation, x, w)
+            if falls(candidate.residual):
+                return candidate
         damping /= 2
     return None

@@ -5,6 +5,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.fem.contact_rest import StaticContact
+from updamp.fem.damper_models import DAMPER_MODELS
 from updamp.fem.reduced_model import ReducedModel
 from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.contact.registry import CONTACT_LAWS
@@ -18,11 +19,12 @@ Floats = NDArray[np.float64]
 
 
 def rig_system(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> NonlinearSystem:
-    """Blades and damper on its wires, coupled by one contact element a patch.
+    """Blades and damper on its wires, coupled by one contact element a patch, or a face where the damper is lumped.
 
     As in Pesaresi et al. (2017) the dynamic problem starts from the preload without tangential force.
     """
     contact, balance = rig.contact, rig.harmonic_balance
+    reduced, rest = DAMPER_MODELS[rig.damper_model].apply(reduced, rest)
     area, n = reduced.contacts.area, len(reduced.contacts)
     parameters = FrictionParameters(
         mu=jnp.full(n, contact.friction_coefficient),
