@@ -184,6 +184,7 @@ class Rig(Section):
     """
 
     name: Name
+    damper_model: Literal["elastic", "lumped"] = "elastic"
     material: Material
     blade: Blade
     platform: Platform

@@ -159,16 +159,19 @@ def peak_place(run: Run, curve: ResponseCurve) -> int:
 
 
 def states_at_peaks(run: Run, products: Products, curves: Sequence[ResponseCurve]) -> dict[float, Any]:
-    """force -> (n_contacts,) ContactState over a period at the point of largest response."""
+    """force -> (n_patches,) ContactState over a period at the point of largest response."""
     import numpy as np
 
+    from updamp.fem.damper_models import DAMPER_MODELS
     from updamp.hbm.observe import contact_states
 
     system = nonlinear_system(run, products)
+    element = DAMPER_MODELS[run.rig.damper_model].element_of_patch(products.mesh.product.contacts)
     states = {}
     for curve in curves:
         place = peak_place(run, curve)
-        states[curve.force] = contact_states(system, curve.displacement[place], 2 * np.pi * curve.frequency[place])
+        w = 2 * np.pi * curve.frequency[place]
+        states[curve.force] = contact_states(system, curve.displacement[place], w)[element]
     return states
 
 

@@ -78,6 +78,7 @@ CURVE = Stage(
     name="curve",
     version=3,
     sections=(
+        "damper_model",
         "material.loss_factor",
         "wire",
         "load",

@@ -138,7 +138,7 @@ def test_decimal_reading_leaves_no_round_off() -> None:
 KEYS = [
     ({"blade__heigth": "3 mm"}, 'blade.heigth = "3 mm": unknown key; did you mean height?'),
     ({"mesh__full__widht": 4}, "mesh.full.widht = 4: unknown key; did you mean width?"),
-    ({"colour": "red"}, 'colour = "red": unknown key; allowed are name, material, blade'),
+    ({"colour": "red"}, 'colour = "red": unknown key; allowed are name, damper_model, material'),
     ({"contact__pressure__share": 1}, "contact.pressure.share = 1: unknown key; allowed are model"),
     ({"blade": {**SECTION["blade"], "height": 1}}, "blade.height = 1: state its unit"),
     ({"wire": {"length": "1 m", "axial_stiffness": "1e6 N/m"}}, "wire.attachment_height: missing; add it, such as"),

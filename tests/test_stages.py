@@ -33,6 +33,7 @@ def changed(a, b):
         ({"wire.axial_stiffness": "2e6 N/m"}, {"coupled_check", "curve"}),
         ({"load.pull": "900 N"}, {"coupled_check", "static_contact", "curve"}),
         ({"material.loss_factor": 0.002}, {"curve"}),
+        ({"damper_model": "lumped"}, {"curve"}),
         ({"material.density": "7700 kg/m^3"}, AFTER_THE_MESH),
         ({"reduction.modes": 12}, AFTER_THE_MESH),
         ({"harmonic_balance.harmonics": [0, 1]}, {"curve"}),
