@@ -76,7 +76,7 @@ class March:
 
     @property
     def h(self):
-        """The period over the steps, longer by (w h)^2 / 12: with it the rule is exact for linear motion at w ("prewarped"),
+        """The period over the steps, longer by (w h)^2 / 12 ("prewarped"): so the rule is exact for linear motion at w,
         and a resonance as narrow as 0.4 Hz is not shifted; higher harmonics keep their error of (k w h)^2 / 12.
         """
         return 2 / self.w * np.tan(np.pi / self.steps)
@@ -189,7 +189,7 @@ def _times_blocks(matrix, blocks):
 
 
 class Plane(NamedTuple):
-    """Across a curve at its point (amplitude, w): Re(conj(along) (X - amplitude)) / |amplitude|^2 + rate (w' / w - 1) = 0.
+    """Across a curve at its point: Re(conj(along) (X - amplitude)) / |amplitude|^2 + rate (W / w - 1) = 0 for X at W.
 
     With along = 0 the frequency is held.
     """
