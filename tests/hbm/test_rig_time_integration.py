@@ -1,0 +1,60 @@
+"""Harmonic balance of the reference rig (small mesh, 36 contacts, residual flexibility) against marching in time.
+
+Most cases have a loss factor of 1 %, ten times the rig's, with viscous damping in both: the motions attract then, and
+harmonics above the seventh matter less. At the rig's own 0.1 % one case is made too.
+"""
+
+from functools import cache
+from pathlib import Path
+
+import pytest
+from support.rig_against_time import Case, Problem
+
+from updamp.fem.finite_element_model import finite_element_model
+from updamp.fem.reduced_model import ReducedModel
+from updamp.geometry.build_mesh import build_mesh
+from updamp.hbm.observe import ContactState
+from updamp.rig import Rig, load_rig
+
+RIG_FILE = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
+STUCK, SLIP, OPEN = ContactState.STUCK, ContactState.STICK_SLIP, ContactState.SEPARATING
+
+# Case, friction coefficient, how many contacts do what at the peak. With the rig's own friction contacts open before
+# they slip.
+CASES = {
+    "stick": (Case("IP", 10.0, (420.0, 434.0), 0.01), 0.6, {STUCK: 36}),
+    "slip": (Case("OOP", 30.0, (440.0, 449.0), 0.01), 0.1, {STUCK: 18, SLIP: 18}),
+    "slip and separation": (Case("IP", 15.0, (415.0, 434.0), 0.01), 0.1, {STUCK: 20, SLIP: 8, OPEN: 8}),
+    "edges separate": (Case("OOP", 60.0, (440.0, 450.0), 0.01), 0.6, {STUCK: 28, OPEN: 8}),
+}
+
+
+STEPS = 512  # a period; four times as many change the amplitude by less than 0.05 %
+
+
+@cache
+def reduced() -> ReducedModel:
+    rig = rig_with(0.6)
+    return finite_element_model(build_mesh(rig, "small"), rig).reduced
+
+
+def rig_with(friction: float) -> Rig:
+    return load_rig(RIG_FILE, {"contact.friction_coefficient": friction})
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_peak_is_that_of_marching_in_time(name):
+    """Harmonics 0-7 within 1 % of the amplitude; and the change to them is the error of 0-3, to a twentieth."""
+    case, friction, states = CASES[name]
+    problem = Problem.of(reduced(), rig_with(friction), case)
+    peak = max(problem.branch(), key=lambda point: abs(problem.amplitude(point)))
+    assert dict(enumerate(problem.states(peak))) == {state: states.get(state, 0) for state in ContactState}
+    finer = problem.finer(peak)
+    assert finer is not None
+    marched = problem.march(peak, finer, STEPS)
+    assert marched.misfit < 1e-8
+    assert abs(marched.multipliers[0]) < 1  # it is where marching alone would settle
+    coarse, fine = problem.difference(peak, marched), problem.difference(finer, marched)
+    assert abs(fine.percent) < 1.0
+    assert fine.widths < 0.005
+    assert coarse.widths == pytest.approx(problem.change(peak, finer), rel=0.05, abs=1e-6)
