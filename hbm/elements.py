@@ -113,7 +113,7 @@ def _compiled_quantity(
         motion, velocity = samples(coefficients, w, harmonics, n_time)
         return motion, quantity(motion, velocity, parameters)
 
-    return jax.jit(jax.vmap(one, in_axes=(0, None, 0)))
+    return jax.jit(_a_few_at_a_time(one))
 
 
 @lru_cache(maxsize=32)
@@ -130,4 +130,19 @@ def _compiled(law: ContactLaw, harmonics: Harmonics, n_time: int) -> Callable[..
         rate = jax.jacfwd(force, argnums=1)(coefficients, w, parameters) if by_frequency else jnp.zeros(())
         return value, tangent, rate
 
-    return jax.jit(jax.vmap(with_tangents, in_axes=(0, None, 0)))
+    return jax.jit(_a_few_at_a_time(with_tangents))
+
+
+def _a_few_at_a_time(one: Callable[..., Any]) -> Callable[..., Any]:
+    """`one(coefficients, w, parameters)` over all elements in batches small enough for the processor's cache: with
+    tangents, all 146 at once take 3.6 times as long.
+    """
+
+    def each(coefficients: jax.Array, w: jax.Array, parameters: Any) -> Any:
+        return jax.lax.map(lambda a: one(a[0], w, a[1]), (coefficients, parameters), batch_size=BATCH)
+
+    return each
+
+
+# Elements evaluated together.
+BATCH = 8
