@@ -1,9 +1,9 @@
-"""Harmonic balance of the rig (small mesh, residual flexibility) against marching in time, at several points of both modes.
+"""Harmonic balance of the rig (small mesh, residual flexibility) against marching in time: several points, both modes.
 
     .venv/bin/python benchmarks/time_integration.py
 
-Structural damping is replaced by viscous damping equal to it at the middle of the window, in both. Each point is compared
-on the plane across the branch there; difference: harmonic balance less marching in time.
+Structural damping is replaced by viscous damping equal to it at the middle of the window, in both. Each point is
+compared on the plane across the branch there; difference: harmonic balance less marching in time.
 """
 
 import sys

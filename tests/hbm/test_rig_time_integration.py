@@ -4,11 +4,13 @@ Most cases have a loss factor of 1 %, ten times the rig's, with viscous damping 
 harmonics above the seventh matter less. At the rig's own 0.1 % one case is made too.
 """
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
 import pytest
 from support.rig_against_time import Case, Problem
+from support.rig_march import March, Plane, shoot
 
 from updamp.fem.finite_element_model import finite_element_model
 from updamp.fem.reduced_model import ReducedModel
@@ -22,8 +24,8 @@ STUCK, SLIP, OPEN = ContactState.STUCK, ContactState.STICK_SLIP, ContactState.SE
 # Case, friction coefficient, how many contacts do what at the peak. With the rig's own friction contacts open before
 # they slip.
 CASES = {
-    "stick": (Case("IP", 10.0, (420.0, 434.0), 0.01), 0.6, {STUCK: 36}),
-    "slip": (Case("OOP", 30.0, (440.0, 449.0), 0.01), 0.1, {STUCK: 18, SLIP: 18}),
+    "stick": (Case("IP", 10.0, (425.0, 428.0), 0.01), 0.6, {STUCK: 36}),
+    "slip": (Case("OOP", 30.0, (443.5, 447.5), 0.01), 0.1, {STUCK: 18, SLIP: 18}),
     "slip and separation": (Case("IP", 15.0, (415.0, 434.0), 0.01), 0.1, {STUCK: 20, SLIP: 8, OPEN: 8}),
     "edges separate": (Case("OOP", 60.0, (440.0, 450.0), 0.01), 0.6, {STUCK: 28, OPEN: 8}),
 }
@@ -44,7 +46,8 @@ def rig_with(friction: float) -> Rig:
 
 @pytest.mark.parametrize("name", CASES)
 def test_peak_is_that_of_marching_in_time(name):
-    """Harmonics 0-7 within 1 % of the amplitude; and the change to them is the error of 0-3, to a twentieth."""
+    """Harmonics 0-7 within 1 % of the amplitude; 0-3 within the change to them, which estimates their error. It is no
+    bound: it falls short of it by up to 2 % here."""
     case, friction, states = CASES[name]
     problem = Problem.of(reduced(), rig_with(friction), case)
     peak = max(problem.branch(), key=lambda point: abs(problem.amplitude(point)))
@@ -57,4 +60,16 @@ def test_peak_is_that_of_marching_in_time(name):
     coarse, fine = problem.difference(peak, marched), problem.difference(finer, marched)
     assert abs(fine.percent) < 1.0
     assert fine.widths < 0.005
-    assert coarse.widths == pytest.approx(problem.change(peak, finer), rel=0.05, abs=1e-6)
+    assert coarse.widths <= 1.05 * problem.change(peak, finer) + 1e-6
+
+
+def test_a_march_without_residual_flexibility_is_told_apart():
+    """At the frequency of the stuck peak, where with it both agree to round-off."""
+    case, friction, _ = CASES["stick"]
+    problem = Problem.of(reduced(), rig_with(friction), case)
+    point = max(problem.branch(), key=lambda point: abs(problem.amplitude(point)))
+    excited, free = problem.request.excitation, problem.system.free
+    rigid = replace(free, residual=0 * free.residual)
+    march = March(rigid, problem.law(), excited.row, problem.row, excited.force, point.w, STEPS)
+    marched = shoot(march, problem.start(point), Plane(problem.amplitude(point), point.w))
+    assert abs(abs(marched.amplitude) / abs(problem.amplitude(point)) - 1) > 0.2

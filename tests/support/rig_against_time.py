@@ -88,8 +88,8 @@ class Problem:
     def march(self, point: BranchPoint, near: BranchPoint | None = None, steps: int = 1024) -> Periodic:
         """On the plane across the branch at `point`, started from `near` (a finer solution there)."""
         start, excited = near or point, self.request.excitation
-        march = March(self.system.free, self._law(), excited.row, self.row, excited.force, start.w, steps)
-        return shoot(march, self._start(start), self._plane(point))
+        march = March(self.system.free, self.law(), excited.row, self.row, excited.force, start.w, steps)
+        return shoot(march, self.start(start), self._plane(point))
 
     def difference(self, point: BranchPoint, marched: Periodic) -> Difference:
         share = abs(self.amplitude(point)) / abs(marched.amplitude) - 1
@@ -101,7 +101,7 @@ class Problem:
         share = abs(self.amplitude(finer)) / abs(self.amplitude(point)) - 1
         return float(np.hypot(share, 2 * (finer.w / point.w - 1) / self.loss))
 
-    def _law(self) -> Box:
+    def law(self) -> Box:
         (group,) = self.system.groups
         p = group.parameters
         assert not np.any(p.gap), "the marched law knows no gap"
@@ -117,7 +117,7 @@ class Problem:
         rate = point.tangent_w * point.w / point.metric.scale_w**2
         return Plane(X, point.w, (self._amplitude(ahead) - X) / small, rate)
 
-    def _start(self, point: BranchPoint) -> State:
+    def start(self, point: BranchPoint) -> State:
         """The harmonic balance's motion at t = 0; sliders where that motion leaves them that start from rest."""
         equation, model = point.solution.equation, self.system.free
         system = equation.receptance.system
@@ -130,5 +130,5 @@ class Problem:
         now, rate = harmonics.synthesis(64)[0], w * harmonics.synthesis_rate(64)[0]
         squared = np.repeat(harmonics.orders, [2 if k else 1 for k in harmonics.orders]) ** 2
         motion = harmonics.synthesis(512) @ x.T
-        sliders = self._law().along(motion.reshape(512, -1, 3))
+        sliders = self.law().along(motion.reshape(512, -1, 3))
         return State(modal @ now, modal @ rate, -modal @ (w**2 * squared * now), sliders, x @ now)
