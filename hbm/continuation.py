@@ -151,15 +151,23 @@ class Walk:
                 if beyond:
                     return beyond, options.first_step
             if step / 2 < options.smallest_step:
+                solution = self.forward(behind, step, around_corner=True)
+                if solution.converged:
+                    return self._accepted(last, solution, step)
                 raise BranchStoppedError(last.frequency, solution.errors[-1], solution.status)
             step /= 2
 
-    def forward(self, behind: Traversed, step: float) -> Solution:
-        """The corrector from a step along the tangent; one that strays from there, or back, counts as stalled."""
+    def forward(self, behind: Traversed, step: float, around_corner: bool = False) -> Solution:
+        """The corrector from a step along the tangent; one that strays from there, or back, counts as stalled.
+
+        around_corner: the branch may turn away from the tangent so sharply that it meets the plane of even the
+        smallest step some way off
+        """
         last = behind.last
         arc = Arc(*_predict(behind.points, step), last.tangent, last.metric)
         solution = solve(self.system, self.excitation, arc.x0, arc.w0, self.options.newton, arc)
-        near = 0.5 * step < last.distance(solution) < 1.6 * step
+        farthest = self.options.leap_below if around_corner else 1.6 * step
+        near = 0.5 * step < last.distance(solution) < farthest
         if solution.converged and (not near or behind.meets(solution)):
             return replace(solution, status=Status.STALLED)
         return solution

@@ -234,14 +234,14 @@ def test_without_the_libraries_for_rendering_the_rest_is_made(finished, tmp_path
 def test_an_interruption_is_survived(finished, tmp_path):
     """Ctrl-C in the middle of a curve of a real process: the partial file stays and the way on is shown."""
     _, out, _ = finished
-    rig = short_study(tmp_path, (380, 480), (412, 431))
+    rig = short_study(tmp_path, (380, 480), (250, 431))
     shutil.copytree(out, tmp_path / "out")
     command = [sys.executable, "-m", "updamp.pipeline", "run", str(rig), "--mesh", "small", "--no-pictures"]
-    command += ["--out", str(tmp_path / "out"), "--mode", "OOP", "--force", "20 N", "--jobs", "1"]
+    command += ["--out", str(tmp_path / "out"), "--mode", "IP", "--force", "17 N", "--jobs", "1"]
     process = subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True
     )
-    partial = tmp_path / "out" / "stages" / "curve_OOP_20N.partial.h5"
+    partial = tmp_path / "out" / "stages" / "curve_IP_17N.partial.h5"
     try:
         while not partial.exists() and process.poll() is None:
             time.sleep(0.02)
@@ -251,7 +251,7 @@ def test_an_interruption_is_survived(finished, tmp_path):
         process.kill()
     assert process.returncode == 130, output
     assert "run again" in output
-    assert "--force '20 N'" in output
+    assert "--force '17 N'" in output
     assert "Traceback" not in output
     assert len(store.read(partial, ResponseCurve)) >= 1
 
