@@ -8,13 +8,14 @@ import ctypes
 import sys
 from importlib.util import find_spec
 from pathlib import Path
+from shutil import which
 from typing import NamedTuple
 
 TABLE = Path(__file__).parent.parent / "system-packages.txt"
 
 
 class Library(NamedTuple):
-    """One line of the table: Debian package, shared library or Python module it brings, what needs it."""
+    """One line of the table: Debian package, shared library, Python module or command it brings, what needs it."""
 
     package: str
     file: str
@@ -32,13 +33,13 @@ def read_table(text: str) -> list[Library]:
 
 
 def missing(libraries: list[Library]) -> list[Library]:
-    """Those that neither the dynamic linker nor Python finds."""
+    """Those that neither the dynamic linker nor Python nor the shell finds."""
     return [library for library in libraries if not _found(library.file)]
 
 
 def _found(file: str) -> bool:
     if ".so" not in file:
-        return find_spec(file) is not None
+        return find_spec(file) is not None or which(file) is not None
     try:
         ctypes.CDLL(file)
     except OSError:

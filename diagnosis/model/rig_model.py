@@ -1,0 +1,81 @@
+"""The model of a test, open to change: everything that a parameter or a missing effect may alter, in one place.
+
+An effect is a function from one `RigModel` to the next; the coupled problem is built from the last.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.geometry.contact_elements import ContactElements
+from updamp.hbm.contact.law import ContactLaw
+from updamp.hbm.elements import ElementGroup
+from updamp.hbm.harmonics import Harmonics
+from updamp.hbm.linear_model import LinearModel
+from updamp.hbm.structural_changes import Attachment, attach, with_relative_rows
+from updamp.hbm.system import Excitation, NonlinearSystem
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class PointElement:
+    """A nonlinear element of one direction at a named point, between it and the ground.
+
+    parameters: the law's NamedTuple, each entry (1, ...)
+    """
+
+    name: str
+    point: str
+    law: ContactLaw
+    parameters: Any
+
+
+@dataclass(frozen=True, eq=False)
+class RigModel:
+    """components: the free components side by side, neither coupled nor supported by wires
+    owner: (m,) name of the component that each of their modes belongs to
+    attachments: springs, dashpots and masses at named points, the wires among them
+    contacts: the friction elements, on the relative rows; None for a model without
+    patches: where they lie; None where they are not laid over faces
+    elements: further nonlinear elements
+    excitation: name of the point that the shaker acts on
+    """
+
+    components: LinearModel
+    owner: tuple[str, ...]
+    attachments: tuple[Attachment, ...]
+    contacts: ElementGroup | None
+    patches: ContactElements | None
+    excitation: str
+    harmonics: Harmonics
+    time_samples: int
+    elements: tuple[PointElement, ...] = ()
+    notes: Mapping[str, float] = field(default_factory=dict)
+
+    @cached_property
+    def system(self) -> NonlinearSystem:
+        """The coupled problem."""
+        free = with_relative_rows(attach(self.components, self.attachments), [e.point for e in self.elements])
+        first = self.components.n_relative
+        groups: tuple[ElementGroup, ...] = () if self.contacts is None else (self.contacts,)
+        groups += tuple(ElementGroup(e.law, e.parameters, np.array([[first + i]])) for i, e in enumerate(self.elements))
+        return NonlinearSystem(free, groups, self.harmonics, self.time_samples)
+
+    def excited_by(self, force: float) -> Excitation:
+        """force: amplitude [N]"""
+        return Excitation(self.system.free.row(self.excitation), force)
+
+    def with_contacts(self, law: ContactLaw | None = None, **entries: Any) -> "RigModel":
+        """Contacts of another law, or with other entries of the law's parameters; shapes stay.
+
+        raises: ValueError where the model has no contacts
+        """
+        if self.contacts is None:
+            raise ValueError("this model has no contacts whose parameters could change")
+        parameters = self.contacts.parameters._replace(**entries)
+        return replace(self, contacts=replace(self.contacts, law=law or self.contacts.law, parameters=parameters))
