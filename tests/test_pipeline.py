@@ -238,15 +238,12 @@ def test_an_interruption_is_survived(finished, tmp_path):
     shutil.copytree(out, tmp_path / "out")
     command = [sys.executable, "-m", "updamp.pipeline", "run", str(rig), "--mesh", "small", "--no-pictures"]
     command += ["--out", str(tmp_path / "out"), "--mode", "IP", "--force", "17 N", "--jobs", "1"]
+    # What a shell starts in the background ignores Ctrl-C, and so would this process's children.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     process = subprocess.Popen(
-        command,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        start_new_session=True,
-        # what a shell starts in the background ignores Ctrl-C, and so would its children
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True
     )
+    signal.signal(signal.SIGINT, before)
     partial = tmp_path / "out" / "stages" / "curve_IP_17N.partial.h5"
     try:
         while not partial.exists() and process.poll() is None:
