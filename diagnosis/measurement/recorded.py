@@ -1,0 +1,49 @@
+"""What a data file holds, before anything is converted: its own units, signs, names and peak or RMS values."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedChannel:
+    """One sensor in one sweep.
+
+    amplitude: (n_harmonics, n) complex, in the unit of the file; harmonics: their numbers
+    noise: (n_harmonics, n) standard deviation of the real or imaginary part, in the same unit; None where not known
+    per_force: the amplitude is a frequency response function: divided by the force of the same sweep
+    unit, quantity, direction: what the file itself says, such as "mm/s", "velocity", "-X"; "" where it says nothing
+    """
+
+    amplitude: Complex
+    harmonics: tuple[int, ...] = (1,)
+    noise: Floats | None = None
+    per_force: bool = False
+    unit: str = ""
+    quantity: str = ""
+    direction: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedSweep:
+    """One sweep of all its channels over common frequencies.
+
+    run, sweep: as the file labels them ("" where it does not); sweep: "up" or "down"
+    repeat: number of the assembly, None where the file has none
+    frequency: (n,) [Hz] in the order of the file
+    others: channels of the file that were not asked for
+    notes: what the reader took for granted, in sentences
+    """
+
+    run: str
+    repeat: int | None
+    sweep: str
+    frequency: Floats
+    channels: Mapping[str, RecordedChannel]
+    others: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
