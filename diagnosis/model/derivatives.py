@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.branch import BranchPoint
+from updamp.hbm.jacobian import factorise
 from updamp.hbm.many_right_sides import apply_tangents, solve_many
 from updamp.hbm.structure_response import Loads, respond
 from updamp.hbm.system import Excitation, NonlinearSystem, Receptance
@@ -18,6 +19,9 @@ from updamp.hbm.system import Excitation, NonlinearSystem, Receptance
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
+# Of the equations for the derivatives: next to a turning point, where the Jacobian is nearly singular, no more is
+# to be had, and a fit does not need more.
+_TOLERANCE = 1e-5
 # Relative step of the frequency for the explicit dependence of the observed motion on it.
 _STEP_W = 1e-6
 
@@ -54,20 +58,22 @@ class Derivatives:
 
 def derivatives(point: BranchPoint, excitation: Excitation, changes: Sequence[Change], rows: Integers) -> Derivatives:
     """raises: RuntimeError where the Jacobian is singular and no correction helps"""
-    equation, jacobian = point.solution.equation, point.solution.jacobian
-    assert jacobian is not None, "a converged solution carries its Jacobian"
+    equation = point.solution.equation
     receptance, x, w = equation.receptance, point.x, point.w
+    # That of the solution carries the state before the last Newton step, in which a contact may have been stuck.
+    jacobian = factorise(receptance, equation.departure)
     system = receptance.system
-    differences = [_difference(change, excitation, x, w, rows) for change in changes]
+    known = _Known(system, equation.departure.value)
+    differences = [_difference(change, excitation, x, w, rows, known) for change in changes]
     lift = receptance.excitation(excitation)
     dr = np.stack([*(d[0] for d in differences), -lift, equation.frequency_derivative(excitation), 0 * x], axis=2)
     dx = np.zeros_like(dr)
-    dx[..., :-1] = solve_many(jacobian, equation.departure, -dr[..., :-1])
+    dx[..., :-1] = solve_many(jacobian, equation.departure, -dr[..., :-1], _TOLERANCE)
     dx[..., -1] = point.tangent_x
     forces = Loads.none(receptance, dx.shape[2])
     forces.forces[: len(x)] = -apply_tangents(system, equation.departure, dx)
     dy = respond(receptance, forces).at(rows)
-    by_w = _by_frequency(system, excitation, x, w, rows)
+    by_w = _by_frequency(system, excitation, x, w, rows, known)
     for j, difference in enumerate(differences):
         dy[..., j] += difference[1]
     dy[..., -3] += receptance.excitation(excitation, rows)
@@ -94,21 +100,40 @@ def _observed(receptance: Receptance, excitation: Excitation, departure: Floats,
     return receptance.excitation(excitation, rows) - receptance.apply(departure, rows)
 
 
-def _at(system: NonlinearSystem, excitation: Excitation, x: Floats, w: float, rows: Integers) -> tuple[Floats, Floats]:
+def _at(
+    system: NonlinearSystem, excitation: Excitation, x: Floats, w: float, rows: Integers, known: "_Known | None" = None
+) -> tuple[Floats, Floats]:
     """Residual and observed motion, without tangents."""
     receptance = Receptance(system, w)
-    g = system.departure_value(x, w)
+    g = known.departure if known is not None and known.holds(system) else system.departure_value(x, w)
     return x - receptance.excitation(excitation) + receptance.apply(g), _observed(receptance, excitation, g, rows)
 
 
-def _difference(change: Change, excitation: Excitation, x: Floats, w: float, rows: Integers) -> tuple[Floats, Floats]:
-    r1, y1 = _at(change.below, excitation, x, w, rows)
-    r2, y2 = _at(change.above, excitation, x, w, rows)
+@dataclass(frozen=True, eq=False)
+class _Known:
+    """The elements' forces at the point: those of every system with the same elements."""
+
+    system: NonlinearSystem
+    departure: Floats
+
+    def holds(self, other: NonlinearSystem) -> bool:
+        same = len(other.groups) == len(self.system.groups) and other.harmonics == self.system.harmonics
+        return same and all(a is b for a, b in zip(other.groups, self.system.groups, strict=True))
+
+
+def _difference(
+    change: Change, excitation: Excitation, x: Floats, w: float, rows: Integers, known: _Known
+) -> tuple[Floats, Floats]:
+    r1, y1 = _at(change.below, excitation, x, w, rows, known)
+    r2, y2 = _at(change.above, excitation, x, w, rows, known)
     return (r2 - r1) / change.step, (y2 - y1) / change.step
 
 
-def _by_frequency(system: NonlinearSystem, excitation: Excitation, x: Floats, w: float, rows: Integers) -> Floats:
+def _by_frequency(
+    system: NonlinearSystem, excitation: Excitation, x: Floats, w: float, rows: Integers, known: _Known
+) -> Floats:
     """Of the observed motion at held relative displacements."""
     h = _STEP_W * w
-    (_, below), (_, above) = (_at(system, excitation, x, w + sign * h, rows) for sign in (-1, 1))
+    still = None if any(group.law.rate_dependent for group in system.groups) else known
+    (_, below), (_, above) = (_at(system, excitation, x, w + sign * h, rows, still) for sign in (-1, 1))
     return (above - below) / (2 * h)

@@ -15,7 +15,7 @@ from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 from updamp.diagnosis.model.derivatives import Change, Derivatives, derivatives
 from updamp.diagnosis.model.parameters import Parametrisation
-from updamp.hbm.branch import BranchPoint, point_after
+from updamp.hbm.branch import BranchPoint, point_at
 from updamp.hbm.continuation import BranchStoppedError, ContinuationOptions, continue_branch
 from updamp.hbm.newton import Arc, NewtonOptions, solve
 from updamp.hbm.sweeps import sweep
@@ -30,14 +30,12 @@ _STEP = 1e-4  # of a parameter, for differences
 
 
 @dataclass(frozen=True)
-class TestCondition:
+class Condition:
     """A test as the model sees it: one run without its repeats.
 
     force: amplitude [N]; window: measured frequencies [Hz]
     sensors: (point of the model, harmonic), in the order of the observations
     """
-
-    __test__ = False  # not a test of pytest's
 
     name: str
     mode: str
@@ -61,7 +59,7 @@ class PredictedBranch:
     stopped: why the branch ends inside the window, "" if it does not
     """
 
-    condition: TestCondition
+    condition: Condition
     points: tuple[BranchPoint, ...]
     place: Floats
     observed: Floats
@@ -87,7 +85,7 @@ class PredictedBranch:
 
 
 def trace_branch(
-    parametrisation: Parametrisation, u: Floats, condition: TestCondition, options: ContinuationOptions | None = None
+    parametrisation: Parametrisation, u: Floats, condition: Condition, options: ContinuationOptions | None = None
 ) -> PredictedBranch:
     """Follow the branch through the measured window by continuation.
 
@@ -121,9 +119,7 @@ def move_branch(
         solution = solve(model.system, excitation, x, point.w, NewtonOptions(), arc)
         if not solution.converged:
             return None
-        after = point_after(point, solution, excitation)
-        if after.metric.product(after.tangent, point.tangent) < 0:
-            return None
+        after = point_at(solution, excitation, point.metric.scale_w, point.tangent, point.step, point.after_gap)
         moved.append(after)
     return _observe(parametrisation, u, before.condition, moved, before.stopped)
 
@@ -144,7 +140,7 @@ def changes(parametrisation: Parametrisation, u: Floats) -> tuple[Change, ...]:
 def _observe(
     parametrisation: Parametrisation,
     u: Floats,
-    condition: TestCondition,
+    condition: Condition,
     points: Sequence[BranchPoint],
     stopped: str,
 ) -> PredictedBranch:
@@ -170,7 +166,7 @@ def _observe(
     )
 
 
-def _weights(observed: Floats, condition: TestCondition) -> Floats:
+def _weights(observed: Floats, condition: Condition) -> Floats:
     """Amplitude and phase count as they are, and the whole window in frequency as much as half a turn of phase."""
     weights = np.ones(observed.shape[1]) / np.sqrt(len(condition.sensors))
     weights[0] = np.pi / np.log(condition.wider[1] / condition.wider[0])
@@ -178,7 +174,7 @@ def _weights(observed: Floats, condition: TestCondition) -> Floats:
 
 
 def _in_logarithms(
-    d: Derivatives, w: float, system: NonlinearSystem, condition: TestCondition
+    d: Derivatives, w: float, system: NonlinearSystem, condition: Condition
 ) -> tuple[Floats, Floats, Floats]:
     """Observations, their derivative along the branch, and by the parameters and the force (last)."""
     orders = [k for _, k in condition.sensors]
@@ -200,5 +196,5 @@ def _pairs(values: NDArray[np.complex128]) -> Floats:
     return np.stack([values.real, values.imag], axis=-1).reshape(*values.shape[:-1], -1)
 
 
-def excitation_of(parametrisation: Parametrisation, u: Floats, condition: TestCondition) -> Excitation:
+def excitation_of(parametrisation: Parametrisation, u: Floats, condition: Condition) -> Excitation:
     return parametrisation.model(u).excited_by(condition.force)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from updamp.geometry.contact_elements import ContactElements
 from updamp.hbm.contact.law import ContactLaw
+from updamp.hbm.contact.parameters import with_entries
 from updamp.hbm.elements import ElementGroup
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.linear_model import LinearModel
@@ -44,6 +45,8 @@ class RigModel:
     patches: where they lie; None where they are not laid over faces
     elements: further nonlinear elements
     excitation: name of the point that the shaker acts on
+    places: where points and the clamps ("blade_left.root", "blade_right.root") are, name without axis -> (x, y, z)
+        at rest [m]; empty where that is not known
     """
 
     components: LinearModel
@@ -56,6 +59,7 @@ class RigModel:
     time_samples: int
     elements: tuple[PointElement, ...] = ()
     notes: Mapping[str, float] = field(default_factory=dict)
+    places: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
 
     @cached_property
     def system(self) -> NonlinearSystem:
@@ -73,9 +77,10 @@ class RigModel:
     def with_contacts(self, law: ContactLaw | None = None, **entries: Any) -> "RigModel":
         """Contacts of another law, or with other entries of the law's parameters; shapes stay.
 
+        Entries that the parameters do not have yet are added to them: what a law around the present one needs.
         raises: ValueError where the model has no contacts
         """
         if self.contacts is None:
             raise ValueError("this model has no contacts whose parameters could change")
-        parameters = self.contacts.parameters._replace(**entries)
+        parameters = with_entries(self.contacts.parameters, **entries)
         return replace(self, contacts=replace(self.contacts, law=law or self.contacts.law, parameters=parameters))

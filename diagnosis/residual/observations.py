@@ -1,0 +1,121 @@
+"""Measured sweeps in the coordinates in which they are compared: logarithm of frequency, of amplitude, and phase."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.diagnosis.measurement.measurement import MeasuredRun, Measurement
+from updamp.diagnosis.model.predicted_branch import Condition
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+# Relative standard deviation of a frequency as the generator sets it.
+_FREQUENCY = 2e-6
+# Of an amplitude where nothing is stated and too little is measured to tell.
+_AMPLITUDE = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class Observations:
+    """One run of one repeat.
+
+    test: place of its condition; repeat: number of the assembly
+    observed: (n, 1 + 2 n_sensors) as in PredictedBranch; noise: like it, standard deviations of the sensors alone
+    log_force: (n,) logarithm of the measured force over the condition's
+    """
+
+    run: str
+    test: int
+    repeat: int
+    observed: Floats
+    noise: Floats
+    log_force: Floats
+
+    def __len__(self) -> int:
+        return len(self.observed)
+
+    @property
+    def frequency(self) -> Floats:
+        """(n,) [Hz]"""
+        return np.exp(self.observed[:, 0])
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """conditions: the tests; observations: all runs and repeats of them"""
+
+    conditions: tuple[Condition, ...]
+    observations: tuple[Observations, ...]
+
+    @property
+    def repeats(self) -> tuple[int, ...]:
+        return tuple(sorted({o.repeat for o in self.observations}))
+
+    def only(self, wanted: Sequence[int]) -> "Plan":
+        """With some of the conditions: their places."""
+        place = {old: new for new, old in enumerate(wanted)}
+        kept = tuple(
+            Observations(o.run, place[o.test], o.repeat, o.observed, o.noise, o.log_force)
+            for o in self.observations
+            if o.test in place
+        )
+        return Plan(tuple(self.conditions[i] for i in wanted), kept)
+
+
+def plan_of(measurement: Measurement, harmonics: Sequence[int] = (1,)) -> Plan:
+    """The tests of a measurement: runs of one name are one test.
+
+    harmonics: those to compare, where they were measured
+    """
+    conditions: list[Condition] = []
+    observations: list[Observations] = []
+    for name in dict.fromkeys(run.name for run in measurement.runs):
+        runs = [run for run in measurement.runs if run.name == name]
+        condition = _condition(measurement, runs, harmonics)
+        observations += [_observations(run, len(conditions), condition, measurement) for run in runs]
+        conditions.append(condition)
+    return Plan(tuple(conditions), tuple(observations))
+
+
+def _condition(measurement: Measurement, runs: Sequence[MeasuredRun], harmonics: Sequence[int]) -> Condition:
+    first = runs[0]
+    common = [c for c in first.channels if all(c in run.channels for run in runs)]
+    orders = [k for k in harmonics if all(k in run.harmonics for run in runs)]
+    force = float(np.median(np.concatenate([np.abs(run.force) for run in runs])))
+    window = min(run.frequency.min() for run in runs), max(run.frequency.max() for run in runs)
+    sensors = tuple((measurement.channel(c).point, k) for c in common for k in orders)
+    return Condition(first.name, first.mode, force, first.upwards, (float(window[0]), float(window[1])), sensors)
+
+
+def _observations(run: MeasuredRun, test: int, condition: Condition, measurement: Measurement) -> Observations:
+    points = {channel.point: channel.name for channel in measurement.channels}
+    turn = run.force / np.abs(run.force)
+    columns, noise = [np.log(run.frequency)], [np.full(len(run), _FREQUENCY)]
+    for point, k in condition.sensors:
+        amplitude = run.amplitude(points[point], k) / turn**k
+        deviation = _deviation(run, points[point], k)
+        columns += [np.log(np.abs(amplitude)), np.unwrap(np.angle(amplitude))]
+        noise += [deviation, deviation]
+    log_force = np.log(np.abs(run.force) / condition.force)
+    return Observations(run.name, test, run.repeat, np.column_stack(columns), np.column_stack(noise), log_force)
+
+
+def _deviation(run: MeasuredRun, channel: str, k: int) -> Floats:
+    """(n,) relative standard deviation of an amplitude: as stated, or from how rough the run is."""
+    amplitude = run.amplitude(channel, k)
+    if run.noise is not None:
+        stated = run.noise[run.channels.index(channel), run.harmonics.index(k)]
+        return np.asarray(stated / np.abs(amplitude))
+    return np.full(len(run), roughness(np.log(np.abs(amplitude))))
+
+
+def roughness(values: Floats) -> float:
+    """Standard deviation of the noise on a smooth run of values, from its third differences (variance 20)."""
+    if len(values) < 8:
+        return _AMPLITUDE
+    third = np.diff(values, 3) / np.sqrt(20)
+    # the median is not drawn up by the few places where the run itself is not smooth
+    return max(float(np.median(np.abs(third)) / 0.6745), 1e-4)
