@@ -1,0 +1,84 @@
+"""Pieces of HTML and numbers as an engineer writes them."""
+
+import math
+from collections.abc import Iterable, Sequence
+from html import escape
+
+MISSING = "–"
+
+
+def figure(name: str, description: str, caption: str = "", height: int = 420) -> str:
+    """Place of a plot, which scripts call by its name. description: what it shows, for those who cannot see it; caption: below it; height [px]"""
+    below = f"<figcaption>{caption}</figcaption>" if caption else ""
+    return (
+        f'<figure><div class="plot" id="plot-{escape(name)}" role="img" aria-label="{escape(description)}" '
+        f'style="height:{height}px"></div>{below}</figure>'
+    )
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "", numbers_from: int = 1) -> str:
+    """head, rows: HTML already; numbers_from: column from which on cells hold numbers, set to the right"""
+
+    def cell(tag: str, i: int, content: str) -> str:
+        kind = ' class="number"' if i >= numbers_from else ""
+        scope = ' scope="col"' if tag == "th" else ""
+        return f"<{tag}{kind}{scope}>{content}</{tag}>"
+
+    top = "".join(cell("th", i, content) for i, content in enumerate(head))
+    body = "".join("<tr>" + "".join(cell("td", i, content) for i, content in enumerate(row)) + "</tr>" for row in rows)
+    above = f"<caption>{caption}</caption>" if caption else ""
+    return f'<div class="table"><table>{above}<thead><tr>{top}</tr></thead><tbody>{body}</tbody></table></div>'
+
+
+def paragraph(text: str, kind: str = "") -> str:
+    """text: plain"""
+    mark = f' class="{kind}"' if kind else ""
+    return f"<p{mark}>{escape(text)}</p>"
+
+
+def number(value: float, digits: int = 4) -> str:
+    """4 significant digits, powers of ten where the number is long; a dash for nan"""
+    if math.isnan(value):
+        return MISSING
+    if math.isinf(value):
+        return "∞" if value > 0 else "−∞"
+    if value == 0:
+        return "0"
+    power = math.floor(math.log10(abs(value)))
+    if -4 <= power < 6:
+        text = f"{value:.{max(digits - 1 - power, 0)}f}"
+    else:
+        text = f"{value / 10**power:.{digits - 1}f} × 10{_raised(power)}"
+    return text.replace("-", "−")
+
+
+def percent(relative: float, digits: int = 2) -> str:
+    """With its sign; a dash for nan"""
+    if not math.isfinite(relative):
+        return number(relative)
+    value = 100 * relative
+    places = max(digits - 1 - math.floor(math.log10(abs(value))), 0) if value else 0
+    return f"{value:+.{min(places, 4)}f} %".replace("-", "−")
+
+
+def with_unit(value: float, unit: str, digits: int = 4) -> str:
+    text = number(value, digits)
+    return f"{text} {escape(_pretty(unit))}" if unit and text != MISSING else text
+
+
+def bar(share: float) -> str:
+    """Drawn beside a number. share: of its full width, 0 to 1"""
+    width = 100 * min(max(share, 0.0), 1.0) if math.isfinite(share) else 0.0
+    return f'<span class="bar"><span style="width:{width:.1f}%"></span></span>'
+
+
+def level_name(level: float) -> str:
+    return f"{level:g} N"
+
+
+def _raised(power: int) -> str:
+    return "".join("⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".index(digit)] for digit in str(power))
+
+
+def _pretty(unit: str) -> str:
+    return unit.replace("**", "^").replace("^2", "²").replace("^3", "³").replace("*", "·").replace("degree", "°")

@@ -1,0 +1,32 @@
+"""What the contacts do at the peak of each curve."""
+
+from updamp.diagnosis.report.markup import figure
+from updamp.diagnosis.report.palette import BLUE, GREY, ORANGE, PURPLE
+from updamp.diagnosis.report.section import Content, Report, Section
+
+STATES = (("stuck", BLUE), ("slipping", ORANGE), ("separating", PURPLE), ("open", GREY))
+
+
+def render(report: Report) -> Content | None:
+    states = report.comparison.contact_states
+    if not states:
+        return None
+    names = list(states)[::-1]  # plotly draws the first bar at the bottom
+    traces = [
+        {
+            "type": "bar", "orientation": "h", "name": state, "y": names, "marker": {"color": colour},
+            "x": [100 * states[name][i] for name in names], "hovertemplate": f"%{{y}}: %{{x:.0f}} % {state}<extra></extra>",
+        }
+        for i, (state, colour) in enumerate(STATES)
+    ]  # fmt: skip
+    layout = {
+        "barmode": "stack", "xaxis": {"title": {"text": "share of the contacts at the peak [%]"}, "range": [0, 100]},
+        "yaxis": {"automargin": True, "showgrid": False}, "legend": {"orientation": "h", "traceorder": "normal"},
+    }  # fmt: skip
+    spoken = "; ".join(f"{name}: {', '.join(f'{100 * s:.0f} % {n}' for s, (n, _) in zip(v, STATES, strict=True))}"
+                       for name, v in states.items())  # fmt: skip
+    html = figure("contact-states", f"Share of contacts at the peak. {spoken}.", height=120 + 28 * len(names))
+    return Content(html, {"contact-states": {"data": traces, "layout": layout}})
+
+
+SECTION = Section("contacts", "Contacts at the peak", render)

@@ -1,0 +1,65 @@
+"""On top: the verdict in words, what stands out of the scatter, and the numbers behind it."""
+
+import math
+from html import escape
+
+from updamp.diagnosis.comparison import Comparison, Finding
+from updamp.diagnosis.report.markup import level_name, number
+from updamp.diagnosis.report.section import Content, Report, Section
+
+
+def render(report: Report) -> Content:
+    comparison = report.comparison
+    kind = "good" if comparison.adequate else "bad"
+    html = f'<p class="verdict {kind}">{escape(verdict_sentence(comparison))}</p>'
+    if comparison.findings:
+        html += f'<ol class="findings">{"".join(_finding(finding) for finding in comparison.findings)}</ol>'
+    return Content(html + _cards(comparison))
+
+
+def verdict_sentence(comparison: Comparison) -> str:
+    if comparison.adequate:
+        return "The model agrees with the measurement: no misfit beyond repeatability."
+    several = len(comparison.findings)
+    if several == 0:
+        return "The model does not describe the measurement: the misfit exceeds repeatability, without a clear pattern."
+    things = "one thing stands" if several == 1 else f"{several} things stand"
+    return f"The model does not describe the measurement: {things} out of the scatter."
+
+
+def _finding(finding: Finding) -> str:
+    where = [finding.mode or "all modes", level_name(finding.level) if finding.level is not None else "all force levels"]
+    where += [finding.channel] if finding.channel else []
+    tags = "".join(f'<span class="tag">{escape(tag)}</span>' for tag in (finding.quantity, *where))
+    sure = (
+        f"{number(finding.significance, 2)} standard deviations of the scatter"
+        if math.isfinite(finding.significance)
+        else "scatter not known"
+    )
+    return f'<li><p>{escape(finding.text)}</p><p class="small">{tags}{sure}</p></li>'
+
+
+def _cards(comparison: Comparison) -> str:
+    free = max(comparison.values - comparison.parameters, 1)
+    rms = [math.sqrt(chi2 / max(comparison.values, 1)) for chi2 in (comparison.chi2_before, comparison.chi2_after)]
+    repeats = {(c.run, m.repeat) for c in comparison.curves for m in c.measured}
+    cards = [
+        ("Misfit before calibration", number(rms[0], 3), "times the scatter (weighted RMS)"),
+        ("Misfit after calibration", number(rms[1], 3), "times the scatter (weighted RMS)"),
+        ("χ² per degree of freedom", number(comparison.chi2_after / free, 3), f"{free} degrees of freedom"),
+    ]
+    if comparison.curves:
+        runs = {curve.run for curve in comparison.curves}
+        channels = {curve.channel for curve in comparison.curves}
+        what = f"{len(repeats)} sweeps in all, {len(channels)} channel{'s' if len(channels) > 1 else ''}"
+        cards.append(("Runs compared", str(len(runs)), what))
+    else:
+        cards.append(("Stated features", str(len(comparison.features)), "no measured curve"))
+    inside = "".join(
+        f'<div class="card"><dt>{name}</dt><dd><strong>{value}</strong><span>{unit}</span></dd></div>'
+        for name, value, unit in cards
+    )
+    return f'<dl class="cards">{inside}</dl>'
+
+
+SECTION = Section("outcome", "Result", render)
