@@ -1,0 +1,132 @@
+"""What stands in the laboratory: everything physical that a hidden effect or an assembly may alter, in SI."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from math import cos, sin
+
+import numpy as np
+from numpy.typing import NDArray
+from virtual_rig.bodies import Bodies
+
+from updamp.rig import Rig
+
+Floats = NDArray[np.float64]
+# Displacement and velocity (n_time,) [m, m/s] -> force and its derivatives by both.
+PointForce = Callable[[Floats, Floats], tuple[Floats, Floats, Floats]]
+
+
+@dataclass(frozen=True, eq=False)
+class Patches:
+    """Of the contact, one entry a patch.
+
+    mu [-]; kt, kn [N/m]; n0: pressing at rest [N]; gap: to be closed before the normal spring acts [m]
+    viscosity: of a film, in all three directions while in contact [N s/m]
+    speed_drop, speed_scale: mu (1 - speed_drop |v| / (|v| + speed_scale)), v the sliding speed [-, m/s]
+    spread: half-width of the uniform distribution of slip limits about mu N within a patch, as a share of it
+    """
+
+    mu: Floats
+    kt: Floats
+    kn: Floats
+    n0: Floats
+    gap: Floats
+    viscosity: Floats
+    speed_drop: float = 0.0
+    speed_scale: float = 1e-3
+    spread: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Attachment:
+    """Linear, on the displacement sum_i weight_i u_i of points. dynamic_stiffness: at w [rad/s], complex [N/m]"""
+
+    name: str
+    direction: Mapping[str, float]
+    dynamic_stiffness: Callable[[float], complex]
+
+
+@dataclass(frozen=True, eq=False)
+class PointElement:
+    """Nonlinear, on the displacement sum_i weight_i u_i of points."""
+
+    name: str
+    direction: Mapping[str, float]
+    force: PointForce
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """loss_factor: hysteretic, of all bodies; loss_growth: b in loss_factor (1 + b A), A the tip's amplitude, each
+        blade's own [1/m]
+    tuning: factors on the frequencies of "blade_left", "blade_right" and "damper": those of another Young's modulus
+    clamp_compliance: turning of each blade's root about z [rad/(N m)]
+    mean_share: of the mean motion that the contacts see; 0 where the mean position is held
+    force_drop: what the shaker's force loses unrecorded, see `shaker.py`
+    loose_gain: of the channel "tip_left", see `sensors.py`
+    viscous_at: [rad/s] where viscous damping in place of the hysteretic is equal to it, None for hysteretic damping
+    """
+
+    bodies: Bodies
+    patches: Patches
+    attachments: tuple[Attachment, ...]
+    excitation: str
+    loss_factor: float
+    elements: tuple[PointElement, ...] = ()
+    loss_growth: float = 0.0
+    tuning: Mapping[str, float] | None = None
+    clamp_compliance: float = 0.0
+    mean_share: float = 0.0
+    force_drop: float = 0.0
+    loose_gain: float = 0.0
+    viscous_at: float | None = None
+
+    def with_patches(self, **entries: Floats | float) -> "Bench":
+        return replace(self, patches=replace(self.patches, **entries))
+
+    def with_attachment(self, *more: Attachment) -> "Bench":
+        return replace(self, attachments=(*self.attachments, *more))
+
+    def with_element(self, *more: PointElement) -> "Bench":
+        return replace(self, elements=(*self.elements, *more))
+
+    def tuned(self, **factors: float) -> "Bench":
+        """Factors on top of those that are there."""
+        tuning = {name: (self.tuning or {}).get(name, 1.0) * factors.get(name, 1.0) for name in BODIES}
+        return replace(self, tuning=tuning)
+
+
+BODIES = ("blade_left", "blade_right", "damper")
+
+
+def bench_of(rig: Rig, bodies: Bodies) -> Bench:
+    """The rig as its file says, nothing hidden: uniform pressure after eq. (5) of Pesaresi et al. (2017)."""
+    contact, angle, n = rig.contact, rig.platform.underside_angle, len(bodies.area)
+    pressure = rig.load.pull / (bodies.area.sum() * (cos(angle) + contact.friction_coefficient * sin(angle)))
+    patches = Patches(
+        mu=np.full(n, contact.friction_coefficient),
+        kt=contact.tangential_stiffness * bodies.area,
+        kn=contact.normal_stiffness * bodies.area,
+        n0=pressure * bodies.area,
+        gap=np.zeros(n),
+        viscosity=np.zeros(n),
+    )
+    excitation = f"blade_{rig.excitation.blade}.excitation.x"
+    return Bench(bodies, patches, wires(rig), excitation, rig.material.loss_factor)
+
+
+def spring(name: str, direction: Mapping[str, float], stiffness: float) -> Attachment:
+    return Attachment(name, direction, lambda _: stiffness)
+
+
+def wires(rig: Rig, axial_factor: float = 1.0) -> tuple[Attachment, ...]:
+    """Both wires: axial stiffness upwards, tension over length sideways, and the roll moment of a pull that acts above
+    the damper's centroid."""
+    sideways, upwards = rig.load.pull / 2 / rig.wire.length, axial_factor * rig.wire.axial_stiffness / 2
+    ends = [
+        spring(f"wire_{end}.{axis}", {f"damper.wire_{end}.{axis}": 1.0}, k)
+        for end in ("back", "front")
+        for axis, k in (("x", sideways), ("y", upwards), ("z", sideways))
+    ]
+    arm = 1 / (2 * rig.face_bottom[0])
+    roll = {"damper.corner_right.y": arm, "damper.corner_left.y": -arm}
+    return (*ends, spring("wire_roll", roll, rig.load.pull * rig.wire.attachment_height))

@@ -1,0 +1,151 @@
+"""The periodic motion at one frequency and force: Newton's method with GMRES on the motion of the patches.
+
+    x = x_stuck(w) - G(w) d(x)         d: what the forces depart from those of the springs
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from virtual_rig.assembled import Assembled
+from virtual_rig.patch_forces import Basis, departures
+from virtual_rig.receptance import Receptance, receptance
+
+Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+TIPS = {"blade_left": "blade_left.tip.x", "blade_right": "blade_right.tip.x"}
+
+
+class NotSolvedError(RuntimeError):
+    """No periodic motion was found."""
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """x: (n_rows, n_c) of patches and elements [m]; receptance: at this frequency; force: amplitude on the rig [N]
+
+    departure: (n_rows, n_c) [N]; iterations: of Newton's method
+    """
+
+    x: Floats
+    w: float
+    force: float
+    departure: Floats
+    receptance: Receptance
+    iterations: int
+
+    def response(self, point: str) -> Complex:
+        """(H,) of exp(i k w t) [m]"""
+        rig = self.receptance.rig
+        row = rig.row(point)
+        y = -self.receptance.respond(self.departure, np.array([row]))[0].view(complex)
+        y[0] += self.force * self.receptance.excited(rig.row(rig.bench.excitation))[row]
+        return np.asarray(y)
+
+    @property
+    def tips(self) -> dict[str, float]:
+        """Amplitudes of the first harmonic [m]"""
+        return {body: float(abs(self.response(point)[0])) for body, point in TIPS.items()}
+
+
+@dataclass(frozen=True)
+class SolverOptions:
+    """harmonics: 1 to this; n_time: samples a period; tolerance: of the motion, relative to its largest"""
+
+    harmonics: int = 5
+    n_time: int = 256
+    tolerance: float = 1e-7
+    iterations: int = 25
+
+
+def motion_at(
+    rig: Assembled, w: float, force: float, start: Floats | None, options: SolverOptions = SolverOptions(),
+    tip_amplitude: dict[str, float] | None = None,
+) -> Motion:  # fmt: skip
+    """start: motion to begin from, None for the stuck one; tip_amplitude: that the loss factor is taken at
+
+    raises: NotSolvedError
+    """
+    basis = _basis(options, rig.bench.mean_share > 0)
+    G = receptance(rig, basis, w, tip_amplitude or {})
+    stuck = np.zeros((rig.n_rows, basis.size))
+    stuck[:, :2] = force * G.excited(rig.row(rig.bench.excitation))[: rig.n_rows, None].view(float)
+    x = stuck.copy() if start is None or start.shape != stuck.shape else start
+    value, tangents = forces(rig, x, w, basis)
+    r = x - stuck + G.contacts(value)
+    before = [np.linalg.norm(r)]
+    for iteration in range(options.iterations):
+        if np.abs(r).max() <= options.tolerance * np.abs(x).max():
+            return Motion(x, w, force, value, G, iteration)
+        step = -gmres(lambda v: v + G.contacts(tangents(v)), r, 1e-3 if iteration == 0 else 1e-4)
+        part = 1.0
+        while True:
+            ahead = x + part * step
+            value, tangents = forces(rig, ahead, w, basis)
+            r = ahead - stuck + G.contacts(value)
+            if np.linalg.norm(r) <= max(before[-3:]) or part < 0.05:
+                break
+            part /= 2
+        x = ahead
+        before.append(np.linalg.norm(r))
+    raise NotSolvedError(f"{w / 2 / np.pi:.3f} Hz, {force:g} N: {np.abs(r).max() / np.abs(x).max():.1e} left")
+
+
+_bases: dict[tuple[int, bool, int], Basis] = {}
+
+
+def _basis(options: SolverOptions, mean: bool) -> Basis:
+    key = (options.harmonics, mean, options.n_time)
+    return _bases.setdefault(key, Basis(*key)) if key in _bases else _bases.setdefault(key, Basis(*key))
+
+
+def forces(rig: Assembled, x: Floats, w: float, basis: Basis):  # type: ignore[no-untyped-def]
+    """Departures (n_rows, n_c), and what multiplies a motion (n_rows, n_c) with their derivatives."""
+    n, n_c = rig.n_patches, basis.size
+    patches, tangent = departures(x[: 3 * n].reshape(n, 3, n_c), w, basis, rig.bench.patches)
+    moving = np.flatnonzero(tangent.any(axis=(1, 2)))
+    blocks = np.ascontiguousarray(tangent[moving])
+    value, own = [patches.reshape(3 * n, n_c)], []
+    for element, coefficients in zip(rig.bench.elements, x[3 * n :], strict=True):
+        f, by_u, by_v = element.force(basis.values @ coefficients, w * (basis.rates @ coefficients))
+        value.append((basis.analysis @ f)[None])
+        own.append(basis.analysis @ (by_u[:, None] * basis.values + w * by_v[:, None] * basis.rates))
+
+    def times(v: Floats) -> Floats:
+        product = np.zeros_like(v)
+        pushed = (blocks @ v[: 3 * n].reshape(n, 3 * n_c)[moving][:, :, None])[:, :, 0]
+        product[: 3 * n].reshape(n, 3 * n_c)[moving] = pushed
+        for i, matrix in enumerate(own):
+            product[3 * n + i] = matrix @ v[3 * n + i]
+        return product
+
+    return np.concatenate(value), times
+
+
+def gmres(product, right, tolerance, most=200):  # type: ignore[no-untyped-def]
+    """Solve product(v) = right to the relative tolerance (Saad and Schultz 1986), orthogonalised twice."""
+    size = np.linalg.norm(right)
+    if size == 0:
+        return right
+    basis = np.empty((most + 1, right.size))
+    H = np.zeros((most + 1, most))
+    basis[0] = right.ravel() / size
+    for j in range(most):
+        v = product(basis[j].reshape(right.shape)).ravel()
+        for _ in range(2):
+            c = basis[: j + 1] @ v
+            v = v - c @ basis[: j + 1]
+            H[: j + 1, j] += c
+        H[j + 1, j] = np.linalg.norm(v)
+        goal = np.zeros(j + 2)
+        goal[0] = size
+        y, left, *_ = np.linalg.lstsq(H[: j + 2, : j + 1], goal)
+        missed = np.linalg.norm(H[: j + 2, : j + 1] @ y - goal)
+        if missed <= tolerance * size or H[j + 1, j] == 0 or j == most - 1:
+            return (y @ basis[: j + 1]).reshape(right.shape)
+        basis[j + 1] = v / H[j + 1, j]
+    raise AssertionError
+
+
+__all__ = ["Motion", "NotSolvedError", "SolverOptions", "motion_at", "replace"]
