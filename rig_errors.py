@@ -70,7 +70,7 @@ def _locate(loc: tuple[int | str, ...], model: type[BaseModel]) -> tuple[str, ty
         elif origin in (Union, UnionType) and (member := _tagged(arguments, part)):
             kind = member
         elif isinstance(part, int):
-            path, kind, field = f"{path}[{part}]", Any, None
+            path, kind, field = f"{path}[{part}]", arguments[0] if arguments else Any, None
         else:
             path, kind, field = f"{path}.{part}", arguments[-1] if arguments else Any, None
     return path.removeprefix("."), table, field

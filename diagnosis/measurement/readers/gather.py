@@ -1,6 +1,5 @@
 """From amplitudes one by one to sweeps: grouped by run, repeat and direction, ordered as they were met."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -8,77 +7,82 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.diagnosis.measurement.measurement_errors import MeasurementError
-from updamp.diagnosis.measurement.recorded import Floats, RecordedChannel, RecordedSweep
+from updamp.diagnosis.measurement.readers.table import Codes
+from updamp.diagnosis.measurement.recorded import Complex, Floats, RecordedChannel, RecordedSweep
 
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """n amplitudes of whatever channel.
+    """n amplitudes of whatever channel, run, repeat and sweep. labels: channels wanted; frequency: (n,) [Hz]"""
 
-    run, repeat, sweep, channel: what their codes stand for
-    codes: (4, n) of run, repeat, sweep and channel
-    values: (4, n) frequency [Hz], harmonic, real, imaginary
-    labels: channels wanted
-    """
-
-    run: Mapping[int, str]
-    repeat: Mapping[int, str]
-    sweep: Mapping[int, str]
-    channel: Mapping[int, str]
-    codes: NDArray[np.int32]
-    values: Floats
+    run: Codes
+    repeat: Codes
+    sweep: Codes
+    channel: Codes
+    frequency: Floats
+    harmonic: Floats
+    amplitude: Complex
     labels: tuple[str, ...]
 
 
 def sweeps_from_samples(path: Path, samples: Samples) -> tuple[RecordedSweep, ...]:
     """raises: MeasurementError where channels of a sweep do not share their frequencies, or harmonics are no numbers"""
-    harmonic = samples.values[1]
-    if not np.all((harmonic >= 0) & (harmonic == np.floor(harmonic)) & (harmonic < 1e4)):
-        bad = harmonic[~((harmonic >= 0) & (harmonic == np.floor(harmonic)) & (harmonic < 1e4))][0]
+    harmonic = samples.harmonic
+    good = (harmonic >= 0) & (harmonic == np.floor(harmonic)) & (harmonic < 1e4)
+    if not good.all():
+        bad = harmonic[~good][0]
         raise MeasurementError(f"{path}: harmonic = {bad:g}: wanted is a whole number, 1 for that of the excitation")
-    run, repeat, sweep, _ = (samples.codes[i].astype(np.int64) for i in range(4))
-    key = (run * (repeat.max() + 1) + repeat) * (sweep.max() + 1) + sweep
-    return tuple(_sweep(path, samples, rows) for rows in _groups(key))
+    return tuple(_sweep(path, samples, rows) for rows in group_rows(samples.run, samples.repeat, samples.sweep))
+
+
+def group_rows(*columns: Codes) -> list[NDArray[np.intp]]:
+    """Rows that have the same texts in all the columns, in the order of their first row."""
+    key = np.zeros(len(columns[0].codes), np.int64)
+    for column in columns:
+        key = key * max(len(column.number), 1) + column.codes
+    return _groups(key)
 
 
 def _groups(key: NDArray[np.int64]) -> list[NDArray[np.intp]]:
-    """Rows of each value of the key, in the order of the first row."""
     order = np.argsort(key, kind="stable")
     groups = np.split(order, np.flatnonzero(np.diff(key[order])) + 1)
     return sorted(groups, key=lambda rows: int(rows[0]))
 
 
 def _sweep(path: Path, samples: Samples, rows: NDArray[np.intp]) -> RecordedSweep:
-    run, repeat, sweep, _ = samples.codes[:, rows[0]].tolist()
-    name = samples.run[run]
+    run = text_of(samples.run, rows)
     channels: dict[str, RecordedChannel] = {}
     others: list[str] = []
     frequency: Floats | None = None
-    for group in _groups(samples.codes[3, rows].astype(np.int64)):
-        label = samples.channel[int(samples.codes[3, rows[group[0]]])]
+    for group in _groups(samples.channel.codes[rows].astype(np.int64)):
+        label = text_of(samples.channel, rows[group])
         if label not in samples.labels:
             others.append(label)
             continue
-        harmonics: dict[int, NDArray[np.complex128]] = {}
-        for part in _groups(samples.values[1, rows[group]].astype(np.int64)):
-            f, k, real, imag = samples.values[:, rows[group[part]]]
+        harmonics: dict[int, Complex] = {}
+        for part in _groups(samples.harmonic[rows[group]].astype(np.int64)):
+            mine = rows[group[part]]
+            f, k = samples.frequency[mine], int(samples.harmonic[mine[0]])
             frequency = f if frequency is None else frequency
-            _check_common(path, f"run '{name}' channel '{label}' harmonic {k[0]:g}", frequency, f)
-            harmonics[int(k[0])] = real + 1j * imag
+            _check_common(path, f"run '{run}' channel '{label}' harmonic {k}", frequency, f)
+            harmonics[k] = samples.amplitude[mine]
         ordered = tuple(sorted(harmonics))
         channels[label] = RecordedChannel(np.array([harmonics[k] for k in ordered]), ordered)
-    frequency = np.zeros(0) if frequency is None else frequency
-    direction = _direction(path, name, samples.sweep[sweep])
-    number = repeat_number(path, name, samples.repeat[repeat])
-    return RecordedSweep(name, number, direction, frequency, channels, tuple(others))
+    return RecordedSweep(
+        run=run,
+        repeat=repeat_number(path, run, text_of(samples.repeat, rows)),
+        sweep=sweep_direction(path, run, text_of(samples.sweep, rows)),
+        frequency=np.zeros(0) if frequency is None else frequency,
+        channels=channels,
+        others=tuple(others),
+    )
 
 
 def _check_common(path: Path, what: str, wanted: Floats, found: Floats) -> None:
     if len(wanted) != len(found):
         raise MeasurementError(
-            f"{path}: {what} has {len(found)} frequencies, the channels before it {len(wanted)}; every "
-            f"channel and harmonic of a sweep needs the same ones (a sweep made twice under one repeat number looks like "
-            f"this too)"
+            f"{path}: {what} has {len(found)} frequencies, the channels before it {len(wanted)}; every channel and "
+            f"harmonic of a sweep needs the same ones (a sweep made twice under one repeat number looks like this too)"
         )
     differing = ~np.isclose(wanted, found, rtol=1e-9, atol=0, equal_nan=True)
     if differing.any():
@@ -87,6 +91,11 @@ def _check_common(path: Path, what: str, wanted: Floats, found: Floats) -> None:
             f"{path}: {what}: frequency {found[i]:g} Hz where the channels before it have {wanted[i]:g} Hz; every "
             f"channel of a sweep needs the same frequencies in the same order"
         )
+
+
+def text_of(column: Codes, rows: NDArray[np.intp]) -> str:
+    """That of the first row."""
+    return column.label[int(column.codes[rows[0]])].strip()
 
 
 def repeat_number(path: Path, run: str, text: str) -> int | None:
@@ -101,7 +110,8 @@ def repeat_number(path: Path, run: str, text: str) -> int | None:
         ) from None
 
 
-def _direction(path: Path, run: str, text: str) -> str:
+def sweep_direction(path: Path, run: str, text: str) -> str:
+    """raises: MeasurementError where it is neither up nor down nor empty"""
     word = text.strip().lower()
     if word not in ("", "up", "down"):
         raise MeasurementError(f"{path}: run '{run}': sweep = \"{text}\": allowed are up and down")

@@ -138,7 +138,7 @@ def _channel(path: Path, label: str, records: Sequence[Record]) -> RecordedChann
         amplitude=np.array([harmonics[k]["data"] for k in ordered], dtype=complex),
         harmonics=ordered,
         per_force=int(first["func_type"]) == 4,
-        unit=_stated(first["ordinate_axis_units_lab"]),
+        unit=stated_unit(first),
         quantity=QUANTITIES.get(int(first["ordinate_spec_data_type"]), ""),
         direction=direction(first),
     )
@@ -166,8 +166,9 @@ def _check_kind(path: Path, label: str, record: Record) -> None:
         )
 
 
-def _stated(text: str) -> str:
-    return "" if text.strip().upper() in ("", "NONE") else text.strip()
+def stated_unit(record: Record) -> str:
+    text = str(record["ordinate_axis_units_lab"]).strip()
+    return "" if text.upper() == "NONE" else text
 
 
 def _frequency(path: Path, records: Sequence[Record]) -> np.ndarray[Any, np.dtype[np.float64]]:
