@@ -147,7 +147,7 @@ def _decode_array(dtype: type[np.generic], value: Any, place: str) -> NDArray[An
         if parts[0].shape != parts[1].shape:
             raise ValueError(f"{place}: 're' has shape {parts[0].shape}, 'im' {parts[1].shape}; {NEEDED}")
         whole = np.empty(parts[0].shape, dtype)
-        whole.real, whole.imag = parts  # type: ignore[misc]  # adding would lose an infinite or nan part
+        whole.real, whole.imag = parts  # adding would lose an infinite or nan part
         return whole
     if not isinstance(value, list):
         raise ValueError(f"{place}: a list is needed, found {type(value).__name__}; {NEEDED}")

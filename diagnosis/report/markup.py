@@ -4,11 +4,16 @@ import math
 from collections.abc import Iterable, Sequence
 from html import escape
 
-MISSING = "–"
+MISSING = "\N{EN DASH}"
+MINUS = "\N{MINUS SIGN}"
+TIMES = "\N{MULTIPLICATION SIGN}"
 
 
 def figure(name: str, description: str, caption: str = "", height: int = 420) -> str:
-    """Place of a plot, which scripts call by its name. description: what it shows, for those who cannot see it; caption: below it; height [px]"""
+    """Place of a plot, which scripts call by its name.
+
+    description: what it shows, for those who cannot see it; caption: below it; height [px]
+    """
     below = f"<figcaption>{caption}</figcaption>" if caption else ""
     return (
         f'<figure><div class="plot" id="plot-{escape(name)}" role="img" aria-label="{escape(description)}" '
@@ -37,19 +42,19 @@ def paragraph(text: str, kind: str = "") -> str:
 
 
 def number(value: float, digits: int = 4) -> str:
-    """4 significant digits, powers of ten where the number is long; a dash for nan"""
+    """At most 4 significant digits, powers of ten where the number is long; a dash for nan"""
     if math.isnan(value):
         return MISSING
     if math.isinf(value):
-        return "∞" if value > 0 else "−∞"
+        return "∞" if value > 0 else f"{MINUS}∞"
     if value == 0:
         return "0"
     power = math.floor(math.log10(abs(value)))
     if -4 <= power < 6:
-        text = f"{value:.{max(digits - 1 - power, 0)}f}"
+        text = _exact(f"{value:.{max(digits - 1 - power, 0)}f}", value)
     else:
-        text = f"{value / 10**power:.{digits - 1}f} × 10{_raised(power)}"
-    return text.replace("-", "−")
+        text = f"{_exact(f'{value / 10**power:.{digits - 1}f}', value / 10**power)} {TIMES} 10{_raised(power)}"
+    return text.replace("-", MINUS)
 
 
 def percent(relative: float, digits: int = 2) -> str:
@@ -58,7 +63,7 @@ def percent(relative: float, digits: int = 2) -> str:
         return number(relative)
     value = 100 * relative
     places = max(digits - 1 - math.floor(math.log10(abs(value))), 0) if value else 0
-    return f"{value:+.{min(places, 4)}f} %".replace("-", "−")
+    return f"{value:+.{min(places, 4)}f} %".replace("-", MINUS)
 
 
 def with_unit(value: float, unit: str, digits: int = 4) -> str:
@@ -74,6 +79,11 @@ def bar(share: float) -> str:
 
 def level_name(level: float) -> str:
     return f"{level:g} N"
+
+
+def _exact(text: str, value: float) -> str:
+    """393 Hz was not stated to four digits, so it is not shown with them."""
+    return text.rstrip("0").rstrip(".") if "." in text and math.isclose(float(text), value, rel_tol=1e-12) else text
 
 
 def _raised(power: int) -> str:

@@ -45,15 +45,18 @@ def asset(name: str) -> str:
 
 
 def _contents_list(rendered: Sequence[tuple[Section, Content]]) -> str:
-    links = "".join(f'<li><a href="#{section.identifier}">{escape(section.title)}</a></li>' for section, _ in rendered)
+    links = "".join(
+        f'<li><a href="#{section.identifier}">{escape(section.short or section.title)}</a></li>'
+        for section, _ in rendered
+    )
     return f'<nav aria-label="Contents"><ul>{links}</ul></nav>'
 
 
 def _section_html(section: Section, content: Content) -> str:
     name = section.identifier
     return (
-        f'<section id="{name}" aria-labelledby="{name}-heading">\n<h2 id="{name}-heading">{escape(section.title)}</h2>\n'
-        f"{content.html}\n</section>"
+        f'<section id="{name}" aria-labelledby="{name}-heading">\n'
+        f'<h2 id="{name}-heading">{escape(section.title)}</h2>\n{content.html}\n</section>'
     )
 
 

@@ -1,4 +1,7 @@
-"""What a section of the report is. A new one is a file in `sections/` with its `SECTION`, and a line in `registry.py`."""
+"""What a section of the report is.
+
+A new one is a file in `sections/` with its `SECTION`, and a line in `registry.py`.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -37,8 +40,12 @@ class Content:
 
 @dataclass(frozen=True)
 class Section:
-    """identifier: a word, for links; title: its heading; render: None where there is nothing to show"""
+    """identifier: a word, for links; title: its heading; render: None where there is nothing to show
+
+    short: its name in the list of contents, where the heading is too long for it
+    """
 
     identifier: str
     title: str
     render: Callable[[Report], Content | None]
+    short: str = ""

@@ -58,7 +58,9 @@ class Oscillator:
     def resonance(self, amplitude: Floats) -> Floats:
         return np.sqrt(self.stiffness(amplitude) / self.mass) / (2 * np.pi)
 
-    def branch(self, force: float, window: tuple[float, float], points: int = 200) -> tuple[Floats, NDArray[np.complex128]]:
+    def branch(
+        self, force: float, window: tuple[float, float], points: int = 200
+    ) -> tuple[Floats, NDArray[np.complex128]]:
         """Frequency [Hz] and displacement per force [m/N], from low frequency over the peak to high frequency."""
         amplitude = np.geomspace(1e-9, 1e-1, 40_000)
         square = (force / amplitude) ** 2 - self.damping(amplitude) ** 2
@@ -71,10 +73,14 @@ class Oscillator:
         receptance = 1 / (detuning + 1j * self.damping(amplitude))
         inside = (frequency > window[0]) & (frequency < window[1])
         frequency, receptance = frequency[inside], receptance[inside]
-        length = np.hypot(np.diff(frequency) / np.ptp(frequency), np.diff(np.abs(receptance)) / np.abs(receptance).max())
+        length = np.hypot(
+            np.diff(frequency) / np.ptp(frequency), np.diff(np.abs(receptance)) / np.abs(receptance).max()
+        )
         along = np.concatenate([[0], np.cumsum(length)])
         at = np.linspace(0, along[-1], points)
-        return np.interp(at, along, frequency), np.interp(at, along, receptance.real) + 1j * np.interp(at, along, receptance.imag)
+        return np.interp(at, along, frequency), np.interp(at, along, receptance.real) + 1j * np.interp(
+            at, along, receptance.imag
+        )
 
 
 TRUTH = (
@@ -89,7 +95,7 @@ def visited(frequency: Floats, upwards: bool) -> NDArray[np.bool_]:
     """What a slow sweep sees: it jumps over whatever it would have to turn back for."""
     if upwards:
         return frequency >= np.maximum.accumulate(frequency)
-    return (frequency <= np.minimum.accumulate(frequency[::-1])[::-1])
+    return frequency <= np.minimum.accumulate(frequency[::-1])[::-1]
 
 
 def synthetic_comparison(
@@ -207,7 +213,7 @@ def _residuals(pair: CurvePair) -> Iterator[PointResidual]:
         at = np.interp(curve.frequency, frequency, model.real) + 1j * np.interp(curve.frequency, frequency, model.imag)
         away = np.log(curve.receptance / at)
         for f, value in zip(curve.frequency, away, strict=True):
-            amplitude, phase = value.real / 0.05, value.imag / 0.05
+            amplitude, phase = float(value.real / 0.05), float(value.imag / 0.05)
             size = float(np.sqrt((amplitude**2 + phase**2) / 2))
             yield PointResidual(
                 pair.run, pair.mode, pair.level, curve.repeat, pair.channel, float(f), amplitude, phase, size
@@ -223,7 +229,9 @@ def _measured_backbones(curves: tuple[CurvePair, ...]) -> Iterator[Backbone]:
                     at = int(np.argmax(np.abs(curve.receptance)))
                     amplitude = float(abs(curve.receptance[at]) * curve.force[at])
                     damping = curve.force[at] / amplitude / (rig.mass * (2 * np.pi * curve.frequency[at]) ** 2)
-                    rows.append((pair.level, curve.repeat, amplitude, curve.frequency[at], damping, abs(curve.receptance[at])))
+                    rows.append(
+                        (pair.level, curve.repeat, amplitude, curve.frequency[at], damping, abs(curve.receptance[at]))
+                    )
             columns = np.array(rows).T
             yield Backbone(rig.name, channel, columns[0], columns[1].astype(np.int64), *columns[2:])
 

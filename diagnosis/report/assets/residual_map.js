@@ -37,7 +37,7 @@
   function layout() {
     const width = (1 - GAP * (maps.length - 1)) / maps.length;
     const result = {
-      shapes: frames(), margin: {t: 44, l: 90, b: 60}, annotations: [],
+      shapes: frames(), margin: {t: 44, l: 90, b: 50}, annotations: [],
       coloraxis: {colorscale: scale, cmin: -1, cmax: 5, colorbar: {title: {text: "times<br>the scatter"}, thickness: 14,
         tickvals: [-1, 0, 1, 2, 3, 4, 5], ticktext: ["½", "1", "2", "4", "8", "16", "32"]}},
     };
@@ -58,8 +58,9 @@
   }
 
   function listWorst() {
-    const cells = maps.flatMap(map => map.cells.flatMap((row, r) => row.map(cell => ({map, r, cell}))));
-    const largest = cells.filter(({cell}) => cell !== null).sort((a, b) => b.cell.size - a.cell.size).slice(0, worst);
+    const bySize = (a, b) => b.cell.size - a.cell.size;
+    const rows = maps.flatMap(map => map.cells.map((row, r) => row.filter(cell => cell !== null).map(cell => ({map, r, cell}))));
+    const largest = rows.map(row => row.sort(bySize)[0]).sort(bySize).slice(0, worst);
     document.getElementById("worst-places").replaceChildren(...largest.map(({map, r, cell}) => {
       const button = document.createElement("button");
       const factor = document.createElement("strong");

@@ -30,12 +30,14 @@
   }
 
   function measuredTraces(curve, colour, named) {
-    return curve.measured.flatMap(({repeat, ...values}) => PARTS.map(({key, axis, unit, format}) => ({
+    const both = selection.state.sweep === selection.BOTH;
+    const direction = curve.up ? "up" : "down";
+    return curve.measured.flatMap(({repeat, ...values}, k) => PARTS.map(({key, axis, unit, format}) => ({
       type: "scatter", mode: "markers", x: values.f, y: values[key], yaxis: axis,
-      name: `measured, repeat ${repeat}`, legendgroup: `measured ${repeat}`, showlegend: named && key === "a",
+      name: `measured, ${both ? `${direction}wards` : `repeat ${repeat}`}`,
+      legendgroup: `measured ${both ? direction : repeat}`, showlegend: named && key === "a" && (!both || k === 0),
       marker: {color: colour, size: 6, line: {width: 1.4},
-        symbol: selection.state.sweep === selection.BOTH ? `triangle-${curve.up ? "up" : "down"}-open`
-          : selection.symbolOf(repeat)},
+        symbol: both ? `triangle-${direction}-open` : selection.symbolOf(repeat)},
       hovertemplate: `${curve.run}, repeat ${repeat}<br>%{x:.2f} Hz: %{y:${format}} ${unit}<extra></extra>`,
     })));
   }
@@ -49,21 +51,25 @@
     };
   }
 
+  // Both sweeps of a level see one branch: what either visits is drawn solid, once.
+  function branchesOf(group, which) {
+    const [first, ...others] = group.map(curve => curve[which]);
+    if (others.some(branch => branch.f.length !== first.f.length)) return [first, ...others];
+    return [{...first, visited: first.visited.map((seen, i) => (others.some(branch => branch.visited[i]) ? 1 : seen))}];
+  }
+
   function tracesOf(shown) {
     const several = selection.state.level === selection.ALL;
-    const seen = new Set();
-    return shown.flatMap(curve => {
-      const colour = several ? selection.colourOf(curve.level) : null;
-      const isFirst = !seen.has(several ? curve.level : "one");
-      seen.add(several ? curve.level : "one");
-      const after = modelTraces(curve.after, several ? `${curve.level} N` : "calibrated model",
-        {color: colour || palette.after, width: 2}, several ? `level ${curve.level}` : "after");
-      const before = option("show-before") ? modelTraces(curve.before, "before calibration",
-        {color: colour || palette.before, width: 1.2, dash: "dash"}, "before") : [];
+    return updamp.unique(shown.map(curve => curve.level)).flatMap(level => {
+      const group = shown.filter(curve => curve.level === level);
+      const colour = several ? selection.colourOf(level) : null;
+      const after = branchesOf(group, "after").flatMap(branch => modelTraces(branch, several ? `${level} N` : "calibrated model",
+        {color: colour || palette.after, width: 2}, `after ${level}`));
+      const before = !option("show-before") ? [] : branchesOf(group, "before").flatMap(branch => modelTraces(branch,
+        "before calibration", {color: colour || palette.before, width: 1.3, dash: "dash"}, "before"));
       if (several) before.forEach(trace => { trace.showlegend = false; trace.opacity = 0.6; });
-      const measured = measuredTraces(curve, colour || palette.measured, isFirst && !several);
-      if (!isFirst) [...after, ...before].forEach(trace => { trace.showlegend = false; });
-      return [bandTrace(curve, isFirst && !several), ...before, ...after, ...measured];
+      return [...group.map((curve, k) => bandTrace(curve, k === 0 && !several)), ...before, ...after,
+        ...group.flatMap(curve => measuredTraces(curve, colour || palette.measured, !several))];
     });
   }
 
@@ -86,7 +92,8 @@
     updamp.draw("response", tracesOf(shown), {
       xaxis: {title: {text: "frequency [Hz]"}, range: rangeOf(shown), anchor: "y2"},
       yaxis: {title: {text: "receptance [mm/N]"}, domain: [0.36, 1], type: log ? "log" : "linear",
-        rangemode: log ? "normal" : "tozero", exponentformat: "power"},
+        rangemode: log ? "normal" : "tozero", tickformat: "~g",
+        ...(log ? {dtick: "D2"} : {})},
       yaxis2: {title: {text: "phase [°]"}, domain: [0, 0.29], tick0: 0, dtick: 90},
       shapes: mark,
       annotations: mark.map(each => ({x: each.x0, y: 1, xref: "x", yref: "paper", yanchor: "bottom", showarrow: false,

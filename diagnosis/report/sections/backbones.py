@@ -36,4 +36,4 @@ def _columns(backbone: Backbone) -> dict[str, Any]:
     }
 
 
-SECTION = Section("backbones", "Resonance against amplitude", render)
+SECTION = Section("backbones", "Resonance against amplitude", render, "Resonance")

@@ -1,9 +1,10 @@
 """Nuisance parameters before and after calibration."""
 
 import math
+from html import escape
 
 from updamp.diagnosis.comparison import Calibrated
-from updamp.diagnosis.report.markup import MISSING, escape, number, percent, table, with_unit
+from updamp.diagnosis.report.markup import MISSING, number, percent, table, with_unit
 from updamp.diagnosis.report.section import Content, Report, Section
 
 FAR = 2.0  # prior standard deviations, from where on a calibrated value deserves a word

@@ -1,9 +1,10 @@
 """Stated values beside the model's."""
 
 import math
+from html import escape
 
 from updamp.diagnosis.comparison import FeatureComparison
-from updamp.diagnosis.report.markup import MISSING, escape, level_name, number, percent, table
+from updamp.diagnosis.report.markup import MISSING, level_name, number, percent, table
 from updamp.diagnosis.report.section import Content, Report, Section
 
 HEAD = ("Quantity", "Mode", "Force", "Measured", "Model", "Model against measured")
@@ -49,4 +50,4 @@ def _judgement(each: FeatureComparison) -> str:
     return "above the stated range" if each.model > each.upper else "within the stated range"
 
 
-SECTION = Section("features", "Stated features", render)
+SECTION = Section("features", "Stated features", render, "Features")

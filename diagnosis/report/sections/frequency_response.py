@@ -36,7 +36,7 @@ def render(report: Report) -> Content | None:
         "Points: measured, one symbol a repeat; grey: 95 % of what a repeat gives. Blue: calibrated model; thin "
         "dashed: before calibration; dotted: what a slow sweep in this direction jumps over. Zoom by dragging, "
         "double click for all.",
-        560,
+        500,
     )
     data = {
         "curves": [_curve_data(curve, centres[curve.mode, curve.channel]) for curve in curves],
@@ -91,4 +91,4 @@ def _polar(frequency: NDArray[np.float64], receptance: Complex, centre: float) -
     return {"f": frequency, "a": MM * np.abs(receptance), "p": centre + np.degrees(np.angle(turned))}
 
 
-SECTION = Section("response", "Frequency response", render)
+SECTION = Section("response", "Frequency response", render, "Response")

@@ -1,6 +1,8 @@
 """What was assumed, and what the comparison was made from."""
 
-from updamp.diagnosis.report.markup import escape, table
+from html import escape
+
+from updamp.diagnosis.report.markup import table
 from updamp.diagnosis.report.section import Content, Report, Section
 
 

@@ -28,7 +28,10 @@ def verdict_sentence(comparison: Comparison) -> str:
 
 
 def _finding(finding: Finding) -> str:
-    where = [finding.mode or "all modes", level_name(finding.level) if finding.level is not None else "all force levels"]
+    where = [
+        finding.mode or "all modes",
+        level_name(finding.level) if finding.level is not None else "all force levels",
+    ]
     where += [finding.channel] if finding.channel else []
     tags = "".join(f'<span class="tag">{escape(tag)}</span>' for tag in (finding.quantity, *where))
     sure = (
@@ -43,9 +46,9 @@ def _cards(comparison: Comparison) -> str:
     free = max(comparison.values - comparison.parameters, 1)
     rms = [math.sqrt(chi2 / max(comparison.values, 1)) for chi2 in (comparison.chi2_before, comparison.chi2_after)]
     repeats = {(c.run, m.repeat) for c in comparison.curves for m in c.measured}
+    names = ("Misfit before calibration", "Misfit after calibration") if comparison.calibration else ("Misfit",)
     cards = [
-        ("Misfit before calibration", number(rms[0], 3), "times the scatter (weighted RMS)"),
-        ("Misfit after calibration", number(rms[1], 3), "times the scatter (weighted RMS)"),
+        *((name, number(value, 3), "times the scatter") for name, value in zip(names, rms, strict=False)),
         ("χ² per degree of freedom", number(comparison.chi2_after / free, 3), f"{free} degrees of freedom"),
     ]
     if comparison.curves:
@@ -62,4 +65,4 @@ def _cards(comparison: Comparison) -> str:
     return f'<dl class="cards">{inside}</dl>'
 
 
-SECTION = Section("outcome", "Result", render)
+SECTION = Section("outcome", "Calibrated model against the measurement", render, "Comparison")

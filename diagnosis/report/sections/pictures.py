@@ -1,8 +1,8 @@
 """Pictures made elsewhere, put into the page."""
 
 from base64 import b64encode
+from html import escape
 
-from updamp.diagnosis.report.markup import escape
 from updamp.diagnosis.report.section import Content, Report, Section
 
 PNG = b"\x89PNG\r\n\x1a\n"

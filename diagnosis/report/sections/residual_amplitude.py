@@ -1,4 +1,4 @@
-"""Residual of the calibrated model against the displacement amplitude: what grows or falls with it has its shape here."""
+"""Residual of the calibrated model against the displacement amplitude: shows what grows or falls with it."""
 
 from collections import defaultdict
 from typing import Any
@@ -50,4 +50,4 @@ def _points(comparison: Comparison) -> list[dict[str, Any]]:
     return points
 
 
-SECTION = Section("amplitude", "Residual against amplitude", render)
+SECTION = Section("amplitude", "Residual against amplitude", render, "Amplitude")

@@ -1,4 +1,4 @@
-"""Where the calibrated model fails: size of the residual over mode, force level and frequency, linked with the curves."""
+"""Where the calibrated model fails: residual by mode, force level and frequency, linked with the curves."""
 
 from collections import defaultdict
 from collections.abc import Sequence
@@ -70,7 +70,9 @@ def _cell(residuals: Sequence[PointResidual]) -> dict[str, Any] | None:
     }
     worst = max(sorted(by_channel), key=lambda channel: by_channel[channel])
     at = max((r for r in residuals if r.channel == worst), key=lambda r: r.size)
-    mean = [float(np.mean([getattr(r, name) for r in residuals if r.channel == worst])) for name in ("amplitude", "phase")]
+    mean = [
+        float(np.mean([getattr(r, name) for r in residuals if r.channel == worst])) for name in ("amplitude", "phase")
+    ]
     return {
         "size": _rms([r.size for r in residuals]), "channel": worst, "f": at.frequency, "run": at.run,
         "amplitude": mean[0], "phase": mean[1], "n": len(residuals),
@@ -81,4 +83,4 @@ def _rms(values: Sequence[float]) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-SECTION = Section("misfit", "Where the model fails", render)
+SECTION = Section("misfit", "Where the model fails", render, "Misfit")

@@ -1,10 +1,12 @@
 """What differs from repeat to repeat, as learnt from the repeats."""
 
-from updamp.diagnosis.report.markup import bar, escape, number, table
+from html import escape
+
+from updamp.diagnosis.report.markup import bar, number, table
 from updamp.diagnosis.report.section import Content, Report, Section
 
-TEXT = """<p>Standard deviations of what changes between repeats, relative to the value itself. They set the scatter that
-every misfit in this report is measured in.</p>"""
+TEXT = """<p>Standard deviations of what changes between repeats, relative to the value itself. They set the scatter
+that every misfit in this report is measured in.</p>"""
 
 
 def render(report: Report) -> Content | None:
@@ -16,4 +18,4 @@ def render(report: Report) -> Content | None:
     return Content(TEXT + table(("Component", "Standard deviation", ""), rows))
 
 
-SECTION = Section("scatter", "Scatter between repeats", render)
+SECTION = Section("scatter", "Scatter between repeats", render, "Scatter")

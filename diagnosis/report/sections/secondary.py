@@ -1,12 +1,14 @@
 """Correlation criteria of model updating, for those used to them."""
 
+from html import escape
+
 from updamp.diagnosis.comparison import CurvePair
-from updamp.diagnosis.report.markup import escape, level_name, number, table
+from updamp.diagnosis.report.markup import level_name, number, table
 from updamp.diagnosis.report.section import Content, Report, Section
 
-TEXT = """<p>After calibration; 1 is perfect. FRAC: frequency response assurance criterion; CSAC and CSF: cross signature
-assurance criterion and scale factor. They weigh large amplitudes most and know nothing of scatter, so no verdict rests
-on them.</p>"""
+TEXT = """<p>After calibration; 1 is perfect. FRAC: frequency response assurance criterion; CSAC and CSF: cross
+signature assurance criterion and scale factor. They weigh large amplitudes most and know nothing of scatter, so no
+verdict rests on them.</p>"""
 HEAD = ("Run", "Mode", "Channel", "Sweep", "Force", "FRAC", "CSAC", "CSF")
 
 
@@ -24,4 +26,4 @@ def _row(curve: CurvePair) -> tuple[str, ...]:
     return escape(curve.run), escape(curve.mode), escape(curve.channel), direction, level_name(curve.level), *numbers
 
 
-SECTION = Section("secondary", "Secondary numbers", render)
+SECTION = Section("secondary", "Secondary numbers", render, "FRAC, CSAC, CSF")
