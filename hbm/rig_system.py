@@ -11,7 +11,8 @@ from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.contact.registry import CONTACT_LAWS
 from updamp.hbm.elements import ElementGroup
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.linear_model import LinearModel, add_springs, from_reduced
+from updamp.hbm.linear_model import LinearModel, from_reduced
+from updamp.hbm.structural_changes import Attachment, attach
 from updamp.hbm.system import Excitation, NonlinearSystem
 from updamp.rig import Rig
 
@@ -23,9 +24,16 @@ def rig_system(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> Nonlinea
 
     As in Pesaresi et al. (2017) the dynamic problem starts from the preload without tangential force.
     """
-    contact, balance = rig.contact, rig.harmonic_balance
+    balance = rig.harmonic_balance
     reduced, rest = DAMPER_MODELS[rig.damper_model].apply(reduced, rest)
-    area, n = reduced.contacts.area, len(reduced.contacts)
+    linear = add_wires(from_reduced(reduced, rig.material.loss_factor), rig)
+    contacts = contact_elements(reduced.contacts.area, rest, rig)
+    return NonlinearSystem(linear, (contacts,), Harmonics(balance.harmonics), balance.time_samples)
+
+
+def contact_elements(area: Floats, rest: StaticContact, rig: Rig) -> ElementGroup:
+    """The rig's contact law on the first 3 n relative rows; area: (n,) of the contact elements [m^2]."""
+    contact, n = rig.contact, len(area)
     parameters = FrictionParameters(
         mu=jnp.full(n, contact.friction_coefficient),
         kt=jnp.asarray(contact.tangential_stiffness * area),
@@ -34,32 +42,31 @@ def rig_system(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> Nonlinea
         t0=jnp.zeros((n, 2)),
         gap=jnp.asarray(rest.gap),
     )
-    group = ElementGroup(CONTACT_LAWS[contact.law](balance.cycles), parameters, np.arange(3 * n).reshape(n, 3))
-    linear = add_wires(from_reduced(reduced, rig.material.loss_factor), rig)
-    return NonlinearSystem(linear, (group,), Harmonics(balance.harmonics), balance.time_samples)
+    law = CONTACT_LAWS[contact.law](rig.harmonic_balance.cycles)
+    return ElementGroup(law, parameters, np.arange(3 * n).reshape(n, 3))
 
 
 def add_wires(model: LinearModel, rig: Rig) -> LinearModel:
-    """The model with both wires: axial stiffness upwards, tension over length sideways, and the restoring roll
-    moment of a pull that acts above the centroid.
+    """The model with both wires."""
+    return attach(model, wires(rig))
+
+
+def wires(rig: Rig) -> tuple[Attachment, ...]:
+    """Both wires: axial stiffness upwards ("wire_back.y", "wire_front.y"), tension over length sideways, and the
+    restoring roll moment of a pull that acts above the centroid.
 
     The damper has no other support once all contacts are open, so the zero harmonic needs all six.
     """
-    wire, tension = rig.wire, rig.load.pull / 2
-    directions, stiffness = [], []
-    for end in ("back", "front"):
-        for axis, k in (("x", tension / wire.length), ("y", wire.axial_stiffness / 2), ("z", tension / wire.length)):
-            directions.append(_unit(model, f"damper.wire_{end}.{axis}"))
-            stiffness.append(k)
-    half_width = rig.face_bottom[0]
-    roll = _unit(model, "damper.corner_right.y") - _unit(model, "damper.corner_left.y")
-    directions.append(roll / (2 * half_width))
-    stiffness.append(rig.load.pull * wire.attachment_height)
-    return add_springs(model, np.stack(directions, axis=1), np.array(stiffness))
-
-
-def _unit(model: LinearModel, point: str) -> Floats:
-    return np.eye(1, model.n_rows, model.row(point))[0]
+    wire, sideways = rig.wire, rig.load.pull / 2 / rig.wire.length
+    along = {"x": sideways, "y": wire.axial_stiffness / 2, "z": sideways}
+    springs = [
+        Attachment(f"wire_{end}.{axis}", {f"damper.wire_{end}.{axis}": 1.0}, stiffness=stiffness)
+        for end in ("back", "front")
+        for axis, stiffness in along.items()
+    ]
+    lever = 1 / (2 * rig.face_bottom[0])
+    roll = {"damper.corner_right.y": lever, "damper.corner_left.y": -lever}
+    return (*springs, Attachment("wire roll", roll, stiffness=rig.load.pull * wire.attachment_height))
 
 
 def excitation(system: NonlinearSystem, rig: Rig, force: float) -> Excitation:

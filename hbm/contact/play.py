@@ -65,23 +65,39 @@ class _Segment(NamedTuple):
 def march(displacement: jax.Array, p: FrictionParameters, cycles: int) -> Path:
     """Total force over the last of `cycles` periods; each tangential direction has the limit mu N of its own.
 
-    displacement: (n_time, 3) [m]
+    displacement: (n_time, 3) [m]; p.mu may have one value a sample, (n_time,), all positive
     """
-    ratio, slope = p.mu * p.kn / p.kt, _slope(displacement)
+    slope = _slope(displacement)
     after, slope_after = _next(displacement), _next(slope)
     rest = p.n0 / p.kn - p.gap
-    p0, p1, dp0, dp1 = rest + displacement[:, 2], rest + after[:, 2], slope[:, 2], slope_after[:, 2]
+    pressing = (rest + displacement[:, 2], rest + after[:, 2], slope[:, 2], slope_after[:, 2])
+    ratio, holding = _friction(pressing, p)
 
     def one(surface: tuple[jax.Array, ...], first: jax.Array) -> tuple[jax.Array, jax.Array]:
         u0, u1, du0, du1 = surface
+        p0, p1, dp0, dp1 = holding
         segments = _Segment(u0, u1, p0, p1, du0, du1, dp0, dp1)
         slider = _sliders(segments, ratio, first, cycles)
         return u0 - slider, u0 - slider + _between_samples(segments, ratio, slider)
 
     directions = tuple(value[:, :2] for value in (displacement, after, slope, slope_after))
     tangential, averaged = jax.vmap(one, in_axes=(1, 0), out_axes=1)(directions, -p.t0 / p.kt)
+    p0, p1, dp0, dp1 = pressing
     normal = jnp.maximum(p0, 0.0) + _between_contacts(_Segment(p0, p1, p0, p1, dp0, dp1, dp0, dp1))
     return Path(p.kt * tangential, jnp.concatenate([p.kt * averaged, p.kn * normal[:, None]], axis=1))
+
+
+def _friction(pressing: tuple[jax.Array, ...], p: FrictionParameters) -> tuple[jax.Array, tuple[jax.Array, ...]]:
+    """A ratio and compressions (with slopes) whose product is the slip limit over kt.
+
+    Friction that varies over the period goes with the compression: it has the same sign, so that closing and opening
+    stay where they are.
+    """
+    if jnp.ndim(p.mu) == 0:
+        return p.mu * p.kn / p.kt, pressing
+    held = p.mu * pressing[0]
+    slope = _slope(held)
+    return p.kn / p.kt, (held, _next(held), slope, _next(slope))
 
 
 def _sliders(segments: _Segment, ratio: jax.Array, first: jax.Array, cycles: int) -> jax.Array:

@@ -1,0 +1,30 @@
+"""Contact stiffness that depends on the pressure."""
+
+from updamp.diagnosis.effects.contacts import entry, put_around
+from updamp.diagnosis.effects.effect import Effect, EffectParameter, Values
+from updamp.diagnosis.effects.faces import patches_of
+from updamp.diagnosis.model.rig_model import RigModel
+from updamp.hbm.contact.pressure_stiffness import PressureStiffness
+
+
+def apply(model: RigModel, values: Values) -> RigModel:
+    """k = k0 (p/p0)^m for kt and kn, p the momentary pressure and p0 the mean of that at rest over both faces."""
+    if values["exponent"] == 0:
+        return model
+    area = patches_of(model).area
+    mean_force = entry(model, "n0").sum() / area.sum() * area
+    return put_around(model, PressureStiffness, pressure_exponent=values["exponent"], mean_force=mean_force)
+
+
+EFFECT = Effect(
+    "pressure_dependent_stiffness",
+    "the contacts get stiffer where and while they are pressed harder",
+    (
+        EffectParameter(
+            "exponent", 0.0, 0.0, 0.6, 0.2, "",
+            "1/3 Hertz; 0.5 and below for rough metal surfaces (Medina, Nowell and Dini 2013; Greenwood and "
+            "Williamson 1966 give nearly 1 for kn of fresh surfaces)",
+        ),
+    ),
+    apply,
+)  # fmt: skip

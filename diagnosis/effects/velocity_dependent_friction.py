@@ -1,0 +1,27 @@
+"""Friction that depends on the sliding speed."""
+
+from updamp.diagnosis.effects.contacts import put_around
+from updamp.diagnosis.effects.effect import Effect, EffectParameter, Values
+from updamp.diagnosis.model.rig_model import RigModel
+from updamp.hbm.contact.velocity_friction import VelocityFriction
+
+REFERENCE_SPEED = 1e-3  # m/s: 0.36 um at 440 Hz, where contacts of the reference rig begin to slip
+
+
+def apply(model: RigModel, values: Values) -> RigModel:
+    """mu (1 - d v / (v + v0)), v the tangential relative velocity, v0 = 1 mm/s."""
+    if values["drop"] == 0:
+        return model
+    return put_around(model, VelocityFriction, velocity_drop=values["drop"], reference_speed=REFERENCE_SPEED)
+
+
+EFFECT = Effect(
+    "velocity_dependent_friction",
+    "the friction coefficient falls with the sliding speed",
+    (
+        EffectParameter(
+            "drop", 0.0, -0.5, 0.9, 0.3, "", "dry steel: kinetic friction 20-40 % below static friction (Stribeck 1902)"
+        ),
+    ),
+    apply,
+)

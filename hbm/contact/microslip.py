@@ -1,0 +1,51 @@
+"""Microslip inside one contact element: sliders side by side that give way one after the other (Iwan 1966)."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import jax
+import jax.numpy as jnp
+
+from updamp.hbm.contact.around import LawAround, averaged
+
+SLIDERS = 6
+
+
+@dataclass(frozen=True)
+class SubPatchMicroslip(LawAround):
+    """The mean of inner laws whose friction coefficients are spread evenly over mu (1 - w) ... mu (1 + w).
+
+    Each has the same share of the stiffness, so that stiffness and largest force stay what they are.
+
+    Parameter limit_spread w [-] in [0, 1].
+    """
+
+    rank: ClassVar[int] = 40
+    entries: ClassVar[tuple[str, ...]] = ("limit_spread",)
+
+    def force(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
+        return self._of_each(self.inner.force, displacement, velocity, parameters).mean(axis=0)
+
+    def averaged_force(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
+        return self._of_each(averaged(self.inner), displacement, velocity, parameters).mean(axis=0)
+
+    def state(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
+        """Slipping as soon as the weakest slider does; separation is the same for all."""
+        return self._of_each(self.inner.state, displacement, velocity, parameters).max(axis=0)
+
+    def _of_each(
+        self, quantity: Callable[..., jax.Array], displacement: jax.Array, velocity: jax.Array, parameters: Any
+    ) -> jax.Array:
+        spread = 1 + parameters.limit_spread * evenly(SLIDERS)
+
+        def one(factor: jax.Array) -> jax.Array:
+            return quantity(displacement, velocity, parameters._replace(mu=parameters.mu * factor))
+
+        values: jax.Array = jax.vmap(one)(spread)
+        return values
+
+
+def evenly(n: int) -> jax.Array:
+    """(n,) middles of n equal parts of [-1, 1]."""
+    return (2 * jnp.arange(n) + 1) / n - 1
