@@ -7,6 +7,7 @@ harmonic, which is 1 elsewhere; the version number is the repeat where it is not
 
 import mmap
 import re
+import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -53,7 +54,19 @@ def write_uff58(path: Path, sweeps: Sequence[RecordedSweep], binary: bool = True
             if channel.noise is not None:
                 raise ValueError(f"{path}: channel '{name}' carries noise, which this format cannot hold; write HDF5")
             for harmonic, values in zip(channel.harmonics, channel.amplitude, strict=True):
-                file.write_sets([_record(path, sweep, name, node, channel, harmonic, values, binary)], mode="add")
+                start = path.stat().st_size if path.exists() else 0
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore", ResourceWarning)  # pyuff leaves a handle to the garbage collector
+                    file.write_sets([_record(path, sweep, name, node, channel, harmonic, values, binary)], mode="add")
+                if binary:
+                    _correct_byte_count(path, start, len(values))
+
+
+def _correct_byte_count(path: Path, start: int, n: int) -> None:
+    """pyuff states 8 bytes a value where frequency, real and imaginary part take 24; other readers trust the header."""
+    with path.open("r+b") as file:
+        file.seek(start + len("    -1\n    58b") + 6 + 6 + 12)
+        file.write(b"%12d" % (24 * n))
 
 
 def uff_records(path: Path) -> tuple[Record, ...]:
