@@ -78,7 +78,7 @@ def bar(share: float) -> str:
 
 
 def level_name(level: float) -> str:
-    return f"{level:g} N"
+    return f"{level:.4g} N"
 
 
 def _exact(text: str, value: float) -> str:

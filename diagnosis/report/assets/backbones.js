@@ -21,7 +21,7 @@
         customdata: pick(backbone.level, keep), name: `measured, repeat ${repeat}`, legendgroup: `${repeat}`,
         showlegend: i === 0, xaxis: axis("x", i), yaxis: axis("y", i),
         marker: {color: palette.measured, size: 8, symbol: selection.symbolOf(repeat), line: {width: 1.5}},
-        hovertemplate: `repeat ${repeat}, %{customdata:g} N<br>%{x:.4g}: %{y:.5g}<extra></extra>`,
+        hovertemplate: `repeat ${repeat}, %{customdata:.4g} N<br>%{x:.4g}: %{y:.5g}<extra></extra>`,
       };
     });
   }
@@ -31,7 +31,7 @@
       type: "scatter", mode: backbone.level.length > 1 ? "lines+markers" : "markers", x: backbone[panel.x], y: backbone[panel.y],
       customdata: backbone.level, name: "calibrated model", legendgroup: "model", showlegend: i === 0,
       xaxis: axis("x", i), yaxis: axis("y", i), line: {color: palette.after, width: 2}, marker: {color: palette.after, size: 4},
-      hovertemplate: "model, %{customdata:.3g} N<br>%{x:.4g}: %{y:.5g}<extra></extra>",
+      hovertemplate: "model, %{customdata:.4g} N<br>%{x:.4g}: %{y:.5g}<extra></extra>",
     };
   }
 

@@ -14,9 +14,9 @@
       const isSelected = selection.state.level === selection.ALL || selection.state.level === level;
       return {
         type: "scatter", mode: "markers", x, y: parts[part], xaxis: axis.replace("y", "x"), yaxis: axis, customdata: f,
-        name: `${level} N`, legendgroup: `${level}`, showlegend, opacity: isSelected ? 1 : 0.35,
+        name: updamp.newtons(level), legendgroup: `${level}`, showlegend, opacity: isSelected ? 1 : 0.35,
         marker: {color: selection.colourOf(level), size: 6, symbol: up ? "circle" : "triangle-down"},
-        hovertemplate: `${level} N, %{customdata:.2f} Hz<br>%{x:.3g} µm: %{y:.1f} standard deviations<extra></extra>`,
+        hovertemplate: `${updamp.newtons(level)}, %{customdata:.2f} Hz<br>%{x:.3g} µm: %{y:.1f} standard deviations<extra></extra>`,
       };
     }));
     const strip = axis => ({type: "rect", layer: "below", xref: `${axis.replace("y", "x")} domain`, yref: axis, x0: 0, x1: 1,

@@ -12,7 +12,6 @@ from updamp.diagnosis.report.section import Content, Report, Section
 from updamp.diagnosis.verdict import Step
 
 HEAD = ("Step", "Effects in the model", "Misfit in the fit", "Misfit on held-out data")
-HEAD = ("Step", "Effects in the model", "Misfit in the fit", "Misfit on held-out data")
 PANELS = (("data of the fit", (0.0, 0.46)), ("held-out data", (0.54, 1.0)))
 
 

@@ -59,7 +59,10 @@ def _phase_centres(curves: tuple[CurvePair, ...]) -> dict[tuple[str, str], float
     directions: dict[tuple[str, str], complex] = defaultdict(complex)
     for curve in curves:
         for measured in curve.measured:
-            ends = measured.receptance[[0, -1]] / np.abs(measured.receptance[[0, -1]])
+            known = measured.receptance[np.isfinite(measured.receptance) & (measured.receptance != 0)]
+            if len(known) == 0:
+                continue
+            ends = known[[0, -1]] / np.abs(known[[0, -1]])
             directions[curve.mode, curve.channel] += complex(np.mean(ends * np.array([-1j, 1j])))
     return {key: float(np.degrees(np.angle(value))) for key, value in directions.items()}
 

@@ -1,12 +1,13 @@
 """Where the calibrated model fails: residual by mode, force level and frequency, linked with the curves."""
 
+import math
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from updamp.diagnosis.comparison import Comparison, PointResidual
+from updamp.diagnosis.comparison import PointResidual
 from updamp.diagnosis.report.markup import figure, level_name
 from updamp.diagnosis.report.palette import RESIDUAL_SCALE
 from updamp.diagnosis.report.section import Content, Report, Section
@@ -22,9 +23,11 @@ curve it belongs to.</span></p>"""
 
 def render(report: Report) -> Content | None:
     comparison = report.comparison
-    if not comparison.residuals:
+    if not any(math.isfinite(r.size) for r in comparison.residuals):
         return None
-    maps = [_map_of(comparison, mode) for mode in dict.fromkeys(r.mode for r in comparison.residuals)]
+    known = [r for r in comparison.residuals if math.isfinite(r.size)]
+    upwards = {curve.run: curve.upwards for curve in comparison.curves}
+    maps = [_map_of([r for r in known if r.mode == mode], upwards) for mode in dict.fromkeys(r.mode for r in known)]
     height = 150 + ROW_HEIGHT * max(max(len(each["rows"]) for each in maps), 4)
     html = INTRODUCTION + figure(
         "residual-map",
@@ -32,15 +35,16 @@ def render(report: Report) -> Content | None:
         "the right. The largest are listed below it.",
         height=height,
     )
+    left_out = len(comparison.residuals) - len(known)
+    if left_out:
+        html += f'<p class="note">{left_out} points without a solution of the model are left out.</p>'
     html += '<div id="worst-places" class="places" role="group" aria-label="Largest residuals"></div>'
     data = {"maps": maps, "scale": RESIDUAL_SCALE, "worst": WORST}
     return Content(html, data=data, scripts=("selection.js", "residual_map.js"))
 
 
-def _map_of(comparison: Comparison, mode: str) -> dict[str, Any]:
-    """Rows by level and direction, lowest first; a cell knows its size and the channel that is worst in it."""
-    upwards = {curve.run: curve.upwards for curve in comparison.curves}
-    residuals = [r for r in comparison.residuals if r.mode == mode]
+def _map_of(residuals: Sequence[PointResidual], upwards: Mapping[str, bool]) -> dict[str, Any]:
+    """Of one mode. Rows by level and direction, lowest first; a cell knows its size and the channel worst in it."""
     frequency = np.array([r.frequency for r in residuals])
     edges = np.unique(np.quantile(frequency, np.linspace(0, 1, min(COLUMNS, len(np.unique(frequency))) + 1)))
     if len(edges) < 2:  # all points at one frequency
@@ -52,7 +56,7 @@ def _map_of(comparison: Comparison, mode: str) -> dict[str, Any]:
     keys = sorted(cells)
     both = len({up for _, up in keys}) > 1
     return {
-        "mode": mode,
+        "mode": residuals[0].mode,
         "edges": edges,
         "rows": [level_name(level) + ((" ▲" if up else " ▼") if both else "") for level, up in keys],
         "levels": [level for level, _ in keys],

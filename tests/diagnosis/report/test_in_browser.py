@@ -19,7 +19,7 @@ from selenium.webdriver.support.ui import Select, WebDriverWait
 from support.synthetic_comparison import LEVELS, synthetic_comparison
 from support.synthetic_verdict import EFFECTS, synthetic_verdict
 
-from updamp.diagnosis.comparison import Comparison, CurvePair
+from updamp.diagnosis.comparison import Comparison, CurvePair, MeasuredCurve, ModelCurve
 from updamp.diagnosis.report.write_report import write_report
 
 WIDTH, HEIGHT = 1280, 800  # a laptop's
@@ -297,3 +297,24 @@ def test_words_from_the_data_run_no_code(browser: webdriver.Chrome, tmp_path: Pa
     assert browser.execute_script("return window.broken") is None
     assert evil in browser.find_element(By.ID, "selection").text
     assert browser.get_log("browser") == []
+
+
+def test_gaps_in_the_data_leave_gaps(browser: webdriver.Chrome, tmp_path: Path) -> None:
+    """No solution of the model, points without a residual, a repeat without points, a single channel and level."""
+    few = synthetic_comparison(levels=(0.96,), repeats=2, points=9)
+    curve = few.curves[0]
+    nothing = ModelCurve(np.zeros(0), np.zeros(0, complex), np.zeros(0, bool))
+    empty = MeasuredCurve(2, np.zeros(0), np.zeros(0, complex), np.zeros(0))
+    first = curve.measured[0]
+    broken = replace(first, receptance=np.where(np.arange(9) == 3, np.nan, first.receptance))
+    gap = replace(curve, measured=(broken, empty), after=nothing, before=nothing, band=np.zeros((0, 3)))
+    unsolved = tuple(replace(r, size=np.nan, amplitude=np.nan) for r in few.residuals[:4])
+    residuals = (*unsolved, *few.residuals[4:9])
+    path = tmp_path / "report.html"
+    write_report(replace(few, curves=(gap,), residuals=residuals, model_backbones=()), path)
+    browser.get(path.as_uri())
+    assert browser.execute_script("return document.body.dataset.ready") == "yes"
+    assert browser.get_log("browser") == []
+    assert "4 points without a solution of the model are left out" in browser.find_element(By.ID, "misfit").text
+    assert [t["y"][3] for t in measured(browser) if t["y"]] == [None]
+    assert not browser.find_element(By.ID, "select-mode").is_enabled()
