@@ -116,7 +116,7 @@ def synthetic_comparison(
         measured_backbones=tuple(_measured_backbones(curves)),
         model_backbones=tuple(_model_backbones(levels)),
         features=_features(),
-        scatter={"friction coefficient": FRICTION, "frequency drift": DRIFT, "sensor gain": GAIN, "noise": NOISE},
+        scatter={"friction coefficient": FRICTION, "frequency drift": DRIFT, "sensor gain": GAIN, "sensor noise": 1.08},
         chi2_before=31.0 * size.size * 2,
         chi2_after=float(np.sum(size**2)) * 2,
         values=size.size * 2,

@@ -127,6 +127,11 @@ def test_sections_without_content_are_left_out() -> None:
     assert "above the stated range" in page
 
 
+def test_sensor_noise_is_a_factor_the_rest_relative(page: str) -> None:
+    assert f"1.08 {TIMES} stated" in page
+    assert "4 %" in page
+
+
 def test_adequate_model_is_called_so(comparison: Comparison) -> None:
     page = build_page(Report(replace(comparison, adequate=True, findings=())), SECTIONS)
     assert "no misfit beyond repeatability" in page
