@@ -124,7 +124,9 @@ class MeasurementFile(Section):
     time_convention: Annotated[Literal["exp(+iwt)", "exp(-iwt)"], Field(examples=["exp(+iwt)"])] | None = None
     features: Annotated[Text, Field(examples=["stated.toml"])] | None = None
     channels: Annotated[Mapping[str, ChannelTable], Field(min_length=1)]
-    runs: Annotated[tuple[RunTable, ...], BeforeValidator(_listed_once)]
+    runs: Annotated[
+        tuple[RunTable, ...], BeforeValidator(_listed_once), Field(examples=[[{"name": "OOP 17 N", "mode": "OOP"}]])
+    ]
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:

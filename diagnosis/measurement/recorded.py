@@ -10,6 +10,13 @@ Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 
+def complex_of(real: Floats, imaginary: Floats) -> Complex:
+    """Without arithmetic, so that an infinite part stays as the file has it."""
+    value = real.astype(np.complex128)
+    value.imag = imaginary
+    return value
+
+
 @dataclass(frozen=True, eq=False)
 class RecordedChannel:
     """One sensor in one sweep.

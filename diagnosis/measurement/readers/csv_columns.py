@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 from updamp.diagnosis.measurement.readers.gather import group_rows, repeat_number, sweep_direction, text_of
 from updamp.diagnosis.measurement.readers.registry import register
 from updamp.diagnosis.measurement.readers.table import Codes, Table, header_of, read_table
-from updamp.diagnosis.measurement.recorded import Complex, RecordedChannel, RecordedSweep
+from updamp.diagnosis.measurement.recorded import Complex, RecordedChannel, RecordedSweep, complex_of
 from updamp.rig_fields import Section
 
 _TO_RADIANS = {"rad": 1.0, "deg": np.pi / 180}
@@ -72,9 +72,10 @@ def read_csv_columns(path: Path, labels: tuple[str, ...], options: ColumnOptions
 def _amplitude(table: Table, options: ColumnOptions, label: str, rows: NDArray[np.intp]) -> Complex:
     value = table.numbers[label][rows].astype(complex)
     if label in options.imaginary:
-        return value + 1j * table.numbers[options.imaginary[label]][rows]
+        return complex_of(value.real, table.numbers[options.imaginary[label]][rows])
     if label in options.phase:
         assert options.phase_unit is not None
         turned = np.exp(1j * _TO_RADIANS[options.phase_unit] * table.numbers[options.phase[label]][rows])
-        return np.asarray(value * turned)
+        with np.errstate(invalid="ignore"):  # infinities are refused later, with their place
+            return np.asarray(value * turned)
     return value

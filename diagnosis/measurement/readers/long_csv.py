@@ -10,7 +10,7 @@ from updamp.diagnosis.measurement.measurement_errors import MeasurementError
 from updamp.diagnosis.measurement.readers.gather import Samples, sweeps_from_samples
 from updamp.diagnosis.measurement.readers.registry import NoOptions, register
 from updamp.diagnosis.measurement.readers.table import Codes, header_of, read_table
-from updamp.diagnosis.measurement.recorded import RecordedSweep
+from updamp.diagnosis.measurement.recorded import RecordedSweep, complex_of
 
 COLUMNS = ("run", "repeat", "sweep", "frequency_Hz", "channel", "harmonic", "real", "imag")
 OPTIONAL = ("repeat", "sweep", "harmonic")
@@ -37,7 +37,7 @@ def read_long_csv(path: Path, labels: tuple[str, ...], options: NoOptions) -> tu
             table.texts["channel"],
             frequency=values["frequency_Hz"],
             harmonic=values.get("harmonic", np.ones(n)),
-            amplitude=values["real"] + 1j * values["imag"],
+            amplitude=complex_of(values["real"], values["imag"]),
             labels=labels,
         ),
     )

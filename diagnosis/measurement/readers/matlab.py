@@ -12,7 +12,7 @@ from pydantic import Field
 from updamp.diagnosis.measurement.measurement_errors import MeasurementError, near
 from updamp.diagnosis.measurement.readers.file_checks import usable_file
 from updamp.diagnosis.measurement.readers.registry import register
-from updamp.diagnosis.measurement.recorded import Complex, RecordedChannel, RecordedSweep
+from updamp.diagnosis.measurement.recorded import Complex, RecordedChannel, RecordedSweep, complex_of
 from updamp.rig_fields import Section
 
 LARGEST_NUMBERS = 1e8  # in one variable: 1.6 GB
@@ -107,7 +107,7 @@ def _numeric(path: Path, name: str, holder: Any, step: Callable[[Any, str], Any]
         _check_size(path, name, value.size)
         value = value[()].T  # MATLAB stores columns first
         if value.dtype.names == ("real", "imag"):
-            value = value["real"] + 1j * value["imag"]
+            value = complex_of(value["real"], value["imag"])
     if not isinstance(value, np.ndarray) or value.dtype.kind not in "biufc":
         raise MeasurementError(f"{path}: '{name}' holds no numbers; name an array, such as \"test.frequency\"")
     return np.asarray(value, dtype=complex)
