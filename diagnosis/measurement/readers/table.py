@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from updamp.diagnosis.measurement.measurement_errors import MeasurementError, near
 from updamp.diagnosis.measurement.readers.file_checks import usable_file
 
-LARGEST = 2e9  # bytes: some 50 million lines, 2 GB in memory
+LARGEST = 2e9  # bytes; the long form takes 1.7 GB of memory for a file of 1 GB
 LINES_AT_ONCE = 100_000
 LONGEST_LINE = 10_000  # characters; a longer one is no line of numbers
 

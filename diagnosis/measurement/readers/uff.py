@@ -20,7 +20,7 @@ from updamp.diagnosis.measurement.readers.file_checks import usable_file
 from updamp.diagnosis.measurement.readers.registry import NoOptions, register
 from updamp.diagnosis.measurement.recorded import RecordedChannel, RecordedSweep
 
-LARGEST = 2.5e8  # bytes: pyuff keeps every number as a Python object, 3 GB at this size
+LARGEST = 2.5e8  # bytes: pyuff keeps every number as a Python object, 2.1 GB of memory at 240 MB
 QUANTITIES = {8: "displacement", 9: "force", 11: "velocity", 12: "acceleration", 13: "force"}
 KNOWN_KINDS = (0, 8, 9, 11, 12, 13)
 ORDER, FREQUENCY, TIME = 20, 18, 17
