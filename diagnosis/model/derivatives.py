@@ -44,6 +44,7 @@ class Derivatives:
 
     along: its derivative (and w_along that of the angular frequency) by length along the branch
     by_parameter: (n_parameters, n_rows, n_coefficients) with the place along the branch held; w_by_parameter
+    x_by_parameter: (n_parameters, n_relative, n_coefficients) likewise, of the relative displacements [m]
     by_force: by the logarithm of the force; w_by_force
     """
 
@@ -52,6 +53,7 @@ class Derivatives:
     w_along: float
     by_parameter: Floats
     w_by_parameter: Floats
+    x_by_parameter: Floats
     by_force: Floats
     w_by_force: float
 
@@ -91,6 +93,7 @@ def derivatives(point: BranchPoint, excitation: Excitation, changes: Sequence[Ch
         w_along=tw,
         by_parameter=total[..., :-1].transpose(2, 0, 1),
         w_by_parameter=dw[:-1],
+        x_by_parameter=(dx[..., :-3] + dx[..., -2:-1] * dw[:-1]).transpose(2, 0, 1),
         by_force=total[..., -1],
         w_by_force=float(dw[-1]),
     )

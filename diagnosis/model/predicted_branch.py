@@ -19,7 +19,7 @@ from updamp.hbm.branch import BranchPoint, point_at
 from updamp.hbm.continuation import BranchStoppedError, ContinuationOptions, continue_branch
 from updamp.hbm.newton import Arc, NewtonOptions, solve
 from updamp.hbm.sweeps import sweep
-from updamp.hbm.system import Excitation, NonlinearSystem
+from updamp.hbm.system import NonlinearSystem
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -52,36 +52,70 @@ class Condition:
 
 @dataclass(frozen=True, eq=False)
 class PredictedBranch:
-    """place: (n,) length along the branch in the metric of observations
-    observed: (n, 1 + 2 n_sensors); along: its derivative by place
-    by_parameter: (n, n_parameters, 1 + 2 n_sensors); by_force: (n, 1 + 2 n_sensors) by the logarithm of the force
+    """Interpolated between its points in the logarithm of the frequency and the complex amplitudes, which are smooth
+    at resonances and at antiresonances.
+
+    u: (p,) parameters; place: (n,) length along the branch
+    state: (n, m) logarithm of the frequency, then real and imaginary part of every sensor's amplitude [m], m = 1 + 2
+        n_sensors; along: its derivative by place; slopes: (n, p + 1, m) by the parameters and by the logarithm of the
+        force, across the branch
+    x_by_parameter: for each point (p, n_relative, n_coefficients); w_by_parameter: (n, p)
     visited: (n,) whether a slow sweep in the test's direction sees it
     stopped: why the branch ends inside the window, "" if it does not
     """
 
     condition: Condition
+    u: Floats
     points: tuple[BranchPoint, ...]
     place: Floats
-    observed: Floats
+    state: Floats
     along: Floats
-    by_parameter: Floats
-    by_force: Floats
+    slopes: Floats
+    x_by_parameter: tuple[Floats, ...]
+    w_by_parameter: Floats
     visited: NDArray[np.bool_]
     stopped: str
 
     @cached_property
-    def curve(self) -> CubicHermiteSpline:
-        return CubicHermiteSpline(self.place, self.observed, self.along)
+    def _curve(self) -> CubicHermiteSpline:
+        return CubicHermiteSpline(self.place, self.state, self.along)
 
     @cached_property
-    def slopes(self) -> PchipInterpolator:
-        """(n_parameters + 1, 1 + 2 n_sensors) at a place: by the parameters, then by the force."""
-        return PchipInterpolator(self.place, np.concatenate([self.by_parameter, self.by_force[:, None]], axis=1))
+    def _slopes(self) -> PchipInterpolator:
+        return PchipInterpolator(self.place, self.slopes)
+
+    def at(self, place: Floats) -> "Observed":
+        """What is observed at places along the branch."""
+        state, along = self._curve(place), self._curve(place, 1)
+        amplitude = state[..., 1::2] + 1j * state[..., 2::2]
+
+        def relative(change: Floats) -> Floats:
+            """Of the logarithms of frequency and amplitudes."""
+            ratio = (change[..., 1::2] + 1j * change[..., 2::2]) / amplitude[..., None, :]
+            return np.concatenate([change[..., :1], _pairs(np.asarray(ratio))], axis=-1)
+
+        value = np.concatenate([state[..., :1], _pairs(np.log(amplitude))], axis=-1)
+        return Observed(value, relative(along[..., None, :])[..., 0, :], relative(self._slopes(place)))
 
     @property
     def frequency(self) -> Floats:
         """(n,) [Hz]"""
-        return np.exp(self.observed[:, 0])
+        return np.exp(self.state[:, 0])
+
+    @property
+    def amplitude(self) -> NDArray[np.complex128]:
+        """(n, n_sensors) [m]"""
+        return self.state[:, 1::2] + 1j * self.state[:, 2::2]
+
+
+@dataclass(frozen=True, eq=False)
+class Observed:
+    """At places along a branch. value: (..., m) logarithm of frequency, then of every amplitude and its phase;
+    along: (..., m) its derivative by place; slopes: (..., p + 1, m) by the parameters and by the force's logarithm"""
+
+    value: Floats
+    along: Floats
+    slopes: Floats
 
 
 def trace_branch(
@@ -103,24 +137,24 @@ def trace_branch(
     return _observe(parametrisation, u, condition, points, stopped)
 
 
-def move_branch(
-    parametrisation: Parametrisation, u: Floats, before: PredictedBranch, guess: Sequence[Floats] | None = None
-) -> PredictedBranch | None:
-    """The branch at other parameters, each point corrected across the branch; None where one does not converge.
+def move_branch(parametrisation: Parametrisation, u: Floats, before: PredictedBranch) -> PredictedBranch | None:
+    """The branch at other parameters, each point corrected across the branch from where its derivatives put it; None
+    where one does not converge.
 
-    guess: displacements to start from, by default those of the points themselves
+    Its parameters may be fewer than those now: the derivatives are of the first ones.
     """
     model = parametrisation.model(u)
     excitation = model.excited_by(before.condition.force)
     moved: list[BranchPoint] = []
     for i, point in enumerate(before.points):
-        x = point.x if guess is None else guess[i]
-        arc = Arc(point.x, point.w, point.tangent, point.metric)
-        solution = solve(model.system, excitation, x, point.w, NewtonOptions(), arc)
+        du = (u - before.u)[: len(before.w_by_parameter[i])]
+        x = point.x + np.tensordot(du, before.x_by_parameter[i], axes=1)
+        w = point.w + float(before.w_by_parameter[i] @ du)
+        arc = Arc(x, w, point.tangent, point.metric)
+        solution = solve(model.system, excitation, x, w, NewtonOptions(), arc)
         if not solution.converged:
             return None
-        after = point_at(solution, excitation, point.metric.scale_w, point.tangent, point.step, point.after_gap)
-        moved.append(after)
+        moved.append(point_at(solution, excitation, point.metric.scale_w, point.tangent, point.step, point.after_gap))
     return _observe(parametrisation, u, before.condition, moved, before.stopped)
 
 
@@ -149,52 +183,52 @@ def _observe(
     rows = np.array([system.free.row(point) for point, _ in condition.sensors])
     by_differences = changes(parametrisation, u)
     found = [derivatives(p, excitation, by_differences, rows) for p in points]
-    each = [_in_logarithms(d, p.w, system, condition) for d, p in zip(found, points, strict=True)]
-    observed = np.array([e[0] for e in each])
-    observed[:, 2::2] = np.unwrap(observed[:, 2::2], axis=0)
-    along = np.array([e[1] for e in each])
-    slopes = np.array([e[2] for e in each])
-    frequency = np.exp(observed[:, 0])
+    each = [_state(d, p.w, system, condition) for d, p in zip(found, points, strict=True)]
+    state, along, slopes = (np.array(column) for column in zip(*each, strict=True))
+    length = _length(along, state, condition)
+    chords = _length(np.diff(state, axis=0), (state[1:] + state[:-1]) / 2, condition)
     visited = np.zeros(len(points), dtype=bool)
-    visited[sweep(frequency, condition.upwards).visited] = True
-    weights = _weights(observed, condition)
-    length = np.linalg.norm(weights * along, axis=1)
-    along = along / length[:, None]
-    place = np.concatenate([[0.0], np.cumsum(np.linalg.norm(weights * np.diff(observed, axis=0), axis=1))])
+    visited[sweep(np.exp(state[:, 0]), condition.upwards).visited] = True
     return PredictedBranch(
-        condition, tuple(points), place, observed, along, slopes[:, :-1], slopes[:, -1], visited, stopped
+        condition,
+        u,
+        tuple(points),
+        np.concatenate([[0.0], np.cumsum(chords)]),
+        state,
+        along / length[:, None],
+        slopes,
+        tuple(d.x_by_parameter for d in found),
+        np.array([d.w_by_parameter for d in found]),
+        visited,
+        stopped,
     )
 
 
-def _weights(observed: Floats, condition: Condition) -> Floats:
-    """Amplitude and phase count as they are, and the whole window in frequency as much as half a turn of phase."""
-    weights = np.ones(observed.shape[1]) / np.sqrt(len(condition.sensors))
-    weights[0] = np.pi / np.log(condition.wider[1] / condition.wider[0])
-    return weights
+def _length(change: Floats, state: Floats, condition: Condition) -> Floats:
+    """(n,) of changes of the state: amplitudes relative to all of them, and the whole window in frequency as much as
+    half a turn of phase."""
+    of_frequency = np.pi * change[:, 0] / np.log(condition.wider[1] / condition.wider[0])
+    of_amplitude = np.linalg.norm(change[:, 1:], axis=1) / np.linalg.norm(state[:, 1:], axis=1)
+    return np.asarray(np.hypot(of_frequency, of_amplitude))
 
 
-def _in_logarithms(
-    d: Derivatives, w: float, system: NonlinearSystem, condition: Condition
-) -> tuple[Floats, Floats, Floats]:
-    """Observations, their derivative along the branch, and by the parameters and the force (last)."""
+def _state(d: Derivatives, w: float, system: NonlinearSystem, condition: Condition) -> tuple[Floats, Floats, Floats]:
+    """State, its derivative along the branch, and by the parameters and the force."""
     orders = [k for _, k in condition.sensors]
-    pick = range(len(orders))
-    amplitude = np.array([system.harmonics.amplitude(d.value[i], k) for i, k in zip(pick, orders, strict=True)])
-    along = np.array([system.harmonics.amplitude(d.along[i], k) for i, k in zip(pick, orders, strict=True)])
-    all_parameters = np.concatenate([d.by_parameter, d.by_force[None]])
-    slopes = np.stack(
-        [system.harmonics.amplitude(all_parameters[:, i], k) for i, k in zip(pick, orders, strict=True)], axis=1
+
+    def amplitudes(values: Floats) -> Floats:
+        each = [system.harmonics.amplitude(values[..., i, :], k) for i, k in enumerate(orders)]
+        return _pairs(np.stack(each, axis=-1))
+
+    slopes = amplitudes(np.concatenate([d.by_parameter, d.by_force[None]]))
+    by_w = np.append(d.w_by_parameter, d.w_by_force) / w
+    return (
+        np.append(np.log(w / (2 * np.pi)), amplitudes(d.value)),
+        np.append(d.w_along / w, amplitudes(d.along)),
+        np.column_stack([by_w, slopes]),
     )
-    observed = np.concatenate([[np.log(w / (2 * np.pi))], _pairs(np.log(amplitude))])
-    rates = np.concatenate([[d.w_along / w], _pairs(along / amplitude)])
-    w_slopes = np.append(d.w_by_parameter, d.w_by_force) / w
-    return observed, rates, np.column_stack([w_slopes, _pairs(slopes / amplitude)])
 
 
 def _pairs(values: NDArray[np.complex128]) -> Floats:
     """Real and imaginary parts side by side: (..., n) -> (..., 2 n)"""
     return np.stack([values.real, values.imag], axis=-1).reshape(*values.shape[:-1], -1)
-
-
-def excitation_of(parametrisation: Parametrisation, u: Floats, condition: Condition) -> Excitation:
-    return parametrisation.model(u).excited_by(condition.force)

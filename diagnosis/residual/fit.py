@@ -1,7 +1,12 @@
-"""Fit the parameters of a model to a measurement, and see what is left."""
+"""Fit the parameters of a model to a measurement, and see what is left.
+
+Two loops (M. J. Lindstrom and D. M. Bates, Biometrics 46 (1990) 673): inside, the branches are taken as linear in the
+parameters about where they were solved, while parameters, the offsets of each assembly and the scatter are fitted;
+outside, the branches are solved anew, at first one for all assemblies, at last one for each.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +15,7 @@ from scipy.optimize import least_squares
 from updamp.diagnosis.model.parameters import Parametrisation
 from updamp.diagnosis.model.predicted_branch import PredictedBranch, move_branch, trace_branch
 from updamp.diagnosis.residual.matching import Matched, match
-from updamp.diagnosis.residual.observations import Plan
+from updamp.diagnosis.residual.observations import Observations, Plan
 from updamp.diagnosis.residual.scatter import (
     Assembly,
     Offsets,
@@ -21,21 +26,25 @@ from updamp.diagnosis.residual.scatter import (
     split,
     whitened,
 )
-from updamp.hbm.continuation import BranchStoppedError
 
 Floats = NDArray[np.float64]
 Progress = Callable[[str], None]
+# For each repeat, one a condition.
+Branches = Mapping[int, tuple[PredictedBranch, ...]]
 
 
 @dataclass(frozen=True)
 class FitOptions:
-    """rounds: of learning the scatter and fitting again; evaluations: of the model a round, at most
-    tolerance: relative change of chi2 below which a round ends; match_rounds: of matching and offsets
+    """rounds: in which branches are solved anew, at most; largest_step: of a parameter in a round, in units of its
+        scale (prior deviation, or typical size of an effect)
+    tolerance: largest change in a last round, in standard deviations
+    each_assembly: whether branches are solved for each assembly in the end
     """
 
-    rounds: int = 2
-    evaluations: int = 12
-    tolerance: float = 1e-3
+    rounds: int = 12
+    largest_step: float = 1.0
+    tolerance: float = 0.1
+    each_assembly: bool = True
     match_rounds: int = 3
 
 
@@ -43,15 +52,16 @@ class FitOptions:
 class Compared:
     """The model at u against all runs, the scatter given.
 
-    branches: one a condition; matched: one a run; assemblies, offsets: one a repeat; chi2: with the offsets' share
+    branches: by repeat, one a condition; matched: one a run; assemblies: one a repeat; offsets: by repeat
+    chi2: with the offsets' share
     values: number of real values compared
     """
 
     u: Floats
-    branches: tuple[PredictedBranch, ...]
+    branches: Branches
     matched: tuple[Matched, ...]
     assemblies: tuple[Assembly, ...]
-    offsets: tuple[Offsets, ...]
+    offsets: Mapping[int, Offsets]
     scatter: Scatter
     chi2: float
 
@@ -107,39 +117,62 @@ def compare_at(
     parametrisation: Parametrisation,
     u: Floats,
     plan: Plan,
-    branches: Sequence[PredictedBranch],
+    branches: Branches,
     scatter: Scatter,
     start: Mapping[int, Offsets] | None = None,
     spread: Floats | None = None,
     rounds: int = 3,
 ) -> Compared:
-    """Match every run, with the offsets of its assembly found along the way.
+    """Match every run at u, to first order from the branches, with the offsets of its assembly found along the way.
 
     start: offsets to begin with, by repeat; spread: (p,) for the first round, later ones use the scatter
     """
-    names = tuple(n.name for n in parametrisation.nuisances)
-    n_effect = len(parametrisation) - len(names)
-    of_scatter = np.array([*(scatter.parameters[name] for name in names), *([0.0] * n_effect)])
-    all_matched, assemblies, all_offsets, chi2 = [], [], [], 0.0
+    n = len(parametrisation.nuisances)
+    of_scatter = _padded(np.array([scatter.parameters[x.name] for x in parametrisation.nuisances]), len(u))
+    parts = []
     for repeat in plan.repeats:
         runs = [o for o in plan.observations if o.repeat == repeat]
-        sensors = [plan.conditions[o.test].sensors for o in runs]
-        offsets = (start or {}).get(repeat, Offsets(np.zeros(len(names)), {}, {}))
+        offsets = (start or {}).get(repeat, Offsets(np.zeros(n), {}, {}))
         first = of_scatter if spread is None else np.maximum(spread, of_scatter)
         for i in range(rounds):
-            shift = np.append(offsets.parameters, np.zeros(n_effect))
-            matched = [
-                match(branches[o.test], o, shift, first if i == 0 else of_scatter, offsets.correction(o.run, s))
-                for o, s in zip(runs, sensors, strict=True)
-            ]
-            equations = assembly(repeat, matched, sensors, names, offsets)
-            b, part = offsets_of(equations, scatter)
-            offsets = split(b, matched, sensors, len(names))
-        all_matched += matched
-        assemblies.append(equations)
-        all_offsets.append(offsets)
-        chi2 += part
-    return Compared(u, tuple(branches), tuple(all_matched), tuple(assemblies), tuple(all_offsets), scatter, chi2)
+            width = first if i == 0 else of_scatter
+            matched, equations = _assembled(parametrisation, u, plan, runs, branches[repeat], offsets, width)
+            b, chi2 = offsets_of(equations, scatter)
+            offsets = split(b, matched, [plan.conditions[o.test].sensors for o in runs], n)
+        parts.append((matched, equations, offsets, chi2))
+    return Compared(
+        u,
+        branches,
+        tuple(m for matched, *_ in parts for m in matched),
+        tuple(part[1] for part in parts),
+        dict(zip(plan.repeats, (part[2] for part in parts), strict=True)),
+        scatter,
+        sum(part[3] for part in parts),
+    )
+
+
+def _assembled(
+    parametrisation: Parametrisation,
+    u: Floats,
+    plan: Plan,
+    runs: Sequence[Observations],
+    branches: Sequence[PredictedBranch],
+    offsets: Offsets,
+    spread: Floats,
+) -> tuple[list[Matched], Assembly]:
+    """One repeat with its offsets given."""
+    sensors = [plan.conditions[o.test].sensors for o in runs]
+    there = u + _padded(offsets.parameters, len(u))
+    matched = [
+        match(branches[o.test], o, there, spread, offsets.correction(o.run, s))
+        for o, s in zip(runs, sensors, strict=True)
+    ]
+    names = tuple(x.name for x in parametrisation.nuisances)
+    return matched, assembly(runs[0].repeat, matched, sensors, names, offsets)
+
+
+def _padded(values: Floats, length: int) -> Floats:
+    return np.append(values, np.zeros(length - len(values)))
 
 
 def fit(
@@ -151,117 +184,128 @@ def fit(
     options: FitOptions | None = None,
     progress: Progress = lambda _: None,
 ) -> Fit:
-    """Least squares of the whitened residual with the parameters' priors; the scatter is learnt between rounds.
+    """Least squares of the whitened residual with the parameters' priors.
 
     scatter: to keep as it is; by default it is learnt from the repeats
     near: branches near those at `start`
     raises: BranchStoppedError where the model has no response to compare at the start
     """
     options = options or FitOptions()
-    learnt = scatter or Scatter({n.name: n.scatter for n in parametrisation.nuisances})
-    search = _Search(parametrisation, plan, learnt, options, progress, near)
-    u, message, success = start, "", True
-    for i in range(1 if scatter is not None else options.rounds):
-        found = least_squares(
-            search.residuals,
-            u,
-            search.jacobian,
-            bounds=(parametrisation.lower, parametrisation.upper),
-            x_scale=_scales(parametrisation),
-            ftol=options.tolerance,
-            xtol=1e-6,
-            gtol=1e-12,
-            max_nfev=options.evaluations,
+    prior = Scatter({n.name: n.scatter for n in parametrisation.nuisances})
+    common = predict(parametrisation, start, plan, near)
+    branches: Branches = dict.fromkeys(plan.repeats, common)
+    spread = np.where(np.isfinite(parametrisation.deviation), parametrisation.deviation, 0.0)
+    best = compare_at(parametrisation, start, plan, branches, scatter or prior, None, spread)
+    reach, each, message = options.largest_step, False, f"not settled in {options.rounds} rounds"
+    for _ in range(options.rounds):
+        ahead = _fit_linear(parametrisation, plan, best, scatter, prior, reach)
+        solved = _solved(parametrisation, plan, ahead, each)
+        worse = _objective(parametrisation, solved) - _objective(
+            parametrisation, reweighed(parametrisation, plan, best, solved.scatter)
         )
-        u, message, success = found.x, str(found.message), bool(found.status > 0)
+        progress(f"chi2 {solved.chi2:.0f} for {solved.values} values")
+        if worse > 1.0 and not each:
+            reach /= 3
+            if reach < 0.01 * options.largest_step:
+                message = "no step lowers chi2 any more"
+                break
+            continue
+        moved = np.max(np.abs(solved.u - best.u) / _deviations(parametrisation, solved))
+        best, reach = solved, min(1.5 * reach, options.largest_step)
+        if moved < options.tolerance * (1 if each else 10):
+            if each or not options.each_assembly:
+                return _result(parametrisation, best, True, "settled")
+            each, best = True, _solved(parametrisation, plan, best, True)
+    return _result(parametrisation, best, False, message)
+
+
+def _solved(parametrisation: Parametrisation, plan: Plan, ahead: Compared, each: bool) -> Compared:
+    """The same with branches solved where they are needed."""
+    if each:
+        branches = {}
+        for repeat in plan.repeats:
+            u = ahead.u + _padded(ahead.offsets[repeat].parameters, len(ahead.u))
+            branches[repeat] = predict(parametrisation, u, plan, ahead.branches[repeat])
+    else:
+        common = predict(parametrisation, ahead.u, plan, ahead.branches[plan.repeats[0]])
+        branches = dict.fromkeys(plan.repeats, common)
+    return compare_at(parametrisation, ahead.u, plan, branches, ahead.scatter, ahead.offsets)
+
+
+def reweighed(parametrisation: Parametrisation, plan: Plan, compared: Compared, scatter: Scatter) -> Compared:
+    """The same comparison weighed with another scatter."""
+    return compare_at(parametrisation, compared.u, plan, compared.branches, scatter, compared.offsets)
+
+
+def _fit_linear(
+    parametrisation: Parametrisation,
+    plan: Plan,
+    about: Compared,
+    scatter: Scatter | None,
+    prior: Scatter,
+    reach: float,
+) -> Compared:
+    """Parameters, offsets and scatter with the branches linear about where they were solved."""
+    deviation = parametrisation.deviation
+    limits = reach * np.where(np.isfinite(deviation), deviation, 1.0)
+    lower = np.maximum(parametrisation.lower, about.u - limits)
+    upper = np.minimum(parametrisation.upper, about.u + limits)
+    now = about
+    for _ in range(3):
+        equations = _Equations(parametrisation, plan, now)
+        found = least_squares(
+            equations.residual,
+            np.clip(now.u, lower + 1e-9, upper - 1e-9),
+            equations.jacobian,
+            bounds=(lower, upper),
+            x_scale=limits / reach,
+            ftol=1e-4,
+            max_nfev=8,
+        )
+        before, now = now, equations.at(found.x)
         if scatter is None:
-            compared = search.compared(u)
-            learnt = learn(compared.assemblies, Scatter({n.name: n.scatter for n in parametrisation.nuisances}), len(u))
-            search = replace_scatter(search, learnt, compared)
-            progress(f"round {i + 1}: chi2 {compared.chi2:.0f} for {compared.values} values")
-    compared = search.compared(u)
-    _, columns = compared.equations()
-    deviation = parametrisation.deviation
-    prior = float(np.sum((u / deviation) ** 2))
-    information = columns.T @ columns + np.diag(1 / deviation**2)
-    covariance = np.asarray(np.linalg.pinv(information), dtype=np.float64)
-    return Fit(parametrisation, compared, covariance, prior, success, message)
+            now = replace(now, scatter=learn(now.assemblies, prior, len(found.x)))
+        if np.max(np.abs(now.u - before.u) / limits) < 0.01:
+            break
+    return now
 
 
-def _scales(parametrisation: Parametrisation) -> Floats:
-    deviation = parametrisation.deviation
-    return np.where(np.isfinite(deviation), deviation, 1.0)
+class _Equations:
+    """What least squares asks for, with the branches linear; each evaluation gives the value and the derivative."""
 
+    def __init__(self, parametrisation: Parametrisation, plan: Plan, about: Compared) -> None:
+        self._parametrisation, self._plan, self._about = parametrisation, plan, about
+        self._kept: dict[bytes, Compared] = {}
 
-class _Search:
-    """What least squares asks for, with the last evaluations kept: value and derivative come from the same one."""
-
-    def __init__(
-        self,
-        parametrisation: Parametrisation,
-        plan: Plan,
-        scatter: Scatter,
-        options: FitOptions,
-        progress: Progress,
-        near: Sequence[PredictedBranch] | None,
-        spread: Floats | None = None,
-    ) -> None:
-        self.parametrisation, self.plan, self.scatter, self.options = parametrisation, plan, scatter, options
-        self.progress, self.near = progress, near
-        deviation = parametrisation.deviation
-        self.spread = np.where(np.isfinite(deviation), deviation, 0.0) if spread is None else spread
-        self.kept: dict[bytes, Compared] = {}
-        self.offsets: Mapping[int, Offsets] = {}
-        self.fewest = np.inf
-
-    def compared(self, u: Floats) -> Compared:
-        key = u.tobytes()
-        if key not in self.kept:
-            branches = predict(self.parametrisation, u, self.plan, self.near)
-            self.kept[key] = compare_at(
-                self.parametrisation,
-                u,
-                self.plan,
-                branches,
-                self.scatter,
-                self.offsets,
-                self.spread,
-                self.options.match_rounds,
+    def at(self, u: Floats) -> Compared:
+        if u.tobytes() not in self._kept:
+            about = self._about
+            self._kept[u.tobytes()] = compare_at(
+                self._parametrisation, u, self._plan, about.branches, about.scatter, about.offsets, None, 2
             )
-            if self.kept[key].chi2 < self.fewest:
-                self.fewest = self.kept[key].chi2
-                self.near = branches
-            self.progress(f"chi2 {self.kept[key].chi2:.0f}")
-        return self.kept[key]
+        return self._kept[u.tobytes()]
 
-    def residuals(self, u: Floats) -> Floats:
-        try:
-            r, _ = self.compared(u).equations()
-        except BranchStoppedError:
-            # no response there: as bad as anything, so that the search turns back
-            return np.full(self._length(), 1e3)
-        return np.concatenate([r, u / self.parametrisation.deviation])
+    def residual(self, u: Floats) -> Floats:
+        return np.concatenate([self.at(u).equations()[0], u / self._parametrisation.deviation])
 
     def jacobian(self, u: Floats) -> Floats:
-        _, columns = self.compared(u).equations()
-        return np.vstack([-columns, np.diag(1 / self.parametrisation.deviation)])
-
-    def _length(self) -> int:
-        return sum(o.observed.shape[0] * (o.observed.shape[1] - 1) for o in self.plan.observations) + len(
-            self.parametrisation
-        )
+        return np.vstack([-self.at(u).equations()[1], np.diag(1 / self._parametrisation.deviation)])
 
 
-def replace_scatter(search: _Search, scatter: Scatter, compared: Compared) -> _Search:
-    """The same search with another scatter: its evaluations are weighed anew, not solved anew."""
-    names = tuple(n.name for n in search.parametrisation.nuisances)
-    spread = np.array([scatter.parameters[n] for n in names])
-    spread = np.append(spread, np.zeros(len(search.parametrisation) - len(names)))
-    new = _Search(
-        search.parametrisation, search.plan, scatter, search.options, search.progress, compared.branches, spread
-    )
-    new.offsets = dict(zip(search.plan.repeats, compared.offsets, strict=True))
-    again = compare_at(search.parametrisation, compared.u, search.plan, compared.branches, scatter, new.offsets, spread)
-    new.kept[compared.u.tobytes()] = again
-    new.fewest = again.chi2
-    return new
+def _objective(parametrisation: Parametrisation, compared: Compared) -> float:
+    return compared.chi2 + float(np.sum((compared.u / parametrisation.deviation) ** 2))
+
+
+def _covariance(parametrisation: Parametrisation, compared: Compared) -> Floats:
+    _, columns = compared.equations()
+    information = columns.T @ columns + np.diag(1 / parametrisation.deviation**2)
+    return np.asarray(np.linalg.pinv(information), dtype=np.float64)
+
+
+def _deviations(parametrisation: Parametrisation, compared: Compared) -> Floats:
+    return np.sqrt(np.diag(_covariance(parametrisation, compared)))
+
+
+def _result(parametrisation: Parametrisation, compared: Compared, success: bool, message: str) -> Fit:
+    prior = float(np.sum((compared.u / parametrisation.deviation) ** 2))
+    return Fit(parametrisation, compared, _covariance(parametrisation, compared), prior, success, message)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.diagnosis.model.predicted_branch import PredictedBranch
+from updamp.diagnosis.model.predicted_branch import Observed, PredictedBranch
 from updamp.diagnosis.residual.observations import Observations
 
 Floats = NDArray[np.float64]
@@ -38,30 +38,27 @@ class Matched:
 
 
 def match(
-    branch: PredictedBranch, run: Observations, offset: Floats, spread: Floats, correction: Floats | float = 0.0
+    branch: PredictedBranch, run: Observations, u: Floats, spread: Floats, correction: Floats | float = 0.0
 ) -> Matched:
-    """Match a run against the branch moved to first order by `offset` in the parameters.
+    """Match a run against the branch moved to first order to the parameters u.
 
     correction: (m,) taken off the observations, such as a known drift or gain
     spread: (p,) standard deviations that the parameters may still be off by; they say how much frequency, amplitude
         and phase each tell of the place
     """
-    shift = np.append(offset, 0.0)
+    shift, spread = np.append(u - branch.u, 0.0), np.append(spread, 0.0)
     run = replace(run, observed=run.observed - correction)
-    place = _nearest(branch, run, shift, np.append(spread, 0.0))
-    place = _slide(branch, run, place, shift, np.append(spread, 0.0))
-    difference, slopes = _difference(branch, run, place, shift)
-    along = branch.curve(place, 1)
-    return _across(run, place, difference, slopes[:, :-1], along)
+    place = _slide(branch, run, _nearest(branch, run, shift, spread), shift, spread)
+    observed = branch.at(place)
+    difference = _difference(run, observed, shift)
+    return _across(run, place, difference, observed)
 
 
-def _difference(branch: PredictedBranch, run: Observations, place: Floats, shift: Floats) -> tuple[Floats, Floats]:
-    """Measured less model (n, m), and the slopes (n, m, p + 1) at the places."""
-    slopes = branch.slopes(place).transpose(0, 2, 1)
-    moves = np.broadcast_to(shift, (len(place), len(shift))).copy()
+def _difference(run: Observations, model: Observed, shift: Floats) -> Floats:
+    """(n, m) measured less model"""
+    moves = np.broadcast_to(shift, (len(run), len(shift))).copy()
     moves[:, -1] = run.log_force
-    model = branch.curve(place) + np.einsum("nmp,np->nm", slopes, moves)
-    return _to_nearest_turn(run.observed - model), slopes
+    return _to_nearest_turn(run.observed - model.value - np.einsum("npm,np->nm", model.slopes, moves))
 
 
 def _to_nearest_turn(difference: Floats) -> Floats:
@@ -72,7 +69,7 @@ def _to_nearest_turn(difference: Floats) -> Floats:
 
 def _weights(run: Observations, slopes: Floats, spread: Floats) -> Floats:
     """(..., m) one over the standard deviations, of sensors and parameters together."""
-    of_parameters = np.einsum("...mp,p->...m", slopes**2, spread**2)
+    of_parameters = np.einsum("...pm,p->...m", slopes**2, spread**2)
     return 1 / np.sqrt(np.median(run.noise, axis=0) ** 2 + of_parameters)
 
 
@@ -81,12 +78,12 @@ def _nearest(branch: PredictedBranch, run: Observations, shift: Floats, spread: 
     both = branch.visited[:-1] & branch.visited[1:]
     share = (np.arange(_BETWEEN) + 0.5) / _BETWEEN
     tried = (branch.place[:-1, None] + np.diff(branch.place)[:, None] * share)[both].ravel()
-    slopes = branch.slopes(tried).transpose(0, 2, 1)
-    weights = _weights(run, slopes, spread)
-    without_force = branch.curve(tried) + slopes @ shift
+    model = branch.at(tried)
+    weights = _weights(run, model.slopes, spread)
+    without_force = model.value + np.einsum("npm,p->nm", model.slopes, shift)
     best = np.empty(len(run))
     for i, (measured, log_force) in enumerate(zip(run.observed, run.log_force, strict=True)):
-        difference = _to_nearest_turn(measured - without_force - slopes[:, :, -1] * log_force)
+        difference = _to_nearest_turn(measured - without_force - model.slopes[:, -1] * log_force)
         # the logarithm keeps a place from winning by being uncertain
         cost = np.sum((weights * difference) ** 2 - 2 * np.log(weights), axis=1)
         best[i] = tried[np.argmin(cost)]
@@ -99,22 +96,22 @@ def _slide(branch: PredictedBranch, run: Observations, place: Floats, shift: Flo
     low, high = branch.place[piece], branch.place[piece + 1]
     reach = high - low
     for _ in range(4):
-        difference, slopes = _difference(branch, run, place, shift)
-        along = branch.curve(place, 1)
-        squared = _weights(run, slopes, spread) ** 2
-        move = np.sum(squared * along * difference, axis=1) / np.sum(squared * along**2, axis=1)
+        model = branch.at(place)
+        squared = _weights(run, model.slopes, spread) ** 2
+        difference = _difference(run, model, shift)
+        move = np.sum(squared * model.along * difference, axis=1) / np.sum(squared * model.along**2, axis=1)
         place = np.clip(
             place + move, np.maximum(low - reach, branch.place[0]), np.minimum(high + reach, branch.place[-1])
         )
     return place
 
 
-def _across(run: Observations, place: Floats, difference: Floats, slopes: Floats, along: Floats) -> Matched:
+def _across(run: Observations, place: Floats, difference: Floats, model: Observed) -> Matched:
     """What is left once the place along the branch has been chosen by the sensors' noise alone."""
     n, m = difference.shape
     across = np.empty((n, m - 1, m))
     for i in range(n):
-        tangent = along[i] / run.noise[i]
+        tangent = model.along[i] / run.noise[i]
         basis = np.linalg.qr(tangent[:, None], mode="complete")[0][:, 1:]
         across[i] = basis.T / run.noise[i]
     return Matched(
@@ -122,6 +119,6 @@ def _across(run: Observations, place: Floats, difference: Floats, slopes: Floats
         place,
         difference,
         np.einsum("nrm,nm->nr", across, difference),
-        np.einsum("nrm,nmp->nrp", across, slopes),
+        np.einsum("nrm,npm->nrp", across, model.slopes[:, :-1]),
         across,
     )
