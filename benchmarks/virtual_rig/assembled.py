@@ -67,8 +67,7 @@ class Assembled:
     @cached_property
     def springs(self) -> Floats:
         """(3 n,) of the patches while they stick and stay closed [N/m]"""
-        p = self.bench.patches
-        return np.column_stack([p.kt, p.kt, p.kn]).ravel()
+        return self.bench.patches.at_rest.ravel()
 
     @cached_property
     def stuck(self) -> Modal:

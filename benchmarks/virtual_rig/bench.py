@@ -23,6 +23,7 @@ class Patches:
     viscosity: of a film, in all three directions while in contact [N s/m]
     speed_drop, speed_scale: mu (1 - speed_drop |v| / (|v| + speed_scale)), v the sliding speed [-, m/s]
     spread: half-width of the uniform distribution of slip limits about mu N within a patch, as a share of it
+    exponent, stated_at: dN/du = kn (N / stated_at)^exponent, and as much for kt [-], (n,) [N]
     """
 
     mu: Floats
@@ -34,6 +35,14 @@ class Patches:
     speed_drop: float = 0.0
     speed_scale: float = 1e-3
     spread: float = 0.0
+    exponent: float = 0.0
+    stated_at: Floats | None = None
+
+    @property
+    def at_rest(self) -> Floats:
+        """(n, 3) stiffness in t1, t2, n of a patch that sticks, for small motion about rest [N/m]"""
+        k = np.column_stack([self.kt, self.kt, self.kn])
+        return k if self.stated_at is None else k * ((self.n0 / self.stated_at) ** self.exponent)[:, None]
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 
 KEPT = Path(__file__).parents[2] / "results" / "virtual_rig"
 # Raise it whenever something else is computed from the same rig.
-VERSION = 1
+VERSION = 2
 # What of the rig file enters.
 SECTIONS = (
     "blade", "platform", "damper", "excitation.height", "response", "reduction", "contact.coupling",
@@ -39,8 +39,8 @@ class Bodies:
     turning: (3 n / 2 + 4,) displacement of the same rows when the blade turns rigidly about z at its root by one radian
     participation: (m,) of the modes in that [kg^1/2 m]; inertia: about the same axis [kg m^2]
     damper_omega, damper_phi, damper_residual: of the damper, both faces
-    face: (n,) 0 left, 1 right; area: (n,) [m^2]; along, up: (n,) place of the patch along the damper (z) and up the
-        face (t1), in -1..1 between the edges
+    face: (n,) 0 left, 1 right; area: (n,) [m^2]
+    along, up: (n, 3) places of the patch's corners along the damper (z) and up the face (t1), -1 to 1 at the edges
     blade_points, damper_points: names of the rows after those of the contacts
     """
 
@@ -109,8 +109,8 @@ def computed(rig: Rig, preset: str) -> Bodies:
         damper_residual=loose.residual,
         face=contacts.face,
         area=contacts.area,
-        along=contacts.centroid[:, 2] / (rig.blade.width / 2),
-        up=place_up_the_face(contacts),
+        along=contacts.triangle[:, :, 2] / (rig.blade.width / 2),
+        up=up_the_face(contacts),
         blade_points=np.array(right.points),
         damper_points=np.array(loose.points),
     )
@@ -122,12 +122,11 @@ def rigid_turn(blade: Component, axis: float) -> Floats:
     return np.column_stack([-nodes[:, 1], nodes[:, 0] - axis, np.zeros(len(nodes))]).ravel()
 
 
-def place_up_the_face(contacts: ContactElements) -> Floats:
-    """(n,) of the centroids, -1 at the lower edge and 1 at the upper one."""
-    place = np.empty(len(contacts))
+def up_the_face(contacts: ContactElements) -> Floats:
+    """(n, 3) of the corners, -1 at the lower edge and 1 at the upper one."""
+    place = np.empty((len(contacts), 3))
     for side in (LEFT, RIGHT):
         here = contacts.face == side
         corners = contacts.triangle[here] @ contacts.tangent1[here][0]
-        lower, upper = corners.min(), corners.max()
-        place[here] = 2 * (corners.mean(axis=1) - lower) / (upper - lower) - 1
+        place[here] = 2 * (corners - corners.min()) / (corners.max() - corners.min()) - 1
     return place

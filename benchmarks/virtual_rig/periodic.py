@@ -1,14 +1,16 @@
 """The periodic motion at one frequency and force: Newton's method with GMRES on the motion of the patches.
 
-    x = x_stuck(w) - G(w) d(x)         d: what the forces depart from those of the springs
+x = x_stuck(w) - G(w) d(x)         d: what the forces depart from those of the springs
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 from virtual_rig.assembled import Assembled
-from virtual_rig.patch_forces import Basis, departures
+from virtual_rig.basis import Basis
+from virtual_rig.patch_forces import departures
 from virtual_rig.receptance import Receptance, receptance
 
 Floats = NDArray[np.float64]
@@ -67,7 +69,7 @@ def motion_at(
 
     raises: NotSolvedError
     """
-    basis = _basis(options, rig.bench.mean_share > 0)
+    basis = _basis(options.harmonics, rig.bench.mean_share > 0, options.n_time)
     G = receptance(rig, basis, w, tip_amplitude or {})
     stuck = np.zeros((rig.n_rows, basis.size))
     stuck[:, :2] = force * G.excited(rig.row(rig.bench.excitation))[: rig.n_rows, None].view(float)
@@ -78,7 +80,7 @@ def motion_at(
     for iteration in range(options.iterations):
         if np.abs(r).max() <= options.tolerance * np.abs(x).max():
             return Motion(x, w, force, value, G, iteration)
-        step = -gmres(lambda v: v + G.contacts(tangents(v)), r, 1e-3 if iteration == 0 else 1e-4)
+        step = -gmres(lambda v, times=tangents: v + G.contacts(times(v)), r, 1e-3 if iteration == 0 else 1e-4)
         part = 1.0
         while True:
             ahead = x + part * step
@@ -92,12 +94,9 @@ def motion_at(
     raise NotSolvedError(f"{w / 2 / np.pi:.3f} Hz, {force:g} N: {np.abs(r).max() / np.abs(x).max():.1e} left")
 
 
-_bases: dict[tuple[int, bool, int], Basis] = {}
-
-
-def _basis(options: SolverOptions, mean: bool) -> Basis:
-    key = (options.harmonics, mean, options.n_time)
-    return _bases.setdefault(key, Basis(*key)) if key in _bases else _bases.setdefault(key, Basis(*key))
+@lru_cache
+def _basis(harmonics: int, mean: bool, n_time: int) -> Basis:
+    return Basis(harmonics, mean, n_time)
 
 
 def forces(rig: Assembled, x: Floats, w: float, basis: Basis):  # type: ignore[no-untyped-def]
@@ -140,12 +139,9 @@ def gmres(product, right, tolerance, most=200):  # type: ignore[no-untyped-def]
         H[j + 1, j] = np.linalg.norm(v)
         goal = np.zeros(j + 2)
         goal[0] = size
-        y, left, *_ = np.linalg.lstsq(H[: j + 2, : j + 1], goal)
+        y, *_ = np.linalg.lstsq(H[: j + 2, : j + 1], goal)
         missed = np.linalg.norm(H[: j + 2, : j + 1] @ y - goal)
         if missed <= tolerance * size or H[j + 1, j] == 0 or j == most - 1:
             return (y @ basis[: j + 1]).reshape(right.shape)
         basis[j + 1] = v / H[j + 1, j]
     raise AssertionError
-
-
-__all__ = ["Motion", "NotSolvedError", "SolverOptions", "motion_at", "replace"]

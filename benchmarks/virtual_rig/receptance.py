@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from virtual_rig.assembled import Assembled
+from virtual_rig.basis import Basis
 from virtual_rig.bench import BODIES
-from virtual_rig.patch_forces import Basis
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -26,9 +26,8 @@ class Receptance:
         """(n_rows, n_c) coefficients of force on the rows with forces -> displacement of `rows`, mean excepted."""
         stuck, n, H = self.rig.stuck, self.rig.n_rows, self.basis.harmonics
         f = np.ascontiguousarray(force[:, : 2 * H])
-        q = np.ascontiguousarray((stuck.phi[:n].T @ f)).view(complex)
-        q = np.einsum("hij,jh->ih", self.modal, q, optimize=False) if H == 1 else _each(self.modal, q)
-        y = stuck.phi[rows] @ np.ascontiguousarray(q).view(float) + stuck.residual[rows, :n] @ f
+        q = np.ascontiguousarray(stuck.phi[:n].T @ f).view(complex)
+        y = stuck.phi[rows] @ np.ascontiguousarray(_each(self.modal, q)).view(float) + stuck.residual[rows, :n] @ f
         pulled = _each(self.answer, _each(self.through[:, :n].transpose(0, 2, 1), f.view(complex)))
         return np.asarray(y - np.ascontiguousarray(_each(self.through[:, rows], pulled)).view(float))
 

@@ -1,0 +1,77 @@
+"""Effects in blades, clamps, wires and shaker."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from virtual_rig.bench import Attachment, Bench, PointElement, PointForce, wires
+from virtual_rig.hidden_effect import HiddenEffect, Values, strengths
+
+from updamp.rig import Rig
+
+Floats = NDArray[np.float64]
+TIPS = ("blade_left.tip.x", "blade_right.tip.x")
+
+
+def wire_stiffness(bench: Bench, values: Values, rig: Rig) -> Bench:
+    """A factor on the axial stiffness of both wires"""
+    others = tuple(a for a in bench.attachments if not a.name.startswith("wire_"))
+    return replace(bench, attachments=(*wires(rig, values["factor"]), *others))
+
+
+def shaker_attachment(bench: Bench, values: Values, _rig: Rig) -> Bench:
+    """Mass, spring and dashpot to the ground at the excitation point"""
+
+    def dynamic_stiffness(w: float) -> complex:
+        return values["stiffness"] + 1j * w * values["dashpot"] - w**2 * values["mass"]
+
+    return bench.with_attachment(Attachment("shaker", {bench.excitation: 1.0}, dynamic_stiffness))
+
+
+def clamp_flexibility(bench: Bench, values: Values, _rig: Rig) -> Bench:
+    """Both roots turn about z by the compliance times the moment"""
+    return replace(bench, clamp_compliance=values["compliance"])
+
+
+def blade_mistuning(bench: Bench, values: Values, _rig: Rig) -> Bench:
+    """Young's moduli such that the right blade's frequencies are times 1 + d/2, the left one's times 1 - d/2"""
+    d = values["difference"]
+    return bench.tuned(blade_right=1 + d / 2, blade_left=1 - d / 2)
+
+
+def material_damping(bench: Bench, values: Values, _rig: Rig) -> Bench:
+    """Each blade's loss factor times 1 + b A / 1 mm, A the amplitude of its tip"""
+    return replace(bench, loss_growth=values["growth"] / 1e-3)
+
+
+def cubic(coefficient: float) -> PointForce:
+    def force(u: Floats, v: Floats) -> tuple[Floats, Floats, Floats]:
+        return coefficient * u**3, 3 * coefficient * u**2, np.zeros_like(v)
+
+    return force
+
+
+def blade_cubic_stiffness(bench: Bench, values: Values, _rig: Rig) -> Bench:
+    """A cubic spring at both tips"""
+    return bench.with_element(*(PointElement(f"cubic {tip}", {tip: 1.0}, cubic(values["coefficient"])) for tip in TIPS))
+
+
+def shaker(mass: float, stiffness: float, dashpot: float) -> dict[str, float]:
+    return {"mass": mass, "stiffness": stiffness, "dashpot": dashpot}
+
+
+EFFECTS = (
+    HiddenEffect("wire_stiffness", "wires stiffer than stated", strengths("factor", 5, 15, 40), wire_stiffness),
+    HiddenEffect(
+        "shaker_attachment", "the shaker adds mass, stiffness and damping",
+        {"weak": shaker(0.05, 2e4, 10), "medium": shaker(0.2, 1e5, 50), "strong": shaker(0.6, 3e5, 200)},
+        shaker_attachment,
+    ),
+    HiddenEffect("clamp_flexibility", "the roots turn", strengths("compliance", 2e-6, 6e-6, 1.5e-5), clamp_flexibility),
+    HiddenEffect("blade_mistuning", "blades are not alike", strengths("difference", 0.002, 0.005, 0.015),
+                 blade_mistuning),
+    HiddenEffect("material_damping", "material damping grows with amplitude", strengths("growth", 5, 15, 50),
+                 material_damping),
+    HiddenEffect("blade_cubic_stiffness", "blades stiffen with amplitude", strengths("coefficient", 5e11, 2e12, 8e12),
+                 blade_cubic_stiffness),
+)  # fmt: skip

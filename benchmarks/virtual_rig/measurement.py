@@ -1,0 +1,69 @@
+"""A whole measurement: several assemblies, all runs on each, files for the engineer and a sealed one."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+from virtual_rig.bench import bench_of
+from virtual_rig.bodies import bodies_of
+from virtual_rig.files import CSV, DESCRIPTION, SEALED, UFF, write_csv, write_description, write_sealed, write_uff
+from virtual_rig.hidden_effect import Hidden
+from virtual_rig.laboratory import draw_assembly, measured, put_together
+from virtual_rig.periodic import SolverOptions
+from virtual_rig.plan import NoiseLevels, TestPlan
+
+from updamp.rig import Rig, load_rig
+
+RIG = Path(__file__).parents[2] / "rigs" / "virtual_rig.toml"
+
+
+def make_measurement(
+    out: Path,
+    plan: TestPlan = TestPlan(),
+    hidden: Sequence[Hidden] = (),
+    seed: int = 0,
+    noise: NoiseLevels = NoiseLevels(),
+    rig: Rig | None = None,
+    preset: str = "laboratory",
+    options: SolverOptions = SolverOptions(),
+    progress: Callable[[str], None] = lambda _: None,
+) -> None:
+    """Write measurement.toml, sweeps.csv (and sweeps.uff) and sealed.json into a folder, which is made.
+
+    The same arguments give the same files. rig: that of rigs/virtual_rig.toml by default; preset: the laboratory's mesh
+    options: of its solver; progress: is told which run begins
+
+    raises: ValueError where the plan names a mode that is neither IP nor OOP
+    """
+    if wrong := {run.mode for run in plan.runs} - {"IP", "OOP"}:
+        raise ValueError(f"TestPlan.runs: mode {', '.join(sorted(wrong))}: the laboratory measures IP and OOP")
+    rig = load_rig(RIG) if rig is None else rig
+    rng = np.random.default_rng(seed)
+    nominal = bench_of(rig, bodies_of(rig, preset))
+    drift, sweeps, draws, records = 0.0, [], [], []
+    for repeat in range(1, plan.assemblies + 1):
+        draw = draw_assembly(rng, noise, plan.channels)
+        draws.append(draw)
+        bench = put_together(nominal, draw, tuple(hidden), rig)
+        for run in plan.runs:
+            progress(f"assembly {repeat}, {run.name}")
+            step = noise.drift * rng.standard_normal()
+            path = (drift, drift + noise.ramp * step)
+            drift += step
+            sweep, record = measured(bench, run, repeat, path, draw, plan, noise, rng, options)
+            sweeps.append(sweep)
+            records.append(record)
+    out.mkdir(parents=True, exist_ok=True)
+    write_csv(out / CSV, sweeps, plan.harmonics)
+    if plan.uff:
+        write_uff(out / UFF, sweeps, plan.harmonics)
+    write_description(out / DESCRIPTION, rig, plan, CSV)
+    write_sealed(
+        out / SEALED,
+        {
+            "hidden": [asdict(one) for one in hidden], "seed": seed, "rig": rig.name, "preset": preset,
+            "plan": asdict(plan), "noise": asdict(noise), "solver": asdict(options),
+            "assemblies": [asdict(draw) for draw in draws], "runs": [asdict(record) for record in records],
+        },
+    )  # fmt: skip
