@@ -39,7 +39,7 @@ def write_uff(path: Path, sweeps: Sequence[Recorded], harmonics: Sequence[int]) 
         amplitudes += [(c, k, 8, "m", v[i]) for c, v in s.response.items() for i, k in enumerate(harmonics)]
         for node, (channel, k, kind, unit, values) in enumerate(amplitudes, 1):
             record = {
-                "type": 58, "binary": 1, "func_type": 12, "id1": channel, "id2": s.run.name, "ver_num": s.repeat,
+                "type": 58, "binary": 1, "func_type": 0, "id1": channel, "id2": s.run.name, "ver_num": s.repeat,
                 "rsp_node": node, "rsp_dir": 1, "ref_node": 0, "ref_dir": 0,
                 "abscissa_spec_data_type": 18, "abscissa_axis_lab": "Frequency", "abscissa_axis_units_lab": "Hz",
                 "ordinate_spec_data_type": kind, "ordinate_axis_units_lab": unit, "orddenom_spec_data_type": 0,

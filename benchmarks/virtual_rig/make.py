@@ -3,6 +3,7 @@
 .venv/bin/python benchmarks/virtual_rig/make.py OUT [--hide NAME:STRENGTH ...] [--seed N]
 """
 
+import os
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +13,9 @@ import typer
 from rich.console import Console
 
 sys.path.append(str(Path(__file__).parents[1]))
+# To be set before numpy is loaded: the products are small, and threads make them many times slower.
+for library in ("OMP", "OPENBLAS", "MKL"):
+    os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
 from virtual_rig.hidden_registry import HIDDEN, hidden
 from virtual_rig.measurement import RIG, make_measurement

@@ -42,7 +42,7 @@ class StepMotor:
         last = self.motion
         if last is None:
             return self.settled(w, force, None)
-        for start in self._starts(w, force):
+        for start in self._starts(w):
             try:
                 return self.settled(w, force, start)
             except NotSolvedError:
@@ -52,7 +52,7 @@ class StepMotor:
         self.before, self.motion = last, self._continued((last.w + w) / 2, (last.force + force) / 2, depth + 1)
         return self._continued(w, force, depth + 1)
 
-    def _starts(self, w: float, force: float) -> Iterator[Floats]:
+    def _starts(self, w: float) -> Iterator[Floats]:
         last, before = self.motion, self.before
         assert last is not None
         if before is not None and before.w != last.w and before.x.shape == last.x.shape:
