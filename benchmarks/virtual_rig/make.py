@@ -17,11 +17,11 @@ sys.path.append(str(Path(__file__).parents[1]))
 for library in ("OMP", "OPENBLAS", "MKL"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
-from virtual_rig.hidden_registry import HIDDEN, hidden
-from virtual_rig.measurement import RIG, make_measurement
-from virtual_rig.plan import QUIET, SIX_CURVES, NoiseLevels, TestPlan
+from virtual_rig.hidden_registry import HIDDEN, hidden  # noqa: E402
+from virtual_rig.measurement import RIG, make_measurement  # noqa: E402
+from virtual_rig.plan import QUIET, SIX_CURVES, NoiseLevels, TestPlan  # noqa: E402
 
-from updamp.rig import load_rig
+from updamp.rig import load_rig  # noqa: E402
 
 
 def main(

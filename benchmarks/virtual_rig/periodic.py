@@ -55,8 +55,8 @@ class Motion:
 class SolverOptions:
     """harmonics: 1 to this; n_time: samples a period; tolerance: of the motion, relative to its largest"""
 
-    harmonics: int = 5
-    n_time: int = 256
+    harmonics: int = 7
+    n_time: int = 512
     tolerance: float = 1e-7
     iterations: int = 25
 

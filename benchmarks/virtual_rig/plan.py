@@ -18,7 +18,7 @@ class PlannedRun:
 
 SIX_CURVES = tuple(
     PlannedRun(mode, force)
-    for mode, forces in (("IP", (1.0, 4.0, 7.0)), ("OOP", (4.0, 16.0, 40.0)))
+    for mode, forces in (("IP", (2.0, 5.0, 8.0)), ("OOP", (4.0, 16.0, 32.0)))
     for force in forces
 )
 # Name of the channel in the files -> point of the rig.
