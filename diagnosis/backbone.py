@@ -1,0 +1,82 @@
+"""Resonance against amplitude, read off measured and predicted receptances in the same way.
+
+Frequency and height at the largest receptance; the equivalent loss factor from how fast the phase falls there,
+eta = 2 / (f |d phase / d f|), which is exact for a linear oscillator with light damping (D. J. Ewins, Modal Testing,
+2000, ch. 4).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.diagnosis.comparison import Backbone
+
+Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+# Points whose phase is within this of that at the peak tell the damping [rad].
+_NEAR = np.pi / 4
+
+
+@dataclass(frozen=True)
+class Resonance:
+    """frequency [Hz], receptance [m/N], amplitude [m], loss factor [-] (nan where the phase does not tell)"""
+
+    frequency: float
+    receptance: float
+    amplitude: float
+    loss_factor: float
+
+
+def resonance(frequency: Floats, receptance: Complex, force: Floats) -> Resonance:
+    """Of one sweep, in its own order. frequency: (n,) [Hz]; receptance: (n,) [m/N]; force: (n,) [N]"""
+    size = np.abs(receptance)
+    i = int(np.argmax(size))
+    top, at = _parabola(frequency, np.log(size), i)
+    return Resonance(at, float(np.exp(top)), float(np.exp(top) * force[i]), _loss_factor(frequency, receptance, i, at))
+
+
+def _parabola(f: Floats, log_size: Floats, i: int) -> tuple[float, float]:
+    """Top and its place of the parabola through the largest value and its neighbours."""
+    near = slice(max(i - 2, 0), i + 3)
+    x, y = f[near] - f[i], log_size[near]
+    width = np.ptp(x)
+    if len(x) < 5 or width <= 0 or len(np.unique(x)) < 5:
+        return float(log_size[i]), float(f[i])
+    c = np.polyfit(x / width, y, 2)
+    at = -c[1] / (2 * c[0]) if c[0] < 0 else np.inf
+    if not x.min() / width <= at <= x.max() / width:
+        return float(log_size[i]), float(f[i])
+    return float(np.polyval(c, at)), float(f[i] + at * width)
+
+
+def _loss_factor(f: Floats, receptance: Complex, i: int, at: float) -> float:
+    phase = np.unwrap(np.angle(receptance))
+    near = np.abs(phase - phase[i]) < _NEAR
+    # the run of neighbours about the peak, not what lies beyond a jump
+    low, high = i, i
+    while low > 0 and near[low - 1]:
+        low -= 1
+    while high < len(f) - 1 and near[high + 1]:
+        high += 1
+    if high - low < 3:
+        return float("nan")
+    slope = np.polyfit(f[low : high + 1] - at, phase[low : high + 1], 1)[0]
+    return float(-2 / (at * slope)) if slope < 0 else float("nan")
+
+
+def backbone(mode: str, channel: str, entries: Sequence[tuple[float, int, Floats, Complex, Floats]]) -> Backbone:
+    """entries: (level [N], repeat, frequency, receptance, force) of each sweep"""
+    found = [(level, repeat, resonance(f, z, force)) for level, repeat, f, z, force in entries]
+    return Backbone(
+        mode,
+        channel,
+        np.array([level for level, _, _ in found]),
+        np.array([repeat for _, repeat, _ in found], dtype=np.int64),
+        np.array([r.amplitude for *_, r in found]),
+        np.array([r.frequency for *_, r in found]),
+        np.array([r.loss_factor for *_, r in found]),
+        np.array([r.receptance for *_, r in found]),
+    )

@@ -1,0 +1,208 @@
+"""Where the model fails, in the words of a vibration engineer: which mode and force level, frequency or damping, which
+sensor, and whether that stands out of what the test repeats to.
+
+Each statement is a direction in the residual: a shift of a run's resonance, more damping in it, a sensor that reads
+high. All of them are estimated together, on top of the fitted parameters, by generalised least squares.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2 as chi_squared
+from scipy.stats import norm
+
+from updamp.diagnosis.comparison import Finding
+from updamp.diagnosis.model.parameters import LOSS_FACTOR
+from updamp.diagnosis.residual.fit import Fit
+from updamp.diagnosis.residual.observations import Plan
+from updamp.diagnosis.residual.scatter import Assembly, whitened
+
+Floats = NDArray[np.float64]
+
+FREQUENCY, DAMPING, SENSOR = "frequency", "damping", "sensor"
+# Chance that an adequate model is called inadequate by any of the tests.
+_RISK = 0.01
+# Prior size of a misfit, which keeps directions that the data do not tell at zero: relative.
+_SIZES = {FREQUENCY: 0.05, DAMPING: 1.0, SENSOR: 0.3}
+
+
+@dataclass(frozen=True)
+class Direction:
+    """A kind of misfit: quantity, condition (place in the plan) or sensor (point of the model, harmonic)"""
+
+    quantity: str
+    test: int = -1
+    sensor: tuple[str, int] = ("", 1)
+
+
+@dataclass(frozen=True)
+class Misfit:
+    """relative: model over measurement less 1; deviation: its standard deviation"""
+
+    direction: Direction
+    relative: float
+    deviation: float
+
+    @property
+    def significance(self) -> float:
+        return self.relative / self.deviation if self.deviation > 0 else 0.0
+
+
+def misfits(fit: Fit, plan: Plan, damping_share: Sequence[float]) -> tuple[Misfit, ...]:
+    """All directions, estimated together with the fitted parameters.
+
+    damping_share: for each condition, the material's share of the damping at its resonance: what turns a factor on
+        the material's loss factor into one on all the damping
+    """
+    directions = _directions(plan)
+    residual, columns, parameters = [], [], []
+    for a in fit.compared.assemblies:
+        block = np.concatenate([a.common, _columns(fit, plan, a.repeat, directions)], axis=1)
+        r, c = whitened_with(a, block, fit)
+        residual.append(r)
+        parameters.append(c[:, : a.common.shape[1]])
+        columns.append(c[:, a.common.shape[1] :])
+    r, p, d = np.concatenate(residual), np.concatenate(parameters), np.concatenate(columns)
+    both = np.concatenate([p, d], axis=1)
+    sizes = np.array([_SIZES[x.quantity] for x in directions])
+    prior = np.concatenate([1 / fit.parametrisation.deviation**2, 1 / sizes**2])
+    covariance = np.linalg.inv(both.T @ both + np.diag(prior))
+    # the parameters stand at their best values: their own gradient is nil, but for the prior's
+    estimate = covariance @ (both.T @ r - np.append(fit.u / fit.parametrisation.deviation**2, np.zeros(len(sizes))))
+    found, n = [], p.shape[1]
+    for i, direction in enumerate(directions):
+        share = damping_share[direction.test] if direction.quantity == DAMPING else 1.0
+        # a correction that the model needs upwards is a model that reads low
+        relative, deviation = -share * estimate[n + i], share * np.sqrt(covariance[n + i, n + i])
+        found.append(Misfit(direction, float(relative), float(deviation)))
+    return tuple(found)
+
+
+def whitened_with(a: Assembly, block: Floats, fit: Fit) -> tuple[Floats, Floats]:
+    """The assembly's residual and a block of columns, with its scatter taken into account."""
+    return whitened(replace(a, common=block), fit.compared.scatter)
+
+
+def _directions(plan: Plan) -> list[Direction]:
+    tests = range(len(plan.conditions))
+    sensors = dict.fromkeys(s for c in plan.conditions for s in c.sensors)
+    return [
+        *(Direction(FREQUENCY, i) for i in tests),
+        *(Direction(DAMPING, i) for i in tests),
+        *(Direction(SENSOR, -1, s) for s in sensors if len(sensors) > 1),
+    ]
+
+
+def _columns(fit: Fit, plan: Plan, repeat: int, directions: Sequence[Direction]) -> Floats:
+    damping = fit.parametrisation.names.index(LOSS_FACTOR.name)
+    blocks = []
+    for m in (m for m in fit.compared.matched if m.observations.repeat == repeat):
+        test, sensors = m.observations.test, plan.conditions[m.observations.test].sensors
+        block = np.zeros((m.residual.size, len(directions)))
+        for j, direction in enumerate(directions):
+            if direction.quantity == FREQUENCY and direction.test == test:
+                block[:, j] = m.by_observation[:, :, 0].ravel()
+            elif direction.quantity == DAMPING and direction.test == test:
+                block[:, j] = m.by_parameter[:, :, damping].ravel()
+            elif direction.quantity == SENSOR and direction.sensor in sensors:
+                block[:, j] = m.by_observation[:, :, 1 + 2 * sensors.index(direction.sensor)].ravel()
+        blocks.append(block)
+    return np.concatenate(blocks)
+
+
+def lack_of_fit(fit: Fit) -> float:
+    """Probability of a chi2 as large by chance."""
+    return float(chi_squared.sf(fit.compared.chi2, fit.compared.values - len(fit.u)))
+
+
+def findings(fit: Fit, plan: Plan, found: Sequence[Misfit]) -> tuple[Finding, ...]:
+    """Sentences on the misfits that stand out; none where the model is adequate."""
+    limit = float(norm.isf(_RISK / 2 / max(len(found), 1)))
+    standing = [m for m in found if abs(m.significance) > limit]
+    said: list[Finding] = []
+    for quantity in (FREQUENCY, DAMPING):
+        for mode in dict.fromkeys(c.mode for c in plan.conditions):
+            of_mode = [m for m in found if m.direction.quantity == quantity and _mode(plan, m) == mode]
+            said += _of_mode(quantity, mode, of_mode, [m for m in standing if m in of_mode], plan)
+    said += [_of_sensor(m) for m in standing if m.direction.quantity == SENSOR]
+    said.sort(key=lambda f: -abs(f.significance))
+    if not said and lack_of_fit(fit) < _RISK:
+        said.append(_of_all(fit))
+    return tuple(said)
+
+
+def _mode(plan: Plan, misfit: Misfit) -> str:
+    return plan.conditions[misfit.direction.test].mode
+
+
+def _of_mode(
+    quantity: str, mode: str, all_levels: Sequence[Misfit], standing: Sequence[Misfit], plan: Plan
+) -> list[Finding]:
+    """One sentence where all levels agree, else one a level that stands out, with what holds at the others."""
+    if not standing:
+        return []
+    thing = "resonance" if quantity == FREQUENCY else "damping"
+    values = np.array([m.relative for m in all_levels])
+    weights = np.array([1 / m.deviation**2 for m in all_levels])
+    mean = float(np.sum(weights * values) / np.sum(weights))
+    deviation = float(1 / np.sqrt(np.sum(weights)))
+    alike = all(abs(m.relative - mean) < 3 * m.deviation + 0.2 * abs(mean) for m in all_levels)
+    if len(all_levels) > 1 and alike and np.all(np.sign(values) == np.sign(mean)):
+        text = f"{mode}: {thing} {_percent(mean)} at every force level"
+        return [Finding(text, mode, None, quantity, "", mean, mean / deviation)]
+    right = [m for m in all_levels if m not in standing]
+    rest = f", right at {_levels(right, plan)}" if right else ""
+    return [
+        Finding(
+            f"{mode}: {thing} {_percent(m.relative)} at {_levels([m], plan)}{rest}",
+            mode,
+            plan.conditions[m.direction.test].force,
+            quantity,
+            "",
+            m.relative,
+            m.significance,
+        )
+        for m in standing
+    ]
+
+
+def _of_sensor(misfit: Misfit) -> Finding:
+    point, k = misfit.direction.sensor
+    of_harmonic = f" in harmonic {k}" if k != 1 else ""
+    text = f"{point}: the model reads {_percent(misfit.relative)}{of_harmonic}, against the other sensors, in all runs"
+    return Finding(text, "", None, SENSOR, point, misfit.relative, misfit.significance)
+
+
+def _of_all(fit: Fit) -> Finding:
+    share = fit.compared.chi2 / fit.compared.values
+    text = (
+        f"the curves differ in shape: chi2 is {share:.2f} a value, with resonances, damping and sensors right within "
+        "the scatter"
+    )
+    return Finding(text, "", None, "amplitude", "", float(np.sqrt(share) - 1), float(norm.isf(lack_of_fit(fit))))
+
+
+def _percent(relative: float) -> str:
+    size = 100 * abs(relative)
+    digits = 2 if size < 0.095 else 1 if size < 9.95 else 0
+    return f"{size:.{digits}f} % {'high' if relative > 0 else 'low'}"
+
+
+def _levels(misfits_there: Sequence[Misfit], plan: Plan) -> str:
+    levels = dict.fromkeys(
+        f"{plan.conditions[m.direction.test].force:.3g} N{_sweep(plan, m.direction.test)}" for m in misfits_there
+    )
+    return ", ".join(levels)
+
+
+def _sweep(plan: Plan, test: int) -> str:
+    """Named only where both directions were swept at the level."""
+    this = plan.conditions[test]
+    others = [
+        c
+        for c in plan.conditions
+        if c.mode == this.mode and c.upwards != this.upwards and abs(c.force / this.force - 1) < 0.05
+    ]
+    return (" upwards" if this.upwards else " downwards") if others else ""
