@@ -45,7 +45,7 @@ class KrylovForces:
         departure: Departure,
         rows: Integers,
         tolerance: float = 1e-5,
-        iterations: int = 120,
+        iterations: int = 250,
     ) -> None:
         self._receptance, self._departure, self._rows = receptance, departure, rows
         self._tolerance, self._limit = tolerance, iterations

@@ -78,6 +78,11 @@ def over_period(
     return np.asarray(motion), np.asarray(value)
 
 
+def loop_areas(group: ElementGroup, displacement: Floats, w: float, harmonics: Harmonics, n_time: int) -> Floats:
+    """(n_elements,) integral of f dx over a period by the trapezoidal rule [J]."""
+    return np.asarray(_compiled_loop_areas(group.law, harmonics, n_time)(displacement, w, group.parameters))
+
+
 def samples(coefficients: jax.Array, w: Any, harmonics: Harmonics, n_time: int) -> tuple[jax.Array, jax.Array]:
     """(..., directions, n_coefficients) -> displacement and velocity, each (..., n_time, directions)."""
     displacement: jax.Array = jnp.einsum("tc,...dc->...td", harmonics.synthesis(n_time), coefficients)
@@ -112,6 +117,16 @@ def _compiled_quantity(
     def one(coefficients: jax.Array, w: jax.Array, parameters: Any) -> tuple[jax.Array, jax.Array]:
         motion, velocity = samples(coefficients, w, harmonics, n_time)
         return motion, quantity(motion, velocity, parameters)
+
+    return jax.jit(_a_few_at_a_time(one))
+
+
+@lru_cache(maxsize=32)
+def _compiled_loop_areas(law: ContactLaw, harmonics: Harmonics, n_time: int) -> Callable[..., Any]:
+    def one(coefficients: jax.Array, w: jax.Array, parameters: Any) -> jax.Array:
+        motion, velocity = samples(coefficients, w, harmonics, n_time)
+        force = law.force(motion, velocity, parameters)
+        return ((force + jnp.roll(force, -1, axis=0)) / 2 * (jnp.roll(motion, -1, axis=0) - motion)).sum()
 
     return jax.jit(_a_few_at_a_time(one))
 

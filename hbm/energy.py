@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.elements import over_period
+from updamp.hbm.elements import loop_areas
 from updamp.hbm.newton import Equation
 from updamp.hbm.system import Excitation, NonlinearSystem
 
@@ -21,13 +21,8 @@ def friction_loss(system: NonlinearSystem, x: Floats, w: float, time_samples: in
     Integrated in time on a grid of its own, so that comparing it with the other energies tests the balance.
     x: (n_relative, n_coefficients) [m]
     """
-    losses = []
-    for group in system.groups:
-        motion, force = over_period(group, group.law.force, x[group.rows], w, system.harmonics, time_samples)
-        step = np.roll(motion, -1, axis=1) - motion
-        mean = (force + np.roll(force, -1, axis=1)) / 2
-        losses.append((mean * step).sum(axis=(1, 2)))
-    return np.concatenate(losses)
+    areas = [loop_areas(group, x[group.rows], w, system.harmonics, time_samples) for group in system.groups]
+    return np.concatenate(areas)
 
 
 def material_loss(equation: Equation, excitation: Excitation) -> float:
