@@ -35,7 +35,8 @@ def contact_elements(area: Floats, rest: StaticContact, rig: Rig) -> ElementGrou
     """The rig's contact law on the first 3 n relative rows; area: (n,) of the contact elements [m^2]."""
     contact, n = rig.contact, len(area)
     parameters = FrictionParameters(
-        mu=jnp.full(n, contact.friction_coefficient),
+        # from numpy: jnp.full's type is "weak", and another value of mu would make the law be compiled again
+        mu=jnp.asarray(np.full(n, contact.friction_coefficient)),
         kt=jnp.asarray(contact.tangential_stiffness * area),
         kn=jnp.asarray(contact.normal_stiffness * area),
         n0=jnp.asarray(rest.normal_force),

@@ -16,8 +16,8 @@ EFFECT = Effect(
     "the blades themselves get stiffer (or softer) with amplitude",
     (
         EffectParameter(
-            "coefficient", 0.0, -1e13, 1e13, 3e11, "N/m^3",
-            "half a per cent of the first mode's stiffness at 0.1 mm; slender cantilevers show less",
+            "coefficient", 0.0, -1e13, 1e13, 1e12, "N/m^3",
+            "about a per cent of the first mode's stiffness at 0.1 mm; slender cantilevers show less",
         ),
     ),
     apply,

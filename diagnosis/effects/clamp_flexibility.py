@@ -1,13 +1,16 @@
 """Clamps that give way.
 
-To first order in the compliance c, and exactly in the static flexibility: with Gamma_r = phi_r^T M R, R the rigid
-rotation about the clamp, mode r loads the clamp with the moment m_r = omega_r^2 Gamma_r, and a load f at the interface
-with R^T f. The clamp turns by c times their sum, and everything with it.
+With Gamma_r = phi_r^T M R, R the rigid rotation about the clamp, mode r loads the clamp with the moment
+omega_r^2 Gamma_r q_r, and a load f at the interface, by way of the modes that are left out, with rho^T f,
+rho = R - phi Gamma. The clamp's angle theta follows from (1/c + Gamma^T omega^2 Gamma) theta = Gamma^T omega^2 q +
+rho^T f, c its compliance, and is eliminated: exactly, but for the inertia of the modes that are left out. The static
+flexibility grows by c R R^T.
 
 The reduced model has no M, but the displacements of R at the blade's points. Gamma is that of the field of least strain
 energy that has them, phi^T F^-1 R / omega^2 with F the exact flexibility between the points: it differs from R near the
 clamp only, where the modes hardly move. On the reference rig's small mesh it is that of the finite elements to 0.02 %
-for the first bending mode, 2 % for the second and 15 % for the third. What is missing there goes into the residual.
+for the first bending mode, 2 % for the second and 15 % for the third. What is missing there goes into rho.
+On a plain beam seen at the same heights it is within 0.5 % and 5 %.
 """
 
 from dataclasses import replace
@@ -26,7 +29,7 @@ Floats = NDArray[np.float64]
 
 
 def apply(model: RigModel, values: Values) -> RigModel:
-    """raises: ValueError where the model has no clamped blades, or the compliance is too large for first order"""
+    """raises: ValueError where the model has no clamped blades, or does not say where they are"""
     if values["compliance"] == 0:
         return model
     components = model.components
@@ -40,16 +43,12 @@ def _softened(model: RigModel, blade: str, compliance: float) -> LinearModel:
     rotation = rigid_rotation(model, blade)
     gamma = participation(model, blade, rotation)
     moment = components.omega_squared[modes] * gamma
-    if (share := compliance * moment @ gamma) > 0.9:
-        raise ValueError(
-            f"clamp_flexibility: compliance = {compliance:g} rad/(N*m) is beyond what first order holds for "
-            f"({share:.2f} of the highest modes' stiffness): at most {0.9 / (moment @ gamma):.2g} rad/(N*m)"
-        )
-    stiffness = np.diag(components.omega_squared[modes]) - compliance * np.outer(moment, moment)
+    turning = compliance / (1 + compliance * moment @ gamma)
+    stiffness = np.diag(components.omega_squared[modes]) - turning * np.outer(moment, moment)
     phi = components.phi.copy()
     left = rotation - phi[:, modes] @ gamma
-    phi[:, modes] += compliance * np.outer(left, moment)
-    residual = components.residual + compliance * np.outer(left, left)
+    phi[:, modes] += turning * np.outer(left, moment)
+    residual = components.residual + turning * np.outer(left, left)
     return with_block_stiffness(replace(components, phi=phi, residual=residual), modes, stiffness)
 
 
@@ -94,7 +93,7 @@ EFFECT = Effect(
     "the blades' roots are not rigidly held: the clamps rotate a little",
     (
         EffectParameter(
-            "compliance", 0.0, 0.0, 2e-5, 4e-6, "rad/(N*m)",
+            "compliance", 0.0, 0.0, 5e-5, 4e-6, "rad/(N*m)",
             "lowers a 7 mm steel blade's first frequency by 0.7 %, as bolted or monobloc roots of such rigs do",
         ),
     ),

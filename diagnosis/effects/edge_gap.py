@@ -11,7 +11,7 @@ from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements
 
 Floats = NDArray[np.float64]
 
-DIVISIONS = 6  # of a patch's edge, to average over it
+DIVISIONS = 12  # of a patch's edge, to average over it
 
 
 def apply(model: RigModel, values: Values) -> RigModel:

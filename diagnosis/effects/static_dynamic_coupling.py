@@ -31,7 +31,7 @@ EFFECT = Effect(
     "vibration shifts the damper's mean position, and with it the contacts' preload (zero harmonic)",
     (
         EffectParameter(
-            "share", 0.0, 0.0, 1.0, 1.0, "", "1 is what mechanics asks for; below 1 where something holds the damper"
+            "share", 0.0, 0.0, 1.0, 0.2, "", "1 is what mechanics asks for; less where something holds the damper"
         ),
     ),
     apply,

@@ -5,7 +5,7 @@ from updamp.diagnosis.effects.effect import Effect, EffectParameter, Values
 from updamp.diagnosis.model.rig_model import RigModel
 from updamp.hbm.contact.velocity_friction import VelocityFriction
 
-REFERENCE_SPEED = 1e-3  # m/s: 0.36 um at 440 Hz, where contacts of the reference rig begin to slip
+REFERENCE_SPEED = 1e-3  # m/s: an amplitude of 0.36 um at 440 Hz
 
 
 def apply(model: RigModel, values: Values) -> RigModel:
