@@ -98,7 +98,7 @@ def analytic_frequency(stiffness: float, mode: int) -> float:
 
 @pytest.mark.parametrize("softness", [1e-3, 2e-2])
 def test_frequencies_are_those_of_a_cantilever_on_a_rotational_spring(two_beams, softness):
-    """softness: compliance times EI / L; at the larger one the first frequency is 4 % lower. What is left comes from the
+    """softness: compliance times EI / L; the larger one lowers the first frequency by 4 %. What is left comes from the
     participation: three points of a beam tell that of the first mode to half a per cent, of the second to 5 %."""
     compliance = softness * LENGTH / EI
     softened = EFFECT.apply(two_beams, {"compliance": compliance}).components

@@ -1,0 +1,50 @@
+"""What is compiled in one process is read back in the next, with the same result."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from updamp.hbm.compilation_cache import keep_compiled
+
+CODE = """
+import logging, sys
+import jax
+import numpy as np
+from updamp.hbm import compilation_cache
+from updamp.hbm.contact.friction import FrictionParameters
+from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
+from updamp.hbm.elements import ElementGroup, force_only
+from updamp.hbm.harmonics import Harmonics
+
+compilation_cache.LEAST_SECONDS = 0.0
+hits = []
+jax.monitoring.register_event_listener(lambda event, **_: hits.append(event) if event.endswith("cache_hits") else None)
+print(compilation_cache.keep_compiled())
+one = np.ones(2)
+g = ElementGroup(SampledJenkinsBox(2), FrictionParameters(one, one, one, one, np.zeros((2, 2)), 0 * one), None)
+x = np.random.default_rng(1).normal(size=(2, 3, 2))
+print(force_only(g, x, 1.0, Harmonics((1,)), 16).tobytes().hex())
+print(len(hits))
+"""
+
+
+def run(cache: Path) -> list[str]:
+    environment = os.environ | {"XDG_CACHE_HOME": str(cache)}
+    return subprocess.run(
+        [sys.executable, "-W", "error", "-c", CODE], env=environment, check=True, capture_output=True, text=True
+    ).stdout.splitlines()
+
+
+def test_second_process_reads_what_the_first_has_compiled(tmp_path):
+    first, second = run(tmp_path), run(tmp_path)
+    assert Path(first[0]).parent == tmp_path / "updamp" / "compiled"
+    assert list(Path(first[0]).iterdir())
+    assert int(first[2]) == 0
+    assert int(second[2]) > 0
+    assert second[1] == first[1]
+
+
+def test_where_nothing_can_be_written_nothing_is_kept(tmp_path):
+    (tmp_path / "file").write_text("not a folder")
+    assert keep_compiled(tmp_path / "file") is None
