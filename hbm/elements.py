@@ -137,12 +137,16 @@ def _compiled(law: ContactLaw, harmonics: Harmonics, n_time: int) -> Callable[..
     by_frequency = law.rate_dependent
 
     def with_tangents(coefficients: jax.Array, w: jax.Array, parameters: Any) -> tuple[jax.Array, jax.Array, jax.Array]:
-        def twice(c: jax.Array) -> tuple[jax.Array, jax.Array]:
+        def twice(c: jax.Array, w: jax.Array) -> tuple[jax.Array, jax.Array]:
             value = force(c, w, parameters)
             return value, value
 
-        tangent, value = jax.jacfwd(twice, has_aux=True)(coefficients)
-        rate = jax.jacfwd(force, argnums=1)(coefficients, w, parameters) if by_frequency else jnp.zeros(())
+        # all derivatives in one pass: a law is compiled once for them, not once more for the frequency
+        if by_frequency:
+            (tangent, rate), value = jax.jacfwd(twice, argnums=(0, 1), has_aux=True)(coefficients, w)
+        else:
+            tangent, value = jax.jacfwd(twice, has_aux=True)(coefficients, w)
+            rate = jnp.zeros(())
         return value, tangent, rate
 
     return jax.jit(_a_few_at_a_time(with_tangents))
