@@ -1,0 +1,149 @@
+"""The virtual laboratory's frequency-domain solver: its law's derivatives, and its motions against marching in time."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from virtual_rig.assembled import Assembled, assembled
+from virtual_rig.basis import Basis
+from virtual_rig.bench import Bench, Patches, bench_of
+from virtual_rig.bodies import Bodies, bodies_of
+from virtual_rig.measurement import RIG
+from virtual_rig.patch_forces import departures
+from virtual_rig.periodic import SolverOptions
+from virtual_rig.stepped_sine import StepMotor
+from virtual_rig.time_march import march
+
+from updamp.fem.coupled_reduced import coupled_frequencies_reduced
+from updamp.fem.finite_element_model import finite_element_model, rig_springs
+from updamp.fem.springs import ContactStiffness
+from updamp.geometry.build_mesh import build_mesh
+from updamp.rig import Rig, load_rig
+
+TINY = {
+    "width": 4, "face": 2, "platform_outer": 1, "platform_inner": 1, "platform_height": 2, "stem_thickness": 1,
+    "stem_below_excitation": 2, "stem_below_platform": 1, "stem_above_platform": 4, "stem_top": 1,
+    "damper_across": 2, "damper_apex": 1, "damper_base": 1, "contact_elements": 8,
+}  # fmt: skip
+TIP = "blade_right.tip.x"
+MANY = SolverOptions(harmonics=15, n_time=1024, tolerance=1e-5)
+
+
+@pytest.fixture(scope="module")
+def rig() -> Rig:
+    return load_rig(RIG, {"mesh.tiny": TINY, "reduction.modes": 10})
+
+
+@pytest.fixture(scope="module")
+def bodies(rig: Rig, tmp_path_factory: pytest.TempPathFactory) -> Bodies:
+    folder = tmp_path_factory.mktemp("bodies")
+    first = bodies_of(rig, "tiny", folder)
+    kept = bodies_of(rig, "tiny", folder)
+    assert np.array_equal(first.blade_residual, kept.blade_residual)
+    assert len(list(folder.iterdir())) == 1
+    return kept
+
+
+@pytest.fixture(scope="module")
+def bench(rig: Rig, bodies: Bodies) -> Bench:
+    return bench_of(rig, bodies)
+
+
+LAWS = {
+    "box": {},
+    "speed": {"speed_drop": 0.5},
+    "bundle": {"spread": 0.6},
+    "film": {"viscosity": np.full(6, 1e3)},
+    "pressure": {"exponent": 0.4, "stated_at": np.full(6, 30.0)},
+    "all": {
+        "exponent": 0.3, "stated_at": np.full(6, 30.0), "speed_drop": 0.4, "spread": 0.8,
+        "viscosity": np.full(6, 500.0),
+    },
+}  # fmt: skip
+
+
+def patches(**entries: object) -> Patches:
+    plain = Patches(*(np.full(6, value) for value in (0.3, 1e7, 2e7, 20.0, 1e-7, 0.0)))
+    return replace(plain, **entries)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_derivatives_of_the_patches_forces(law: str) -> None:
+    rng, basis, p, w = np.random.default_rng(0), Basis(3, True, 64), patches(**LAWS[law]), 2700.0
+    x, dx, h = 1.5e-6 * rng.standard_normal((6, 3, 7)), rng.standard_normal((6, 3, 7)), 1e-13
+    _, tangent = departures(x, w, basis, p)
+    exact = (tangent @ dx.reshape(6, -1, 1)).reshape(x.shape)
+    difference = (departures(x + h * dx, w, basis, p)[0] - departures(x - h * dx, w, basis, p)[0]) / (2 * h)
+    assert np.abs(exact - difference).max() < 1e-7 * np.abs(exact).max()
+    assert all(np.abs(exact[:, d]).max() > 0.1 * np.abs(exact).max() for d in range(3))
+
+
+def test_patch_that_sticks_departs_from_nothing() -> None:
+    value, tangent = departures(
+        np.full((6, 3, 7), 1e-9), 2700.0, Basis(3, True, 64), replace(patches(), gap=np.zeros(6))
+    )
+    assert not value.any()
+    assert not tangent.any()
+
+
+def test_stuck_frequencies_are_those_of_updamps_reduced_model(rig: Rig, bench: Bench) -> None:
+    reduced = finite_element_model(build_mesh(rig, "tiny"), rig).reduced
+    springs = rig_springs(
+        reduced, rig, ContactStiffness(rig.contact.tangential_stiffness, rig.contact.normal_stiffness)
+    )
+    assert assembled(bench).stuck_frequencies(3) == pytest.approx(
+        coupled_frequencies_reduced(reduced, springs, 3), rel=1e-7
+    )
+
+
+def test_turning_clamp_lowers_both_blades_as_a_rigid_blade_on_a_spring_would(bench: Bench) -> None:
+    """A soft clamp leaves a rigid body on a torsional spring: sqrt(1 / (compliance inertia))."""
+    compliance = 1e3
+    soft = assembled(replace(bench, clamp_compliance=compliance))
+    lowest = np.linalg.eigvals(np.linalg.solve(soft.free.mass, soft.free.stiffness)).real
+    lowest = np.sqrt(np.sort(lowest[lowest > 1e-6])[:2])
+    inertia = float(bench.bodies.inertia)
+    assert lowest == pytest.approx([1 / np.sqrt(compliance * inertia)] * 2, rel=1e-3)
+
+
+def damped(bench: Bench, frequency: float) -> Bench:
+    """Viscous damping of 2 % that forgets the start soon, and a free mean position."""
+    return replace(bench, viscous_at=2 * np.pi * frequency, mean_share=1.0, loss_factor=0.02)
+
+
+def checked(rig: Assembled, frequency: float, force: float, periods: int = 150):  # type: ignore[no-untyped-def]
+    motion = StepMotor(rig, MANY).step(frequency, force)
+    marched = march(rig, motion, TIP, periods, 512)
+    return complex(motion.response(TIP)[0]), marched
+
+
+UNEVEN = np.tile([0.03, 1.0, 1.0, 1.0], 2)  # on two patches the load is so small that they open
+
+
+def test_slip_and_opening_against_marching_in_time(bench: Bench) -> None:
+    ip, oop = assembled(bench).stuck_frequencies(2)
+    uneven = bench.with_patches(n0=UNEVEN * bench.patches.n0)
+    gap = uneven.with_patches(gap=np.tile([0, 0, 2e-8, 0], 2))
+    for rest, resonance, place, force in ((uneven, ip, 0.997, 6.0), (gap, oop, 0.998, 30.0)):
+        balanced, marched = checked(assembled(damped(rest, resonance)), place * resonance, force, 60)
+        assert marched.open_share == pytest.approx(0.25)
+        assert marched.slip_share == 1
+        assert abs(marched.first_harmonic[-1] / balanced - 1) < 3e-3
+
+
+def test_bundle_speed_and_film_against_marching_in_time(bench: Bench) -> None:
+    _, oop = assembled(bench).stuck_frequencies(2)
+    plain = damped(bench, oop)
+    hidden = plain.with_patches(spread=0.8, speed_drop=0.5, viscosity=5e8 * bench.bodies.area)
+    balanced, marched = checked(assembled(hidden), oop * 0.998, 60.0, 60)
+    without = StepMotor(assembled(plain), MANY).step(oop * 0.998, 60.0).response(TIP)[0]
+    assert marched.slip_share == 1
+    assert abs(balanced / without - 1) > 0.02
+    assert abs(marched.first_harmonic[-1] / balanced - 1) < 2e-3
+
+
+def test_stuck_motion_against_marching_in_time(bench: Bench) -> None:
+    ip, _ = assembled(bench).stuck_frequencies(2)
+    balanced, marched = checked(assembled(damped(bench, ip)), ip, 0.05, 2)
+    assert marched.slip_share == 0
+    assert abs(marched.first_harmonic[-1] / balanced - 1) < 1e-8
