@@ -2,6 +2,7 @@
 
 import csv
 import json
+import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -46,7 +47,9 @@ def write_uff(path: Path, sweeps: Sequence[Recorded], harmonics: Sequence[int]) 
                 "z_axis_spec_data_type": 20, "z_axis_value": float(k),
                 "abscissa_spacing": 0, "data": values, "x": s.frequency,
             }  # fmt: skip
-            file.write_sets([record], mode="add")
+            with warnings.catch_warnings():  # pyuff leaves its files to the garbage collector
+                warnings.simplefilter("ignore", ResourceWarning)
+                file.write_sets([record], mode="add")
 
 
 def write_description(path: Path, rig: Rig, plan: TestPlan, data: str) -> None:

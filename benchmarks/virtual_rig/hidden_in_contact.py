@@ -50,7 +50,7 @@ def contact_viscosity(bench: Bench, values: Values, _rig: Rig) -> Bench:
 
 
 def velocity_dependent_friction(bench: Bench, values: Values, _rig: Rig) -> Bench:
-    """mu (1 - d |v| / (|v| + v0)), v0 = 1 mm/s: contacts of this rig slide at 1 to 30 mm/s"""
+    """mu (1 - d |v| / (|v| + v0)), v0 = 1 mm/s: as in the catalogue; contacts of this rig slide at tenths of it"""
     return bench.with_patches(speed_drop=values["drop"], speed_scale=1e-3)
 
 
@@ -100,11 +100,11 @@ EFFECTS = (
                  static_dynamic_coupling),
     HiddenEffect("contact_viscosity", "a film in the contact", strengths("viscosity", 1e8, 4e8, 1.5e9),
                  contact_viscosity),
-    HiddenEffect("velocity_dependent_friction", "friction falls with speed", strengths("drop", 0.15, 0.3, 0.6),
+    HiddenEffect("velocity_dependent_friction", "friction falls with speed", strengths("drop", 0.3, 0.6, 0.9),
                  velocity_dependent_friction),
     HiddenEffect("sub_patch_microslip", "slip begins early within patches", strengths("spread", 0.4, 0.7, 1.0),
                  sub_patch_microslip),
     HiddenEffect("friction_gradient", "friction varies up the face", strengths("gradient", 0.25, 0.5, 0.9),
                  friction_gradient),
-    HiddenEffect("edge_gap", "edges of the faces are rounded", strengths("depth", 5e-8, 1.5e-7, 5e-7), edge_gap),
+    HiddenEffect("edge_gap", "edges of the faces are rounded", strengths("depth", 5e-8, 1e-7, 2e-7), edge_gap),
 )  # fmt: skip
