@@ -112,7 +112,7 @@ def _march(  # type: ignore[no-untyped-def]
             for j in range(n):
                 if n0[j] + kn[j] * (x[3 * j + 2] - gap[j]) <= 0:
                     opened[j] = 1.0
-                elif np.abs(moved[j] - sliders[j]).max() > 1e-6 * np.abs(x[: 3 * n]).max():
+                elif np.abs(moved[j] - sliders[j]).max() > 1e-9 * np.abs(x[: 3 * n]).max():
                     slipped[j] = 1.0
         sliders[:] = moved
         before, first = x.copy(), False

@@ -76,9 +76,10 @@ def test_measurement_is_read_by_updamp(folder: Path) -> None:
     for run in measurement.runs:
         assert (len(run), run.held, run.harmonics) == (10, "force", (1, 3))
         assert np.abs(run.force) == pytest.approx(run.level, rel=0.02)
-        phase = np.angle(run.receptance("tip_right"))
-        assert phase.min() < -2
-        assert phase.max() < 0
+        receptance = run.receptance("tip_right")
+        phase = np.angle(receptance[np.abs(receptance).argmax()])
+        # Out of phase the blades turn about the damper: below it, where the shaker pulls, they move against their tips.
+        assert np.sin(phase) * (-1 if run.mode == "IP" else 1) > 0.6
 
 
 def test_universal_file_holds_the_same(folder: Path) -> None:
