@@ -117,6 +117,35 @@ def _run(rig, options, meter: Meter) -> bool:  # type: ignore[no-untyped-def]  #
 
 
 @app.command()
+def compare(
+    rig: RigFile,
+    measurement: Annotated[
+        Path, typer.Argument(metavar="MEASUREMENT", help="measurement.toml, or a file of stated features.")
+    ],
+    out: Annotated[Path, typer.Option(help="Folder for all that is written; that of a run, to use its model.")],
+    mesh: Annotated[str, typer.Option(help="Preset of the rig file: small (first looks), medium or full.")] = "full",
+    jobs: Annotated[
+        int | None, typer.Option(help="Curves traced at the same time.", show_default="the CPUs, at most 4")
+    ] = None,
+    debug: Debug = False,
+) -> None:
+    """Lay the model over a measurement and say where it fails: comparison.json and report.html.
+
+    What is known only roughly (stiffness, damping, friction) is fitted within its bounds first.
+    """
+    with _clean_errors(debug), _interruptible():
+        os.environ.setdefault("OMP_NUM_THREADS", "1")  # many small products: threads would wait for each other
+        from updamp.diagnosis.compare_run import CompareFiles, run_compare, sentences
+
+        console = Console()
+        files = CompareFiles(rig, measurement, out)
+        comparison, _ = run_compare(files, mesh, jobs or min(os.cpu_count() or 1, 4), console)
+        for sentence in sentences(comparison):
+            console.print(Text.assemble(("finding   ", "yellow"), sentence), soft_wrap=True)
+        console.print(f"{files.report}", highlight=False, soft_wrap=True)
+
+
+@app.command()
 def check(rig: RigFile, debug: Debug = False) -> None:
     """Read a rig file and explain it: every value in SI, and what follows from them."""
     with _clean_errors(debug):

@@ -24,6 +24,7 @@ from updamp.diagnosis.model.parameters import LOSS_FACTOR, Parametrisation, nuis
 from updamp.diagnosis.model.predicted_branch import PredictedBranch
 from updamp.diagnosis.model.rig_model import RigModel
 from updamp.diagnosis.residual.fit import Fit, FitOptions, compare_at, fit, predict
+from updamp.diagnosis.residual.numerical_gate import more_harmonics, with_numerical_error
 from updamp.diagnosis.residual.observations import Observations, Plan, plan_of
 from updamp.diagnosis.stated import feature_findings
 from updamp.hbm.observe import ContactState, contact_states
@@ -50,8 +51,12 @@ def compare(
     provenance: Mapping[str, str] | None = None,
     options: CompareOptions | None = None,
     progress: Progress = lambda _: None,
+    finer: Mapping[str, RigModel] | None = None,
 ) -> tuple[Comparison, Fit | None]:
     """The comparison, and the calibration it rests on (None where only features were measured).
+
+    finer: name -> model with finer numerics; what it changes counts as numerical error, not as misfit. That of more
+        harmonics and time samples is made here.
 
     raises: BranchStoppedError where the model has no response at the beginning of a run
     """
@@ -61,8 +66,14 @@ def compare(
     plan = plan_of(measurement, options.harmonics)
     parametrisation = Parametrisation(model, nuisances(model))
     start = np.zeros(len(parametrisation))
-    progress("predict")
+    progress("prediction")
     before = predict(parametrisation, start, plan)
+    progress("numerical error")
+    parametrisation = with_numerical_error(
+        parametrisation, start, plan, before, {"harmonics": more_harmonics(model), **(finer or {})}
+    )
+    start = np.zeros(len(parametrisation))
+    before = predict(parametrisation, start, plan, before)
     calibrated = fit(parametrisation, plan, start, None, before, options.fit, progress)
     progress("curves")
     after = predict(parametrisation, calibrated.u, plan, calibrated.compared.branches[plan.repeats[0]])

@@ -1,12 +1,13 @@
 """The parameters of a fit: nuisance parameters, which every comparison has to settle first, and those of effects."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from updamp.diagnosis.effects.effect import Effect
+from updamp.diagnosis.model.numerical_error import NumericalError
 from updamp.diagnosis.model.rig_model import RigModel
 
 Floats = NDArray[np.float64]
@@ -45,6 +46,12 @@ def _loss_factor(model: RigModel, factor: float) -> RigModel:
     return replace(model, components=replace(c, hysteretic=c.hysteretic * factor, viscous=c.viscous * factor))
 
 
+def _modal_mass(model: RigModel, factor: float) -> RigModel:
+    """Frequencies and loss factors stay."""
+    c = model.components
+    return replace(model, components=replace(c, phi=c.phi / np.sqrt(factor), residual=c.residual / factor))
+
+
 def _contact_entry(*entries: str) -> Callable[[RigModel, float], RigModel]:
     def apply(model: RigModel, factor: float) -> RigModel:
         assert model.contacts is not None, "asked for where there are contacts only"
@@ -62,43 +69,62 @@ FRICTION = Nuisance("friction_coefficient", "friction coefficient", 0.3, 1.5, 0.
 TANGENTIAL = Nuisance("tangential_stiffness", "tangential contact stiffness", 0.7, 2.5, 0.05, _contact_entry("kt"))
 NORMAL = Nuisance("normal_stiffness", "normal contact stiffness", 0.7, 2.5, 0.05, _contact_entry("kn"))
 PRELOAD = Nuisance("preload", "preload of the contacts", 0.02, 0.1, 0.03, _contact_entry("n0"))
+# Of modes identified in a test, whose frequencies are known best and whose masses least (half a decibel).
+MODAL_STIFFNESS = Nuisance("modal_stiffness", "modal stiffness", 0.01, 0.05, 2e-4, _stiffness_of_material)
+MODAL_MASS = Nuisance("modal_mass", "modal mass", 0.05, 0.5, 0.01, _modal_mass)
 
 
 def nuisances(model: RigModel) -> tuple[Nuisance, ...]:
     """Those that the model has a place for."""
+    if model.identified:
+        return (MODAL_STIFFNESS, LOSS_FACTOR, MODAL_MASS)
     return (YOUNGS_MODULUS, LOSS_FACTOR, *((FRICTION, TANGENTIAL, NORMAL, PRELOAD) if model.contacts else ()))
+
+
+# Bound on the size of a numerical error, in units of the difference that finer numerics make.
+_MOST = 4.0
 
 
 @dataclass(frozen=True, eq=False)
 class Parametrisation:
     """A base model with what may change in it. The vector u has one entry a nuisance (logarithm of its factor), then
-    one for each parameter of each effect, scaled: 0 at its null value, 1 at its typical one.
+    one for each parameter of each effect, scaled: 0 at its null value, 1 at its typical one; then one for each pattern
+    of numerical error, which does not change the model but what is observed of it.
     """
 
     base: RigModel
     nuisances: tuple[Nuisance, ...]
     effects: tuple[Effect, ...] = ()
+    numerics: NumericalError = field(default_factory=NumericalError)
 
     @property
     def names(self) -> tuple[str, ...]:
         of_effects = (f"{e.name}.{p.name}" for e in self.effects for p in e.parameters)
-        return (*(n.name for n in self.nuisances), *of_effects)
+        return (*(n.name for n in self.nuisances), *of_effects, *(f"numerics.{n}" for n in self.numerics.names))
 
     def __len__(self) -> int:
         return len(self.names)
 
     @property
+    def n_of_model(self) -> int:
+        """How many change the model itself: the first ones."""
+        return len(self) - len(self.numerics.names)
+
+    @property
     def lower(self) -> Floats:
-        return np.array([-n.largest for n in self.nuisances] + [min(b) for b in self._effect_bounds()])
+        of_effects = [min(b) for b in self._effect_bounds()]
+        return np.array([-n.largest for n in self.nuisances] + of_effects + [-_MOST] * len(self.numerics.names))
 
     @property
     def upper(self) -> Floats:
-        return np.array([n.largest for n in self.nuisances] + [max(b) for b in self._effect_bounds()])
+        of_effects = [max(b) for b in self._effect_bounds()]
+        return np.array([n.largest for n in self.nuisances] + of_effects + [_MOST] * len(self.numerics.names))
 
     @property
     def deviation(self) -> Floats:
         """Prior standard deviations; effects have none (infinite)."""
-        return np.array([n.deviation for n in self.nuisances] + [np.inf] * (len(self) - len(self.nuisances)))
+        of_effects = [np.inf] * (self.n_of_model - len(self.nuisances))
+        return np.array([n.deviation for n in self.nuisances] + of_effects + [1.0] * len(self.numerics.names))
 
     def _effect_bounds(self) -> list[tuple[float, float]]:
         return [

@@ -147,7 +147,8 @@ def move_branch(parametrisation: Parametrisation, u: Floats, before: PredictedBr
     excitation = model.excited_by(before.condition.force)
     moved: list[BranchPoint] = []
     for i, point in enumerate(before.points):
-        du = (u - before.u)[: len(before.w_by_parameter[i])]
+        known = len(before.w_by_parameter[i])
+        du = u[:known] - before.u[:known]
         x = point.x + np.tensordot(du, before.x_by_parameter[i], axes=1)
         w = point.w + float(before.w_by_parameter[i] @ du)
         arc = Arc(x, w, point.tangent, point.metric)
@@ -161,7 +162,7 @@ def move_branch(parametrisation: Parametrisation, u: Floats, before: PredictedBr
 def changes(parametrisation: Parametrisation, u: Floats) -> tuple[Change, ...]:
     """Differences for every parameter: central, or to one side where a bound is near."""
     found = []
-    for j in range(len(parametrisation)):
+    for j in range(parametrisation.n_of_model):
         step = np.zeros(len(u))
         step[j] = _STEP
         low = u - step if u[j] - _STEP >= parametrisation.lower[j] else u
@@ -189,11 +190,14 @@ def _observe(
     chords = _length(np.diff(state, axis=0), (state[1:] + state[:-1]) / 2, condition)
     visited = np.zeros(len(points), dtype=bool)
     visited[sweep(np.exp(state[:, 0]), condition.upwards).visited] = True
+    place = np.concatenate([[0.0], np.cumsum(chords)])
+    patterns = parametrisation.numerics.at(condition.name, place / place[-1], state.shape[1])
+    slopes = np.concatenate([slopes[:, :-1], _of_state(patterns, state), slopes[:, -1:]], axis=1)
     return PredictedBranch(
         condition,
-        u,
+        np.append(u[: parametrisation.n_of_model], np.zeros(patterns.shape[1])),
         tuple(points),
-        np.concatenate([[0.0], np.cumsum(chords)]),
+        place,
         state,
         along / length[:, None],
         slopes,
@@ -202,6 +206,13 @@ def _observe(
         visited,
         stopped,
     )
+
+
+def _of_state(patterns: Floats, state: Floats) -> Floats:
+    """Changes of the logarithms (n, k, m) as those of the state."""
+    amplitude = state[:, None, 1::2] + 1j * state[:, None, 2::2]
+    change = (patterns[..., 1::2] + 1j * patterns[..., 2::2]) * amplitude
+    return np.concatenate([patterns[..., :1], _pairs(change)], axis=-1)
 
 
 def _length(change: Floats, state: Floats, condition: Condition) -> Floats:
@@ -231,4 +242,4 @@ def _state(d: Derivatives, w: float, system: NonlinearSystem, condition: Conditi
 
 def _pairs(values: NDArray[np.complex128]) -> Floats:
     """Real and imaginary parts side by side: (..., n) -> (..., 2 n)"""
-    return np.stack([values.real, values.imag], axis=-1).reshape(*values.shape[:-1], -1)
+    return np.stack([values.real, values.imag], axis=-1).reshape(*values.shape[:-1], 2 * values.shape[-1])

@@ -47,6 +47,7 @@ class RigModel:
     excitation: name of the point that the shaker acts on
     places: where points and the clamps ("blade_left.root", "blade_right.root") are, name without axis -> (x, y, z)
         at rest [m]; empty where that is not known
+    identified: whether the modes were identified in a test rather than computed: modal masses are known roughly then
     """
 
     components: LinearModel
@@ -60,6 +61,7 @@ class RigModel:
     elements: tuple[PointElement, ...] = ()
     notes: Mapping[str, float] = field(default_factory=dict)
     places: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
+    identified: bool = False
 
     @cached_property
     def system(self) -> NonlinearSystem:

@@ -42,7 +42,7 @@ class FitOptions:
     """
 
     rounds: int = 12
-    largest_step: float = 1.0
+    largest_step: float = 0.3
     tolerance: float = 0.1
     each_assembly: bool = True
     match_rounds: int = 3

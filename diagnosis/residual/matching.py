@@ -17,6 +17,8 @@ Floats = NDArray[np.float64]
 
 # Places tried between two neighbouring points of the branch.
 _BETWEEN = 8
+# How often the place is looked for again, four times as finely.
+_LOOKS = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +50,7 @@ def match(
     """
     shift, spread = np.append(u - branch.u, 0.0), np.append(spread, 0.0)
     run = replace(run, observed=run.observed - correction)
-    place = _slide(branch, run, _nearest(branch, run, shift, spread), shift, spread)
+    place = _nearest(branch, run, shift, _weights(branch, run, spread))
     observed = branch.at(place)
     difference = _difference(run, observed, shift)
     return _across(run, place, difference, observed)
@@ -67,42 +69,37 @@ def _to_nearest_turn(difference: Floats) -> Floats:
     return turned
 
 
-def _weights(run: Observations, slopes: Floats, spread: Floats) -> Floats:
-    """(..., m) one over the standard deviations, of sensors and parameters together."""
-    of_parameters = np.einsum("...pm,p->...m", slopes**2, spread**2)
-    return 1 / np.sqrt(np.median(run.noise, axis=0) ** 2 + of_parameters)
+def _weights(branch: PredictedBranch, run: Observations, spread: Floats) -> Floats:
+    """(m,) one over the standard deviations, of sensors and parameters together; the same all along the branch, since
+    where contacts begin to slip the derivatives leap, and any point would do for a place that is uncertain enough."""
+    slopes = branch.at(branch.place).slopes
+    of_parameters = np.einsum("npm,p->nm", slopes**2, spread**2)
+    return np.asarray(1 / np.sqrt(np.median(run.noise, axis=0) ** 2 + np.median(of_parameters, axis=0)))
 
 
-def _nearest(branch: PredictedBranch, run: Observations, shift: Floats, spread: Floats) -> Floats:
-    """(n,) the best of many places on the parts that the sweep visits."""
-    both = branch.visited[:-1] & branch.visited[1:]
-    share = (np.arange(_BETWEEN) + 0.5) / _BETWEEN
-    tried = (branch.place[:-1, None] + np.diff(branch.place)[:, None] * share)[both].ravel()
+def _distance(branch: PredictedBranch, run: Observations, tried: Floats, shift: Floats, weights: Floats) -> Floats:
+    """(n, k) squared, of every point of the run from the places tried for it (n or 1, k)."""
     model = branch.at(tried)
-    weights = _weights(run, model.slopes, spread)
-    without_force = model.value + np.einsum("npm,p->nm", model.slopes, shift)
-    best = np.empty(len(run))
-    for i, (measured, log_force) in enumerate(zip(run.observed, run.log_force, strict=True)):
-        difference = _to_nearest_turn(measured - without_force - model.slopes[:, -1] * log_force)
-        # the logarithm keeps a place from winning by being uncertain
-        cost = np.sum((weights * difference) ** 2 - 2 * np.log(weights), axis=1)
-        best[i] = tried[np.argmin(cost)]
-    return best
+    predicted = model.value + np.einsum("...pm,p->...m", model.slopes, shift)
+    by_force = model.slopes[..., -1, :] * run.log_force[:, None, None]
+    difference = _to_nearest_turn(run.observed[:, None] - predicted - by_force)
+    return np.asarray(np.sum((weights * difference) ** 2, axis=2))
 
 
-def _slide(branch: PredictedBranch, run: Observations, place: Floats, shift: Floats, spread: Floats) -> Floats:
-    """Gauss-Newton for the place, no further than to the ends of the branch's piece."""
-    piece = np.clip(np.searchsorted(branch.place, place) - 1, 0, len(branch.place) - 2)
-    low, high = branch.place[piece], branch.place[piece + 1]
-    reach = high - low
-    for _ in range(4):
-        model = branch.at(place)
-        squared = _weights(run, model.slopes, spread) ** 2
-        difference = _difference(run, model, shift)
-        move = np.sum(squared * model.along * difference, axis=1) / np.sum(squared * model.along**2, axis=1)
-        place = np.clip(
-            place + move, np.maximum(low - reach, branch.place[0]), np.minimum(high + reach, branch.place[-1])
-        )
+def _nearest(branch: PredictedBranch, run: Observations, shift: Floats, weights: Floats) -> Floats:
+    """(n,) the best of many places on the parts that the sweep visits, then finer and finer looks around it; a
+    gradient would go astray where contacts begin to slip."""
+    both = np.flatnonzero(branch.visited[:-1] & branch.visited[1:])
+    share = (np.arange(_BETWEEN) + 0.5) / _BETWEEN
+    length = np.diff(branch.place)[both]
+    tried = (branch.place[both][:, None] + length[:, None] * share).ravel()
+    best = np.argmin(_distance(branch, run, tried[None], shift, weights), axis=1)
+    place, width = tried[best], (length / _BETWEEN)[best // _BETWEEN]
+    for _ in range(_LOOKS):
+        around = place[:, None] + width[:, None] * np.linspace(-1, 1, 9)
+        around = np.clip(around, branch.place[0], branch.place[-1])
+        closest = np.argmin(_distance(branch, run, around, shift, weights), axis=1)
+        place, width = np.take_along_axis(around, closest[:, None], axis=1)[:, 0], width / 4
     return place
 
 

@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 DRIFT, GAIN, NOISE = "frequency drift", "sensor gain", "sensor noise"
 # Standard deviations before the repeats have been looked at: relative, and of the logarithm of that guess.
 _DRIFT, _GAIN = 1e-4, 0.01
-_UNSURE, _UNSURE_NOISE = 1.0, 1.0
+_UNSURE, _UNSURE_NOISE = 0.5, 0.3
 
 
 @dataclass(frozen=True)
@@ -137,7 +137,7 @@ def learn(assemblies: Sequence[Assembly], prior: Scatter, free: int) -> Scatter:
             total += p.minus_twice_log_likelihood(a.deviations(scatter), scatter.noise, free / len(assemblies))
         return total
 
-    found = minimize(unlikely, np.zeros(len(names)), method="L-BFGS-B", bounds=[(-4.0, 4.0)] * len(names))
+    found = minimize(unlikely, np.zeros(len(names)), method="L-BFGS-B", bounds=[(-3.0, 3.0)] * len(names))
     return Scatter.of(dict(zip(names, np.exp(start + sizes * found.x).tolist(), strict=True)))
 
 

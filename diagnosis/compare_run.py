@@ -1,0 +1,157 @@
+"""`updamp compare`: from a rig file and a measurement to comparison.json and report.html."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+from rich.console import Console
+
+from updamp import stages
+from updamp.diagnosis.compare import CompareOptions, compare
+from updamp.diagnosis.comparison import Comparison, FeatureComparison
+from updamp.diagnosis.comparison_json import write_json
+from updamp.diagnosis.measurement.load import load_measurement
+from updamp.diagnosis.measurement.measurement import Measurement
+from updamp.diagnosis.model.build import rig_model
+from updamp.diagnosis.model.rig_model import RigModel
+from updamp.diagnosis.report.write_report import write_report
+from updamp.diagnosis.residual.fit import Fit
+from updamp.diagnosis.stated import compare_features, needed
+from updamp.progress import Display
+from updamp.rig import Rig, load_rig
+from updamp.run import Run, RunOptions
+
+WITHOUT_DAMPER = "without damper"
+
+
+@dataclass(frozen=True)
+class CompareFiles:
+    """What a comparison reads and where it writes."""
+
+    rig: Path
+    measurement: Path
+    out: Path
+
+    @property
+    def comparison(self) -> Path:
+        return self.out / "comparison.json"
+
+    @property
+    def report(self) -> Path:
+        return self.out / "report.html"
+
+
+def run_compare(
+    files: CompareFiles, preset: str, workers: int, console: Console, options: CompareOptions | None = None
+) -> tuple[Comparison, Fit | None]:
+    """Build the model where it is not there yet, compare, write both files.
+
+    raises: RigError, MeasurementError and what the stages raise, naming what to mend
+    """
+    rig = load_rig(files.rig)
+    with Display(console) as display:
+        measurement = load_measurement(files.measurement, _points(), rig.name)
+        run = Run(rig, RunOptions(preset, files.out, workers, check=False, until=stages.STATIC_CONTACT), display)
+        model, free_frequency = _model(run)
+        features = _features(files, rig, measurement, preset, workers, display, free_frequency)
+        provenance = _provenance(files, preset, measurement)
+        display.update("comparison", 0.0, "prediction")
+        told = _Told(display)
+        comparison, fit = compare(model, measurement, features, provenance, options, told)
+        display.done("comparison", f"{len(comparison.findings)} findings")
+        write_json(files.comparison, comparison)
+        write_report(comparison, files.report, _pictures(files.out))
+        display.done("files", f"{files.comparison}, {files.report}")
+    return comparison, fit
+
+
+class _Told:
+    """The fit does not know how many rounds it will need: the bar tells what it is at."""
+
+    def __init__(self, display: Display) -> None:
+        self._display, self._share = display, 0.0
+
+    def __call__(self, step: str) -> None:
+        self._share += (1 - self._share) / 6
+        self._display.update("comparison", self._share, step)
+
+
+def _points() -> tuple[str, ...]:
+    """Names of the points that every model of such a rig has."""
+    of_blade = ("excitation.x", "tip.x", "platform.x", "platform.y")
+    of_damper = ("corner_left.x", "corner_left.y", "corner_right.x", "corner_right.y")
+    blades = [f"blade_{side}.{point}" for side in ("left", "right") for point in of_blade]
+    return (*blades, *(f"damper.{point}" for point in of_damper))
+
+
+def _model(run: Run) -> tuple[RigModel, float]:
+    """The model, and the blade's first frequency without damper [Hz]."""
+    import numpy as np
+
+    done = run.products()
+    assert done.finite_elements is not None, "the run goes as far as static contact"
+    assert done.static_contact is not None, "the run goes as far as static contact"
+    reduced = done.finite_elements.product.reduced
+    free = float(reduced.blade_right.omega[0] / (2 * np.pi))
+    return rig_model(reduced, done.static_contact.product, run.rig), free
+
+
+def _features(
+    files: CompareFiles,
+    rig: Rig,
+    measurement: Measurement,
+    preset: str,
+    workers: int,
+    display: Display,
+    free_frequency: float,
+) -> tuple[FeatureComparison, ...]:
+    """Stated values: the curves that they need are those of `updamp run`, in the same files."""
+    if not measurement.features:
+        return ()
+    wanted = needed(measurement.features)
+    point = f"blade_{rig.excitation.blade}.tip.x"
+    peaks: dict[tuple[str, float], float] = {}
+    for mode in dict.fromkeys(mode for mode, _ in wanted):
+        forces = tuple(force for of_mode, force in wanted if of_mode == mode)
+        run = Run(rig, RunOptions(preset, files.out, workers, (mode,), forces, check=False, pictures=False), display)
+        for stored in run.products().curves:
+            peaks[mode, stored.product.force] = stored.product.peak(point)[0]
+
+    def resonance(mode: str, force: float) -> float:
+        if WITHOUT_DAMPER in mode:
+            return free_frequency
+        if (mode, force) not in peaks:
+            raise ValueError(f"the curve {mode} {force:g} N was not traced: see the lines above")
+        return peaks[mode, force]
+
+    return compare_features(measurement.features, resonance)
+
+
+def _provenance(files: CompareFiles, preset: str, measurement: Measurement) -> Mapping[str, str]:
+    hashes = {f"SHA-256 of {name}": value for name, value in (measurement.hashes or {}).items()}
+    return {
+        "rig file": str(files.rig),
+        "measurement": str(files.measurement),
+        "mesh": preset,
+        "updamp": version("updamp"),
+        **hashes,
+    }
+
+
+def _pictures(folder: Path) -> dict[str, bytes]:
+    """Those of the contacts, where `updamp run` has drawn them into the same folder."""
+    captions = {
+        "pressure.png": "Pressure at rest",
+        "contact_states_OOP.png": "Contact states, OOP",
+        "contact_states_IP.png": "Contact states, IP",
+    }
+    found = {caption: folder / "pictures" / name for name, caption in captions.items()}
+    return {caption: path.read_bytes() for caption, path in found.items() if path.is_file()}
+
+
+def sentences(comparison: Comparison) -> Sequence[str]:
+    """What the terminal says in the end."""
+    if comparison.adequate:
+        return ("no misfit beyond repeatability",)
+    return tuple(finding.text for finding in comparison.findings)

@@ -1,0 +1,172 @@
+"""A rig given by the modes of a test instead of by its geometry: a linear model without finite elements or contacts.
+
+The rig file says `kind = "modal"`. Receptance of its modes r (D. J. Ewins, Modal Testing, 2000, ch. 2):
+
+    H_jk(w) = sum_r phi_jr phi_kr / (w_r^2 (1 + i eta_r) - w^2)            (loss factor)
+    H_jk(w) = sum_r phi_jr phi_kr / (w_r^2 + 2 i zeta_r w_r w - w^2)       (damping ratio)
+"""
+
+import math
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, StringConstraints, ValidationError, model_validator
+
+from updamp.diagnosis.model.rig_model import PointElement, RigModel
+from updamp.hbm.contact.springs import CubicParameters, CubicSpring
+from updamp.hbm.harmonics import Harmonics
+from updamp.hbm.linear_model import LinearModel
+from updamp.rig import Frequency, HarmonicBalance, Name
+from updamp.rig_errors import RigError, explain
+from updamp.rig_fields import Quantity, Section
+
+Floats = NDArray[np.float64]
+Point = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][\w-]*(\.[A-Za-z][\w-]*)*\.[xyz]$")]
+
+KIND = "modal"
+_NORMALISED = Quantity("kg^-0.5", "0.8 kg^-0.5")
+_BALANCE = HarmonicBalance(harmonics=(1,), time_samples=16, cycles=2)
+
+
+class Mode(Section):
+    """frequency, undamped [Hz]; damping by `loss_factor` (hysteretic) or `damping_ratio` (viscous), one of them.
+
+    shape: point -> displacement. With `modal_mass` [kg] in any scale, plain numbers ("the mass of an oscillator that
+    moves by 1 where the shape says 1"); without it mass-normalised, with unit [kg^-1/2].
+    """
+
+    frequency: Frequency
+    loss_factor: Annotated[float, Field(strict=True, ge=0, lt=1, examples=[0.006])] | None = None
+    damping_ratio: Annotated[float, Field(strict=True, ge=0, lt=1, examples=[0.003])] | None = None
+    modal_mass: Annotated[float, Quantity("kg", "1.2 kg", above=0)] | None = None
+    shape: Annotated[Mapping[Point, Any], Field(min_length=1, examples=[{"beam.drive.x": 1.0}])]
+
+    @model_validator(mode="after")
+    def _one_damping(self) -> Self:
+        if (self.loss_factor is None) == (self.damping_ratio is None):
+            stated = "neither is" if self.loss_factor is None else "both are"
+            raise ValueError(
+                f"loss_factor, damping_ratio: {stated} stated; state one of them, such as loss_factor = 0.006"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _shape_in_its_unit(self) -> Self:
+        if problems := [line for point in self.shape for line in self._problem(point)]:
+            raise ValueError("\n".join(problems))
+        if not any(self._entry(value) for value in self.shape.values()):
+            raise ValueError("shape: the mode moves at none of its points; state those where it does")
+        return self
+
+    def _problem(self, point: str) -> list[str]:
+        try:
+            self._entry(self.shape[point])
+        except ValueError as error:
+            return [f'shape."{point}" = {self.shape[point]!r}: {error}']
+        return []
+
+    def _entry(self, value: object) -> float:
+        if self.modal_mass is None:
+            if isinstance(value, str):
+                return _NORMALISED.to_si(value)
+            raise ValueError(
+                f'without modal_mass shapes are mass-normalised: state the unit as text, such as "{_NORMALISED.example}"'
+                ', or add modal_mass = "1.2 kg"'
+            )
+        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            raise ValueError("with modal_mass the shape is a plain number, such as 1.0")
+        return float(value)
+
+    @property
+    def normalised(self) -> dict[str, float]:
+        """Point -> mass-normalised displacement [kg^-1/2]"""
+        scale = 1.0 if self.modal_mass is None else 1 / math.sqrt(self.modal_mass)
+        return {point: scale * self._entry(value) for point, value in self.shape.items()}
+
+
+class ModalRig(Section):
+    """Exactly the keys of a modal rig file, checked, in SI. A mode does not move at points that its shape leaves out.
+
+    harmonic_balance: for effects that are tried on the model; by itself it is linear
+    """
+
+    kind: Literal["modal"]
+    name: Name
+    excitation: Point
+    modes: Annotated[Mapping[Name, Mode], Field(min_length=1)]
+    harmonic_balance: HarmonicBalance = _BALANCE
+
+    @model_validator(mode="after")
+    def _excited(self) -> Self:
+        if self.excitation not in self.points:
+            raise ValueError(
+                f'excitation = "{self.excitation}": no mode has a shape there; points are {", ".join(self.points)}'
+            )
+        return self
+
+    @property
+    def points(self) -> tuple[str, ...]:
+        """Those of all modes, in the order of the file."""
+        return tuple(dict.fromkeys(point for mode in self.modes.values() for point in mode.shape))
+
+    def model(self) -> RigModel:
+        """Its modes as one component; parameters are those of modes identified in a test (`RigModel.identified`)."""
+        balance, modes = self.harmonic_balance, tuple(self.modes.values())
+        omega = 2 * np.pi * np.array([mode.frequency for mode in modes])
+        eta = np.array([mode.loss_factor or 0.0 for mode in modes])
+        zeta = np.array([mode.damping_ratio or 0.0 for mode in modes])
+        shapes = [mode.normalised for mode in modes]
+        phi = np.array([[shape.get(point, 0.0) for shape in shapes] for point in self.points])
+        n = len(self.points)
+        components = LinearModel(
+            omega**2, phi, np.zeros((n, n)), np.diag(eta * omega**2), np.diag(2 * zeta * omega), 0, self.points
+        )
+        # The solver needs a relative displacement; a spring of no stiffness gives it one and changes nothing.
+        nothing = PointElement(
+            "none", self.excitation, CubicSpring(), CubicParameters(jnp.asarray(np.zeros(1)))
+        )
+        return RigModel(
+            components=components,
+            owner=(self.name,) * len(modes),
+            attachments=(),
+            contacts=None,
+            patches=None,
+            excitation=self.excitation,
+            harmonics=Harmonics(balance.harmonics),
+            time_samples=balance.time_samples,
+            elements=(nothing,),
+            identified=True,
+        )
+
+
+def is_modal(path: str | Path) -> bool:
+    """Whether a rig file gives modes; False for one that cannot be read, which its loader explains better."""
+    try:
+        return tomllib.loads(Path(path).read_text(encoding="utf-8")).get("kind") == KIND
+    except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError):
+        return False
+
+
+def load_modal(path: str | Path) -> ModalRig:
+    """Read and check a modal rig file (TOML).
+
+    raises: RigError with every problem found, one a line
+    """
+    path = Path(path)
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise RigError(f"{path}: no such file; give a modal rig file, such as rigs/brake_reuss.toml") from None
+    except OSError as error:
+        raise RigError(f"{path}: cannot be read: {error.strerror}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise RigError(f"{path}: not valid TOML: {error}") from None
+    try:
+        return ModalRig.model_validate(table)
+    except ValidationError as error:
+        raise RigError("\n".join([f"{path}:", *explain(error, ModalRig)])) from None
