@@ -88,7 +88,7 @@ class StepMotor:
             new, start = found.tips, found.x
             wanted = force_on_blade(force, new["blade_right"], bench.force_drop)
             change = max(abs(wanted / actual - 1), *(abs(new[b] / tips.get(b, 1e-30) - 1) for b in new))
-            if change < 1e-6:
+            if change < 100 * self.options.tolerance:
                 return found
             tips = {b: tips.get(b, new[b]) + 0.6 * (new[b] - tips.get(b, new[b])) for b in new}
             actual += 0.6 * (wanted - actual)
