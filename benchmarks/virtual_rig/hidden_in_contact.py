@@ -50,7 +50,7 @@ def contact_viscosity(bench: Bench, values: Values, _rig: Rig) -> Bench:
 
 
 def velocity_dependent_friction(bench: Bench, values: Values, _rig: Rig) -> Bench:
-    """mu (1 - d |v| / (|v| + v0)), v0 = 1 mm/s: as in the catalogue; contacts of this rig slide at tenths of it"""
+    """mu (1 - d |v| / (|v| + v0)), v0 = 1 mm/s: as in the catalogue; contacts of this rig reach a fifth of it"""
     return bench.with_patches(speed_drop=values["drop"], speed_scale=1e-3)
 
 
