@@ -1,8 +1,8 @@
 """Resonance against amplitude, read off measured and predicted receptances in the same way.
 
-Frequency and height at the largest receptance; the equivalent loss factor from how fast the phase falls there,
-eta = 2 / (f |d phase / d f|), which is exact for a linear oscillator with light damping (D. J. Ewins, Modal Testing,
-2000, ch. 4).
+Frequency and height at the largest receptance; the equivalent loss factor from how fast the tangent of the phase falls
+there, eta = 2 / (f |d tan(phase - phase of the peak) / d f|): for a linear oscillator with light damping it follows a
+straight line (D. J. Ewins, Modal Testing, 2000, ch. 4).
 """
 
 from collections.abc import Sequence
@@ -63,12 +63,20 @@ def _loss_factor(f: Floats, receptance: Complex, i: int, at: float) -> float:
         high += 1
     if high - low < 3:
         return float("nan")
-    slope = np.polyfit(f[low : high + 1] - at, phase[low : high + 1], 1)[0]
+    run = slice(low, high + 1)
+    # about the phase at the top, which lies between two points: the tangent is straight about no other
+    tangent = np.tan(phase[run] - np.interp(0.0, *_increasing(f[run] - at, phase[run])))
+    slope = np.polyfit(f[run] - at, tangent, 1)[0]
     return float(-2 / (at * slope)) if slope < 0 else float("nan")
 
 
+def _increasing(x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    order = np.argsort(x)
+    return x[order], y[order]
+
+
 def backbone(mode: str, channel: str, entries: Sequence[tuple[float, int, Floats, Complex, Floats]]) -> Backbone:
-    """entries: (level [N], repeat, frequency, receptance, force) of each sweep"""
+    """entries: (level, repeat, frequency, receptance, force) of each sweep"""
     found = [(level, repeat, resonance(f, z, force)) for level, repeat, f, z, force in entries]
     return Backbone(
         mode,

@@ -19,11 +19,12 @@ from updamp.diagnosis.comparison import (
     PointResidual,
 )
 from updamp.diagnosis.findings import findings, lack_of_fit, misfits
+from updamp.diagnosis.gross_misfit import gross_misfits, growth
 from updamp.diagnosis.measurement.measurement import Measurement
 from updamp.diagnosis.model.parameters import LOSS_FACTOR, Parametrisation, nuisances
 from updamp.diagnosis.model.predicted_branch import PredictedBranch
 from updamp.diagnosis.model.rig_model import RigModel
-from updamp.diagnosis.residual.fit import Fit, FitOptions, compare_at, fit, predict
+from updamp.diagnosis.residual.fit import Fit, FitOptions, compare_at, fails_grossly, fit, predict
 from updamp.diagnosis.residual.numerical_gate import more_harmonics, with_numerical_error
 from updamp.diagnosis.residual.observations import Observations, Plan, plan_of
 from updamp.diagnosis.stated import feature_findings
@@ -81,9 +82,14 @@ def compare(
         parametrisation, start, plan, dict.fromkeys(plan.repeats, before), calibrated.compared.scatter
     )
     loss_factor = parametrisation.names.index(LOSS_FACTOR.name)
-    found = misfits(calibrated, plan, [_damping_share(b, loss_factor) for b in after])
-    said = findings(calibrated, plan, found)
     names = {channel.point: channel.name for channel in measurement.channels}
+    of_tests, of_model = _measured_backbones(plan, names), _model_backbones(plan, names, after)
+    if fails_grossly(parametrisation, calibrated.compared.chi2, calibrated.compared.values):
+        found = gross_misfits(calibrated, plan, of_tests, of_model)
+        said = (*growth(calibrated, plan, of_tests, of_model), *findings(calibrated, plan, found))
+    else:
+        found = misfits(calibrated, plan, [_damping_share(b, loss_factor) for b in after])
+        said = findings(calibrated, plan, found)
     comparison = Comparison(
         title=measurement.title,
         adequate=not said,
@@ -95,8 +101,8 @@ def compare(
             for j in range(len(condition.sensors))
         ),
         residuals=tuple(_point_residuals(calibrated, plan, names)),
-        measured_backbones=_measured_backbones(plan, names),
-        model_backbones=_model_backbones(plan, names, after),
+        measured_backbones=of_tests,
+        model_backbones=of_model,
         features=tuple(features),
         scatter=calibrated.compared.scatter.as_numbers(),
         chi2_before=as_given.chi2,
@@ -104,12 +110,13 @@ def compare(
         values=calibrated.compared.values,
         parameters=len(calibrated.u),
         contact_states={
-            f"{c.mode} {c.force:.3g} N {'up' if c.upwards else 'down'}": _states(parametrisation, calibrated.u, b)
+            f"{c.mode} {c.level_name} {'up' if c.upwards else 'down'}": _states(parametrisation, calibrated.u, b)
             for c, b in zip(plan.conditions, after, strict=True)
             if model.contacts is not None
         },
         assumptions=measurement.assumptions,
         provenance={**provenance, "calibration": calibrated.message, "lack of fit": f"{lack_of_fit(calibrated):.3g}"},
+        level_unit=plan.conditions[0].unit,
     )
     return comparison, calibrated
 
@@ -170,7 +177,7 @@ def _pair(
     return CurvePair(
         run=condition.name,
         mode=condition.mode,
-        level=condition.force,
+        level=condition.level,
         upwards=condition.upwards,
         channel=names[point] if k == 1 else f"{names[point]}, harmonic {k}",
         measured=measured,
@@ -238,7 +245,7 @@ def _point_residuals(fitted: Fit, plan: Plan, names: Mapping[str, str]) -> list[
             size = np.hypot(amplitude, phase) / np.sqrt(2)
             found += [
                 PointResidual(
-                    condition.name, condition.mode, condition.force, o.repeat, names[point], *map(float, values)
+                    condition.name, condition.mode, condition.level, o.repeat, names[point], *map(float, values)
                 )
                 for values in zip(o.frequency, amplitude, phase, size, strict=True)
             ]
@@ -274,7 +281,7 @@ def _backbones(
             for o in of_mode:
                 condition = plan.conditions[o.test]
                 repeat, f, z, force = curve(o, condition.sensors.index((point, k)))
-                entries.append((condition.force, repeat, f, z, force))
+                entries.append((condition.level, repeat, f, z, force))
             found.append(backbone(mode, names[point], entries))
     return tuple(found)
 

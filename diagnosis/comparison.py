@@ -14,7 +14,7 @@ Complex = NDArray[np.complex128]
 class Finding:
     """One sentence on where the model fails.
 
-    mode: of the study, "" for all; level: force [N] it holds at, None for every level
+    mode: of the study, "" for all; level: at which it holds, None for every level
     quantity: "frequency", "damping", "amplitude", "harmonics" or "sensor"; channel: for a sensor, else ""
     relative: model over measurement less 1; significance: in standard deviations of the scatter
     """
@@ -139,6 +139,7 @@ class Comparison:
     """chi2_before, chi2_after: weighted sums of squares; values: number of real values; parameters: fitted
 
     adequate: whether nothing stands out of the scatter; provenance: what made it (rig, hashes, versions), in words
+    level_unit: of every `level`: "N", or SI unit of the response that was held
     contact_states: for each curve's name "OOP 17 N": share of contacts stuck, slipping, separating, open at the peak
     """
 
@@ -159,3 +160,4 @@ class Comparison:
     contact_states: Mapping[str, tuple[float, float, float, float]]
     assumptions: tuple[str, ...]
     provenance: Mapping[str, str]
+    level_unit: str = "N"

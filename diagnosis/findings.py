@@ -150,7 +150,8 @@ def _of_mode(
     deviation = float(1 / np.sqrt(np.sum(weights)))
     alike = all(abs(m.relative - mean) < 3 * m.deviation + 0.2 * abs(mean) for m in all_levels)
     if len(all_levels) > 1 and alike and np.all(np.sign(values) == np.sign(mean)):
-        text = f"{mode}: {thing} {_percent(mean)} at every force level"
+        kind = "force level" if plan.conditions[0].unit == "N" else "level"
+        text = f"{mode}: {thing} {_percent(mean)} at every {kind}"
         return [Finding(text, mode, None, quantity, "", mean, mean / deviation)]
     right = [m for m in all_levels if m not in standing]
     rest = f", right at {_levels(right, plan)}" if right else ""
@@ -158,7 +159,7 @@ def _of_mode(
         Finding(
             f"{mode}: {thing} {_percent(m.relative)} at {_levels([m], plan)}{rest}",
             mode,
-            plan.conditions[m.direction.test].force,
+            plan.conditions[m.direction.test].level,
             quantity,
             "",
             m.relative,
@@ -192,7 +193,7 @@ def _percent(relative: float) -> str:
 
 def _levels(misfits_there: Sequence[Misfit], plan: Plan) -> str:
     levels = dict.fromkeys(
-        f"{plan.conditions[m.direction.test].force:.3g} N{_sweep(plan, m.direction.test)}" for m in misfits_there
+        f"{plan.conditions[m.direction.test].level_name}{_sweep(plan, m.direction.test)}" for m in misfits_there
     )
     return ", ".join(levels)
 
@@ -203,6 +204,6 @@ def _sweep(plan: Plan, test: int) -> str:
     others = [
         c
         for c in plan.conditions
-        if c.mode == this.mode and c.upwards != this.upwards and abs(c.force / this.force - 1) < 0.05
+        if c.mode == this.mode and c.upwards != this.upwards and abs(c.level / this.level - 1) < 0.05
     ]
     return (" upwards" if this.upwards else " downwards") if others else ""

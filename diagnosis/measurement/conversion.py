@@ -74,6 +74,7 @@ def measured_run(
         force=force[order],
         response=np.array([converted[name].displacement[:, order] for name in names]),
         noise=_noise(where, converted, order),
+        level_unit=QUANTITIES[file.channels[run.held_channel].quantity].si if run.held_channel else "N",
     )
     return measured, [*notes, *level_notes]
 

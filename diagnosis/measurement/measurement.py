@@ -31,7 +31,8 @@ class MeasuredRun:
 
     name: of the run, repeats excepted: runs of one name are repeats of the same test
     mode: of the study, such as "OOP"; upwards: direction of the sweep
-    held: what the controller held constant, "force", "response" or "nothing"; level: at which amplitude, in SI
+    held: what the controller held constant, "force", "response" or "nothing"; level: at which amplitude, in
+        level_unit, SI: "N", or that of the channel whose response was held
     repeat: number of the assembly: runs of one number were made without taking the damper out in between
     channels: names, in the order of `response`
     harmonics: in the order of `response`; 1 is among them
@@ -53,6 +54,7 @@ class MeasuredRun:
     force: Complex
     response: Complex
     noise: Floats | None = None
+    level_unit: str = "N"
 
     def __len__(self) -> int:
         return len(self.frequency)

@@ -75,8 +75,8 @@ class Mode(Section):
             if isinstance(value, str):
                 return _NORMALISED.to_si(value)
             raise ValueError(
-                f'without modal_mass shapes are mass-normalised: state the unit as text, such as "{_NORMALISED.example}"'
-                ', or add modal_mass = "1.2 kg"'
+                "without modal_mass shapes are mass-normalised: state the unit as text, such as "
+                f'"{_NORMALISED.example}", or add modal_mass = "1.2 kg"'
             )
         if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
             raise ValueError("with modal_mass the shape is a plain number, such as 1.0")
@@ -127,9 +127,7 @@ class ModalRig(Section):
             omega**2, phi, np.zeros((n, n)), np.diag(eta * omega**2), np.diag(2 * zeta * omega), 0, self.points
         )
         # The solver needs a relative displacement; a spring of no stiffness gives it one and changes nothing.
-        nothing = PointElement(
-            "none", self.excitation, CubicSpring(), CubicParameters(jnp.asarray(np.zeros(1)))
-        )
+        nothing = PointElement("none", self.excitation, CubicSpring(), CubicParameters(jnp.asarray(np.zeros(1))))
         return RigModel(
             components=components,
             owner=(self.name,) * len(modes),

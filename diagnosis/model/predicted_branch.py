@@ -34,6 +34,7 @@ class Condition:
     """A test as the model sees it: one run without its repeats.
 
     force: amplitude [N]; window: measured frequencies [Hz]
+    held: amplitude of the response that was held, in `unit`; None where it was not a response that was held
     sensors: (point of the model, harmonic), in the order of the observations
     """
 
@@ -43,6 +44,17 @@ class Condition:
     upwards: bool
     window: tuple[float, float]
     sensors: tuple[tuple[str, int], ...]
+    held: float | None = None
+    unit: str = "N"
+
+    @property
+    def level(self) -> float:
+        """What the test is called by: the force, unless a response was held."""
+        return self.force if self.held is None else self.held
+
+    @property
+    def level_name(self) -> str:
+        return f"{self.level:.3g} {self.unit.replace('^2', '²')}"
 
     @property
     def wider(self) -> tuple[float, float]:

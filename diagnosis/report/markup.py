@@ -68,7 +68,7 @@ def percent(relative: float, digits: int = 2) -> str:
 
 def with_unit(value: float, unit: str, digits: int = 4) -> str:
     text = number(value, digits)
-    return f"{text} {escape(_pretty(unit))}" if unit and text != MISSING else text
+    return f"{text} {escape(pretty(unit))}" if unit and text != MISSING else text
 
 
 def bar(share: float) -> str:
@@ -77,8 +77,13 @@ def bar(share: float) -> str:
     return f'<span class="bar"><span style="width:{width:.1f}%"></span></span>'
 
 
-def level_name(level: float) -> str:
-    return f"{level:.4g} N"
+def level_name(level: float, unit: str = "N") -> str:
+    return f"{level:.4g} {escape(pretty(unit))}"
+
+
+def level_word(unit: str) -> str:
+    """What a level in this unit is called."""
+    return "force level" if unit == "N" else "response level"
 
 
 def _exact(text: str, value: float) -> str:
@@ -90,5 +95,5 @@ def _raised(power: int) -> str:
     return "".join("⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".index(digit)] for digit in str(power))
 
 
-def _pretty(unit: str) -> str:
+def pretty(unit: str) -> str:
     return unit.replace("**", "^").replace("^2", "²").replace("^3", "³").replace("*", "·").replace("degree", "°")

@@ -7,6 +7,7 @@ from importlib.resources import files
 from plotly.offline import get_plotlyjs
 
 from updamp.diagnosis.report.compact import script_json
+from updamp.diagnosis.report.markup import level_word, pretty
 from updamp.diagnosis.report.palette import FOR_SCRIPTS
 from updamp.diagnosis.report.section import Content, Report, Section
 
@@ -21,6 +22,7 @@ def build_page(report: Report, sections: Sequence[Section]) -> str:
     """HTML of the `sections` that have something to show, in their order"""
     rendered = [(section, content) for section in sections if (content := section.render(report)) is not None]
     title = escape(report.comparison.title)
+    data = _page_data(rendered, report.comparison.level_unit)
     return "\n".join(
         (
             '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">',
@@ -31,7 +33,7 @@ def build_page(report: Report, sections: Sequence[Section]) -> str:
             f"<header>\n<h1>{title}</h1>\n{_contents_list(rendered)}\n</header>\n<main>",
             *(_section_html(section, content) for section, content in rendered),
             "</main>",
-            f'<script type="application/json" id="report-data">{_page_data(rendered)}</script>',
+            f'<script type="application/json" id="report-data">{data}</script>',
             f"<script>{get_plotlyjs()}</script>",
             *(f"<script>\n{asset(name)}</script>" for name in _scripts(rendered)),
             "</body>\n</html>\n",
@@ -60,10 +62,11 @@ def _section_html(section: Section, content: Content) -> str:
     )
 
 
-def _page_data(rendered: Sequence[tuple[Section, Content]]) -> str:
+def _page_data(rendered: Sequence[tuple[Section, Content]], unit: str) -> str:
     return script_json(
         {
             "palette": FOR_SCRIPTS,
+            "level": {"unit": pretty(unit), "word": level_word(unit)},
             "figures": {name: figure for _, content in rendered for name, figure in content.figures.items()},
             "sections": {section.identifier: content.data for section, content in rendered if content.data},
         }

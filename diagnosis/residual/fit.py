@@ -25,10 +25,13 @@ from updamp.diagnosis.residual.scatter import (
     offsets_of,
     split,
     whitened,
+    within_reach,
 )
 
 Floats = NDArray[np.float64]
 Progress = Callable[[str], None]
+# chi2 a value from where on the model fails grossly: by ten times the scatter on average.
+GROSS = 100.0
 # For each repeat, one a condition.
 Branches = Mapping[int, tuple[PredictedBranch, ...]]
 
@@ -133,11 +136,15 @@ def compare_at(
     for repeat in plan.repeats:
         runs = [o for o in plan.observations if o.repeat == repeat]
         offsets = (start or {}).get(repeat, Offsets(np.zeros(n), {}, {}))
+        misfit = 1.0
         first = of_scatter if spread is None else np.maximum(spread, of_scatter)
         for i in range(rounds):
             width = first if i == 0 else of_scatter
-            matched, equations = _assembled(parametrisation, u, plan, runs, branches[repeat], offsets, width)
+            matched, equations = _assembled(parametrisation, u, plan, runs, branches[repeat], offsets, width, misfit)
             b, chi2 = offsets_of(equations, scatter)
+            if fails_grossly(parametrisation, chi2, len(equations.residual)):
+                misfit = scatter.noise * float(np.sqrt(chi2 / len(equations.residual)))
+                b = within_reach(b, equations, scatter)
             offsets = split(b, matched, [plan.conditions[o.test].sensors for o in runs], n)
         parts.append((matched, equations, offsets, chi2))
     return Compared(
@@ -151,6 +158,12 @@ def compare_at(
     )
 
 
+def fails_grossly(parametrisation: Parametrisation, chi2: float, values: int) -> bool:
+    """Whether a model without contacts is off by ten times the scatter on average. One with contacts has other
+    damping than the material's to calibrate, and is only that far off before it is calibrated."""
+    return parametrisation.base.contacts is None and chi2 > GROSS * values
+
+
 def _assembled(
     parametrisation: Parametrisation,
     u: Floats,
@@ -159,12 +172,13 @@ def _assembled(
     branches: Sequence[PredictedBranch],
     offsets: Offsets,
     spread: Floats,
+    misfit: float,
 ) -> tuple[list[Matched], Assembly]:
     """One repeat with its offsets given."""
     sensors = [plan.conditions[o.test].sensors for o in runs]
     there = u + _padded(offsets.parameters, len(u))
     matched = [
-        match(branches[o.test], o, there, spread, offsets.correction(o.run, s))
+        match(branches[o.test], o, there, spread, offsets.correction(o.run, s), misfit)
         for o, s in zip(runs, sensors, strict=True)
     ]
     names = tuple(x.name for x in parametrisation.nuisances)
@@ -204,7 +218,7 @@ def fit(
             parametrisation, reweighed(parametrisation, plan, best, solved.scatter)
         )
         progress(f"chi2 {solved.chi2:.0f} for {solved.values} values")
-        if worse > 1.0 and not each:
+        if worse > 1.0 and (not each or fails_grossly(parametrisation, best.chi2, best.values)):
             reach /= 3
             if reach < 0.01 * options.largest_step:
                 message = "no step lowers chi2 any more"
@@ -298,6 +312,9 @@ def _objective(parametrisation: Parametrisation, compared: Compared) -> float:
 
 def _covariance(parametrisation: Parametrisation, compared: Compared) -> Floats:
     _, columns = compared.equations()
+    # where the model fails grossly, with the noise that its misfit asks for (R. T. Birge, Phys. Rev. 40 (1932) 207)
+    if fails_grossly(parametrisation, compared.chi2, compared.values):
+        columns = columns / np.sqrt(compared.chi2 / compared.values)
     information = columns.T @ columns + np.diag(1 / parametrisation.deviation**2)
     return np.asarray(np.linalg.pinv(information), dtype=np.float64)
 

@@ -40,17 +40,24 @@ class Matched:
 
 
 def match(
-    branch: PredictedBranch, run: Observations, u: Floats, spread: Floats, correction: Floats | float = 0.0
+    branch: PredictedBranch,
+    run: Observations,
+    u: Floats,
+    spread: Floats,
+    correction: Floats | float = 0.0,
+    misfit: float = 1.0,
 ) -> Matched:
     """Match a run against the branch moved to first order to the parameters u.
 
     correction: (m,) taken off the observations, such as a known drift or gain
     spread: (p,) standard deviations that the parameters may still be off by; they say how much frequency, amplitude
         and phase each tell of the place
+    misfit: how many times the sensors' noise the model is off by. Where it fails grossly, no observation but the
+        frequency is to be trusted more than that
     """
     shift, spread = np.append(u - branch.u, 0.0), np.append(spread, 0.0)
     run = replace(run, observed=run.observed - correction)
-    place = _nearest(branch, run, shift, _weights(branch, run, spread))
+    place = _nearest(branch, run, shift, _weights(branch, run, spread, misfit))
     observed = branch.at(place)
     difference = _difference(run, observed, shift)
     return _across(run, place, difference, observed)
@@ -69,12 +76,13 @@ def _to_nearest_turn(difference: Floats) -> Floats:
     return turned
 
 
-def _weights(branch: PredictedBranch, run: Observations, spread: Floats) -> Floats:
+def _weights(branch: PredictedBranch, run: Observations, spread: Floats, misfit: float) -> Floats:
     """(m,) one over the standard deviations, of sensors and parameters together; the same all along the branch, since
     where contacts begin to slip the derivatives leap, and any point would do for a place that is uncertain enough."""
     slopes = branch.at(branch.place).slopes
     of_parameters = np.einsum("npm,p->nm", slopes**2, spread**2)
-    return np.asarray(1 / np.sqrt(np.median(run.noise, axis=0) ** 2 + np.median(of_parameters, axis=0)))
+    noise = misfit * np.median(run.noise, axis=0)
+    return np.asarray(1 / np.sqrt(noise**2 + np.median(of_parameters, axis=0)))
 
 
 def _distance(branch: PredictedBranch, run: Observations, tried: Floats, shift: Floats, weights: Floats) -> Floats:

@@ -1,7 +1,7 @@
 """Measured sweeps in the coordinates in which they are compared: logarithm of frequency, of amplitude, and phase."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,6 +77,8 @@ def plan_of(measurement: Measurement, harmonics: Sequence[int] = (1,)) -> Plan:
         condition = _condition(measurement, runs, harmonics)
         observations += [_observations(run, len(conditions), condition, measurement) for run in runs]
         conditions.append(condition)
+    if len({c.unit for c in conditions}) > 1:  # forces are the one thing that all of them have
+        conditions = [replace(c, held=None, unit="N") for c in conditions]
     return Plan(tuple(conditions), tuple(observations))
 
 
@@ -85,9 +87,10 @@ def _condition(measurement: Measurement, runs: Sequence[MeasuredRun], harmonics:
     common = [c for c in first.channels if all(c in run.channels for run in runs)]
     orders = [k for k in harmonics if all(k in run.harmonics for run in runs)]
     force = float(np.median(np.concatenate([np.abs(run.force) for run in runs])))
-    window = min(run.frequency.min() for run in runs), max(run.frequency.max() for run in runs)
+    low, high = min(run.frequency.min() for run in runs), max(run.frequency.max() for run in runs)
+    held, unit = (first.level, first.level_unit) if first.held == "response" else (None, "N")
     sensors = tuple((measurement.channel(c).point, k) for c in common for k in orders)
-    return Condition(first.name, first.mode, force, first.upwards, (float(window[0]), float(window[1])), sensors)
+    return Condition(first.name, first.mode, force, first.upwards, (float(low), float(high)), sensors, held, unit)
 
 
 def _observations(run: MeasuredRun, test: int, condition: Condition, measurement: Measurement) -> Observations:
@@ -104,12 +107,16 @@ def _observations(run: MeasuredRun, test: int, condition: Condition, measurement
 
 
 def _deviation(run: MeasuredRun, channel: str, k: int) -> Floats:
-    """(n,) relative standard deviation of an amplitude: as stated, or from how rough the run is."""
+    """(n,) relative standard deviation of an amplitude: as stated, or from how rough the run is.
+
+    Its roughness is that of the amplitude over the force: where a controller holds the response, it is the force that
+    carries the noise.
+    """
     amplitude = run.amplitude(channel, k)
     if run.noise is not None:
         stated = run.noise[run.channels.index(channel), run.harmonics.index(k)]
         return np.asarray(stated / np.abs(amplitude))
-    return np.full(len(run), roughness(np.log(np.abs(amplitude))))
+    return np.full(len(run), roughness(np.log(np.abs(amplitude / run.force))))
 
 
 def roughness(values: Floats) -> float:

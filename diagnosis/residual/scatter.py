@@ -21,6 +21,10 @@ DRIFT, GAIN, NOISE = "frequency drift", "sensor gain", "sensor noise"
 # Standard deviations before the repeats have been looked at: relative, and of the logarithm of that guess.
 _DRIFT, _GAIN = 1e-4, 0.01
 _UNSURE, _UNSURE_NOISE = 0.5, 0.3
+# No further from the guess than this many deviations: what would need more is a misfit, and no scatter.
+_FURTHEST = 2.0
+# Of an offset, in standard deviations.
+_FARTHEST = 5.0
 
 
 @dataclass(frozen=True)
@@ -121,7 +125,7 @@ def split(b: Floats, matched: Sequence[Matched], sensors: Sequence[Sequence[tupl
 
 def learn(assemblies: Sequence[Assembly], prior: Scatter, free: int) -> Scatter:
     """The scatter that makes the repeats most likely (restricted to what the fitted parameters leave), with each size
-    lognormal about its prior.
+    lognormal about its prior. From a single assembly only the noise is learnt.
 
     free: number of fitted parameters, taken off the freedom of the noise
     """
@@ -137,7 +141,10 @@ def learn(assemblies: Sequence[Assembly], prior: Scatter, free: int) -> Scatter:
             total += p.minus_twice_log_likelihood(a.deviations(scatter), scatter.noise, free / len(assemblies))
         return total
 
-    found = minimize(unlikely, np.zeros(len(names)), method="L-BFGS-B", bounds=[(-3.0, 3.0)] * len(names))
+    # one assembly does not tell what the next would differ by
+    alone = len(assemblies) < 2
+    bounds = [(0.0, 0.0) if alone and name != NOISE else (-3.0, 3.0) for name in names]
+    found = minimize(unlikely, np.zeros(len(names)), method="L-BFGS-B", bounds=bounds)
     return Scatter.of(dict(zip(names, np.exp(start + sizes * found.x).tolist(), strict=True)))
 
 
@@ -173,6 +180,12 @@ def offsets_of(a: Assembly, scatter: Scatter) -> tuple[Floats, float]:
     rest = a.residual - a.random @ b
     chi2 = float(a.residual @ rest) / scatter.noise**2
     return b, chi2
+
+
+def within_reach(b: Floats, a: Assembly, scatter: Scatter) -> Floats:
+    """The offsets no further off than an assembly can be: a model that fails grossly is not excused by them."""
+    farthest = _FARTHEST * a.deviations(scatter) * scatter.noise
+    return np.clip(b, -farthest, farthest)
 
 
 def whitened(a: Assembly, scatter: Scatter) -> tuple[Floats, Floats]:

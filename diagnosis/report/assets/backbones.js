@@ -6,7 +6,7 @@
   const PANELS = [
     {x: "amplitude", y: "frequency", across: "displacement amplitude [µm]", up: "resonance frequency [Hz]"},
     {x: "amplitude", y: "damping", across: "displacement amplitude [µm]", up: "loss factor [–]"},
-    {x: "level", y: "receptance", across: "force [N]", up: "peak receptance [mm/N]"},
+    {x: "level", y: "receptance", across: `${updamp.levelUnit === "N" ? "force" : updamp.levelWord} [${updamp.levelUnit}]`, up: "peak receptance [mm/N]"},
   ];
   const WIDTH = 0.26;
   const axis = (letter, i) => letter + (i === 0 ? "" : i + 1);
@@ -21,7 +21,7 @@
         customdata: pick(backbone.level, keep), name: `measured, repeat ${repeat}`, legendgroup: `${repeat}`,
         showlegend: i === 0, xaxis: axis("x", i), yaxis: axis("y", i),
         marker: {color: palette.measured, size: 8, symbol: selection.symbolOf(repeat), line: {width: 1.5}},
-        hovertemplate: `repeat ${repeat}, %{customdata:.4g} N<br>%{x:.4g}: %{y:.5g}<extra></extra>`,
+        hovertemplate: `repeat ${repeat}, %{customdata:.4g} ${updamp.levelUnit}<br>%{x:.4g}: %{y:.5g}<extra></extra>`,
       };
     });
   }
@@ -31,7 +31,7 @@
       type: "scatter", mode: backbone.level.length > 1 ? "lines+markers" : "markers", x: backbone[panel.x], y: backbone[panel.y],
       customdata: backbone.level, name: "calibrated model", legendgroup: "model", showlegend: i === 0,
       xaxis: axis("x", i), yaxis: axis("y", i), line: {color: palette.after, width: 2}, marker: {color: palette.after, size: 4},
-      hovertemplate: "model, %{customdata:.4g} N<br>%{x:.4g}: %{y:.5g}<extra></extra>",
+      hovertemplate: `model, %{customdata:.4g} ${updamp.levelUnit}<br>%{x:.4g}: %{y:.5g}<extra></extra>`,
     };
   }
 

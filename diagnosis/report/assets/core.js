@@ -67,6 +67,6 @@ const updamp = (() => {
     whenReady: starter => starters.push(starter),
     unique: values => [...new Set(values)],
     digits: (value, count) => String(Number(value.toPrecision(count))),
-    newtons: level => `${Number(level.toPrecision(4))} N`,
+    levelName: level => `${Number(level.toPrecision(4))} ${page.level.unit}`, levelUnit: page.level.unit, levelWord: page.level.word,
   };
 })();

@@ -14,9 +14,9 @@
       const isSelected = selection.state.level === selection.ALL || selection.state.level === level;
       return {
         type: "scatter", mode: "markers", x, y: parts[part], xaxis: axis.replace("y", "x"), yaxis: axis, customdata: f,
-        name: updamp.newtons(level), legendgroup: `${level}`, showlegend, opacity: isSelected ? 1 : 0.35,
+        name: updamp.levelName(level), legendgroup: `${level}`, showlegend, opacity: isSelected ? 1 : 0.35,
         marker: {color: selection.colourOf(level), size: 6, symbol: up ? "circle" : "triangle-down"},
-        hovertemplate: `${updamp.newtons(level)}, %{customdata:.2f} Hz<br>%{x:.3g} µm: %{y:.1f} standard deviations<extra></extra>`,
+        hovertemplate: `${updamp.levelName(level)}, %{customdata:.2f} Hz<br>%{x:.3g} µm: %{y:.1f} standard deviations<extra></extra>`,
       };
     }));
     const strip = axis => ({type: "rect", layer: "below", xref: `${axis.replace("y", "x")} domain`, yref: axis, x0: 0, x1: 1,
@@ -26,7 +26,7 @@
       xaxis: across([0, 0.44], "y"), xaxis2: across([0.56, 1], "y2"),
       yaxis: {title: {text: "amplitude residual [σ]"}, zeroline: true, zerolinecolor: "#8a8f98"},
       yaxis2: {title: {text: "phase residual [σ]"}, anchor: "x2", zeroline: true, zerolinecolor: "#8a8f98"},
-      shapes: ["y", "y2"].map(strip), margin: {r: 110}, legend: {title: {text: "force level"}},
+      shapes: ["y", "y2"].map(strip), margin: {r: 110}, legend: {title: {text: updamp.levelWord}},
     });
   }
 

@@ -63,7 +63,7 @@
     return updamp.unique(shown.map(curve => curve.level)).flatMap(level => {
       const group = shown.filter(curve => curve.level === level);
       const colour = several ? selection.colourOf(level) : null;
-      const after = branchesOf(group, "after").flatMap(branch => modelTraces(branch, several ? updamp.newtons(level) : "calibrated model",
+      const after = branchesOf(group, "after").flatMap(branch => modelTraces(branch, several ? updamp.levelName(level) : "calibrated model",
         {color: colour || palette.after, width: 2}, `after ${level}`));
       const before = !option("show-before") ? [] : branchesOf(group, "before").flatMap(branch => modelTraces(branch,
         "before calibration", {color: colour || palette.before, width: 1.3, dash: "dash"}, "before"));

@@ -44,10 +44,10 @@ updamp.selection = (() => {
   }
 
   const WORDS = {all: "all levels", up: "▲ upwards", down: "▼ downwards", both: "both"};
-  const nameOf = value => (typeof value === "number" ? updamp.newtons(value) : WORDS[value] || value);
+  const nameOf = value => (typeof value === "number" ? updamp.levelName(value) : WORDS[value] || value);
 
   function sentence() {
-    const level = state.level === ALL ? "all force levels" : updamp.newtons(state.level);
+    const level = state.level === ALL ? `all ${updamp.levelWord}s` : updamp.levelName(state.level);
     const sweep = state.sweep === BOTH ? "both sweep directions" : `sweep ${state.sweep}wards`;
     const mark = state.frequency === null ? "" : `, ${updamp.digits(state.frequency, 6)} Hz marked`;
     return `Shown: ${state.mode}, ${level}, ${state.channel}, ${sweep}${mark}.`;

@@ -14,9 +14,9 @@
     const traces = shown.flatMap((each, k) => PARTS.flatMap(([part, axis]) => {
       const colour = several ? selection.colourOf(each.level) : null;
       const common = {type: "scatter", x: each.f, xaxis: `x${axis}`, yaxis: `y${axis}`};
-      const hover = `${updamp.newtons(each.level)}, %{x:.2f} Hz: %{y:.1f} σ<extra></extra>`;
+      const hover = `${updamp.levelName(each.level)}, %{x:.2f} Hz: %{y:.1f} σ<extra></extra>`;
       return [
-        {...common, mode: "markers", y: each.residual[part], name: several ? updamp.newtons(each.level) : "residual",
+        {...common, mode: "markers", y: each.residual[part], name: several ? updamp.levelName(each.level) : "residual",
           legendgroup: `residual ${each.level}`, showlegend: part === "amplitude" && (several || k === 0),
           marker: {color: colour || palette.measured, size: 6, symbol: "circle-open"}, hovertemplate: hover},
         {...common, mode: "lines", y: each[part], name: effect, legendgroup: "effect",

@@ -15,7 +15,7 @@ MM = 1e3  # m/N to mm/N
 
 CONTROLS = """<form class="controls" id="curve-controls" autocomplete="off">
 <label>Mode <select id="select-mode"></select></label>
-<label>Force level <select id="select-level"></select></label>
+<label>Level <select id="select-level"></select></label>
 <label>Channel <select id="select-channel"></select></label>
 <label>Sweep <select id="select-sweep"></select></label>
 <label class="check"><input type="checkbox" id="logarithmic"> logarithmic</label>

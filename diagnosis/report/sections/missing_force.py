@@ -27,11 +27,12 @@ def render(report: Report) -> Content | None:
         "Missing stiffness and missing damping against displacement amplitude, one colour a mode. "
         + " ".join(f"{force.mode}: {force.reading}." for force in forces),
     )
-    traces = [trace for k, force in enumerate(forces) for trace in _traces(force, LEVELS[k % len(LEVELS)])]
+    unit = report.comparison.level_unit
+    traces = [trace for k, force in enumerate(forces) for trace in _traces(force, LEVELS[k % len(LEVELS)], unit)]
     return Content(f"{TEXT}<ul>{readings}</ul>{plot}", {"missing-force": {"data": traces, "layout": _layout()}})
 
 
-def _traces(force: MissingForce, colour: str) -> list[dict[str, Any]]:
+def _traces(force: MissingForce, colour: str, level_unit: str) -> list[dict[str, Any]]:
     order = np.argsort(force.amplitude)
     columns = (
         (force.stiffness, force.stiffness_deviation, "", "N/m"),
@@ -43,7 +44,7 @@ def _traces(force: MissingForce, colour: str) -> list[dict[str, Any]]:
             "error_y": {"type": "data", "array": 1.96 * deviation[order], "thickness": 1, "width": 3},
             "xaxis": f"x{axis}", "yaxis": f"y{axis}", "name": force.mode, "legendgroup": force.mode,
             "showlegend": not axis, "marker": {"color": colour, "size": 7},
-            "customdata": [level_name(level) for level in force.level[order]],
+            "customdata": [level_name(level, level_unit) for level in force.level[order]],
             "hovertemplate": f"{force.mode}, %{{customdata}}<br>%{{x:.3g}} µm: %{{y:.4g}} {unit}<extra></extra>",
         }
         for value, deviation, axis, unit in columns

@@ -4,7 +4,7 @@ import math
 from html import escape
 
 from updamp.diagnosis.comparison import Comparison, Finding
-from updamp.diagnosis.report.markup import level_name, number
+from updamp.diagnosis.report.markup import level_name, level_word, number
 from updamp.diagnosis.report.section import Content, Report, Section
 
 
@@ -13,7 +13,8 @@ def render(report: Report) -> Content:
     kind = "good" if comparison.adequate else "bad"
     html = f'<p class="verdict {kind}">{escape(verdict_sentence(comparison))}</p>'
     if comparison.findings:
-        html += f'<ol class="findings">{"".join(_finding(finding) for finding in comparison.findings)}</ol>'
+        entries = "".join(_finding(finding, comparison.level_unit) for finding in comparison.findings)
+        html += f'<ol class="findings">{entries}</ol>'
     return Content(html + _cards(comparison))
 
 
@@ -27,10 +28,10 @@ def verdict_sentence(comparison: Comparison) -> str:
     return f"The model does not describe the measurement: {things} out of the scatter."
 
 
-def _finding(finding: Finding) -> str:
+def _finding(finding: Finding, unit: str) -> str:
     where = [
         finding.mode or "all modes",
-        level_name(finding.level) if finding.level is not None else "all force levels",
+        level_name(finding.level, unit) if finding.level is not None else f"all {level_word(unit)}s",
     ]
     where += [finding.channel] if finding.channel else []
     tags = "".join(f'<span class="tag">{escape(tag)}</span>' for tag in (finding.quantity, *where))

@@ -27,7 +27,8 @@ def render(report: Report) -> Content | None:
         return None
     known = [r for r in comparison.residuals if math.isfinite(r.size)]
     upwards = {curve.run: curve.upwards for curve in comparison.curves}
-    maps = [_map_of([r for r in known if r.mode == mode], upwards) for mode in dict.fromkeys(r.mode for r in known)]
+    modes, unit = dict.fromkeys(r.mode for r in known), comparison.level_unit
+    maps = [_map_of([r for r in known if r.mode == mode], upwards, unit) for mode in modes]
     height = 150 + ROW_HEIGHT * max(max(len(each["rows"]) for each in maps), 4)
     html = INTRODUCTION + figure(
         "residual-map",
@@ -43,7 +44,7 @@ def render(report: Report) -> Content | None:
     return Content(html, data=data, scripts=("selection.js", "residual_map.js"))
 
 
-def _map_of(residuals: Sequence[PointResidual], upwards: Mapping[str, bool]) -> dict[str, Any]:
+def _map_of(residuals: Sequence[PointResidual], upwards: Mapping[str, bool], unit: str) -> dict[str, Any]:
     """Of one mode. Rows by level and direction, lowest first; a cell knows its size and the channel worst in it."""
     frequency = np.array([r.frequency for r in residuals])
     edges = np.unique(np.quantile(frequency, np.linspace(0, 1, min(COLUMNS, len(np.unique(frequency))) + 1)))
@@ -58,7 +59,7 @@ def _map_of(residuals: Sequence[PointResidual], upwards: Mapping[str, bool]) -> 
     return {
         "mode": residuals[0].mode,
         "edges": edges,
-        "rows": [level_name(level) + ((" ▲" if up else " ▼") if both else "") for level, up in keys],
+        "rows": [level_name(level, unit) + ((" ▲" if up else " ▼") if both else "") for level, up in keys],
         "levels": [level for level, _ in keys],
         "up": [up for _, up in keys],
         "cells": [[_cell(cells[key].get(i, ())) for i in range(len(edges) - 1)] for key in keys],

@@ -1,0 +1,99 @@
+"""What is said of a model that fails grossly: its resonances against the measured ones, read off both in the same way.
+
+To first order, as misfits are estimated elsewhere, a resonance that is wrong by its own width is not described; and
+curves that the model cannot follow at all would be followed by impossible parameters that nearly cancel.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.diagnosis.comparison import Backbone, Finding
+from updamp.diagnosis.findings import DAMPING, FREQUENCY, Direction, Misfit
+from updamp.diagnosis.model.parameters import LOSS_FACTOR
+from updamp.diagnosis.residual.fit import Fit
+from updamp.diagnosis.residual.observations import Plan
+from updamp.diagnosis.residual.scatter import Scatter
+
+Floats = NDArray[np.float64]
+
+# Growth of the damping that is worth a sentence: of the logarithm, in standard deviations, and in itself.
+_STANDS_OUT, _WORTH = 5.0, 0.2
+
+
+def gross_misfits(fit: Fit, plan: Plan, measured: Sequence[Backbone], model: Sequence[Backbone]) -> tuple[Misfit, ...]:
+    """Frequency and damping of each test, as mean over its repeats and sensors.
+
+    measured: one a mode and sensor, entries in the order of the plan's runs; model: likewise, of its conditions
+    """
+    found = []
+    for quantity in (FREQUENCY, DAMPING):
+        for test in range(len(plan.conditions)):
+            logs = np.log(_ratios(quantity, test, plan, measured, model))
+            logs = logs[np.isfinite(logs)]
+            if len(logs) == 0:
+                continue
+            spread = np.std(logs, ddof=1) / np.sqrt(len(logs)) if len(logs) > 1 else 0.0
+            deviation = float(np.hypot(spread, _scatter(quantity, fit.compared.scatter)))
+            relative = float(np.expm1(np.mean(logs)))
+            # as significant as the logarithm is
+            scale = relative / float(np.mean(logs)) if relative else 1.0
+            found.append(Misfit(Direction(quantity, test), relative, scale * deviation))
+    return tuple(found)
+
+
+def growth(fit: Fit, plan: Plan, measured: Sequence[Backbone], model: Sequence[Backbone]) -> tuple[Finding, ...]:
+    """A sentence for each mode whose damping changes with the level otherwise than the model's."""
+    found = []
+    for mode in dict.fromkeys(c.mode for c in plan.conditions):
+        of_mode = [i for i, c in enumerate(plan.conditions) if c.mode == mode]
+        tests = sorted(of_mode, key=lambda i: plan.conditions[i].level)
+        first, last = plan.conditions[tests[0]], plan.conditions[tests[-1]]
+        if len(tests) < 2 or last.level <= first.level:
+            continue
+        ends = [_logs(measured, plan, t, True) for t in (tests[0], tests[-1])]
+        of_model = [_logs(model, plan, t, False) for t in (tests[0], tests[-1])]
+        grown, models = (float(np.nanmean(b) - np.nanmean(a)) for a, b in (ends, of_model))
+        deviation = np.sqrt(2) * _scatter(DAMPING, fit.compared.scatter)
+        significance = (models - grown) / deviation
+        if abs(significance) > _STANDS_OUT and abs(models - grown) > _WORTH:
+            text = (
+                f"{mode}: measured damping {_fold(grown)} from {first.level_name} to {last.level_name}, "
+                f"the model's {_fold(models)}"
+            )
+            found.append(Finding(text, mode, None, DAMPING, "", float(np.expm1(models - grown)), float(significance)))
+    return tuple(found)
+
+
+def _ratios(quantity: str, test: int, plan: Plan, measured: Sequence[Backbone], model: Sequence[Backbone]) -> Floats:
+    """Model over measured: all runs of a test at all sensors."""
+    column = {FREQUENCY: "frequency", DAMPING: "damping"}[quantity]
+    pairs = [(m, c) for m, c in zip(measured, model, strict=True) if m.mode == plan.conditions[test].mode]
+    found = [
+        getattr(c, column)[_places(plan, test, False)] / getattr(m, column)[_places(plan, test, True)] for m, c in pairs
+    ]
+    return np.concatenate(found)
+
+
+def _logs(backbones: Sequence[Backbone], plan: Plan, test: int, is_measured: bool) -> Floats:
+    """Of the damping at a test."""
+    mode = plan.conditions[test].mode
+    return np.log(np.concatenate([b.damping[_places(plan, test, is_measured)] for b in backbones if b.mode == mode]))
+
+
+def _places(plan: Plan, test: int, is_measured: bool) -> list[int]:
+    """Of a test's entries in the backbones of its mode."""
+    mode = plan.conditions[test].mode
+    tests = [o.test for o in plan.observations] if is_measured else range(len(plan.conditions))
+    return [k for k, t in enumerate([t for t in tests if plan.conditions[t].mode == mode]) if t == test]
+
+
+def _scatter(quantity: str, scatter: Scatter) -> float:
+    return scatter.drift if quantity == FREQUENCY else scatter.parameters[LOSS_FACTOR.name]
+
+
+def _fold(log_ratio: float) -> str:
+    if abs(log_ratio) < 0.05:
+        return "stays"
+    return f"{'grows' if log_ratio > 0 else 'falls'} {np.exp(abs(log_ratio)):.1f}-fold"
