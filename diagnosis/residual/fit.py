@@ -30,6 +30,8 @@ from updamp.diagnosis.residual.scatter import (
 
 Floats = NDArray[np.float64]
 Progress = Callable[[str], None]
+# Share by which chi2 may rise in a step: it is rough, since contacts begin to slip one after the other.
+_ROUGH = 0.005
 # chi2 a value from where on the model fails grossly: by ten times the scatter on average.
 GROSS = 100.0
 # For each repeat, one a condition.
@@ -278,7 +280,7 @@ def _fit_linear(
         )
         before, now = now, equations.at(found.x)
         if scatter is None:
-            now = replace(now, scatter=learn(now.assemblies, prior, len(found.x)))
+            now = replace(now, scatter=learn(now.assemblies, prior))
         if np.max(np.abs(now.u - before.u) / limits) < 0.01:
             break
     return now

@@ -123,11 +123,11 @@ def split(b: Floats, matched: Sequence[Matched], sensors: Sequence[Sequence[tupl
     return Offsets(b[:n], drift, dict(zip(gains, b[n + len(runs) :].tolist(), strict=True)))
 
 
-def learn(assemblies: Sequence[Assembly], prior: Scatter, free: int) -> Scatter:
-    """The scatter that makes the repeats most likely (restricted to what the fitted parameters leave), with each size
-    lognormal about its prior. From a single assembly only the noise is learnt.
+def learn(assemblies: Sequence[Assembly], prior: Scatter) -> Scatter:
+    """The scatter that makes the differences between the repeats most likely, with each size lognormal about its prior.
 
-    free: number of fitted parameters, taken off the freedom of the noise
+    Restricted maximum likelihood (H. D. Patterson and R. Thompson, Biometrika 58 (1971) 545): the fitted parameters
+    may be anything meanwhile, so that what all repeats have in common is no scatter.
     """
     names = list(prior.as_numbers())
     start = np.log([prior.as_numbers()[name] for name in names])
@@ -136,40 +136,42 @@ def learn(assemblies: Sequence[Assembly], prior: Scatter, free: int) -> Scatter:
 
     def unlikely(z: Floats) -> float:
         scatter = Scatter.of(dict(zip(names, np.exp(start + sizes * z), strict=True)))
-        total = float(z @ z)
-        for a, p in zip(assemblies, products, strict=True):
-            total += p.minus_twice_log_likelihood(a.deviations(scatter), scatter.noise, free / len(assemblies))
-        return total
+        pairs = zip(assemblies, products, strict=True)
+        parts = [p.reduced(a.deviations(scatter), scatter.noise) for a, p in pairs]
+        chi2, right, information, log_determinant = (sum(column) for column in zip(*parts, strict=True))
+        # directions that these data do not tell are left alone
+        values, vectors = np.linalg.eigh(information)
+        told = values > 1e-8 * values[-1]
+        free = (vectors[:, told].T @ right) ** 2 / values[told]
+        return float(z @ z + chi2 - free.sum() + log_determinant + np.log(values[told]).sum())
 
-    # one assembly does not tell what the next would differ by
-    alone = len(assemblies) < 2
-    bounds = [(0.0, 0.0) if alone and name != NOISE else (-3.0, 3.0) for name in names]
-    found = minimize(unlikely, np.zeros(len(names)), method="L-BFGS-B", bounds=bounds)
+    found = minimize(unlikely, np.zeros(len(names)), method="L-BFGS-B", bounds=[(-_FURTHEST, _FURTHEST)] * len(names))
     return Scatter.of(dict(zip(names, np.exp(start + sizes * found.x).tolist(), strict=True)))
 
 
 @dataclass(frozen=True, eq=False)
 class _Products:
-    """rr: r^T r; Rr: R^T r; RR: R^T R, of the residual r with the fitted parameters' part taken off and random R"""
+    """Of the residual r, the random columns R and the common ones C. RR: R^T R; crossed: R^T [r C]; squared: [r C]^T [r C];
+    n: length of r"""
 
     n: int
-    rr: float
-    Rr: Floats
     RR: Floats
+    crossed: Floats
+    squared: Floats
 
     @staticmethod
     def of(a: Assembly) -> "_Products":
-        return _Products(
-            len(a.residual), float(a.residual @ a.residual), a.random.T @ a.residual, a.random.T @ a.random
-        )
+        both = np.column_stack([a.residual, a.common])
+        return _Products(len(a.residual), a.random.T @ a.random, a.random.T @ both, both.T @ both)
 
-    def minus_twice_log_likelihood(self, deviations: Floats, noise: float, free: float) -> float:
+    def reduced(self, deviations: Floats, noise: float) -> tuple[float, Floats, Floats, float]:
+        """r^T V^-1 r, C^T V^-1 r, C^T V^-1 C and log det V of the covariance V."""
         inner = np.eye(len(deviations)) + deviations[:, None] * self.RR * deviations
         factor = scipy.linalg.cho_factor(inner)
-        part = deviations * self.Rr
-        chi2 = (self.rr - part @ scipy.linalg.cho_solve(factor, part)) / noise**2
-        log_determinant = 2 * np.sum(np.log(np.diag(factor[0])))
-        return float(chi2 + log_determinant + 2 * (self.n - free) * np.log(noise))
+        part = deviations[:, None] * self.crossed
+        all_ = (self.squared - part.T @ scipy.linalg.cho_solve(factor, part)) / noise**2
+        log_determinant = 2 * float(np.sum(np.log(np.diag(factor[0])))) + 2 * self.n * np.log(noise)
+        return float(all_[0, 0]), all_[1:, 0], all_[1:, 1:], log_determinant
 
 
 def offsets_of(a: Assembly, scatter: Scatter) -> tuple[Floats, float]:
