@@ -151,8 +151,10 @@ def learn(assemblies: Sequence[Assembly], prior: Scatter) -> Scatter:
 
 @dataclass(frozen=True, eq=False)
 class _Products:
-    """Of the residual r, the random columns R and the common ones C. RR: R^T R; crossed: R^T [r C]; squared: [r C]^T [r C];
-    n: length of r"""
+    """Of the residual r, the random columns R and the common ones C.
+
+    n: length of r; RR: R^T R; crossed: R^T [r C]; squared: [r C]^T [r C]
+    """
 
     n: int
     RR: Floats
