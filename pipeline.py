@@ -136,7 +136,9 @@ def compare(
     with _clean_errors(debug), _interruptible():
         os.environ.setdefault("OMP_NUM_THREADS", "1")  # many small products: threads would wait for each other
         from updamp.diagnosis.compare_run import CompareFiles, run_compare, sentences
+        from updamp.hbm.compilation_cache import keep_compiled
 
+        keep_compiled()
         console = Console()
         files = CompareFiles(rig, measurement, out)
         comparison, _ = run_compare(files, mesh, jobs or min(os.cpu_count() or 1, 4), console)

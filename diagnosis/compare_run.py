@@ -14,6 +14,7 @@ from updamp.diagnosis.comparison_json import write_json
 from updamp.diagnosis.measurement.load import load_measurement
 from updamp.diagnosis.measurement.measurement import Measurement
 from updamp.diagnosis.model.build import rig_model
+from updamp.diagnosis.model.modal_rig import is_modal, load_modal
 from updamp.diagnosis.model.rig_model import RigModel
 from updamp.diagnosis.report.write_report import write_report
 from updamp.diagnosis.residual.fit import Fit
@@ -49,21 +50,43 @@ def run_compare(
 
     raises: RigError, MeasurementError and what the stages raise, naming what to mend
     """
-    rig = load_rig(files.rig)
     with Display(console) as display:
-        measurement = load_measurement(files.measurement, _points(), rig.name)
-        run = Run(rig, RunOptions(preset, files.out, workers, check=False, until=stages.STATIC_CONTACT), display)
-        model, free_frequency = _model(run)
-        features = _features(files, rig, measurement, preset, workers, display, free_frequency)
-        provenance = _provenance(files, preset, measurement)
+        subject = _of_modal_rig(files) if is_modal(files.rig) else _of_rig(files, preset, workers, display)
+        provenance = _provenance(files, subject, preset)
         display.update("comparison", 0.0, "prediction")
         told = _Told(display)
-        comparison, fit = compare(model, measurement, features, provenance, options, told)
+        comparison, fit = compare(subject.model, subject.measurement, subject.features, provenance, options, told)
         display.done("comparison", f"{len(comparison.findings)} findings")
+        files.out.mkdir(parents=True, exist_ok=True)
         write_json(files.comparison, comparison)
         write_report(comparison, files.report, _pictures(files.out))
         display.done("files", f"{files.comparison}, {files.report}")
     return comparison, fit
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """What is compared. mesh: preset, "" for a model without"""
+
+    model: RigModel
+    measurement: Measurement
+    features: tuple[FeatureComparison, ...]
+    mesh: str
+
+
+def _of_rig(files: CompareFiles, preset: str, workers: int, display: Display) -> Subject:
+    rig = load_rig(files.rig)
+    measurement = load_measurement(files.measurement, _points(), rig.name)
+    run = Run(rig, RunOptions(preset, files.out, workers, check=False, until=stages.STATIC_CONTACT), display)
+    model, free_frequency = _model(run)
+    features = _features(files, rig, measurement, preset, workers, display, free_frequency)
+    return Subject(model, measurement, features, preset)
+
+
+def _of_modal_rig(files: CompareFiles) -> Subject:
+    rig = load_modal(files.rig)
+    model = rig.model()
+    return Subject(model, load_measurement(files.measurement, model.components.points, rig.name), (), "")
 
 
 class _Told:
@@ -128,12 +151,13 @@ def _features(
     return compare_features(measurement.features, resonance)
 
 
-def _provenance(files: CompareFiles, preset: str, measurement: Measurement) -> Mapping[str, str]:
-    hashes = {f"SHA-256 of {name}": value for name, value in (measurement.hashes or {}).items()}
+def _provenance(files: CompareFiles, subject: Subject, preset: str) -> Mapping[str, str]:
+    hashes = {f"SHA-256 of {name}": value for name, value in (subject.measurement.hashes or {}).items()}
+    of_mesh = {"mesh": preset} if subject.mesh else {}
     return {
         "rig file": str(files.rig),
         "measurement": str(files.measurement),
-        "mesh": preset,
+        **of_mesh,
         "updamp": version("updamp"),
         **hashes,
     }
