@@ -14,7 +14,6 @@ from updamp.diagnosis.findings import DAMPING, FREQUENCY, Direction, Misfit
 from updamp.diagnosis.model.parameters import LOSS_FACTOR
 from updamp.diagnosis.residual.fit import Fit
 from updamp.diagnosis.residual.observations import Plan
-from updamp.diagnosis.residual.scatter import Scatter
 
 Floats = NDArray[np.float64]
 
@@ -35,7 +34,7 @@ def gross_misfits(fit: Fit, plan: Plan, measured: Sequence[Backbone], model: Seq
             if len(logs) == 0:
                 continue
             spread = np.std(logs, ddof=1) / np.sqrt(len(logs)) if len(logs) > 1 else 0.0
-            deviation = float(np.hypot(spread, _scatter(quantity, fit.compared.scatter)))
+            deviation = float(np.hypot(spread, _scatter(quantity, fit)))
             relative = float(np.expm1(np.mean(logs)))
             # as significant as the logarithm is
             scale = relative / float(np.mean(logs)) if relative else 1.0
@@ -55,7 +54,7 @@ def growth(fit: Fit, plan: Plan, measured: Sequence[Backbone], model: Sequence[B
         ends = [_logs(measured, plan, t, True) for t in (tests[0], tests[-1])]
         of_model = [_logs(model, plan, t, False) for t in (tests[0], tests[-1])]
         grown, models = (float(np.nanmean(b) - np.nanmean(a)) for a, b in (ends, of_model))
-        deviation = np.sqrt(2) * _scatter(DAMPING, fit.compared.scatter)
+        deviation = np.sqrt(2) * _scatter(DAMPING, fit)
         significance = (models - grown) / deviation
         if abs(significance) > _STANDS_OUT and abs(models - grown) > _WORTH:
             text = (
@@ -89,8 +88,10 @@ def _places(plan: Plan, test: int, is_measured: bool) -> list[int]:
     return [k for k, t in enumerate([t for t in tests if plan.conditions[t].mode == mode]) if t == test]
 
 
-def _scatter(quantity: str, scatter: Scatter) -> float:
-    return scatter.drift if quantity == FREQUENCY else scatter.parameters[LOSS_FACTOR.name]
+def _scatter(quantity: str, fit: Fit) -> float:
+    """From test to test; that of the damping is no smaller than expected, even where one assembly cannot tell."""
+    scatter = fit.compared.scatter
+    return scatter.drift if quantity == FREQUENCY else max(LOSS_FACTOR.scatter, scatter.parameters[LOSS_FACTOR.name])
 
 
 def _fold(log_ratio: float) -> str:

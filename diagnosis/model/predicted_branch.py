@@ -27,6 +27,8 @@ Integers = NDArray[np.int64]
 # The branch is followed beyond the measured frequencies by this share of their range.
 _BEYOND = 0.15
 _STEP = 1e-4  # of a parameter, for differences
+# To what share of the largest amplitude a response has to be proportional to the force.
+_LINEAR = 1e-6
 
 
 @dataclass(frozen=True)
@@ -74,6 +76,8 @@ class PredictedBranch:
     x_by_parameter: for each point (p, n_relative, n_coefficients); w_by_parameter: (n, p)
     visited: (n,) whether a slow sweep in the test's direction sees it
     stopped: why the branch ends inside the window, "" if it does not
+    proportional: whether amplitudes grow as the force does, as those of a linear model: then their slopes by the force
+        hold the frequency, and are exact however far the measured force is from the condition's
     """
 
     condition: Condition
@@ -87,6 +91,7 @@ class PredictedBranch:
     w_by_parameter: Floats
     visited: NDArray[np.bool_]
     stopped: str
+    proportional: bool
 
     @cached_property
     def _curve(self) -> CubicHermiteSpline:
@@ -107,7 +112,10 @@ class PredictedBranch:
             return np.concatenate([change[..., :1], _pairs(np.asarray(ratio))], axis=-1)
 
         value = np.concatenate([state[..., :1], _pairs(np.log(amplitude))], axis=-1)
-        return Observed(value, relative(along[..., None, :])[..., 0, :], relative(self._slopes(place)))
+        slopes = relative(self._slopes(place))
+        if self.proportional:
+            slopes[..., -1, :] = np.append(0.0, np.tile([1.0, 0.0], amplitude.shape[-1]))
+        return Observed(value, relative(along[..., None, :])[..., 0, :], slopes)
 
     @property
     def frequency(self) -> Floats:
@@ -217,7 +225,16 @@ def _observe(
         np.array([d.w_by_parameter for d in found]),
         visited,
         stopped,
+        _is_proportional(state, along, slopes[:, -1]),
     )
+
+
+def _is_proportional(state: Floats, along: Floats, by_force: Floats) -> bool:
+    """Whether the slopes by the force's logarithm, moved along the branch to the same frequency, are the amplitudes."""
+    if np.any(along[:, 0] == 0):
+        return False
+    held = by_force - by_force[:, :1] / along[:, :1] * along
+    return bool(np.allclose(held[:, 1:], state[:, 1:], rtol=0, atol=_LINEAR * np.abs(state[:, 1:]).max()))
 
 
 def _of_state(patterns: Floats, state: Floats) -> Floats:

@@ -32,6 +32,8 @@ Floats = NDArray[np.float64]
 Progress = Callable[[str], None]
 # Share by which chi2 may rise in a step: it is rough, since contacts begin to slip one after the other.
 _ROUGH = 0.005
+# Scatter of the parameters of a single assembly, as a share of what they are expected to scatter by.
+_ALONE = 1e-3
 # chi2 a value from where on the model fails grossly: by ten times the scatter on average.
 GROSS = 100.0
 # For each repeat, one a condition.
@@ -207,7 +209,9 @@ def fit(
     raises: BranchStoppedError where the model has no response to compare at the start
     """
     options = options or FitOptions()
-    prior = Scatter({n.name: n.scatter for n in parametrisation.nuisances})
+    # the only assembly is what the parameters are fitted to: its offsets from others cannot be told from them
+    share = 1.0 if len(plan.repeats) > 1 else _ALONE
+    prior = Scatter({n.name: share * n.scatter for n in parametrisation.nuisances})
     common = predict(parametrisation, start, plan, near)
     branches: Branches = dict.fromkeys(plan.repeats, common)
     spread = np.where(np.isfinite(parametrisation.deviation), parametrisation.deviation, 0.0)
@@ -220,7 +224,8 @@ def fit(
             parametrisation, reweighed(parametrisation, plan, best, solved.scatter)
         )
         progress(f"chi2 {solved.chi2:.0f} for {solved.values} values")
-        if worse > 1.0 and (not each or fails_grossly(parametrisation, best.chi2, best.values)):
+        gross = fails_grossly(parametrisation, best.chi2, best.values)
+        if worse > (1e-5 * best.chi2 if gross else 1.0) and (gross or not each):
             reach /= 3
             if reach < 0.01 * options.largest_step:
                 message = "no step lowers chi2 any more"
