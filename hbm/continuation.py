@@ -7,10 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.branch import BranchPoint, point_after, point_at
-from updamp.hbm.corner import ways_on
 from updamp.hbm.jump import land_beyond, towards_the_gap
 from updamp.hbm.metric import Move
-from updamp.hbm.newton import Arc, NewtonOptions, Solution, Status, linear_solution, open_solution, solve
+from updamp.hbm.newton import Arc, NewtonOptions, Solution, Status, linear_solution, solve
 from updamp.hbm.system import Excitation, NonlinearSystem
 from updamp.hbm.traversed import Traversed, traversed
 
@@ -70,38 +69,26 @@ class BranchStoppedError(Exception):
 def first_point(
     system: NonlinearSystem, excitation: Excitation, w: float, options: NewtonOptions | None = None
 ) -> Solution:
-    """Solve at w from the stuck response; where that is too far, the force is raised in steps, halved as needed; and
-    where these become too small, from the response without any contact.
+    """Solve at w from the stuck response; where that is too far, the force is raised in steps, halved as needed.
 
-    raises: BranchStoppedError where none of them converges
+    raises: BranchStoppedError where no step of the force is small enough
     """
     options = options or NewtonOptions()
     solution = solve(system, excitation, linear_solution(system, w, excitation), w, options)
     if solution.converged:
         return solution
-    raised = _by_force(system, excitation, w, options)
-    if raised.converged:
-        return raised
-    solution = solve(system, excitation, open_solution(system, w, excitation), w, options)
-    if solution.converged:
-        return solution
-    raise BranchStoppedError(w / (2 * np.pi), raised.errors[-1], raised.status)
-
-
-def _by_force(system: NonlinearSystem, excitation: Excitation, w: float, options: NewtonOptions) -> Solution:
-    """From no force to all of it; the last attempt where the steps become too small."""
-    share, step = 0.0, 0.25
-    x = np.zeros_like(linear_solution(system, w, excitation))
-    while True:
+    share, step, x = 0.0, 0.25, np.zeros_like(solution.x)
+    while share < 1.0:
         share_next = min(1.0, share + step)
         guess = x * (share_next / share) if share else share_next * linear_solution(system, w, excitation)
         ramped = solve(system, Excitation(excitation.row, share_next * excitation.force), guess, w, options)
         if ramped.converged:
-            share, x, step = share_next, ramped.x, 1.5 * step
+            share, x, solution, step = share_next, ramped.x, ramped, 1.5 * step
+        elif step < 1e-3:
+            raise BranchStoppedError(w / (2 * np.pi), ramped.errors[-1], ramped.status)
         else:
             step /= 2
-        if share >= 1.0 or step < 5e-4:
-            return ramped
+    return solution
 
 
 def continue_branch(
@@ -165,8 +152,6 @@ class Walk:
                     return beyond, options.first_step
             if step / 2 < options.smallest_step:
                 solution = self.forward(behind, step, around_corner=True)
-                if not solution.converged:
-                    solution = self._round_the_corner(behind) or solution
                 if solution.converged:
                     return self._accepted(last, solution, step)
                 raise BranchStoppedError(last.frequency, solution.errors[-1], solution.status)
@@ -178,27 +163,14 @@ class Walk:
         around_corner: the branch may turn away from the tangent so sharply that it meets the plane of even the
         smallest step some way off
         """
-        arc = Arc(*_predict(behind.points, step), behind.last.tangent, behind.last.metric)
-        return self._on_plane(behind, arc, (0.5 * step, self.options.leap_below if around_corner else 1.6 * step))
-
-    def _on_plane(self, behind: Traversed, arc: Arc, allowed: tuple[float, float]) -> Solution:
-        """The corrector on the plane; one that lands on what was traversed, or not `allowed` far away, has stalled."""
+        last = behind.last
+        arc = Arc(*_predict(behind.points, step), last.tangent, last.metric)
         solution = solve(self.system, self.excitation, arc.x0, arc.w0, self.options.newton, arc)
-        near = allowed[0] < behind.last.distance(solution) < allowed[1]
+        farthest = self.options.leap_below if around_corner else 1.6 * step
+        near = 0.5 * step < last.distance(solution) < farthest
         if solution.converged and (not near or behind.meets(solution)):
             return replace(solution, status=Status.STALLED)
         return solution
-
-    def _round_the_corner(self, behind: Traversed) -> Solution | None:
-        """A point in the direction in which the branch goes on where it turns back at a kink; None if there is none."""
-        for way in ways_on(self.system, self.excitation, behind.last):
-            (x, w), (dx, dw) = way.start, way.along
-            for step in way.steps:
-                arc = Arc(x + step * dx, w + step * dw, way.along, behind.last.metric)
-                solution = self._on_plane(behind, arc, (0.3 * step, 1.6 * step))
-                if solution.converged:
-                    return solution
-        return None
 
     def _accepted(self, last: BranchPoint, solution: Solution, step: float) -> tuple[Sequence[BranchPoint], float]:
         point, moved = point_after(last, solution, self.excitation), last.distance(solution)

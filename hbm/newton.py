@@ -137,15 +137,6 @@ def linear_solution(system: NonlinearSystem, w: float, excitation: Excitation) -
     return Receptance(system, w).excitation(excitation)
 
 
-def open_solution(system: NonlinearSystem, w: float, excitation: Excitation) -> Floats:
-    """No contact at all, about the position at rest: a guess where the force is large."""
-    n = system.free.n_relative
-    amplitude = excitation.force * system.free.receptance(w, slice(n), np.array([excitation.row]))[:, 0]
-    response = np.zeros((n, system.harmonics.n_coefficients))
-    system.harmonics.set_amplitude(response, 1, amplitude)
-    return response
-
-
 def solve(
     system: NonlinearSystem,
     excitation: Excitation,
