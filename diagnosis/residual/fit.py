@@ -32,6 +32,8 @@ Floats = NDArray[np.float64]
 Progress = Callable[[str], None]
 # Share by which chi2 may rise in a step: it is rough, since contacts begin to slip one after the other.
 _ROUGH = 0.005
+# Branches of each assembly that fit worse by this factor are those of offsets too large to be found to first order.
+_FURTHER_OFF = 1.2
 # Scatter of the parameters of a single assembly, as a share of what they are expected to scatter by.
 _ALONE = 1e-3
 # chi2 a value from where on the model fails grossly: by ten times the scatter on average.
@@ -225,7 +227,7 @@ def fit(
         )
         progress(f"chi2 {solved.chi2:.0f} for {solved.values} values")
         gross = fails_grossly(parametrisation, best.chi2, best.values)
-        if worse > (1e-5 * best.chi2 if gross else 1.0) and (gross or not each):
+        if worse > (1e-5 if gross else _ROUGH) * best.chi2:
             reach /= 3
             if reach < 0.01 * options.largest_step:
                 message = "no step lowers chi2 any more"
@@ -236,7 +238,10 @@ def fit(
         if moved < options.tolerance * (1 if each else 10):
             if each or not options.each_assembly:
                 return _result(parametrisation, best, True, "settled")
-            each, best = True, _solved(parametrisation, plan, best, True)
+            finer = _solved(parametrisation, plan, best, True)
+            if _objective(parametrisation, finer) > _FURTHER_OFF * _objective(parametrisation, best):
+                return _result(parametrisation, best, True, "settled, with the same branch for all assemblies")
+            each, best = True, finer
     return _result(parametrisation, best, False, message)
 
 
