@@ -76,7 +76,7 @@ def run(
         options = RunOptions(
             preset=mesh,
             folder=out,
-            workers=jobs if jobs is not None else min(os.cpu_count() or 1, 4),
+            workers=jobs if jobs is not None else _workers(),
             modes=tuple(mode or ()),
             forces=tuple(_force(text) for text in force or ()),
             check=check,
@@ -141,7 +141,7 @@ def compare(
         keep_compiled()
         console = Console()
         files = CompareFiles(rig, measurement, out)
-        comparison, _ = run_compare(files, mesh, jobs or min(os.cpu_count() or 1, 4), console)
+        comparison, _ = run_compare(files, mesh, jobs if jobs is not None else _workers(), console)
         for sentence in sentences(comparison):
             console.print(Text.assemble(("finding   ", "yellow"), sentence), soft_wrap=True)
         console.print(f"{files.report}", highlight=False, soft_wrap=True)
@@ -172,6 +172,12 @@ def show(folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a
         console.print(overview_table(summary))
         if summary.get("curves"):
             console.print(curves_table(summary["curves"]))
+
+
+def _workers() -> int:
+    """The CPUs that this process may use, at most 4."""
+    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return min(usable, 4)
 
 
 def _force(text: str) -> float:
