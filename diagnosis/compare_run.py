@@ -1,7 +1,7 @@
 """`updamp compare`: from a rig file and a measurement to comparison.json and report.html."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
 
@@ -44,18 +44,27 @@ class CompareFiles:
 
 
 def run_compare(
-    files: CompareFiles, preset: str, workers: int, console: Console, options: CompareOptions | None = None
+    files: CompareFiles,
+    preset: str,
+    workers: int,
+    console: Console,
+    finer: str | None = None,
+    options: CompareOptions | None = None,
 ) -> tuple[Comparison, Fit | None]:
     """Build the model where it is not there yet, compare, write both files.
+
+    finer: preset of a finer mesh; what it changes counts as numerical error
 
     raises: RigError, MeasurementError and what the stages raise, naming what to mend
     """
     with Display(console) as display:
-        subject = _of_modal_rig(files) if is_modal(files.rig) else _of_rig(files, preset, workers, display)
+        subject = _of_modal_rig(files) if is_modal(files.rig) else _of_rig(files, preset, workers, display, finer)
         provenance = _provenance(files, subject, preset)
         display.update("comparison", 0.0, "prediction")
         told = _Told(display)
-        comparison, fit = compare(subject.model, subject.measurement, subject.features, provenance, options, told)
+        comparison, fit = compare(
+            subject.model, subject.measurement, subject.features, provenance, options, told, subject.finer
+        )
         display.done("comparison", f"{len(comparison.findings)} findings")
         files.out.mkdir(parents=True, exist_ok=True)
         write_json(files.comparison, comparison)
@@ -66,21 +75,27 @@ def run_compare(
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """What is compared. mesh: preset, "" for a model without"""
+    """What is compared. mesh: preset, "" for a model without; finer: models with finer numerics, by what is finer"""
 
     model: RigModel
     measurement: Measurement
     features: tuple[FeatureComparison, ...]
     mesh: str
+    finer: Mapping[str, RigModel] = field(default_factory=dict)
 
 
-def _of_rig(files: CompareFiles, preset: str, workers: int, display: Display) -> Subject:
+def _of_rig(files: CompareFiles, preset: str, workers: int, display: Display, finer: str | None) -> Subject:
     rig = load_rig(files.rig)
     measurement = load_measurement(files.measurement, _points(), rig.name)
     run = Run(rig, RunOptions(preset, files.out, workers, check=False, until=stages.STATIC_CONTACT), display)
     model, free_frequency = _model(run)
     features = _features(files, rig, measurement, preset, workers, display, free_frequency)
-    return Subject(model, measurement, features, preset)
+    finer_models = {}
+    if finer is not None:
+        folder = files.out / finer
+        again = Run(rig, RunOptions(finer, folder, workers, check=False, until=stages.STATIC_CONTACT), display)
+        finer_models["mesh"] = _model(again)[0]
+    return Subject(model, measurement, features, preset, finer_models)
 
 
 def _of_modal_rig(files: CompareFiles) -> Subject:
