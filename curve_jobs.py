@@ -9,7 +9,7 @@ import signal
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import dataclass
 from enum import Enum
 from multiprocessing import get_context
@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from updamp import store
-from updamp.resources import Meter
+from updamp.resources import Meter, environment, thread_limits
 from updamp.rig import Rig
 
 if TYPE_CHECKING:
@@ -28,15 +28,6 @@ if TYPE_CHECKING:
 
 CHECKPOINT_EVERY = 20.0  # s
 REPORT_EVERY = 0.2  # s
-
-# One thread a worker: the curves are what runs in parallel. To be set before numpy, MKL and JAX are loaded.
-_ONE_THREAD = {
-    "OMP_NUM_THREADS": "1",
-    "OPENBLAS_NUM_THREADS": "1",
-    "MKL_NUM_THREADS": "1",
-    "PJRT_NPROC": "1",  # the compiled contact evaluation, which the flags alone do not keep to one thread
-    "XLA_FLAGS": "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1",
-}
 
 
 @dataclass(frozen=True)
@@ -182,7 +173,7 @@ def trace_all(
     by_output = {str(job.output): job for job in jobs}
     outcomes: list[CurveOutcome] = []
     with (
-        _environment(_ONE_THREAD),
+        environment(thread_limits(1)),
         ProcessPoolExecutor(workers, mp_context=context, initializer=_start_worker, initargs=(messages, stop)) as pool,
     ):
         futures = {pool.submit(_work, job): job for job in jobs}
@@ -209,21 +200,6 @@ def _outcomes(
             job = waiting.pop(future)
             error = future.exception()  # of the pool, such as a worker that the system has killed for want of memory
             yield future.result() if error is None else CurveOutcome(job, CurveEnd.FAILED, f"{error}")
-
-
-@contextmanager
-def _environment(values: Mapping[str, str]) -> Iterator[None]:
-    """Environment variables for the processes started inside."""
-    before = {name: os.environ.get(name) for name in values}
-    os.environ.update(values)
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
 
 
 _messages: Any = None

@@ -5,6 +5,8 @@ import resource
 import sys
 import threading
 import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from types import TracebackType
 from typing import Self
 
@@ -78,3 +80,30 @@ def _resident(root: psutil.Process) -> float:
 
 def _high_water_mark() -> float:
     return float(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * _BYTES_PER_MAXRSS)
+
+
+def thread_limits(threads: int) -> Mapping[str, str]:
+    """Environment that holds numpy's BLAS, MKL and JAX to so many threads; read when they are loaded.
+
+    PJRT_NPROC is the size of XLA's own pool: without it XLA takes all processors, whatever XLA_FLAGS says.
+    """
+    names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "PJRT_NPROC")
+    values = {name: str(threads) for name in names}
+    if threads == 1:
+        values["XLA_FLAGS"] = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
+    return values
+
+
+@contextmanager
+def environment(values: Mapping[str, str]) -> Iterator[None]:
+    """Environment variables for the processes started inside."""
+    before = {name: os.environ.get(name) for name in values}
+    os.environ.update(values)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value

@@ -2,7 +2,6 @@
 
 import hashlib
 import math
-import tomllib
 from collections.abc import Mapping
 from copy import deepcopy
 from functools import reduce
@@ -13,7 +12,7 @@ from pydantic import AfterValidator, Field, StringConstraints, ValidationError, 
 from pydantic_core import to_json
 
 from updamp.rig_checks import buildable
-from updamp.rig_errors import RigError, explain
+from updamp.rig_errors import RigError, explain, read_toml
 from updamp.rig_fields import Quantity, Section
 from updamp.rig_pressure import FePressure, PolynomialPressure, TwoAreaPressure, UniformPressure
 
@@ -264,14 +263,7 @@ def load_rig(path: str | Path, overrides: Mapping[str, Any] | None = None) -> Ri
     raises: RigError with every problem found, one a line
     """
     path = Path(path)
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise RigError(f"{path}: no such file; give a rig file, such as rigs/pesaresi2017.toml") from None
-    except OSError as error:
-        raise RigError(f"{path}: cannot be read: {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise RigError(f"{path}: not valid TOML: {error}") from None
+    table = read_toml(path, "a rig file, such as rigs/pesaresi2017.toml")
     for key, value in (overrides or {}).items():
         _override(table, key, value)
     try:

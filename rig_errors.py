@@ -1,8 +1,10 @@
 """Turns the validation's findings into sentences a person can act on."""
 
 import json
+import tomllib
 from collections.abc import Iterator, Mapping
 from difflib import get_close_matches
+from pathlib import Path
 from types import UnionType
 from typing import Any, Union, get_args, get_origin
 
@@ -15,6 +17,18 @@ from updamp.rig_fields import Quantity
 
 class RigError(ValueError):
     """A rig file that cannot be used; the message has one line a problem."""
+
+
+def read_toml(path: Path, wanted: str, failure: type[ValueError] = RigError) -> dict[str, Any]:
+    """A TOML file as it is. wanted: what to give in its place where there is none; raises: `failure`"""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise failure(f"{path}: no such file; give {wanted}") from None
+    except OSError as error:
+        raise failure(f"{path}: cannot be read: {error.strerror}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise failure(f"{path}: not valid TOML: {error}") from None
 
 
 def explain(error: ValidationError, model: type[BaseModel]) -> Iterator[str]:

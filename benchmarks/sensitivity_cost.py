@@ -122,7 +122,7 @@ def report(name: str, system: NonlinearSystem) -> None:
 
 
 def main() -> None:
-    print(f"{len(twenty(load('c_model_20.npz')))} parameters at fixed phase, at the point of most slip, {FORCE:g} N")  # type: ignore[arg-type]
+    print(f"{len(twenty(load('c_model_20.npz')))} parameters at fixed phase, at the point of most slip, {FORCE:g} N")
     for name, title in (("c_model_20.npz", "20 contacts"), ("c_model_146.npz", "146 contacts")):
         system = load(name)
         if system is None:

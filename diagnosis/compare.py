@@ -22,7 +22,7 @@ from updamp.diagnosis.findings import findings, lack_of_fit, misfits
 from updamp.diagnosis.gross_misfit import gross_misfits, growth
 from updamp.diagnosis.measurement.measurement import Measurement
 from updamp.diagnosis.model.parameters import LOSS_FACTOR, Parametrisation, nuisances
-from updamp.diagnosis.model.predicted_branch import PredictedBranch
+from updamp.diagnosis.model.predicted_branch import PredictedBranch, with_patterns
 from updamp.diagnosis.model.rig_model import RigModel
 from updamp.diagnosis.residual.fit import Fit, FitOptions, compare_at, fails_grossly, fit, predict
 from updamp.diagnosis.residual.numerical_gate import more_harmonics, with_numerical_error
@@ -74,7 +74,7 @@ def compare(
         parametrisation, start, plan, before, {"harmonics": more_harmonics(model), **(finer or {})}
     )
     start = np.zeros(len(parametrisation))
-    before = predict(parametrisation, start, plan, before)
+    before = tuple(with_patterns(branch, parametrisation.numerics) for branch in before)
     calibrated = fit(parametrisation, plan, start, None, before, options.fit, progress)
     progress("curves")
     after = predict(parametrisation, calibrated.u, plan, calibrated.compared.branches[plan.repeats[0]])
@@ -173,6 +173,7 @@ def _pair(
     curve = _model_curve(after, sensor)
     at_measured = [_on_sweep(curve, m.frequency) for m in measured]
     z, y = np.concatenate([m.receptance for m in measured]), np.concatenate(at_measured)
+    of_all_sensors = _all_sensors(plan, test, after)
     point, k = condition.sensors[sensor]
     return CurvePair(
         run=condition.name,
@@ -185,20 +186,20 @@ def _pair(
         before=_model_curve(before, sensor),
         after=curve,
         frac=correlation.frac(z, y),
-        csac=correlation.csac(*_all_sensors(plan, test, after)),
-        csf=correlation.csf(*_all_sensors(plan, test, after)),
+        csac=correlation.csac(*of_all_sensors),
+        csf=correlation.csf(*of_all_sensors),
     )
 
 
 def _all_sensors(plan: Plan, test: int, branch: PredictedBranch) -> tuple[Complex, Complex]:
     """Measured and model receptances (n, n_sensors) at the measured frequencies."""
     condition = plan.conditions[test]
-    runs = [o for o in plan.observations if o.test == test]
+    sensors = range(len(condition.sensors))
+    curves = [_model_curve(branch, j) for j in sensors]
     measured, model = [], []
-    for o in runs:
-        sensors = range(len(condition.sensors))
+    for o in (o for o in plan.observations if o.test == test):
         measured.append(np.stack([_receptance(o.observed, o.log_force, condition.force, j) for j in sensors], axis=1))
-        model.append(np.stack([_on_sweep(_model_curve(branch, j), o.frequency) for j in sensors], axis=1))
+        model.append(np.stack([_on_sweep(curve, o.frequency) for curve in curves], axis=1))
     return np.concatenate(measured), np.concatenate(model)
 
 
@@ -302,5 +303,5 @@ def _states(parametrisation: Parametrisation, u: Floats, branch: PredictedBranch
     point = branch.points[int(np.argmax(np.abs(branch.amplitude[:, 0])))]
     system = parametrisation.model(u).system
     states = contact_states(system, point.x, point.w)
-    kinds = (ContactState.STUCK, ContactState.STICK_SLIP, ContactState.SEPARATING, ContactState.NEVER_IN_CONTACT)
-    return tuple(float(np.mean(states == kind)) for kind in kinds)  # type: ignore[return-value]
+    stuck, slipping, separating, never = (float(np.mean(states == kind)) for kind in ContactState)
+    return stuck, slipping, separating, never

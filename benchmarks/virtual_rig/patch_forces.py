@@ -38,7 +38,7 @@ def departures(x: Floats, w: float, basis: Basis, p: Patches) -> tuple[Floats, F
 
 
 @njit(cache=True)
-def _all(x, w, b, rate, a, mu, kt, kn, n0, gap, viscosity, rest_k, stated_at, m, drop, scale, limits, value, tangent):  # type: ignore[no-untyped-def]
+def _all(x, w, b, rate, a, mu, kt, kn, n0, gap, viscosity, rest_k, stated_at, m, drop, scale, limits, value, tangent):
     n, _, n_c = x.shape
     n_time = len(b)
     u, v = np.empty((3, n_time)), np.zeros((3, n_time))
@@ -79,7 +79,7 @@ def _all(x, w, b, rate, a, mu, kt, kn, n0, gap, viscosity, rest_k, stated_at, m,
 
 
 @njit(cache=True)
-def _springs(n0, kt, kn, gap, m, stated_at, u, normal, normal_by_u, stiff, stiff_by_u):  # type: ignore[no-untyped-def]
+def _springs(n0, kt, kn, gap, m, stated_at, u, normal, normal_by_u, stiff, stiff_by_u):
     """Normal force and tangential stiffness at every sample with derivatives; returns the normal force at rest."""
     if m == 0.0:
         for t in range(len(u)):
@@ -99,7 +99,7 @@ def _springs(n0, kt, kn, gap, m, stated_at, u, normal, normal_by_u, stiff, stiff
 
 
 @njit(cache=True)
-def _normal(i, n_c, k, rest, u, normal, by_u, b, a, force, value, tangent):  # type: ignore[no-untyped-def]
+def _normal(i, n_c, k, rest, u, normal, by_u, b, a, force, value, tangent):
     for t in range(len(u)):
         force[t] = normal[t] - rest - k * u[t]
         change = by_u[t] - k
@@ -111,7 +111,7 @@ def _normal(i, n_c, k, rest, u, normal, by_u, b, a, force, value, tangent):  # t
 
 
 @njit(cache=True)
-def _slides(  # type: ignore[no-untyped-def]
+def _slides(
     i, d, n_c, share, limit, k, u, normal, normal_by_u, stiff, stiff_by_u, friction, by_v, moving, w, b, rate, a,
     force, value, tangent,
 ):  # fmt: skip
@@ -147,7 +147,7 @@ def _slides(  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _slider(  # type: ignore[no-untyped-def]
+def _slider(
     i,
     d,
     n_c,
@@ -186,7 +186,7 @@ def _slider(  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _film(i, n_c, viscosity, v, normal, w, rate, a, value, tangent):  # type: ignore[no-untyped-def]
+def _film(i, n_c, viscosity, v, normal, w, rate, a, value, tangent):
     for t in range(len(normal)):
         if normal[t] > 0.0:
             for d in range(3):

@@ -99,7 +99,7 @@ def _basis(harmonics: int, mean: bool, n_time: int) -> Basis:
     return Basis(harmonics, mean, n_time)
 
 
-def forces(rig: Assembled, x: Floats, w: float, basis: Basis):  # type: ignore[no-untyped-def]
+def forces(rig: Assembled, x: Floats, w: float, basis: Basis):
     """Departures (n_rows, n_c), and what multiplies a motion (n_rows, n_c) with their derivatives."""
     n, n_c = rig.n_patches, basis.size
     patches, tangent = departures(x[: 3 * n].reshape(n, 3, n_c), w, basis, rig.bench.patches)
@@ -122,7 +122,7 @@ def forces(rig: Assembled, x: Floats, w: float, basis: Basis):  # type: ignore[n
     return np.concatenate(value), times
 
 
-def gmres(product, right, tolerance, most=200):  # type: ignore[no-untyped-def]
+def gmres(product, right, tolerance, most=200):
     """Solve product(v) = right to the relative tolerance (Saad and Schultz 1986), orthogonalised twice."""
     size = np.linalg.norm(right)
     if size == 0:

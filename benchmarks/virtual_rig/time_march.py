@@ -84,7 +84,7 @@ def _state(rig: Assembled, motion: Motion, phi: Floats, stiffness: Floats) -> tu
 
 
 @njit(cache=True)
-def _march(  # type: ignore[no-untyped-def]
+def _march(
     q, v, a, S, by_q, by_v, h, phi, A, phi_e, R_e, phi_s, R_s, R_se, load, springs, mu, kt, kn, n0, gap, c, drop, scale,
     shares, periods, steps,
 ):  # fmt: skip
@@ -125,7 +125,7 @@ def _march(  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _law(j, x, before, h, first, sliders, moved, mu, kt, kn, n0, gap, c, drop, scale, shares, f, T):  # type: ignore[no-untyped-def]
+def _law(j, x, before, h, first, sliders, moved, mu, kt, kn, n0, gap, c, drop, scale, shares, f, T):
     r, m = 3 * j, len(shares)
     normal = max(n0[j] + kn[j] * (x[r + 2] - gap[j]), 0.0)
     closed = normal > 0

@@ -1,6 +1,5 @@
 """measurement.toml: what a test engineer writes beside the data files, checked; quantities become SI here."""
 
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, TypeVar
@@ -17,7 +16,7 @@ from pydantic import (
 
 from updamp.diagnosis.measurement.measurement_errors import MeasurementError, near
 from updamp.diagnosis.measurement.quantities import AMPLITUDES, QUANTITIES, si_factor
-from updamp.rig_errors import explain
+from updamp.rig_errors import explain, read_toml
 from updamp.rig_fields import Quantity, Section
 
 Text = Annotated[str, StringConstraints(min_length=1)]
@@ -223,14 +222,7 @@ def level_in_si(file: MeasurementFile, run: RunTable) -> float | None:
 
 def read_table(path: Path) -> dict[str, Any]:
     """A TOML file as it is. raises: MeasurementError where it cannot be read"""
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise MeasurementError(f"{path}: no such file; give a measurement.toml (docs/measurements.md)") from None
-    except OSError as error:
-        raise MeasurementError(f"{path}: cannot be read: {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise MeasurementError(f"{path}: not valid TOML: {error}") from None
+    return read_toml(path, "a measurement.toml (docs/measurements.md)", MeasurementError)
 
 
 def validated(path: Path, table: Mapping[str, Any], model: type[Model], where: str = "") -> Model:

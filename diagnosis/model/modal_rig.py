@@ -7,7 +7,6 @@ The rig file says `kind = "modal"`. Receptance of its modes r (D. J. Ewins, Moda
 """
 
 import math
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -22,7 +21,7 @@ from updamp.hbm.contact.springs import CubicParameters, CubicSpring
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.linear_model import LinearModel
 from updamp.rig import Frequency, HarmonicBalance, Name
-from updamp.rig_errors import RigError, explain
+from updamp.rig_errors import RigError, explain, read_toml
 from updamp.rig_fields import Quantity, Section
 
 Floats = NDArray[np.float64]
@@ -145,8 +144,8 @@ class ModalRig(Section):
 def is_modal(path: str | Path) -> bool:
     """Whether a rig file gives modes; False for one that cannot be read, which its loader explains better."""
     try:
-        return tomllib.loads(Path(path).read_text(encoding="utf-8")).get("kind") == KIND
-    except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError):
+        return read_toml(Path(path), "a rig file").get("kind") == KIND
+    except RigError:
         return False
 
 
@@ -156,14 +155,7 @@ def load_modal(path: str | Path) -> ModalRig:
     raises: RigError with every problem found, one a line
     """
     path = Path(path)
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise RigError(f"{path}: no such file; give a modal rig file, such as rigs/brake_reuss.toml") from None
-    except OSError as error:
-        raise RigError(f"{path}: cannot be read: {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise RigError(f"{path}: not valid TOML: {error}") from None
+    table = read_toml(path, "a modal rig file, such as rigs/brake_reuss.toml")
     try:
         return ModalRig.model_validate(table)
     except ValidationError as error:

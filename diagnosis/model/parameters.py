@@ -1,6 +1,6 @@
 """The parameters of a fit: nuisance parameters, which every comparison has to settle first, and those of effects."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -153,6 +153,3 @@ class Parametrisation:
         for effect in self.effects:
             model = effect.apply(model, values[effect.name])
         return model
-
-    def with_effects(self, effects: Sequence[Effect]) -> "Parametrisation":
-        return replace(self, effects=tuple(effects))

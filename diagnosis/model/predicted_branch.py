@@ -6,7 +6,7 @@ not, at turning points, and where it changes by multiples, at resonance.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 from updamp.diagnosis.model.derivatives import Change, Derivatives, derivatives
+from updamp.diagnosis.model.numerical_error import NumericalError
 from updamp.diagnosis.model.parameters import Parametrisation
 from updamp.hbm.branch import BranchPoint, point_at
 from updamp.hbm.continuation import BranchStoppedError, ContinuationOptions, continue_branch
@@ -22,7 +23,6 @@ from updamp.hbm.sweeps import sweep
 from updamp.hbm.system import NonlinearSystem
 
 Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 # The branch is followed beyond the measured frequencies by this share of their range.
 _BEYOND = 0.15
@@ -211,11 +211,9 @@ def _observe(
     visited = np.zeros(len(points), dtype=bool)
     visited[sweep(np.exp(state[:, 0]), condition.upwards).visited] = True
     place = np.concatenate([[0.0], np.cumsum(chords)])
-    patterns = parametrisation.numerics.at(condition.name, place / place[-1], state.shape[1])
-    slopes = np.concatenate([slopes[:, :-1], _of_state(patterns, state), slopes[:, -1:]], axis=1)
-    return PredictedBranch(
+    branch = PredictedBranch(
         condition,
-        np.append(u[: parametrisation.n_of_model], np.zeros(patterns.shape[1])),
+        u[: parametrisation.n_of_model],
         tuple(points),
         place,
         state,
@@ -227,6 +225,16 @@ def _observe(
         stopped,
         _is_proportional(state, along, slopes[:, -1]),
     )
+    return with_patterns(branch, parametrisation.numerics)
+
+
+def with_patterns(branch: PredictedBranch, numerics: NumericalError) -> PredictedBranch:
+    """The branch with the patterns of numerical error as further parameters, at 0; it has none yet."""
+    state = branch.state
+    patterns = numerics.at(branch.condition.name, branch.place / branch.place[-1], state.shape[1])
+    by_parameter, by_force = branch.slopes[:, :-1], branch.slopes[:, -1:]
+    slopes = np.concatenate([by_parameter, _of_state(patterns, state), by_force], axis=1)
+    return replace(branch, u=np.append(branch.u, np.zeros(patterns.shape[1])), slopes=slopes)
 
 
 def _is_proportional(state: Floats, along: Floats, by_force: Floats) -> bool:

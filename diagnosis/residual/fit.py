@@ -54,7 +54,6 @@ class FitOptions:
     largest_step: float = 0.3
     tolerance: float = 0.1
     each_assembly: bool = True
-    match_rounds: int = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,22 +85,17 @@ class Compared:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """covariance: (p, p) of u; success, message: how the search ended; prior: its share of the objective"""
+    """covariance: (p, p) of u; success, message: how the search ended"""
 
     parametrisation: Parametrisation
     compared: Compared
     covariance: Floats
-    prior: float
     success: bool
     message: str
 
     @property
     def u(self) -> Floats:
         return self.compared.u
-
-    @property
-    def objective(self) -> float:
-        return self.compared.chi2 + self.prior
 
     @property
     def deviations(self) -> Floats:
@@ -200,21 +194,21 @@ def fit(
     plan: Plan,
     start: Floats,
     scatter: Scatter | None = None,
-    near: Sequence[PredictedBranch] | None = None,
+    at_start: Sequence[PredictedBranch] | None = None,
     options: FitOptions | None = None,
     progress: Progress = lambda _: None,
 ) -> Fit:
     """Least squares of the whitened residual with the parameters' priors.
 
     scatter: to keep as it is; by default it is learnt from the repeats
-    near: branches near those at `start`
+    at_start: branches solved at `start`, where they are at hand
     raises: BranchStoppedError where the model has no response to compare at the start
     """
     options = options or FitOptions()
     # the only assembly is what the parameters are fitted to: its offsets from others cannot be told from them
     share = 1.0 if len(plan.repeats) > 1 else _ALONE
     prior = Scatter({n.name: share * n.scatter for n in parametrisation.nuisances})
-    common = predict(parametrisation, start, plan, near)
+    common = tuple(at_start) if at_start is not None else predict(parametrisation, start, plan)
     branches: Branches = dict.fromkeys(plan.repeats, common)
     spread = np.where(np.isfinite(parametrisation.deviation), parametrisation.deviation, 0.0)
     best = compare_at(parametrisation, start, plan, branches, scatter or prior, None, spread)
@@ -336,5 +330,4 @@ def _deviations(parametrisation: Parametrisation, compared: Compared) -> Floats:
 
 
 def _result(parametrisation: Parametrisation, compared: Compared, success: bool, message: str) -> Fit:
-    prior = float(np.sum((compared.u / parametrisation.deviation) ** 2))
-    return Fit(parametrisation, compared, _covariance(parametrisation, compared), prior, success, message)
+    return Fit(parametrisation, compared, _covariance(parametrisation, compared), success, message)

@@ -41,8 +41,9 @@ def with_numerical_error(
     windows = {c.name: c.wider for c in plan.conditions}
     all_finer = []
     for model in finer.values():
-        again = Parametrisation(model, parametrisation.nuisances, parametrisation.effects)
-        traced = [trace_branch(again, u, c) for c in plan.conditions]
+        # at u, and with nothing left to differentiate by: the pattern needs the branch alone
+        there = Parametrisation(replace(parametrisation, base=model).model(u), ())
+        traced = [trace_branch(there, np.zeros(0), c) for c in plan.conditions]
         all_finer.append({b.condition.name: _densely(b) for b in traced})
     return replace(parametrisation, numerics=numerical_error(tuple(finer), windows, coarse, all_finer))
 

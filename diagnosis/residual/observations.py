@@ -10,7 +10,6 @@ from updamp.diagnosis.measurement.measurement import MeasuredRun, Measurement
 from updamp.diagnosis.model.predicted_branch import Condition
 
 Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 # Relative standard deviation of a frequency as the generator sets it.
 _FREQUENCY = 2e-6
