@@ -35,7 +35,8 @@ def pressure_slope(bench: Bench, values: Values, _rig: Rig) -> Bench:
 
 def asymmetric_preload(bench: Bench, values: Values, _rig: Rig) -> Bench:
     """Left face n0 (1 - a), right face n0 (1 + a)"""
-    return bench.with_patches(n0=bench.patches.n0 * np.where(bench.bodies.face == 0, 1 - values["a"], 1 + values["a"]))
+    a = values["asymmetry"]
+    return bench.with_patches(n0=bench.patches.n0 * np.where(bench.bodies.face == 0, 1 - a, 1 + a))
 
 
 def pressure_dependent_stiffness(bench: Bench, values: Values, _rig: Rig) -> Bench:
@@ -50,8 +51,8 @@ def contact_viscosity(bench: Bench, values: Values, _rig: Rig) -> Bench:
 
 
 def velocity_dependent_friction(bench: Bench, values: Values, _rig: Rig) -> Bench:
-    """mu (1 - d |v| / (|v| + v0)), v0 = 1 mm/s: as in the catalogue; contacts of this rig reach a fifth of it"""
-    return bench.with_patches(speed_drop=values["drop"], speed_scale=1e-3)
+    """mu (1 - d |v| / (|v| + v0)), v0 = 0.1 mm/s: contacts of this rig reach twice that"""
+    return bench.with_patches(speed_drop=values["drop"], speed_scale=1e-4)
 
 
 def sub_patch_microslip(bench: Bench, values: Values, _rig: Rig) -> Bench:
@@ -89,20 +90,21 @@ def static_dynamic_coupling(bench: Bench, values: Values, _rig: Rig) -> Bench:
 
 
 EFFECTS = (
-    HiddenEffect("pressure_crown", "load in the middle", strengths("crown", 0.4, 0.8, 1.3), pressure_crown),
+    HiddenEffect("pressure_crown", "load in the middle", strengths("crown", 0.8, 1.1, 1.38), pressure_crown),
     HiddenEffect("pressure_slope", "one end pressed harder", strengths("slope", 0.3, 0.6, 0.9), pressure_slope),
-    HiddenEffect("asymmetric_preload", "one face carries more", strengths("a", 0.1, 0.25, 0.5), asymmetric_preload),
+    HiddenEffect("asymmetric_preload", "one face carries more", strengths("asymmetry", 0.1, 0.25, 0.5),
+                 asymmetric_preload),
     HiddenEffect(
         "pressure_dependent_stiffness", "stiffness grows with pressure",
-        strengths("exponent", 0.1, 0.25, 0.5), pressure_dependent_stiffness,
+        strengths("exponent", 0.2, 0.4, 0.58), pressure_dependent_stiffness,
     ),
-    HiddenEffect("static_dynamic_coupling", "the mean position gives way", strengths("share", 0.02, 0.2, 1.0),
+    HiddenEffect("static_dynamic_coupling", "the mean position gives way", strengths("share", 0.2, 0.5, 1.0),
                  static_dynamic_coupling),
     HiddenEffect("contact_viscosity", "a film in the contact", strengths("viscosity", 1e8, 4e8, 1.5e9),
                  contact_viscosity),
-    HiddenEffect("velocity_dependent_friction", "friction falls with speed", strengths("drop", 0.3, 0.6, 0.9),
+    HiddenEffect("velocity_dependent_friction", "friction falls with speed", strengths("drop", 0.15, 0.35, 0.6),
                  velocity_dependent_friction),
-    HiddenEffect("sub_patch_microslip", "slip begins early within patches", strengths("spread", 0.4, 0.7, 1.0),
+    HiddenEffect("sub_patch_microslip", "slip begins early within patches", strengths("spread", 0.6, 0.8, 1.0),
                  sub_patch_microslip),
     HiddenEffect("friction_gradient", "friction varies up the face", strengths("gradient", 0.25, 0.5, 0.9),
                  friction_gradient),

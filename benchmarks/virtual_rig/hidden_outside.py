@@ -73,9 +73,9 @@ EFFECTS = tuple(
         HiddenEffect(
             "second_damper_contact", "the damper strikes the blade",
             {
-                "weak": {"stiffness": 3e6, "gap": 2e-7},
-                "medium": {"stiffness": 1e7, "gap": 2e-7},
-                "strong": {"stiffness": 3e7, "gap": 2e-7},
+                "weak": {"stiffness": 1e7, "gap": 2e-7},
+                "medium": {"stiffness": 3e7, "gap": 2e-7},
+                "strong": {"stiffness": 1e8, "gap": 1e-7},
             }, second_damper_contact,
         ),
         HiddenEffect(

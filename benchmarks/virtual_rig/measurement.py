@@ -28,11 +28,12 @@ def make_measurement(
     preset: str = "laboratory",
     options: SolverOptions = SolverOptions(),
     progress: Callable[[str], None] = lambda _: None,
+    sealed: Path | None = None,
 ) -> None:
     """Write measurement.toml, sweeps.csv (and sweeps.uff) and sealed.json into a folder, which is made.
 
     The same arguments give the same files. rig: that of rigs/virtual_rig.toml by default; preset: the laboratory's mesh
-    options: of its solver; progress: is told which run begins
+    options: of its solver; progress: is told which run begins; sealed: file for the truth, out/sealed.json by default
 
     raises: ValueError where the plan names a mode that is neither IP nor OOP
     """
@@ -60,7 +61,7 @@ def make_measurement(
         write_uff(out / UFF, sweeps, plan.harmonics)
     write_description(out / DESCRIPTION, rig, plan, CSV)
     write_sealed(
-        out / SEALED,
+        out / SEALED if sealed is None else sealed,
         {
             "hidden": [asdict(one) for one in hidden], "seed": seed, "rig": rig.name, "preset": preset,
             "plan": asdict(plan), "noise": asdict(noise), "solver": asdict(options),

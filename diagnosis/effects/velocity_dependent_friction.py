@@ -5,11 +5,12 @@ from updamp.diagnosis.effects.effect import Effect, EffectParameter, Values
 from updamp.diagnosis.model.rig_model import RigModel
 from updamp.hbm.contact.velocity_friction import VelocityFriction
 
-REFERENCE_SPEED = 1e-3  # m/s: an amplitude of 0.36 um at 440 Hz
+# m/s: an amplitude of 36 nm at 440 Hz. Contacts of such rigs slip at some tenths of a millimetre a second.
+REFERENCE_SPEED = 1e-4
 
 
 def apply(model: RigModel, values: Values) -> RigModel:
-    """mu (1 - d v / (v + v0)), v the tangential relative velocity, v0 = 1 mm/s."""
+    """mu (1 - d v / (v + v0)), v the tangential relative velocity, v0 = 0.1 mm/s."""
     if values["drop"] == 0:
         return model
     return put_around(model, VelocityFriction, velocity_drop=values["drop"], reference_speed=REFERENCE_SPEED)

@@ -1,0 +1,108 @@
+"""Data of all cases from the virtual laboratory, the truth beside but apart. Resumable.
+
+.venv/bin/python benchmarks/hidden_effects/make_data.py [--out FOLDER] [--jobs N] [--only case_012 --only strong ...]
+"""
+
+import os
+import sys
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+sys.path.append(str(Path(__file__).parents[1]))
+# To be set before numpy is loaded: the products are small, and threads make them many times slower.
+for library in ("OMP", "OPENBLAS", "MKL"):
+    os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+
+from hidden_effects.cases import NOISE, PLAN, Case, by_name  # noqa: E402
+from hidden_effects.in_turn import in_turn  # noqa: E402
+from hidden_effects.layout import RIG, Layout, read, write_whole  # noqa: E402
+from virtual_rig.bodies import bodies_of  # noqa: E402
+from virtual_rig.measurement import make_measurement  # noqa: E402
+
+from updamp.rig import load_rig  # noqa: E402
+
+
+@dataclass(frozen=True)
+class Made:
+    """points: recorded, of those planned; jumps: of all runs; seconds: of wall time"""
+
+    case: str
+    points: int
+    planned: int
+    jumps: int
+    seconds: float
+
+
+def make_case(case: Case, layout: Layout) -> Made:
+    """Measurement and truth; the truth last, so that what has one is complete."""
+    started = time.perf_counter()
+    folder = layout.data(case.name)
+    draws = layout.truth(case.name).with_suffix(".draws.json")
+    draws.parent.mkdir(parents=True, exist_ok=True)
+    layout.truth(case.name).unlink(missing_ok=True)
+    make_measurement(folder, PLAN, case.hidden, case.seed, NOISE, load_rig(RIG), preset=case.laboratory, sealed=draws)
+    record = read(draws) or {}
+    seconds = time.perf_counter() - started
+    write_whole(layout.truth(case.name), truth_of(case, record, seconds))
+    draws.unlink()
+    runs = record["runs"]
+    planned = len(runs) * PLAN.points
+    lost, jumps = (sum(len(run[key]) for run in runs) for key in ("lost", "jumps"))
+    return Made(case.name, planned - lost, planned, jumps, seconds)
+
+
+def truth_of(case: Case, record: Mapping[str, Any], seconds: float) -> dict[str, Any]:
+    """record: every draw of the laboratory, as `make_measurement` seals it"""
+    return {
+        "case": case.name, "digest": case.digest, "kind": case.kind, "strength": case.strength,
+        "in_catalogue": case.in_catalogue, "effects": list(case.effects), "parameters": case.catalogue_values,
+        "seed": case.seed, "laboratory": case.laboratory, "fitted": case.fitted, "repeats": case.repeats,
+        "seconds": seconds, "record": record,
+    }  # fmt: skip
+
+
+def is_made(case: Case, layout: Layout) -> bool:
+    truth = read(layout.truth(case.name))
+    return truth is not None and truth["digest"] == case.digest and layout.measurement(case.name).is_file()
+
+
+def main(
+    out: Annotated[Path, typer.Option(help="folder for data/ and truth/")] = Layout().folder,
+    jobs: Annotated[int, typer.Option(min=1, help="processes")] = 1,
+    only: Annotated[list[str], typer.Option(help="case_012, a kind, a strength or an effect; repeatable")] = [],  # noqa: B006
+    reveal: Annotated[bool, typer.Option("--list", help="list the cases, truth and all, and make nothing")] = False,
+) -> None:
+    layout = Layout(out)
+    try:
+        chosen = by_name(tuple(only))
+    except ValueError as error:
+        raise typer.BadParameter(str(error), param_hint="--only") from None
+    if reveal:
+        for case in chosen:
+            typer.echo(f"{case.name}  {case.kind:<10} {'made' if is_made(case, layout) else '-':<5} {case.detail}")
+        return
+    open_cases = [case for case in chosen if not is_made(case, layout)]
+    typer.echo(f"{len(chosen) - len(open_cases)} of {len(chosen)} cases are made already")
+    # Once for all: processes that start together would each compute the same finite elements.
+    for preset in {case.laboratory for case in open_cases}:
+        bodies_of(load_rig(RIG), preset)
+    try:
+        in_turn(partial(make_case, layout=layout), open_cases, jobs, "measuring", _line)
+    except RuntimeError as error:
+        typer.echo(error, err=True)
+        raise typer.Exit(1) from None
+
+
+def _line(made: Made) -> str:
+    jumps = f", {made.jumps} jumps" if made.jumps else ""
+    return f"{made.points} of {made.planned} points{jumps}, {made.seconds:.0f} s"
+
+
+if __name__ == "__main__":
+    typer.run(main)
