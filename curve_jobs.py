@@ -120,10 +120,11 @@ def curve_problem(job: CurveJob) -> tuple[Any, Any]:
     from updamp.fem.contact_rest import StaticContact
     from updamp.fem.reduced_model import ReducedModel
     from updamp.hbm.curve import CurveRequest
-    from updamp.hbm.rig_system import excitation, rig_system
+    from updamp.hbm.rig_system import excitation
+    from updamp.stage_functions import coupled_problem
 
     reduced, rest = store.read(job.finite_elements, ReducedModel, part="reduced"), store.read(job.rest, StaticContact)
-    system = rig_system(reduced, rest, job.rig)
+    system = coupled_problem(job.rig, reduced, rest)
     observed = tuple(name for name in system.free.points if ".excitation." not in name)
     window = job.rig.study.modes[job.mode].window
     return system, CurveRequest(job.mode, excitation(system, job.rig, job.force), window, observed)

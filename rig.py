@@ -12,6 +12,7 @@ from pydantic import AfterValidator, Field, StringConstraints, ValidationError, 
 from pydantic_core import to_json
 
 from updamp.rig_checks import buildable
+from updamp.rig_effects import Calibration, CalibrationTable, Effects
 from updamp.rig_errors import RigError, explain, read_toml
 from updamp.rig_fields import Quantity, Section
 from updamp.rig_pressure import FePressure, PolynomialPressure, TwoAreaPressure, UniformPressure
@@ -197,6 +198,8 @@ class Rig(Section):
     harmonic_balance: HarmonicBalance
     study: Study
     mesh: Annotated[Mapping[Name, MeshDivisions], Field(min_length=1)]
+    effects: Effects = ()
+    calibration: CalibrationTable = Calibration()
 
     @model_validator(mode="after")
     def _can_be_built(self) -> Self:
@@ -248,6 +251,10 @@ class Rig(Section):
     def digest(self, *keys: str) -> str:
         """SHA-256 of what stands under the keys (dotted paths, such as "contact.pressure" or "mesh.full")."""
         return hashlib.sha256(to_json([(key, reduce(_entry, key.split("."), self)) for key in keys])).hexdigest()
+
+    def states(self, key: str) -> bool:
+        """Whether something stands under a key that may be left out, such as "effects"."""
+        return bool(reduce(_entry, key.split("."), self))
 
 
 def _entry(table: Any, key: str) -> Any:

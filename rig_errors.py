@@ -61,9 +61,12 @@ def _pydantic(problem: ErrorDetails, field: FieldInfo | None) -> str:
 
 
 def _own(path: str, problem: ErrorDetails) -> Iterator[str]:
-    """The model's own checks: those of a value get its key, those of a table name the key themselves."""
+    """The model's own checks: those of a value get its key, those of a table name the key themselves, from that table
+    on; a RigError's lines are whole."""
     lines = str(problem["ctx"]["error"]).splitlines()
-    if not isinstance(problem["input"], Mapping):
+    if isinstance(problem["ctx"]["error"], RigError):
+        yield from lines
+    elif not isinstance(problem["input"], Mapping):
         yield from (f"{path} = {_written(problem['input'])}: {line}" for line in lines)
     else:
         yield from (f"{path}.{line}" if path else line for line in lines)

@@ -8,6 +8,7 @@ from pydantic import BaseModel
 from rich.table import Table
 
 from updamp.rig import Rig
+from updamp.rig_effects import Calibration, TakenEffect
 from updamp.rig_fields import Quantity
 
 
@@ -24,14 +25,24 @@ def values_table(rig: Rig) -> Table:
 def _entries(model: BaseModel, prefix: str = "") -> Iterator[tuple[str, str, str]]:
     for name, field in type(model).model_fields.items():
         value, key = getattr(model, name), f"{prefix}{name}"
-        if isinstance(value, BaseModel):
+        if isinstance(value, Calibration):
+            yield from ((f"{key}.{entry}", _written(factor), "") for entry, factor in value.factors.items())
+        elif isinstance(value, BaseModel):
             yield from _entries(value, f"{key}.")
+        elif name == "effects":
+            for effect in value:
+                yield from _effect(effect)
         elif isinstance(value, Mapping):
             for entry, table in value.items():
                 if isinstance(table, BaseModel):
                     yield from _table(table, f"{key}.{entry}")
         else:
             yield key, _written(value), _unit(field)
+
+
+def _effect(effect: TakenEffect) -> Iterator[tuple[str, str, str]]:
+    for parameter, value in effect.values.items():
+        yield f"effects.{effect.name}.{parameter}", _written(value), effect.units[parameter]
 
 
 def _table(model: BaseModel, prefix: str) -> Iterator[tuple[str, str, str]]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from updamp import stages
 from updamp.outputs import Outputs
 from updamp.run import Products, Run
+from updamp.stage_functions import coupled_problem
 
 if TYPE_CHECKING:
     from updamp.hbm.response_curve import ResponseCurve
@@ -176,11 +177,9 @@ def states_at_peaks(run: Run, products: Products, curves: Sequence[ResponseCurve
 
 
 def nonlinear_system(run: Run, products: Products) -> NonlinearSystem:
-    from updamp.hbm.rig_system import rig_system
-
     assert products.finite_elements is not None, "a curve has a reduced model"
     assert products.static_contact is not None, "a curve has a rest state"
-    return rig_system(products.finite_elements.product.reduced, products.static_contact.product, run.rig)
+    return coupled_problem(run.rig, products.finite_elements.product.reduced, products.static_contact.product)
 
 
 # --- summary ---

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from updamp.fem.finite_element_model import CoupledCheck, FiniteElementResult
     from updamp.fem.reduced_model import ReducedModel
     from updamp.geometry.rig_mesh import RigMesh
+    from updamp.hbm.system import NonlinearSystem
 
 Progress = Callable[[str], None]
 
@@ -45,6 +46,16 @@ def static_contact(rig: Rig, reduced: ReducedModel) -> StaticContact:
     from updamp.fem.static_contact import static_contact
 
     return static_contact(reduced, rig)
+
+
+def coupled_problem(rig: Rig, reduced: ReducedModel, rest: StaticContact) -> NonlinearSystem:
+    """What curves are traced of: the rig with the calibration and the effects that its file has taken up.
+
+    raises: ValueError naming an effect or factor that the rig has no place for
+    """
+    from updamp.diagnosis.model.build import rig_model
+
+    return rig_model(reduced, rest, rig).system
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ class Stage:
 
     version: to be raised whenever the stage computes something else from the same input
     sections: dotted paths in the rig file; {preset} and {mode} stand for the choices of the run
+    optional: further ones, which enter where the file states something there: keys from before they existed still hold
     choices: what else distinguishes one product from another: "force" is the excitation's amplitude
     after: the stages whose products it takes
     """
@@ -27,16 +28,18 @@ class Stage:
     sections: tuple[str, ...]
     after: tuple["Stage", ...] = ()
     choices: tuple[str, ...] = ()
+    optional: tuple[str, ...] = ()
 
     def key(self, rig: Rig, choice: Mapping[str, str]) -> str:
         """SHA-256 of all that goes into the product, hexadecimal.
 
         choice: values of "preset", "mode" and "force", as far as this stage and those before it use them
         """
+        sections = (*self.sections, *(section for section in self.optional if rig.states(section)))
         ingredients = {
             "stage": self.name,
             "version": self.version,
-            "rig": rig.digest(*(section.format(**choice) for section in self.sections)),
+            "rig": rig.digest(*(section.format(**choice) for section in sections)),
             "choices": {name: choice[name] for name in self.choices},
             "after": [stage.key(rig, choice) for stage in self.after],
         }
@@ -92,6 +95,7 @@ CURVE = Stage(
     ),
     after=(STATIC_CONTACT,),
     choices=("force",),
+    optional=("effects", "calibration"),
 )
 
 STAGES = (MESH, FINITE_ELEMENTS, COUPLED_CHECK, STATIC_CONTACT, CURVE)

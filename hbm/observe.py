@@ -31,15 +31,18 @@ def response(equation: Equation, excitation: Excitation, rows: Integers) -> Floa
 
 
 def contact_states(system: NonlinearSystem, x: Floats, w: float, time_samples: int = 256) -> Integers:
-    """(n_elements,) ContactState of each friction element, group by group.
+    """(n_elements,) ContactState of each friction element, group by group; other elements (springs, dampers) have none.
 
     x: (n_relative, n_coefficients) [m]
-    raises: TypeError where a group's law has no stick, slip and separation
+    raises: TypeError where no group's law has stick, slip and separation
     """
     states = []
+    if not any(isinstance(group.law, FrictionLaw) for group in system.groups):
+        laws = ", ".join(type(group.law).__name__ for group in system.groups)
+        raise TypeError(f"{laws}: no contact states: choose a law with friction")
     for group in system.groups:
         if not isinstance(group.law, FrictionLaw):
-            raise TypeError(f"{type(group.law).__name__} has no contact states: choose a law with friction")
+            continue
         _, state = over_period(group, group.law.state, x[group.rows], w, system.harmonics, time_samples)
         open_, slips = state == SEPARATED, (state == SLIP).any(axis=1)
         label = np.where(slips, ContactState.STICK_SLIP, ContactState.STUCK)

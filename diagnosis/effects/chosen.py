@@ -7,6 +7,8 @@ values = { depth = "0.3 um" }     # text with a unit; a plain number where a par
 origin = "fitted to ..., 2026-11-20"
 """
 
+import hashlib
+import inspect
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -14,10 +16,11 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from updamp.diagnosis.effects.catalogue import catalogue
+from updamp.diagnosis.effects.catalogue import CATALOGUE, catalogue
 from updamp.diagnosis.effects.effect import Effect, EffectParameter
 from updamp.diagnosis.effects.user_effect import EffectError, effect_from_file
 from updamp.diagnosis.model.rig_model import RigModel
+from updamp.rig_effects import TakenEffect
 from updamp.rig_errors import RigError
 from updamp.rig_fields import Quantity
 
@@ -36,7 +39,13 @@ class ChosenEffect:
     file: Path | None = None
 
     def apply(self, model: RigModel) -> RigModel:
-        return self.effect.apply(model, self.values)
+        """raises: ValueError naming the effect where the model has no place for it"""
+        try:
+            return self.effect.apply(model, self.values)
+        except (ValueError, KeyError) as error:  # KeyError: a point that the model does not have
+            raise ValueError(
+                f'the effect "{self.effect.name}" cannot be applied: {error.args[0]} (to take it off: updamp remove)'
+            ) from error
 
 
 def with_effects(model: RigModel, chosen: Sequence[ChosenEffect]) -> RigModel:
@@ -44,6 +53,40 @@ def with_effects(model: RigModel, chosen: Sequence[ChosenEffect]) -> RigModel:
     for one in chosen:
         model = one.apply(model)
     return model
+
+
+def taken_effects(tables: object, folder: Path) -> tuple[TakenEffect, ...]:
+    """As `chosen_effects`, in the form that a rig keeps; raises as it does"""
+    return tuple(
+        TakenEffect(
+            name=one.effect.name,
+            values=dict(one.values),
+            code=_code(one),
+            units={p.name: p.unit for p in one.effect.parameters},
+            origin=one.origin,
+            file=one.file,
+        )
+        for one in chosen_effects(tables, folder)
+    )
+
+
+def resolved(taken: Sequence[TakenEffect]) -> tuple[ChosenEffect, ...]:
+    """The effects of a rig, in its order, ready to be applied; raises: RigError where one is not there any more"""
+    return tuple(
+        ChosenEffect(_effect(one.name, one.file, "effects"), MappingProxyType(dict(one.values)), one.origin, one.file)
+        for one in taken
+    )
+
+
+def _code(one: ChosenEffect) -> str:
+    """Changes of updamp's own effects are told by the version of the stage that applies them."""
+    if one.file is not None:
+        return hashlib.sha256(one.file.read_bytes()).hexdigest()
+    if one.effect is CATALOGUE.get(one.effect.name):
+        return ""
+    module = inspect.getmodule(one.effect.apply)
+    source = module.__file__ if module is not None else None
+    return hashlib.sha256(Path(source).read_bytes()).hexdigest() if source else ""
 
 
 def chosen_effects(tables: object, folder: Path) -> tuple[ChosenEffect, ...]:

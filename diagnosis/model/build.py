@@ -1,5 +1,7 @@
 """From the stages of a rig to the model that effects may change."""
 
+from updamp.diagnosis.effects.chosen import resolved, with_effects
+from updamp.diagnosis.model.calibration import calibrated
 from updamp.diagnosis.model.rig_model import RigModel
 from updamp.fem.contact_rest import StaticContact
 from updamp.fem.damper_models import DAMPER_MODELS
@@ -13,10 +15,17 @@ Place = tuple[float, float, float]
 
 
 def rig_model(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> RigModel:
-    """The rig before any effect: its `system` is that of hbm.rig_system.rig_system.
+    """The rig with the calibration and the effects that its file has taken up, in that order, as a fit applies them.
 
-    Only the study's damper model is applied; harmonics, samples and law are those of the rig file.
+    Without any its `system` is that of hbm.rig_system.rig_system.
+    raises: ValueError naming an effect or factor that the rig has no place for
     """
+    return with_effects(calibrated(rig_as_built(reduced, rest, rig), rig.calibration), resolved(rig.effects))
+
+
+def rig_as_built(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> RigModel:
+    """The rig before any effect. Only the study's damper model is applied; harmonics, samples and law are those of the
+    rig file."""
     reduced, rest = DAMPER_MODELS[rig.damper_model].apply(reduced, rest)
     return RigModel(
         components=from_reduced(reduced, rig.material.loss_factor),

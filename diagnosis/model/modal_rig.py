@@ -16,11 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, StringConstraints, ValidationError, model_validator
 
+from updamp.diagnosis.effects.chosen import resolved, with_effects
+from updamp.diagnosis.model.calibration import calibrated
 from updamp.diagnosis.model.rig_model import PointElement, RigModel
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.linear_model import LinearModel
 from updamp.rig import Frequency, HarmonicBalance, Name
+from updamp.rig_effects import Calibration, CalibrationTable, Effects
 from updamp.rig_errors import RigError, explain, read_toml
 from updamp.rig_fields import Quantity, Section
 
@@ -99,6 +102,8 @@ class ModalRig(Section):
     excitation: Point
     modes: Annotated[Mapping[Name, Mode], Field(min_length=1)]
     harmonic_balance: HarmonicBalance = _BALANCE
+    effects: Effects = ()
+    calibration: CalibrationTable = Calibration()
 
     @model_validator(mode="after")
     def _excited(self) -> Self:
@@ -114,6 +119,14 @@ class ModalRig(Section):
         return tuple(dict.fromkeys(point for mode in self.modes.values() for point in mode.shape))
 
     def model(self) -> RigModel:
+        """With the calibration and the effects of the file, in that order.
+
+        raises: ValueError naming an effect or factor that the model has no place for
+        """
+        return with_effects(calibrated(self.as_identified, self.calibration), resolved(self.effects))
+
+    @property
+    def as_identified(self) -> RigModel:
         """Its modes as one component; parameters are those of modes identified in a test (`RigModel.identified`)."""
         balance, modes = self.harmonic_balance, tuple(self.modes.values())
         omega = 2 * np.pi * np.array([mode.frequency for mode in modes])
@@ -157,6 +170,6 @@ def load_modal(path: str | Path) -> ModalRig:
     path = Path(path)
     table = read_toml(path, "a modal rig file, such as rigs/brake_reuss.toml")
     try:
-        return ModalRig.model_validate(table)
+        return ModalRig.model_validate(table, context={"folder": path.parent})
     except ValidationError as error:
         raise RigError("\n".join([f"{path}:", *explain(error, ModalRig)])) from None

@@ -74,11 +74,15 @@ MODAL_STIFFNESS = Nuisance("modal_stiffness", "modal stiffness", 0.01, 0.05, 2e-
 MODAL_MASS = Nuisance("modal_mass", "modal mass", 0.05, 0.5, 0.01, _modal_mass)
 
 
+OF_STRUCTURE, OF_CONTACTS = (YOUNGS_MODULUS, LOSS_FACTOR), (FRICTION, TANGENTIAL, NORMAL, PRELOAD)
+OF_RIG, OF_MODES = (*OF_STRUCTURE, *OF_CONTACTS), (MODAL_STIFFNESS, LOSS_FACTOR, MODAL_MASS)
+
+
 def nuisances(model: RigModel) -> tuple[Nuisance, ...]:
     """Those that the model has a place for."""
     if model.identified:
-        return (MODAL_STIFFNESS, LOSS_FACTOR, MODAL_MASS)
-    return (YOUNGS_MODULUS, LOSS_FACTOR, *((FRICTION, TANGENTIAL, NORMAL, PRELOAD) if model.contacts else ()))
+        return OF_MODES
+    return OF_RIG if model.contacts else OF_STRUCTURE
 
 
 # Bound on the size of a numerical error, in units of the difference that finer numerics make.
