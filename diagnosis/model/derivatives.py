@@ -6,6 +6,7 @@ tangents nor iterations; the Jacobian that solved the point turns their differen
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,14 +29,15 @@ _STEP_W = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """A parameter's change by finite differences: systems at both sides, or at one and the middle.
+    """A parameter's change by a finite difference to one side.
 
-    step: between them
+    system: the changed one; step: of the parameter, from where the point stands
+    contacts_alone: whether the linear structure is that of the point
     """
 
-    below: NonlinearSystem
-    above: NonlinearSystem
+    system: NonlinearSystem
     step: float
+    contacts_alone: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,12 +63,12 @@ class Derivatives:
 def derivatives(point: BranchPoint, excitation: Excitation, changes: Sequence[Change], rows: Integers) -> Derivatives:
     """raises: RuntimeError where the Jacobian is singular and no correction helps"""
     equation = point.solution.equation
-    receptance, x, w = equation.receptance, point.x, point.w
+    receptance, x = equation.receptance, point.x
     # That of the solution carries the state before the last Newton step, in which a contact may have been stuck.
     jacobian = factorise(receptance, equation.departure)
     system = receptance.system
-    known = _Known(system, equation.departure.value)
-    differences = [_difference(change, excitation, x, w, rows, known) for change in changes]
+    here = _Here(receptance, equation.departure.value, excitation, rows)
+    differences = [here.difference(change, x) for change in changes]
     lift = receptance.excitation(excitation)
     dr = np.stack([*(d[0] for d in differences), -lift, equation.frequency_derivative(excitation), 0 * x], axis=2)
     dx = np.zeros_like(dr)
@@ -75,7 +77,7 @@ def derivatives(point: BranchPoint, excitation: Excitation, changes: Sequence[Ch
     forces = Loads.none(receptance, dx.shape[2])
     forces.forces[: len(x)] = -apply_tangents(system, equation.departure, dx)
     dy = respond(receptance, forces).at(rows)
-    by_w = _by_frequency(system, excitation, x, w, rows, known)
+    by_w = here.by_frequency(x)
     for j, difference in enumerate(differences):
         dy[..., j] += difference[1]
     dy[..., -3] += receptance.excitation(excitation, rows)
@@ -88,7 +90,7 @@ def derivatives(point: BranchPoint, excitation: Excitation, changes: Sequence[Ch
     dw = -along[:-1] / of_frequency
     total = dy[..., :-2] + dy[..., -2:-1] * dw
     return Derivatives(
-        value=_observed(receptance, excitation, equation.departure.value, rows),
+        value=here.observed,
         along=dy[..., -1],
         w_along=tw,
         by_parameter=total[..., :-1].transpose(2, 0, 1),
@@ -103,40 +105,45 @@ def _observed(receptance: Receptance, excitation: Excitation, departure: Floats,
     return receptance.excitation(excitation, rows) - receptance.apply(departure, rows)
 
 
-def _at(
-    system: NonlinearSystem, excitation: Excitation, x: Floats, w: float, rows: Integers, known: "_Known | None" = None
-) -> tuple[Floats, Floats]:
-    """Residual and observed motion, without tangents."""
-    receptance = Receptance(system, w)
-    g = known.departure if known is not None and known.holds(system) else system.departure_value(x, w)
-    return x - receptance.excitation(excitation) + receptance.apply(g), _observed(receptance, excitation, g, rows)
-
-
 @dataclass(frozen=True, eq=False)
-class _Known:
-    """The elements' forces at the point: those of every system with the same elements."""
+class _Here:
+    """A solved point; departure: of its elements (n_relative, n_coefficients); rows: observed"""
 
-    system: NonlinearSystem
+    receptance: Receptance
     departure: Floats
+    excitation: Excitation
+    rows: Integers
 
-    def holds(self, other: NonlinearSystem) -> bool:
-        same = len(other.groups) == len(self.system.groups) and other.harmonics == self.system.harmonics
-        return same and all(a is b for a, b in zip(other.groups, self.system.groups, strict=True))
+    @cached_property
+    def observed(self) -> Floats:
+        return _observed(self.receptance, self.excitation, self.departure, self.rows)
 
+    def difference(self, change: Change, x: Floats) -> tuple[Floats, Floats]:
+        """Of the residual and of the observed motion at the same x, over the step."""
+        system, w = change.system, self.receptance.w
+        if change.contacts_alone:
+            # the residual as the point's own system has it: with its springs the structure stays the same
+            reference = self.receptance.system.reference_stiffness[:, None]
+            moved = (system.element_forces(x, w) - reference * x - self.departure) / change.step
+            return self.receptance.apply(moved), -self.receptance.apply(moved, self.rows)
+        receptance = Receptance(system, w)
+        g = self.departure if self._same_elements(system) else system.departure_value(x, w)
+        residual = x - receptance.excitation(self.excitation) + receptance.apply(g)
+        motion = _observed(receptance, self.excitation, g, self.rows)
+        return (residual - self._residual(x)) / change.step, (motion - self.observed) / change.step
 
-def _difference(
-    change: Change, excitation: Excitation, x: Floats, w: float, rows: Integers, known: _Known
-) -> tuple[Floats, Floats]:
-    r1, y1 = _at(change.below, excitation, x, w, rows, known)
-    r2, y2 = _at(change.above, excitation, x, w, rows, known)
-    return (r2 - r1) / change.step, (y2 - y1) / change.step
+    def by_frequency(self, x: Floats) -> Floats:
+        """Of the observed motion at held relative displacements."""
+        system, w = self.receptance.system, self.receptance.w
+        h = _STEP_W * w
+        depends = any(group.law.rate_dependent for group in system.groups)
+        g = system.departure_value(x, w + h) if depends else self.departure
+        return (_observed(Receptance(system, w + h), self.excitation, g, self.rows) - self.observed) / h
 
+    def _residual(self, x: Floats) -> Floats:
+        return x - self.receptance.excitation(self.excitation) + self.receptance.apply(self.departure)
 
-def _by_frequency(
-    system: NonlinearSystem, excitation: Excitation, x: Floats, w: float, rows: Integers, known: _Known
-) -> Floats:
-    """Of the observed motion at held relative displacements."""
-    h = _STEP_W * w
-    still = None if any(group.law.rate_dependent for group in system.groups) else known
-    (_, below), (_, above) = (_at(system, excitation, x, w + sign * h, rows, still) for sign in (-1, 1))
-    return (above - below) / (2 * h)
+    def _same_elements(self, other: NonlinearSystem) -> bool:
+        own = self.receptance.system
+        same = len(other.groups) == len(own.groups) and other.harmonics == own.harmonics
+        return same and all(a is b for a, b in zip(other.groups, own.groups, strict=True))

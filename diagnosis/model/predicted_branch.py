@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
-from updamp.diagnosis.model.derivatives import Change, Derivatives, derivatives
+from updamp.diagnosis.model.derivatives import Derivatives, derivatives
+from updamp.diagnosis.model.model_at import ModelAt
 from updamp.diagnosis.model.numerical_error import NumericalError
 from updamp.diagnosis.model.parameters import Parametrisation
 from updamp.hbm.branch import BranchPoint, point_at
@@ -26,7 +27,6 @@ Floats = NDArray[np.float64]
 
 # The branch is followed beyond the measured frequencies by this share of their range.
 _BEYOND = 0.15
-_STEP = 1e-4  # of a parameter, for differences
 # To what share of the largest amplitude a response has to be proportional to the force.
 _LINEAR = 1e-6
 
@@ -145,16 +145,16 @@ def trace_branch(
 
     raises: BranchStoppedError where not even its first point is found
     """
-    model = parametrisation.model(u)
-    excitation, points, stopped = model.excited_by(condition.force), [], ""
+    there = ModelAt(parametrisation, u)
+    excitation, points, stopped = there.model.excited_by(condition.force), [], ""
     try:
-        for point in continue_branch(model.system, excitation, condition.wider, options, condition.upwards):
+        for point in continue_branch(there.model.system, excitation, condition.wider, options, condition.upwards):
             points.append(point)
     except BranchStoppedError as stop:
         if len(points) < 4:
             raise
         stopped = str(stop)
-    return _observe(parametrisation, u, condition, points, stopped)
+    return _observe(there, condition, points, stopped)
 
 
 def move_branch(parametrisation: Parametrisation, u: Floats, before: PredictedBranch) -> PredictedBranch | None:
@@ -163,47 +163,36 @@ def move_branch(parametrisation: Parametrisation, u: Floats, before: PredictedBr
 
     Its parameters may be fewer than those now: the derivatives are of the first ones.
     """
-    model = parametrisation.model(u)
-    excitation = model.excited_by(before.condition.force)
+    there = ModelAt(parametrisation, u)
+    moved = _moved(there, before)
+    return None if moved is None else _observe(there, before.condition, moved, before.stopped)
+
+
+def _moved(there: ModelAt, before: PredictedBranch) -> list[BranchPoint] | None:
+    system, excitation = there.model.system, there.model.excited_by(before.condition.force)
     moved: list[BranchPoint] = []
     for i, point in enumerate(before.points):
         known = len(before.w_by_parameter[i])
-        du = u[:known] - before.u[:known]
+        du = there.u[:known] - before.u[:known]
         x = point.x + np.tensordot(du, before.x_by_parameter[i], axes=1)
         w = point.w + float(before.w_by_parameter[i] @ du)
         arc = Arc(x, w, point.tangent, point.metric)
-        solution = solve(model.system, excitation, x, w, NewtonOptions(), arc)
+        solution = solve(system, excitation, x, w, NewtonOptions(), arc)
         if not solution.converged:
             return None
         moved.append(point_at(solution, excitation, point.metric.scale_w, point.tangent, point.step, point.after_gap))
-    return _observe(parametrisation, u, before.condition, moved, before.stopped)
-
-
-def changes(parametrisation: Parametrisation, u: Floats) -> tuple[Change, ...]:
-    """Differences for every parameter: central, or to one side where a bound is near."""
-    found = []
-    for j in range(parametrisation.n_of_model):
-        step = np.zeros(len(u))
-        step[j] = _STEP
-        low = u - step if u[j] - _STEP >= parametrisation.lower[j] else u
-        high = u + step if u[j] + _STEP <= parametrisation.upper[j] else u
-        below, above = parametrisation.model(low).system, parametrisation.model(high).system
-        found.append(Change(below, above, float(high[j] - low[j])))
-    return tuple(found)
+    return moved
 
 
 def _observe(
-    parametrisation: Parametrisation,
-    u: Floats,
+    there: ModelAt,
     condition: Condition,
     points: Sequence[BranchPoint],
     stopped: str,
 ) -> PredictedBranch:
-    model = parametrisation.model(u)
-    system, excitation = model.system, model.excited_by(condition.force)
+    system, excitation = there.model.system, there.model.excited_by(condition.force)
     rows = np.array([system.free.row(point) for point, _ in condition.sensors])
-    by_differences = changes(parametrisation, u)
-    found = [derivatives(p, excitation, by_differences, rows) for p in points]
+    found = [derivatives(p, excitation, there.changes, rows) for p in points]
     each = [_state(d, p.w, system, condition) for d, p in zip(found, points, strict=True)]
     state, along, slopes = (np.array(column) for column in zip(*each, strict=True))
     length = _length(along, state, condition)
@@ -213,7 +202,7 @@ def _observe(
     place = np.concatenate([[0.0], np.cumsum(chords)])
     branch = PredictedBranch(
         condition,
-        u[: parametrisation.n_of_model],
+        there.u[: there.parametrisation.n_of_model],
         tuple(points),
         place,
         state,
@@ -225,7 +214,7 @@ def _observe(
         stopped,
         _is_proportional(state, along, slopes[:, -1]),
     )
-    return with_patterns(branch, parametrisation.numerics)
+    return with_patterns(branch, there.parametrisation.numerics)
 
 
 def with_patterns(branch: PredictedBranch, numerics: NumericalError) -> PredictedBranch:

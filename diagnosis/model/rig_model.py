@@ -67,10 +67,15 @@ class RigModel:
     def system(self) -> NonlinearSystem:
         """The coupled problem."""
         free = with_relative_rows(attach(self.components, self.attachments), [e.point for e in self.elements])
+        return NonlinearSystem(free, self.groups, self.harmonics, self.time_samples)
+
+    @cached_property
+    def groups(self) -> tuple[ElementGroup, ...]:
+        """The contacts, then the other elements."""
         first = self.components.n_relative
-        groups: tuple[ElementGroup, ...] = () if self.contacts is None else (self.contacts,)
-        groups += tuple(ElementGroup(e.law, e.parameters, np.array([[first + i]])) for i, e in enumerate(self.elements))
-        return NonlinearSystem(free, groups, self.harmonics, self.time_samples)
+        contacts: tuple[ElementGroup, ...] = () if self.contacts is None else (self.contacts,)
+        others = (ElementGroup(e.law, e.parameters, np.array([[first + i]])) for i, e in enumerate(self.elements))
+        return (*contacts, *others)
 
     def excited_by(self, force: float) -> Excitation:
         """force: amplitude [N]"""
