@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
 
+import numpy as np
 from rich.console import Console
 
 from updamp import stages
@@ -124,15 +125,13 @@ def _points() -> tuple[str, ...]:
 
 
 def _model(run: Run) -> tuple[RigModel, float]:
-    """The model, and the blade's first frequency without damper [Hz]."""
-    import numpy as np
-
+    """The model, and the excited blade's first frequency without damper [Hz]."""
     done = run.products()
     assert done.finite_elements is not None, "the run goes as far as static contact"
     assert done.static_contact is not None, "the run goes as far as static contact"
-    reduced = done.finite_elements.product.reduced
-    free = float(reduced.blade_right.omega[0] / (2 * np.pi))
-    return rig_model(reduced, done.static_contact.product, run.rig), free
+    model = rig_model(done.finite_elements.product.reduced, done.static_contact.product, run.rig)
+    of_blade = np.array(model.owner) == f"blade_{run.rig.excitation.blade}"
+    return model, float(model.components.frequencies[of_blade].min())
 
 
 def _features(

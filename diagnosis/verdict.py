@@ -10,6 +10,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.diagnosis.comparison import Calibrated
+
 Floats = NDArray[np.float64]
 Outcome = Literal["adequate", "identified", "inseparable", "unknown", "undecidable"]
 
@@ -144,6 +146,8 @@ class Verdict:
     sentence: the verdict in plain words
     candidates: every effect that was looked at, best first
     next_measurement: worth making, most separation per hour first
+    calibration: nuisance parameters fitted together with `effects`, for `updamp add --with-calibration`: factors on
+        the rig file's values; empty where they are not handed on
     """
 
     verdict: Outcome
@@ -158,3 +162,4 @@ class Verdict:
     missing_forces: tuple[MissingForce, ...]
     history: tuple[Step, ...]
     provenance: Mapping[str, str]
+    calibration: tuple[Calibrated, ...] = ()
