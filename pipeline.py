@@ -1,15 +1,9 @@
-"""The command line: `updamp run`, `updamp check`, `updamp show`."""
+"""The command line: `updamp run`, `compare`, `check`, `show`."""
 
 import json
 import os
-import shlex
-import signal
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
-from types import FrameType
 from typing import Annotated
 
 import typer
@@ -17,6 +11,7 @@ from rich.console import Console
 from rich.text import Text
 
 from updamp import stages
+from updamp.command_line import INCOMPLETE, Debug, RigFile, clean_errors, interruptible
 from updamp.resources import Meter
 
 app = typer.Typer(
@@ -25,11 +20,6 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-
-BAD_INPUT, INCOMPLETE, INTERRUPTED = 2, 1, 130
-
-RigFile = Annotated[Path, typer.Argument(metavar="RIG", help="Rig file, such as rigs/pesaresi2017.toml.")]
-Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 
 
 def _version(wanted: bool) -> None:
@@ -69,7 +59,7 @@ def run(
     A stage whose input has not changed is taken from its file. After an interruption the same command goes on where
     it stopped, in the middle of a curve too.
     """
-    with _clean_errors(debug), _interruptible():
+    with clean_errors(debug), interruptible():
         from updamp.rig import load_rig
         from updamp.run import RunOptions
 
@@ -136,7 +126,7 @@ def compare(
 
     What is known only roughly (stiffness, damping, friction) is fitted within its bounds first.
     """
-    with _clean_errors(debug), _interruptible():
+    with clean_errors(debug), interruptible():
         os.environ.setdefault("OMP_NUM_THREADS", "1")  # many small products: threads would wait for each other
         from updamp.diagnosis.compare_run import CompareFiles, run_compare, sentences
         from updamp.hbm.compilation_cache import keep_compiled
@@ -153,7 +143,7 @@ def compare(
 @app.command()
 def check(rig: RigFile, debug: Debug = False) -> None:
     """Read a rig file and explain it: every value in SI, and what follows from them."""
-    with _clean_errors(debug):
+    with clean_errors(debug):
         from updamp.rig import load_rig
         from updamp.rig_tables import derived_table, values_table
 
@@ -165,7 +155,7 @@ def check(rig: RigFile, debug: Debug = False) -> None:
 @app.command()
 def show(folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.")], debug: Debug = False) -> None:
     """Show what a run found."""
-    with _clean_errors(debug):
+    with clean_errors(debug):
         path = folder / "summary.json"
         if not path.is_file():
             raise ValueError(f"{path}: no such file; make it with: updamp run RIG --mesh PRESET --out {folder}")
@@ -197,43 +187,6 @@ def _stage(name: str | None) -> stages.Stage | None:
     if name is not None and name not in known:
         raise ValueError(f"--until {name}: the stages are {', '.join(known)}")
     return known[name] if name else None
-
-
-@contextmanager
-def _clean_errors(debug: bool) -> Iterator[None]:
-    """What a person can mend comes as a sentence; a mistake in the program keeps its traceback.
-
-    The project's own errors derive from ValueError, RuntimeError and ImportError.
-    """
-    try:
-        yield
-    except KeyboardInterrupt:
-        command = shlex.join(["updamp", *sys.argv[1:]])
-        typer.echo(
-            f"\nInterrupted. What is solved so far is kept; to go on from there run again:\n  {command}", err=True
-        )
-        raise typer.Exit(INTERRUPTED) from None
-    except typer.Exit:
-        raise
-    except (ValueError, RuntimeError, ImportError, OSError) as error:
-        if debug:
-            raise
-        typer.echo(f"error: {error}", err=True)
-        raise typer.Exit(BAD_INPUT) from None
-
-
-@contextmanager
-def _interruptible() -> Iterator[None]:
-    """A request to terminate is treated like Ctrl-C, so that checkpoints are written."""
-
-    def interrupt(number: int, frame: FrameType | None) -> None:  # noqa: ARG001
-        raise KeyboardInterrupt
-
-    before = signal.signal(signal.SIGTERM, interrupt)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
 
 
 if __name__ == "__main__":
