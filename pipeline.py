@@ -1,4 +1,4 @@
-"""The command line: `updamp run`, `compare`, `check`, `show`."""
+"""The command line: `updamp run`, `compare`, `check`, `show`; `add`, `remove`, `history` in `effect_commands.py`."""
 
 import json
 import os
@@ -10,7 +10,7 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from updamp import stages
+from updamp import effect_commands, stages
 from updamp.command_line import INCOMPLETE, Debug, RigFile, clean_errors, interruptible
 from updamp.resources import Meter
 
@@ -187,6 +187,9 @@ def _stage(name: str | None) -> stages.Stage | None:
     if name is not None and name not in known:
         raise ValueError(f"--until {name}: the stages are {', '.join(known)}")
     return known[name] if name else None
+
+
+effect_commands.join(app)
 
 
 if __name__ == "__main__":

@@ -12,10 +12,11 @@ from updamp import stages
 from updamp.diagnosis.compare import CompareOptions, compare
 from updamp.diagnosis.comparison import Comparison, FeatureComparison
 from updamp.diagnosis.comparison_json import write_json
+from updamp.diagnosis.history import record_comparison
 from updamp.diagnosis.measurement.load import load_measurement
 from updamp.diagnosis.measurement.measurement import Measurement
 from updamp.diagnosis.model.build import rig_model
-from updamp.diagnosis.model.modal_rig import is_modal, load_modal
+from updamp.diagnosis.model.modal_rig import ModalRig, is_modal, load_modal
 from updamp.diagnosis.model.rig_model import RigModel
 from updamp.diagnosis.report.write_report import write_report
 from updamp.diagnosis.residual.fit import Fit
@@ -70,19 +71,22 @@ def run_compare(
         files.out.mkdir(parents=True, exist_ok=True)
         write_json(files.comparison, comparison)
         write_report(comparison, files.report, _pictures(files.out))
+        record_comparison(files.rig, subject.effects, comparison)
         display.done("files", f"{files.comparison}, {files.report}")
     return comparison, fit
 
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """What is compared. mesh: preset, "" for a model without; finer: models with finer numerics, by what is finer"""
+    """What is compared. mesh: preset, "" for a model without; finer: models with finer numerics, by what is finer
+    effects: that the rig file has taken up"""
 
     model: RigModel
     measurement: Measurement
     features: tuple[FeatureComparison, ...]
     mesh: str
     finer: Mapping[str, RigModel] = field(default_factory=dict)
+    effects: tuple[str, ...] = ()
 
 
 def _of_rig(files: CompareFiles, preset: str, workers: int, display: Display, finer: str | None) -> Subject:
@@ -96,13 +100,17 @@ def _of_rig(files: CompareFiles, preset: str, workers: int, display: Display, fi
         folder = files.out / finer
         again = Run(rig, RunOptions(finer, folder, workers, check=False, until=stages.STATIC_CONTACT), display)
         finer_models["mesh"] = _model(again)[0]
-    return Subject(model, measurement, features, preset, finer_models)
+    return Subject(model, measurement, features, preset, finer_models, _names(rig))
 
 
 def _of_modal_rig(files: CompareFiles) -> Subject:
     rig = load_modal(files.rig)
     model = rig.model()
-    return Subject(model, load_measurement(files.measurement, model.components.points, rig.name), (), "")
+    return Subject(model, load_measurement(files.measurement, model.components.points, rig.name), (), "", {}, _names(rig))
+
+
+def _names(rig: Rig | ModalRig) -> tuple[str, ...]:
+    return tuple(effect.name for effect in rig.effects)
 
 
 class _Told:

@@ -1,0 +1,104 @@
+"""Commands that change a rig file's effects and tell their history: `updamp add`, `remove`, `history`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+from rich.text import Text
+
+from updamp.command_line import Debug, RigFile, clean_errors
+
+if TYPE_CHECKING:
+    from updamp.diagnosis.add import Changed
+
+Out = Annotated[
+    Path | None, typer.Option(help="The new rig file; RIG itself to change it.", show_default="RIG's name and EFFECT's")
+]
+
+
+def join(app: typer.Typer) -> None:
+    for command in (add, remove, history):
+        app.command()(command)
+
+
+def add(
+    rig: RigFile,
+    effect: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="EFFECT", help="Effects to add; those that were identified where none is named."),
+    ] = None,
+    folder: Annotated[
+        Path | None, typer.Option("--from", metavar="DIR", help="Folder of updamp diagnose, with diagnosis.json.")
+    ] = None,
+    out: Out = None,
+    replace: Annotated[
+        bool, typer.Option("--replace", help="Replace the values of an effect, or a file, that is there already.")
+    ] = False,
+    with_calibration: Annotated[
+        bool, typer.Option("--with-calibration", help="Take along what was calibrated together with the effects.")
+    ] = False,
+    file: Annotated[
+        list[Path] | None, typer.Option(help="Python file of an effect of your own; may be repeated.")
+    ] = None,
+    debug: Debug = False,
+) -> None:
+    """Write a new rig file with effects that a diagnosis found, at their fitted values.
+
+    updamp run and updamp compare take it as it is. Effects stack: add to the new file again.
+    """
+    with clean_errors(debug):
+        from updamp.diagnosis.add import AddOptions
+        from updamp.diagnosis.add import add as add_effects
+
+        if folder is None:
+            raise ValueError(f"--from: missing; give the folder of: updamp diagnose {rig} MEASUREMENT --out DIR")
+        _tell(add_effects(rig, effect or (), folder, AddOptions(out, replace, with_calibration, tuple(file or ()))))
+
+
+def remove(
+    rig: RigFile,
+    effect: Annotated[list[str], typer.Argument(metavar="EFFECT", help='Effects to take off, or "calibration".')],
+    out: Out = None,
+    replace: Annotated[bool, typer.Option("--replace", help="Replace the new file where it is there already.")] = False,
+    debug: Debug = False,
+) -> None:
+    """Write a new rig file without some of the effects that the rig file has taken up."""
+    with clean_errors(debug):
+        from updamp.diagnosis.add import remove as remove_effects
+
+        _tell(remove_effects(rig, effect, out, replace))
+
+
+def history(
+    rig: RigFile,
+    picture: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Draw how the error fell with each step, as PNG.")
+    ] = None,
+    debug: Debug = False,
+) -> None:
+    """Show which effects were added to a rig file and how the error fell with each of them."""
+    with clean_errors(debug):
+        from updamp.diagnosis.history import history_file, read_history
+        from updamp.diagnosis.history_table import history_table
+
+        told, console = read_history(rig), Console()
+        if not told.steps:
+            raise ValueError(f"{history_file(rig)}: no history yet; it begins with: updamp add {rig} EFFECT --from DIR")
+        console.print(history_table(f"History of {rig.name}", told))
+        if picture is not None:
+            from updamp.diagnosis.history_picture import draw_history
+
+            draw_history(picture, f"History of {rig.name}", told)
+            console.print(f"{picture}", highlight=False, soft_wrap=True)
+
+
+def _tell(changed: "Changed") -> None:
+    from updamp.diagnosis.history import History
+    from updamp.diagnosis.history_table import history_table
+
+    console = Console()
+    console.print(history_table(f"{changed.rig}", History((changed.step,))))
+    for note in changed.notes:
+        console.print(Text.assemble(("note      ", "yellow"), note), soft_wrap=True)
+    console.print(f"{changed.rig}", highlight=False, soft_wrap=True)
