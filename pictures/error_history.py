@@ -61,7 +61,7 @@ def _bar(ax: Axes, place: int, fall: Fall) -> None:
         ax.plot([place - 0.7, place + 0.3], [fall.before, fall.before], color=GREY, linewidth=0.8)
         colour = GREEN if fall.after <= fall.before else VERMILLION
         ax.bar(place, fall.before - fall.after, bottom=fall.after, color=colour, width=0.6)
-        _label(ax, place, max(fall.before, fall.after), f"{fall.after:.3g}")
+        _label(ax, place, fall.after, f"{fall.after:.3g}", below=fall.after <= fall.before)
     elif isfinite(fall.after):
         ax.plot([place - 0.3, place + 0.3], [fall.after, fall.after], color=BLUE)
         _label(ax, place, fall.after, f"{fall.after:.3g}")
@@ -70,5 +70,9 @@ def _bar(ax: Axes, place: int, fall: Fall) -> None:
     ax.plot([place] * len(fall.compared), fall.compared, "D", color=ORANGE, markeredgecolor=INK, markersize=6)
 
 
-def _label(ax: Axes, place: float, height: float, text: str) -> None:
-    ax.annotate(text, (place, height), textcoords="offset points", xytext=(0, 3), ha="center")
+def _label(ax: Axes, place: float, height: float, text: str, below: bool = False) -> None:
+    shift, side = (-3, "top") if below else (3, "bottom")
+    box = {"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none"}
+    ax.annotate(
+        text, (place, height), textcoords="offset points", xytext=(0, shift), ha="center", va=side, bbox=box, zorder=4
+    )
