@@ -106,7 +106,9 @@ def _of_rig(files: CompareFiles, preset: str, workers: int, display: Display, fi
 def _of_modal_rig(files: CompareFiles) -> Subject:
     rig = load_modal(files.rig)
     model = rig.model()
-    return Subject(model, load_measurement(files.measurement, model.components.points, rig.name), (), "", {}, _names(rig))
+    return Subject(
+        model, load_measurement(files.measurement, model.components.points, rig.name), (), "", {}, _names(rig)
+    )
 
 
 def _names(rig: Rig | ModalRig) -> tuple[str, ...]:

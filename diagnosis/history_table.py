@@ -12,14 +12,13 @@ SIGNS = {"added": "+", "removed": "\N{MINUS SIGN}"}
 def history_table(title: str, history: History) -> Table:
     """One line a step; errors are weighted residual RMS; repeats: what these give alone; data: begin of their hash."""
     table = Table(title=title, title_justify="left", header_style="bold")
-    for heading in ("date", "step", "effects then", "error", "held-out", "repeats", "data"):
+    for heading in ("date", "step", "error", "held-out", "repeats", "data"):
         right = heading in ("error", "held-out", "repeats")
         table.add_column(heading, justify="right" if right else "left", overflow="fold")
     for step in history.steps:
         table.add_row(
             step.day,
             step_name(step),
-            ", ".join(step.effects) or "none",
             _fall(step.before.fit, step.after.fit),
             _fall(step.before.held_out, step.after.held_out),
             _number(step.repeatability),

@@ -44,7 +44,7 @@ def without_effects(text: str, names: Sequence[str]) -> str:
             del entries[place]
     if "effects" in document and not entries:
         del document["effects"]
-    return tomlkit.dumps(document)
+    return _ended(document)
 
 
 def with_calibration(text: str, factors: Mapping[str, float], origin: str) -> str:
@@ -63,7 +63,7 @@ def with_calibration(text: str, factors: Mapping[str, float], origin: str) -> st
 def without_calibration(text: str) -> str:
     document = tomlkit.parse(text)
     document.pop("calibration", None)
-    return tomlkit.dumps(document)
+    return _ended(document)
 
 
 def moved(text: str, source: Path, target: Path) -> str:
@@ -111,6 +111,11 @@ def _state(table: Table | InlineTable, effect: EffectText) -> None:
         table["file"] = effect.file
     table["values"] = values
     table["origin"] = effect.origin
+
+
+def _ended(document: tomlkit.TOMLDocument) -> str:
+    """Without the empty lines that stood before what was taken off."""
+    return tomlkit.dumps(document).rstrip("\n") + "\n"
 
 
 def _end_with_empty_line(document: tomlkit.TOMLDocument) -> None:

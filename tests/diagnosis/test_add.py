@@ -147,7 +147,7 @@ def test_effects_stack_and_come_off_again(rig, diagnosed):
     assert result.exit_code == 0, result.output
     assert list(effects_of(two.with_name("second.toml"))) == ["shaker_attachment"]
     none = remove(two, ["edge_gap", "shaker_attachment"], two.with_name("none.toml")).rig
-    assert none.read_text(encoding="utf-8").rstrip("\n") == rig.read_text(encoding="utf-8").rstrip("\n")
+    assert none.read_text(encoding="utf-8") == rig.read_text(encoding="utf-8")
     several = add(rig, ["edge_gap", "shaker_attachment"], diagnosed, AddOptions(out=rig.with_name("several.toml"))).rig
     assert effects_of(several) == effects_of(two)
 
@@ -322,7 +322,7 @@ def test_the_history_is_shown_and_drawn(rig, diagnosed, tmp_path):
     assert result.exit_code == 0, result.output
     cells = [[cell.strip() for cell in line.split("│")] for line in result.output.splitlines()]
     (row,) = [row for row in cells if "+ shaker_attachment" in row]
-    assert row[4:7] == ["5 → 1.1", "4 → 1.3", "1"]
+    assert row[3:6] == ["5 → 1.1", "4 → 1.3", "1"]
     colours = np.array(Image.open(picture).convert("RGB")).reshape(-1, 3)
     green = (np.abs(colours - np.array([0, 158, 115])).max(axis=1) < 12).sum()
     assert green > 2000, "bars that fall"
