@@ -2,6 +2,7 @@
 
 FOLDER/data/case_001/measurement.toml, sweeps.csv
 FOLDER/truth/case_001.json
+FOLDER/expected/case_001.json: what of the truth can be seen
 FOLDER/verdicts/case_001/diagnosis.json, run.json
 """
 
@@ -27,6 +28,9 @@ class Layout:
 
     def truth(self, case: str) -> Path:
         return self.folder / "truth" / f"{case}.json"
+
+    def expected(self, case: str) -> Path:
+        return self.folder / "expected" / f"{case}.json"
 
     def verdict(self, case: str) -> Path:
         return self.folder / "verdicts" / case

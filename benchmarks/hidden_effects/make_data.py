@@ -24,8 +24,9 @@ from hidden_effects.in_turn import in_turn  # noqa: E402
 from hidden_effects.layout import RIG, Layout, read, write_whole  # noqa: E402
 from virtual_rig.bodies import bodies_of  # noqa: E402
 from virtual_rig.measurement import make_measurement  # noqa: E402
+from virtual_rig.plan import TestPlan  # noqa: E402
 
-from updamp.rig import load_rig  # noqa: E402
+from updamp.rig import Rig, load_rig  # noqa: E402
 
 
 @dataclass(frozen=True)
@@ -39,20 +40,20 @@ class Made:
     seconds: float
 
 
-def make_case(case: Case, layout: Layout) -> Made:
+def make_case(case: Case, layout: Layout, rig: Rig, plan: TestPlan = PLAN) -> Made:
     """Measurement and truth; the truth last, so that what has one is complete."""
     started = time.perf_counter()
     folder = layout.data(case.name)
     draws = layout.truth(case.name).with_suffix(".draws.json")
     draws.parent.mkdir(parents=True, exist_ok=True)
     layout.truth(case.name).unlink(missing_ok=True)
-    make_measurement(folder, PLAN, case.hidden, case.seed, NOISE, load_rig(RIG), preset=case.laboratory, sealed=draws)
+    make_measurement(folder, plan, case.hidden, case.seed, NOISE, rig, preset=case.laboratory, sealed=draws)
     record = read(draws) or {}
     seconds = time.perf_counter() - started
     write_whole(layout.truth(case.name), truth_of(case, record, seconds))
     draws.unlink()
     runs = record["runs"]
-    planned = len(runs) * PLAN.points
+    planned = len(runs) * plan.points
     lost, jumps = (sum(len(run[key]) for run in runs) for key in ("lost", "jumps"))
     return Made(case.name, planned - lost, planned, jumps, seconds)
 
@@ -90,10 +91,11 @@ def main(
     open_cases = [case for case in chosen if not is_made(case, layout)]
     typer.echo(f"{len(chosen) - len(open_cases)} of {len(chosen)} cases are made already")
     # Once for all: processes that start together would each compute the same finite elements.
+    rig = load_rig(RIG)
     for preset in {case.laboratory for case in open_cases}:
-        bodies_of(load_rig(RIG), preset)
+        bodies_of(rig, preset)
     try:
-        in_turn(partial(make_case, layout=layout), open_cases, jobs, "measuring", _line)
+        in_turn(partial(make_case, layout=layout, rig=rig), open_cases, jobs, "measuring", _line)
     except RuntimeError as error:
         typer.echo(error, err=True)
         raise typer.Exit(1) from None

@@ -90,7 +90,7 @@ def static_dynamic_coupling(bench: Bench, values: Values, _rig: Rig) -> Bench:
 
 
 EFFECTS = (
-    HiddenEffect("pressure_crown", "load in the middle", strengths("crown", 0.8, 1.1, 1.38), pressure_crown),
+    HiddenEffect("pressure_crown", "load in the middle", strengths("crown", 0.8, 1.1, 1.3), pressure_crown),
     HiddenEffect("pressure_slope", "one end pressed harder", strengths("slope", 0.3, 0.6, 0.9), pressure_slope),
     HiddenEffect("asymmetric_preload", "one face carries more", strengths("asymmetry", 0.1, 0.25, 0.5),
                  asymmetric_preload),

@@ -64,7 +64,7 @@ EFFECTS = (
     HiddenEffect("wire_stiffness", "wires stiffer than stated", strengths("factor", 5, 15, 40), wire_stiffness),
     HiddenEffect(
         "shaker_attachment", "the shaker adds mass, stiffness and damping",
-        {"weak": shaker(0.2, 5e4, 200), "medium": shaker(0.5, 1e5, 500), "strong": shaker(0.95, 1e5, 950)},
+        {"weak": shaker(0.2, 5e4, 200), "medium": shaker(0.5, 1e5, 500), "strong": shaker(0.8, 1e5, 800)},
         shaker_attachment,
     ),
     HiddenEffect("clamp_flexibility", "the roots turn", strengths("compliance", 2e-6, 6e-6, 1.5e-5), clamp_flexibility),

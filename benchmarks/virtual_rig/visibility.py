@@ -1,8 +1,9 @@
 """How far each hidden effect moves the resonances: percent of frequency and of the right tip's peak receptance.
 
-    .venv/bin/python benchmarks/virtual_rig/visibility.py
+    .venv/bin/python benchmarks/virtual_rig/visibility.py [EFFECT ...]
 
-Without noise and scatter, against the same bench with nothing hidden. First: solver settings, which must not be seen.
+Without noise and scatter, against the same bench with nothing hidden. First: solver settings, which must not
+be seen; with EFFECTs named, those alone.
 """
 
 import os
@@ -80,12 +81,13 @@ def main() -> None:
     write("| | " + " | ".join(reference) + " |\n" + "|---" * (len(reference) + 1) + "|\n")
     cells = [f"{f:.2f} Hz, {1e6 * a:.3f} um/N" for f, a, _ in reference.values()]
     write("| nothing hidden | " + " | ".join(cells) + " |\n")
-    for name, options in SETTINGS.items():
+    named = sys.argv[1:]
+    for name, options in () if named else SETTINGS.items():
         write(row(name, nominal, reference, options) + "\n")
-    for preset in ("diagnosis", "laboratory_100"):
+    for preset in () if named else ("diagnosis", "laboratory_100"):
         write(row(f"mesh {preset}", bench_of(rig, bodies_of(rig, preset)), reference, USUAL) + "\n")
-    for name, effect in HIDDEN.items():
-        for strength in effect.strengths:
+    for name in named or HIDDEN:
+        for strength in HIDDEN[name].strengths:
             write(
                 row(f"{name}, {strength}", with_hidden(nominal, [hidden(name, strength)], rig), reference, USUAL) + "\n"
             )

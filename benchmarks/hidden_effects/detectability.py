@@ -1,0 +1,235 @@
+"""Which hidden effects can be seen at all: expected score and visibility, from the laboratory alone.
+
+.venv/bin/python benchmarks/hidden_effects/detectability.py [--out FOLDER] [--only ...]
+
+The signature of an effect is the change of log(receptance) that it makes at the points of a measurement, without noise.
+Its covariance is that of the mean over the assemblies: noise of the sensors, and scatter of assemblies and drift of
+runs as the laboratory draws them. What nuisance parameters can imitate counts as covariance too, with the deviations
+that updamp allows them, and so does the error of the model that is fitted: what its mesh, once calibrated, and its
+harmonics change, run by run. Expected score z = sqrt(s^T C^-1 s); visibility: z over what it would be without these.
+
+All curves are the laboratory's own, so what is detectable does not depend on how well the diagnosis works.
+"""
+
+import os
+import sys
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, replace
+from functools import cache, partial
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+sys.path.append(str(Path(__file__).parents[1]))
+for library in ("OMP", "OPENBLAS", "MKL"):
+    os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+
+import numpy as np  # noqa: E402
+import scipy.linalg  # noqa: E402
+from hidden_effects.cases import NOISE, PLAN, Case, by_name  # noqa: E402
+from hidden_effects.in_turn import in_turn  # noqa: E402
+from hidden_effects.layout import RIG, Layout, read, write_whole  # noqa: E402
+from numpy.typing import NDArray  # noqa: E402
+from virtual_rig.assembled import assembled  # noqa: E402
+from virtual_rig.bench import BODIES, Bench, bench_of  # noqa: E402
+from virtual_rig.bodies import bodies_of  # noqa: E402
+from virtual_rig.hidden_effect import Hidden  # noqa: E402
+from virtual_rig.hidden_registry import with_hidden  # noqa: E402
+from virtual_rig.laboratory import grid, quick_sweep, windows  # noqa: E402
+from virtual_rig.periodic import NotSolvedError, SolverOptions  # noqa: E402
+from virtual_rig.sensors import LOOSE, loose  # noqa: E402
+from virtual_rig.stepped_sine import StepMotor  # noqa: E402
+
+from updamp.rig import load_rig  # noqa: E402
+
+Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class Factor:
+    """A factor on a quantity. scatter: deviation of its logarithm between assemblies; allowed: what updamp's fit
+    allows it (diagnosis/model/parameters.py); step: of the logarithm, for the difference"""
+
+    scatter: float
+    allowed: float
+    step: float
+    apply: Callable[[Bench, float], Bench]
+
+
+def _entry(name: str) -> Callable[[Bench, float], Bench]:
+    return lambda bench, factor: bench.with_patches(**{name: factor * getattr(bench.patches, name)})
+
+
+# Harmonics and samples of the model that is fitted.
+COARSE = SolverOptions(3, 128)
+
+FACTORS = (
+    Factor(NOISE.friction, 0.3, 0.02, _entry("mu")),
+    Factor(NOISE.tangential, 0.7, 0.02, _entry("kt")),
+    Factor(NOISE.normal, 0.7, 0.02, _entry("kn")),
+    Factor(NOISE.preload, 0.02, 0.01, _entry("n0")),
+    Factor(NOISE.youngs_modulus, 0.01, 1e-4, lambda b, f: b.tuned(**dict.fromkeys(BODIES, float(np.sqrt(f))))),
+    Factor(0.0, 0.5, 0.02, lambda bench, f: replace(bench, loss_factor=f * bench.loss_factor)),
+)
+E_MODULUS = 4  # place of Young's modulus, whose half is a drift of the frequencies
+
+
+@dataclass(frozen=True)
+class Expected:
+    """score: expected, in standard deviations; visibility: 0 to 1"""
+
+    score: float
+    visibility: float
+
+
+@dataclass(frozen=True, eq=False)
+class Background:
+    """Of a bench with nothing hidden. frequencies: (runs, points) [Hz]; plain: (runs, channels, points) log receptance
+    noise: covariance of one mean over the assemblies, with scatter; allowed: with nuisance parameters and the fitted
+        model's error too
+    """
+
+    bench: Bench
+    frequencies: Floats
+    plain: Complex
+    noise: Floats
+    allowed: Floats
+
+    def signature(self, hidden: Hidden) -> Floats:
+        """(runs * channels * points * 2,) change of log(receptance), real and imaginary; 0 where nothing settles"""
+        changed = log_receptance(with_hidden(self.bench, [hidden], load_rig(RIG)), self.frequencies)
+        return np.nan_to_num(as_real(difference(changed, self.plain)))
+
+
+def log_receptance(bench: Bench, frequencies: Floats, options: SolverOptions = SolverOptions()) -> Complex:
+    """(runs, channels, points), nan where no motion is found; swept as the laboratory does"""
+    found = np.full((len(PLAN.runs), len(PLAN.channels), PLAN.points), np.nan, dtype=complex)
+    rig = assembled(bench)
+    for r, (run, grid_of_run) in enumerate(zip(PLAN.runs, frequencies, strict=True)):
+        motor = StepMotor(rig, options)
+        for i in range(PLAN.points)[:: 1 if run.upwards else -1]:
+            try:
+                motion = motor.step(float(grid_of_run[i]), run.force)
+            except NotSolvedError:
+                continue
+            for c, (name, point) in enumerate(PLAN.channels.items()):
+                gain = bench.loose_gain if name == LOOSE else 0.0
+                found[r, c, i] = np.log(loose(motion.response(point)[:1], gain)[0] / run.force)
+    return found
+
+
+def difference(a: Complex, b: Complex) -> Complex:
+    """Of logarithms: the phase is the smaller one of two."""
+    d = a - b
+    return d.real + 1j * np.angle(np.exp(1j * d.imag))
+
+
+def as_real(values: Complex) -> Floats:
+    return np.stack([values.real, values.imag], axis=-1).ravel()
+
+
+@cache
+def background(preset: str, fitted: str) -> Background:
+    """Of the laboratory's mesh, for a model of another one."""
+    rig = load_rig(RIG)
+    bench = bench_of(rig, bodies_of(rig, preset))
+    still = assembled(bench)
+    frequencies = np.array([grid(*quick_sweep(still, run), PLAN, windows(still)[run.mode]) for run in PLAN.runs])
+    plain = log_receptance(bench, frequencies)
+    columns = [
+        np.nan_to_num(as_real(difference(log_receptance(f.apply(bench, np.exp(f.step)), frequencies), plain))) / f.step
+        for f in FACTORS
+    ]
+    noise, allowed = covariances(plain, np.array(columns).T)
+    model = like(bench_of(rig, bodies_of(rig, fitted)), bench)
+    for other in (log_receptance(model, frequencies), log_receptance(bench, frequencies, COARSE)):
+        error = np.nan_to_num(as_real(difference(other, plain)))[:, None] * _of_each_run(plain.shape)
+        allowed = allowed + error @ error.T
+    return Background(bench, frequencies, plain, noise, allowed)
+
+
+def like(model: Bench, bench: Bench) -> Bench:
+    """With Young's modulus such that the stuck in-phase resonance is the bench's."""
+    (wanted, *_), (found, *_) = (assembled(b).stuck_frequencies(2) for b in (bench, model))
+    return model.tuned(**dict.fromkeys(BODIES, float(wanted / found)))
+
+
+def covariances(plain: Complex, columns: Floats) -> tuple[Floats, Floats]:
+    """Of the mean over the assemblies. columns: (n, factors) derivatives by the logarithms of FACTORS"""
+    forces = np.array([run.force for run in PLAN.runs])[:, None, None]
+    floor = NOISE.floor / (forces * np.abs(np.exp(plain)))
+    size = np.sqrt(NOISE.relative**2 + NOISE.force_reading**2 + floor**2)
+    sensors = np.diag(as_real(size + 1j * size) ** 2)
+    scatter = columns * np.array([f.scatter for f in FACTORS])
+    channels = np.indices(plain.shape)[1]
+    gain = NOISE.gain * np.stack([as_real((channels == c) + 0j) for c in range(plain.shape[1])], axis=1)
+    drift = NOISE.drift * _of_each_run(plain.shape) * 2 * columns[:, [E_MODULUS]]
+    U = np.hstack([scatter, gain, drift])
+    noise = (sensors + U @ U.T) / PLAN.assemblies
+    J = columns * np.array([f.allowed for f in FACTORS])
+    return noise, noise + J @ J.T
+
+
+def _of_each_run(shape: tuple[int, ...]) -> Floats:
+    """(n, runs) 1 at the values of each run."""
+    runs = np.indices(shape)[0]
+    return np.stack([as_real((runs == r) * (1 + 1j)) for r in range(shape[0])], axis=1)
+
+
+def expected(signatures: Mapping[str, Floats], noise: Floats, allowed: Floats) -> dict[str, Expected]:
+    """Of each effect; where there are two, of what the other one cannot imitate."""
+    found = {}
+    for name, signature in signatures.items():
+        others = [s for other, s in signatures.items() if other != name]
+        wide = allowed + sum((_UNKNOWN * np.outer(s, s) for s in others), np.zeros_like(allowed))
+        score, known = (_norm(c, signature) for c in (wide, noise))
+        found[name] = Expected(score, score / known if known > 0 else 0.0)
+    return found
+
+
+# Variance of the size of the other effect, in units of its size: as good as unknown.
+_UNKNOWN = 1e2
+
+
+def _norm(covariance: Floats, signature: Floats) -> float:
+    factor = scipy.linalg.cho_factor(covariance, lower=True)
+    return float(np.sqrt(signature @ scipy.linalg.cho_solve(factor, signature)))
+
+
+@dataclass(frozen=True)
+class Looked:
+    case: str
+    seconds: float
+
+
+def look(case: Case, layout: Layout) -> Looked:
+    started = time.perf_counter()
+    b = background(case.laboratory, case.fitted)
+    signatures = {one.name: b.signature(one) for one in case.hidden}
+    found = expected(signatures, b.noise, b.allowed)
+    effects = {name: asdict(one) for name, one in found.items()}
+    write_whole(layout.expected(case.name), {"case": case.name, "digest": case.digest, "effects": effects})
+    return Looked(case.name, time.perf_counter() - started)
+
+
+def is_known(case: Case, layout: Layout) -> bool:
+    known = read(layout.expected(case.name))
+    return known is not None and known["digest"] == case.digest
+
+
+def main(
+    out: Annotated[Path, typer.Option(help="folder for expected/")] = Layout().folder,
+    only: Annotated[list[str], typer.Option(help="case_012, a kind, a strength or an effect; repeatable")] = [],  # noqa: B006
+    jobs: Annotated[int, typer.Option(min=1, help="processes")] = 1,
+) -> None:
+    """Expected score and visibility of every case with something hidden."""
+    layout = Layout(out)
+    wanted = [case for case in by_name(tuple(only)) if case.hidden and not is_known(case, layout)]
+    in_turn(partial(look, layout=layout), wanted, jobs, "expected scores", lambda looked: f"{looked.seconds:.0f} s")
+
+
+if __name__ == "__main__":
+    typer.run(main)

@@ -1,0 +1,115 @@
+"""Diagnose all cases, blind. Resumable.
+
+.venv/bin/python benchmarks/hidden_effects/run.py [--folder FOLDER] [--jobs N] [--only case_012 ...]
+"""
+
+import os
+import shutil
+import sys
+import time
+from dataclasses import dataclass
+from hashlib import sha256
+from pathlib import Path
+from typing import Annotated
+
+sys.path.append(str(Path(__file__).parents[1]))
+
+from updamp.resources import thread_limits
+
+# Before numpy and jax are loaded, here and in the processes that are started.
+os.environ.update(thread_limits(1))
+
+import typer
+from hidden_effects.cases import by_name
+from hidden_effects.diagnose_case import diagnose_case
+from hidden_effects.in_turn import in_turn
+from hidden_effects.layout import RIG, Layout, read, write_whole
+from hidden_effects.shared_model import build, place
+
+from updamp.diagnosis.verdict_json import write_json
+
+
+@dataclass(frozen=True)
+class Task:
+    """All that a diagnosis is given; nothing of the truth. model: folder with the stages of the fitted model"""
+
+    name: str
+    preset: str
+    measurement: Path
+    model: Path
+    out: Path
+
+    @property
+    def digest(self) -> str:
+        """Of the measurement's files."""
+        content = b"".join(path.read_bytes() for path in sorted(self.measurement.parent.iterdir()))
+        return sha256(content).hexdigest()[:16]
+
+    @property
+    def done(self) -> bool:
+        ran = read(self.out / "run.json")
+        return ran is not None and ran["digest"] == self.digest
+
+
+@dataclass(frozen=True)
+class Ran:
+    case: str
+    verdict: str
+    seconds: float
+
+
+def diagnose(task: Task) -> Ran:
+    """Verdict and time; run.json is written last, so that what has one is complete."""
+    shutil.rmtree(task.out, ignore_errors=True)
+    task.out.mkdir(parents=True)
+    place(task.model, task.out)
+    started, processor = time.perf_counter(), time.process_time()
+    verdict = diagnose_case(RIG, task.preset, task.measurement, task.out)
+    seconds, processor = time.perf_counter() - started, time.process_time() - processor
+    write_json(task.out / "diagnosis.json", verdict)
+    write_whole(
+        task.out / "run.json",
+        {"case": task.name, "digest": task.digest, "preset": task.preset, "seconds": seconds, "processor": processor},
+    )
+    return Ran(task.name, verdict.verdict, seconds)
+
+
+def tasks(layout: Layout, only: tuple[str, ...]) -> tuple[list[Task], list[str]]:
+    """Of cases that have data, and names of those that have none. raises: ValueError as `by_name`"""
+    found, missing = [], []
+    for case in by_name(only):
+        if not layout.truth(case.name).is_file():
+            missing.append(case.name)
+            continue
+        out, model = layout.verdict(case.name), layout.folder / "models" / case.fitted
+        found.append(Task(case.name, case.fitted, layout.measurement(case.name), model, out))
+    return found, missing
+
+
+def main(
+    folder: Annotated[Path, typer.Option(help="with data/; verdicts/ goes there")] = Layout().folder,
+    jobs: Annotated[int, typer.Option(min=1, help="processes")] = 1,
+    only: Annotated[list[str], typer.Option(help="case_012, a kind, a strength or an effect; repeatable")] = [],  # noqa: B006
+    again: Annotated[bool, typer.Option("--again", help="those with a verdict too")] = False,
+) -> None:
+    """Diagnose every case that has data and no verdict yet."""
+    layout = Layout(folder)
+    try:
+        found, missing = tasks(layout, tuple(only))
+    except ValueError as error:
+        raise typer.BadParameter(str(error), param_hint="--only") from None
+    if missing:
+        typer.echo(f"{len(missing)} cases have no data yet (make_data.py): {', '.join(missing)}", err=True)
+    left = [task for task in found if again or not task.done]
+    typer.echo(f"{len(found) - len(left)} of {len(found)} cases are diagnosed already")
+    for preset in dict.fromkeys(task.preset for task in left):
+        build(RIG, preset, layout.folder / "models")
+    try:
+        in_turn(diagnose, left, jobs, "diagnosing", lambda ran: f"{ran.verdict}, {ran.seconds:.0f} s")
+    except RuntimeError as error:
+        typer.echo(error, err=True)
+        raise typer.Exit(1) from None
+
+
+if __name__ == "__main__":
+    typer.run(main)

@@ -1,0 +1,93 @@
+"""Open the seals: verdicts against the truth, into results.json, a picture and the tables of docs/hidden_effects.md.
+
+.venv/bin/python benchmarks/hidden_effects/score.py [--folder FOLDER] [--results FILE] [--docs FILE]
+"""
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+sys.path.append(str(Path(__file__).parents[1]))
+
+from hidden_effects.confusion import confusion, draw
+from hidden_effects.goals import Goal, carried_over, gains, identification, median_seconds, speed
+from hidden_effects.layout import HERE, Layout, read, write_whole
+from hidden_effects.scored_case import SCORE, VISIBILITY, ScoredCase, scored
+from hidden_effects.tables import document, goal_table
+
+from updamp.diagnosis.dataclass_json import encode
+
+DOCS = HERE.parents[1] / "docs" / "hidden_effects.md"
+BEGIN, END = "<!-- results: score.py -->", "<!-- end of results -->"
+
+
+def score_all(layout: Layout) -> tuple[list[ScoredCase], list[str]]:
+    """Cases with a verdict, and names of those without."""
+    done, missing = [], []
+    for path in sorted(layout.truth("*").parent.glob("case_*.json")):
+        truth = read(path)
+        assert truth is not None, "it was found"
+        case = scored(layout, truth)
+        if case is None:
+            missing.append(truth["case"])
+        else:
+            done.append(case)
+    return done, missing
+
+
+def all_goals(cases: Sequence[ScoredCase]) -> tuple[Goal, ...]:
+    found = identification(cases, lambda c: c.mark, lambda c: c.detectable)
+    return (*found, carried_over(cases), *gains(cases), speed(cases))
+
+
+def results(cases: Sequence[ScoredCase], missing: Sequence[str]) -> dict[str, Any]:
+    by_diagnosis = identification(cases, lambda c: c.mark, lambda c: c.detectable_by_diagnosis)[:2]
+    return {
+        "schema": "updamp hidden effects 1",
+        "detectable": {"score": SCORE, "visibility": VISIBILITY},
+        "goals": [encode(g) for g in all_goals(cases)],
+        "goals where the diagnosis itself says what is detectable": [encode(g) for g in by_diagnosis],
+        "median_seconds": median_seconds(cases) if cases else None,
+        "without a verdict": list(missing),
+        "cases": [
+            {**encode(c), "detectable": c.detectable, "detectable_by_diagnosis": c.detectable_by_diagnosis}
+            for c in cases
+        ],
+    }
+
+
+def put_into(page: str, tables: str) -> str:
+    """The page with what stands between its marks replaced. raises: ValueError for a page without them"""
+    if page.count(BEGIN) != 1 or page.count(END) != 1 or page.index(BEGIN) > page.index(END):
+        raise ValueError(f"the page needs a line '{BEGIN}' and, after it, a line '{END}': the tables go between them")
+    before, _, rest = page.partition(BEGIN)
+    return f"{before}{BEGIN}\n{tables}\n{END}{rest.partition(END)[2]}"
+
+
+def main(
+    folder: Annotated[Path, typer.Option(help="with truth/, expected/ and verdicts/")] = Layout().folder,
+    out: Annotated[Path, typer.Option("--results", help="every case and the counts")] = HERE / "results.json",
+    docs: Annotated[Path, typer.Option(help="page whose tables are written anew; the picture goes beside it")] = DOCS,
+) -> None:
+    """Score all cases that have a verdict."""
+    cases, missing = score_all(Layout(folder))
+    if not cases:
+        typer.echo(f"{folder}: no verdicts; make some with run.py", err=True)
+        raise typer.Exit(1)
+    write_whole(out, results(cases, missing))
+    tables = document(cases, all_goals(cases), len(cases) + len(missing))
+    try:
+        page = put_into(docs.read_text(encoding="utf-8"), tables)
+    except ValueError as error:
+        raise typer.BadParameter(f"{docs}: {error}", param_hint="--docs") from None
+    docs.write_text(page, encoding="utf-8")
+    draw(confusion(cases), docs.with_suffix(".png"))
+    typer.echo(goal_table(all_goals(cases)))
+    typer.echo(f"{out}, {docs}, {docs.with_suffix('.png')}")
+
+
+if __name__ == "__main__":
+    typer.run(main)

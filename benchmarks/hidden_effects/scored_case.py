@@ -1,0 +1,165 @@
+"""One case with its truth, its verdict and what comes of comparing them."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import isfinite
+from typing import Any
+
+from hidden_effects.judgement import Called, Mark, judged
+from hidden_effects.layout import Layout, read
+
+from updamp.diagnosis.effects.catalogue import CATALOGUE
+from updamp.diagnosis.verdict import Candidate, ErrorReached, Verdict
+from updamp.diagnosis.verdict_json import read_json
+
+# Fixed beforehand, ../shared/diagnosis.md.
+SCORE, VISIBILITY = 6.0, 0.2
+ABLATIONS = "ablations.json"
+_IN_PROVENANCE = "ablation "
+
+
+@dataclass(frozen=True)
+class Seen:
+    """How well a hidden effect shows. score: in standard deviations; nan where nothing is known"""
+
+    score: float
+    visibility: float
+
+    @property
+    def detectable(self) -> bool | None:
+        """None where nothing is known."""
+        if not (isfinite(self.score) and isfinite(self.visibility)):
+            return None
+        return self.score >= SCORE and self.visibility >= VISIBILITY
+
+
+@dataclass(frozen=True)
+class Recovered:
+    """A fitted parameter beside the truth. error: off by so much of its distance from the null value"""
+
+    effect: str
+    name: str
+    truth: float
+    value: float
+    lower: float
+    upper: float
+    error: float
+    inside: bool
+
+
+@dataclass(frozen=True)
+class ScoredCase:
+    """truth: names of what is hidden, at `strength` where it is one; by_laboratory, by_diagnosis: of each hidden effect
+    recovered: parameters of those that were refitted; ablations: what others would have said, and their marks
+    """
+
+    case: str
+    kind: str
+    strength: str
+    truth: tuple[str, ...]
+    repeats: str
+    called: Called
+    mark: Mark
+    error: ErrorReached
+    by_laboratory: Mapping[str, Seen]
+    by_diagnosis: Mapping[str, Seen]
+    recovered: tuple[Recovered, ...]
+    ablations: Mapping[str, tuple[Called, Mark]]
+    seconds: float
+
+    @property
+    def detectable(self) -> bool | None:
+        """Every hidden effect is: by the laboratory's own curves where that was computed, by the diagnosis otherwise;
+        None where neither is known or nothing is hidden."""
+        return _all_seen(self.by_laboratory if self.by_laboratory else self.by_diagnosis)
+
+    @property
+    def detectable_by_diagnosis(self) -> bool | None:
+        return _all_seen(self.by_diagnosis)
+
+
+def _all_seen(seen: Mapping[str, Seen]) -> bool | None:
+    each = [one.detectable for one in seen.values()]
+    if not each or None in each:
+        return None
+    return all(each)
+
+
+def scored(layout: Layout, truth: Mapping[str, Any]) -> ScoredCase | None:
+    """None where there is no verdict yet. raises: ValueError naming a file that cannot be read"""
+    name = truth["case"]
+    folder = layout.verdict(name)
+    ran = read(folder / "run.json")
+    if ran is None:
+        return None
+    verdict = read_json(folder / "diagnosis.json")
+    hidden = tuple(truth["effects"])
+    called = Called(verdict.verdict, verdict.effects, verdict.group)
+    candidates = {c.name: c for c in verdict.candidates}
+    others = ablations_of(verdict, read(folder / ABLATIONS))
+    return ScoredCase(
+        case=name,
+        kind=truth["kind"],
+        strength=truth["strength"],
+        truth=hidden,
+        repeats=f"case_{truth['repeats']:03d}" if truth["repeats"] else "",
+        called=called,
+        mark=judged(truth["kind"], hidden, called),
+        error=verdict.error,
+        by_laboratory=_by_laboratory(layout, truth),
+        by_diagnosis={effect: _seen(candidates.get(effect)) for effect in hidden},
+        recovered=tuple(r for effect in hidden for r in recovered(effect, truth["parameters"], candidates)),
+        ablations={name: (call, judged(truth["kind"], hidden, call)) for name, call in others.items()},
+        seconds=float(ran["seconds"]),
+    )
+
+
+def _by_laboratory(layout: Layout, truth: Mapping[str, Any]) -> dict[str, Seen]:
+    """Of the same case: what was expected of another one under this number counts for nothing."""
+    expected = read(layout.expected(truth["case"]))
+    if expected is None or expected["digest"] != truth["digest"]:
+        return {}
+    return {effect: Seen(one["score"], one["visibility"]) for effect, one in expected["effects"].items()}
+
+
+def _seen(candidate: Candidate | None) -> Seen:
+    return Seen(float("nan"), float("nan")) if candidate is None else Seen(candidate.score, candidate.visibility)
+
+
+def recovered(
+    effect: str, parameters: Mapping[str, Mapping[str, float]], candidates: Mapping[str, Candidate]
+) -> tuple[Recovered, ...]:
+    """parameters: effect -> name -> true value, in the catalogue's terms"""
+    if effect not in candidates or effect not in parameters:
+        return ()
+    nulls = CATALOGUE[effect].at_null()
+    found = []
+    for fitted in candidates[effect].parameters:
+        true = parameters[effect][fitted.name]
+        error = abs(fitted.value - true) / abs(true - nulls[fitted.name])
+        inside = fitted.lower <= true <= fitted.upper
+        found.append(
+            Recovered(effect, fitted.name, true, fitted.value, fitted.lower, fitted.upper, error, inside)
+        )  # fmt: skip
+    return tuple(found)
+
+
+def ablations_of(verdict: Verdict, sidecar: Mapping[str, Any] | None) -> dict[str, Called]:
+    """From the file ablations.json beside the verdict, or from entries "ablation NAME" of its provenance, each
+    {"verdict": ..., "effects": [...], "group": [...]}
+
+    raises: ValueError naming an ablation that is not of that form
+    """
+    entries: dict[str, Any] = dict(sidecar or {})
+    for key, text in verdict.provenance.items():
+        if key.startswith(_IN_PROVENANCE):
+            entries.setdefault(key.removeprefix(_IN_PROVENANCE), json.loads(text))
+    return {name: _called(name, entry) for name, entry in entries.items()}
+
+
+def _called(name: str, entry: Any) -> Called:
+    try:
+        return Called(str(entry["verdict"]), tuple(entry.get("effects", ())), tuple(entry.get("group", ())))
+    except (KeyError, TypeError, AttributeError):
+        raise ValueError(f"ablation '{name}': verdict, effects and group are wanted, not {entry!r}") from None

@@ -1,0 +1,143 @@
+"""The blind benchmark's cases and data: how many of what, and that a measurement does not give its truth away."""
+
+import json
+from collections import Counter
+from operator import attrgetter
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hidden_effects.cases import NULLS, PAIRS, Case, by_name, cases
+from hidden_effects.in_turn import in_turn
+from hidden_effects.layout import Layout, read
+from hidden_effects.make_data import is_made, make_case
+from virtual_rig.bodies import bodies_of
+from virtual_rig.hidden_effect import STRENGTHS
+from virtual_rig.hidden_registry import HIDDEN, hidden
+from virtual_rig.plan import PlannedRun, TestPlan
+
+from updamp.diagnosis.effects.catalogue import CATALOGUE
+from updamp.diagnosis.measurement.load import load_measurement
+from updamp.rig import Rig, load_rig
+
+TINY = {
+    "width": 4, "face": 2, "platform_outer": 1, "platform_inner": 1, "platform_height": 2, "stem_thickness": 1,
+    "stem_below_excitation": 2, "stem_below_platform": 1, "stem_above_platform": 4, "stem_top": 1,
+    "damper_across": 2, "damper_apex": 1, "damper_base": 1, "contact_elements": 36,
+}  # fmt: skip
+PLAN = TestPlan((PlannedRun("IP", 0.5), PlannedRun("OOP", 2.0)), 2, 8)
+RIG = Path(__file__).parents[2] / "rigs" / "virtual_rig.toml"
+
+
+@pytest.fixture(scope="module")
+def rig(tmp_path_factory: pytest.TempPathFactory) -> object:
+    """The laboratory's own store of finite elements is left alone."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(bodies_of, "__defaults__", (tmp_path_factory.mktemp("kept"),))
+        yield load_rig(RIG, {"mesh.tiny": TINY, "reduction.modes": 10})
+
+
+def test_cases_are_as_many_as_asked_for() -> None:
+    found = cases()
+    assert Counter(c.kind for c in found) == {"single": 48, "none": 24, "outside": 12, "pair": 12, "resolution": 3}
+    singles = {(c.effects[0], c.strength) for c in found if c.kind == "single"}
+    assert singles == {(name, strength) for name in CATALOGUE for strength in STRENGTHS}
+    outside = {c.effects[0] for c in found if c.kind == "outside"}
+    assert outside == {name for name, effect in HIDDEN.items() if not effect.in_catalogue}
+    pairs = [set(c.effects) for c in found if c.kind == "pair"]
+    assert all(len(pair) == 2 and pair <= set(CATALOGUE) for pair in pairs)
+    assert len({frozenset(pair) for pair in pairs}) == len(PAIRS) == 12
+
+
+def test_order_begins_with_what_the_method_is_worked_out_with() -> None:
+    kinds = [(c.kind, c.strength) for c in cases()]
+    assert kinds[:12] == [("none", "")] * 12
+    assert kinds[12:44] == [("single", "strong")] * 16 + [("single", "medium")] * 16
+    assert kinds[-28:] == [("none", "")] * (NULLS - 12) + [("single", "weak")] * 16
+
+
+def test_numbers_and_seeds_are_each_case_s_own_and_tell_nothing() -> None:
+    found = cases()
+    assert sorted(c.number for c in found) == list(range(1, 100))
+    assert len({c.seed for c in found if not c.repeats}) == 96
+    nothing = np.array([c.kind == "none" for c in sorted(found, key=lambda c: c.number)])
+    assert abs(np.corrcoef(np.arange(99), nothing)[0, 1]) < 0.2
+    assert [c.name for c in found] == [c.name for c in cases()]
+
+
+def test_repetitions_have_the_draws_of_what_they_repeat() -> None:
+    known = {c.number: c for c in cases()}
+    for case in by_name(("resolution",)):
+        original = known[case.repeats]
+        assert (case.hidden, case.seed) == (original.hidden, original.seed)
+        assert (case.laboratory, case.fitted) == ("laboratory_100", "diagnosis_146")
+        assert (original.laboratory, original.fitted) == ("laboratory", "diagnosis")
+        assert case.digest != original.digest
+
+
+def test_cases_are_chosen_by_name_kind_strength_and_effect() -> None:
+    assert {c.strength for c in by_name(("strong",))} == {"strong"}
+    assert {c.effects for c in by_name(("edge_gap",)) if c.kind == "single"} == {("edge_gap",)}
+    assert {c.kind for c in by_name(("pair", "none"))} == {"pair", "none"}
+    assert by_name(("case_007",))[0].number == 7
+    with pytest.raises(ValueError, match="case_100"):
+        by_name(("case_100",))
+
+
+def test_measurement_does_not_give_its_truth_away(rig: Rig, tmp_path: Path) -> None:
+    layout = Layout(tmp_path)
+    case = Case(7, "single", (hidden("contact_viscosity", "strong"),), 5, "tiny")
+    assert not is_made(case, layout)
+    made = make_case(case, layout, rig, PLAN)
+    assert (made.points, made.planned) == (32, 32)
+    assert is_made(case, layout)
+    for path in layout.data("case_007").rglob("*"):
+        assert path.name in ("measurement.toml", "sweeps.csv")
+        text = path.read_text().lower()
+        assert not [word for word in ("viscosity", "strong", "hidden", "seed", "single") if word in text], path
+    assert len(load_measurement(layout.measurement("case_007")).runs) == 4
+
+
+def test_truth_is_in_the_catalogue_s_terms(rig: Rig, tmp_path: Path) -> None:
+    layout = Layout(tmp_path)
+    make_case(Case(8, "outside", (hidden("quadratic_damping", "weak"),), 5, "tiny"), layout, rig, PLAN)
+    both = (hidden("edge_gap", "weak"), hidden("wire_stiffness", "weak"))
+    make_case(Case(9, "pair", both, 6, "tiny"), layout, rig, PLAN)
+    outside, pair = (json.loads(layout.truth(f"case_00{n}").read_text()) for n in (8, 9))
+    assert (outside["effects"], outside["parameters"], outside["in_catalogue"]) == (["quadratic_damping"], {}, False)
+    assert pair["parameters"] == {"edge_gap": {"depth": 5e-8}, "wire_stiffness": {"factor": 5}}
+    assert len(pair["record"]["assemblies"]) == 2
+    assert pair["record"]["seed"] == pair["seed"] == 6
+
+
+def test_data_of_a_case_that_has_changed_are_made_again(rig: Rig, tmp_path: Path) -> None:
+    layout = Layout(tmp_path)
+    weak, strong = (Case(3, "single", (hidden("wire_stiffness", s),), 5, "tiny") for s in ("weak", "strong"))
+    make_case(weak, layout, rig, PLAN)
+    first = (layout.data("case_003") / "sweeps.csv").read_text()
+    assert not is_made(strong, layout)
+    make_case(strong, layout, rig, PLAN)
+    assert is_made(strong, layout)
+    assert not is_made(weak, layout)
+    assert (layout.data("case_003") / "sweeps.csv").read_text() != first
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_tasks_go_on_where_one_fails(jobs: int) -> None:
+    good = cases()[:3]
+    assert sorted(in_turn(attrgetter("seed"), good, jobs, "working", str)) == sorted(c.seed for c in good)
+    bad = (good[0], _Nameless("broken"), good[1])
+    with pytest.raises(RuntimeError, match="broken: AttributeError"):
+        in_turn(attrgetter("seed"), bad, 1, "working", str)
+
+
+class _Nameless:
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+
+def test_a_file_that_is_not_json_is_named(tmp_path: Path) -> None:
+    (tmp_path / "broken.json").write_text("{")
+    with pytest.raises(ValueError, match=r"broken\.json.*delete it"):
+        read(tmp_path / "broken.json")
+    assert read(tmp_path / "absent.json") is None

@@ -1,0 +1,242 @@
+"""Scoring, on verdicts made up for the purpose."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hidden_effects import score
+from hidden_effects.cases import Case, cases
+from hidden_effects.confusion import confusion
+from hidden_effects.goals import goal
+from hidden_effects.judgement import Called, judged
+from hidden_effects.layout import Layout, write_whole
+from hidden_effects.make_data import truth_of
+from hidden_effects.score import all_goals, put_into, score_all
+
+from updamp.diagnosis.effects.catalogue import CATALOGUE
+from updamp.diagnosis.verdict import Candidate, Confounding, ErrorReached, FittedParameter, Verdict
+from updamp.diagnosis.verdict_json import write_json
+
+PERFECT = ErrorReached(before=10.0, after=1.1, held_out_before=8.0, held_out_after=1.2, repeatability=1.0)
+IDENTIFIED, INSEPARABLE = "identified", "inseparable"
+
+
+@pytest.mark.parametrize(
+    ("kind", "truth", "called", "mark"),
+    [
+        ("single", "a", Called(IDENTIFIED, ("a",)), "right"),
+        ("single", "a", Called(IDENTIFIED, ("a",), ("a", "b", "c")), "right"),
+        ("single", "a", Called(IDENTIFIED, ("b",)), "wrong"),
+        ("single", "a", Called(IDENTIFIED, ("a", "b")), "wrong"),
+        ("single", "a", Called(IDENTIFIED), "wrong"),
+        ("single", "a", Called(INSEPARABLE, (), ("a", "b")), "right group"),
+        ("single", "a", Called(INSEPARABLE, ("b",), ("a", "b")), "right group"),
+        ("single", "a", Called(INSEPARABLE, (), ("a", "b", "c")), "wide group"),
+        ("single", "a", Called(INSEPARABLE, (), ("b", "c")), "wrong"),
+        ("single", "a", Called(INSEPARABLE, ("d",), ("a", "b")), "wrong"),
+        ("single", "a", Called("adequate"), "missed"),
+        ("single", "a", Called("unknown"), "unknown"),
+        ("single", "a", Called("undecidable"), "undecided"),
+        ("none", "", Called("adequate"), "right"),
+        ("none", "", Called("undecidable"), "undecided"),
+        ("none", "", Called("unknown"), "false alarm"),
+        ("none", "", Called(INSEPARABLE, (), ("a", "b")), "false alarm"),
+        ("outside", "x", Called("unknown"), "right"),
+        ("outside", "x", Called(IDENTIFIED, ("a",)), "wrong"),
+        ("outside", "x", Called("adequate"), "missed"),
+        ("pair", "a b", Called(IDENTIFIED, ("b", "a")), "right"),
+        ("pair", "a b", Called(IDENTIFIED, ("b",)), "partly"),
+        ("pair", "a b", Called(IDENTIFIED, ("b", "c")), "wrong"),
+        ("pair", "a b", Called(INSEPARABLE, ("a",), ("b", "c")), "right group"),
+        ("pair", "a b", Called(INSEPARABLE, (), ("b", "c")), "partly"),
+        ("pair", "a b", Called(INSEPARABLE, (), ("a", "b")), "partly"),
+        ("pair", "a b", Called(INSEPARABLE, ("a",), ("c", "d")), "wrong"),
+        ("pair", "a b", Called("unknown"), "unknown"),
+        ("resolution", "", Called("adequate"), "right"),
+    ],
+)
+def test_rules(kind, truth, called, mark):
+    assert judged(kind, truth.split(), called) == mark
+
+
+def test_verdict_that_there_is_not_is_refused():
+    with pytest.raises(ValueError, match="'perhaps'"):
+        judged("single", ["a"], Called("perhaps"))
+
+
+def test_intervals_are_those_of_the_books():
+    none = goal("", "", [False] * 24, lambda k, n: k * 24 <= n)
+    assert none.exact == pytest.approx((0, 1 - 0.025 ** (1 / 24)))
+    some = goal("", "", [True] * 11 + [False], lambda k, n: 12 * k >= 11 * n)
+    z, p, n = 1.959964, 11 / 12, 12
+    middle, half = p + z**2 / (2 * n), z * np.sqrt(p * (1 - p) / n + z**2 / (4 * n**2))
+    assert some.wilson == pytest.approx(((middle - half) / (1 + z**2 / n), (middle + half) / (1 + z**2 / n)), rel=1e-5)
+    assert (some.count, some.of, some.met, none.met) == (11, 12, True, True)
+    assert goal("", "", [True] * 10 + [False] * 2, lambda k, n: 12 * k >= 11 * n).met is False
+    assert goal("", "", [], lambda k, n: k == n).met is None
+
+
+def candidate(name: str, case: Case, off: float = 0.0, size: float = 40.0) -> Candidate:
+    """off: of the parameters, relative; their intervals are 10 % to either side"""
+    parameters = tuple(
+        FittedParameter(p.name, p.unit, (1 + off) * v, (0.9 + off) * v, (1.1 + off) * v, p.null, p.lower, p.upper)
+        for p in CATALOGUE[name].parameters
+        if (v := case.catalogue_values.get(name, {}).get(p.name)) is not None
+    )
+    return Candidate(name, "", size, 0.5, 0.0, 0.0, 20.0, 0.5, parameters, True, "")
+
+
+def verdict(called: Called, candidates: tuple[Candidate, ...] = (), error: ErrorReached = PERFECT) -> Verdict:
+    nothing = Confounding((), np.zeros((0, 0)), 0.9, ())
+    return Verdict(
+        called.verdict, "", called.effects, called.group, candidates, error, (), (), nothing, (), (), {}
+    )  # fmt: skip
+
+
+def truly(case: Case) -> Called:
+    if not case.hidden:
+        return Called("adequate")
+    return Called(IDENTIFIED, case.effects) if case.in_catalogue else Called("unknown")
+
+
+def store(layout: Layout, case: Case, what: Verdict, seconds: float = 100.0) -> None:
+    write_whole(layout.truth(case.name), truth_of(case, {}, 10.0))
+    folder = layout.verdict(case.name)
+    folder.mkdir(parents=True)
+    write_json(folder / "diagnosis.json", what)
+    write_whole(folder / "run.json", {"case": case.name, "seconds": seconds})
+
+
+@pytest.fixture
+def all_right(tmp_path: Path) -> Layout:
+    """Every case with the verdict that it deserves."""
+    layout = Layout(tmp_path)
+    for case in cases():
+        candidates = tuple(candidate(name, case) for name in case.effects if name in CATALOGUE)
+        store(layout, case, verdict(truly(case), candidates))
+    return layout
+
+
+def replaced(layout: Layout, case: Case, what: Verdict) -> None:
+    write_json(layout.verdict(case.name) / "diagnosis.json", what)
+
+
+def counts(layout: Layout) -> dict[str, tuple[int, int, bool | None]]:
+    return {g.name: (g.count, g.of, g.met) for g in all_goals(score_all(layout)[0])}
+
+
+def of_kind(kind: str) -> list[Case]:
+    return [case for case in cases() if case.kind == kind]
+
+
+def test_where_all_is_right_every_goal_is_met(all_right: Layout) -> None:
+    found = counts(all_right)
+    assert all(met for _, _, met in found.values())
+    assert [n for _, n, _ in found.values()] == [48, 48, 24, 12, 12, 3, 16, 16, 16, 16, 16, 96]
+    assert found["false alarms where nothing is hidden"][0] == 0
+
+
+def test_each_failure_counts_where_it_belongs(all_right: Layout) -> None:
+    first, second, third, *_ = of_kind("single")
+    wrong = "velocity_dependent_friction" if first.effects[0] != "velocity_dependent_friction" else "edge_gap"
+    for case, called in (
+        (first, Called(IDENTIFIED, (wrong,))),
+        (second, Called("adequate")),
+        (of_kind("none")[1], Called("unknown")),
+        (of_kind("none")[2], Called(IDENTIFIED, ("edge_gap",))),
+        (of_kind("outside")[0], Called(IDENTIFIED, ("edge_gap",))),
+        (of_kind("pair")[0], Called(IDENTIFIED, of_kind("pair")[0].effects[:1])),
+        (of_kind("resolution")[1], Called("unknown")),
+    ):
+        seen = tuple(candidate(name, case) for name in case.effects if name in CATALOGUE)
+        replaced(all_right, case, verdict(called, seen))
+    # not detectable, so that its miss does not count
+    replaced(all_right, third, verdict(Called("adequate"), (candidate(third.effects[0], third, size=3.0),)))
+    found = counts(all_right)
+    assert found["right effect, or its group of two, of detectable single ones"] == (45, 47, True)
+    assert found["confidently wrong, of detectable single ones"] == (1, 47, False)
+    assert found["false alarms where nothing is hidden"] == (2, 24, False)
+    assert found["'unknown' of those outside the catalogue"] == (11, 12, True)
+    assert found["both of two effects"] == (11, 12, True)
+    assert found["same verdict at 146 patches"] == (2, 3, False)
+
+
+def test_gains_and_parameters_of_strong_effects(all_right: Layout) -> None:
+    one, other, third = [case for case in of_kind("single") if case.strength == "strong"][:3]
+    off = candidate(one.effects[0], one, off=0.3)
+    replaced(all_right, one, verdict(truly(one), (off,), replace(PERFECT, after=3.0)))
+    near = candidate(other.effects[0], other, off=-0.12)
+    replaced(all_right, other, verdict(truly(other), (near,), replace(PERFECT, held_out_after=float("nan"))))
+    replaced(all_right, third, verdict(truly(third), (candidate(third.effects[0], third),), replace(PERFECT, before=4)))
+    found = counts(all_right)
+    assert found["strong: error 5 times lower"][0] == 14
+    assert found["strong: error on held-out data 3 times lower"][0] == 15
+    assert found["strong: final error at most 1.3 times repeatability"][0] == 15
+    assert found["strong: parameters within 15 % of the truth"][0] == 15
+    assert found["strong: parameters' 95 % intervals hold the truth"][0] == 14
+
+
+def test_laboratory_s_expectation_decides_what_is_detectable(all_right: Layout) -> None:
+    case, stale = of_kind("single")[:2]
+    low = {case.effects[0]: {"score": 50.0, "visibility": 0.1}}
+    write_whole(all_right.expected(case.name), {"case": case.name, "digest": case.digest, "effects": low})
+    write_whole(all_right.expected(stale.name), {"case": stale.name, "digest": "of old data", "effects": {}})
+    scored = {c.case: c for c in score_all(all_right)[0]}
+    assert (scored[case.name].detectable, scored[case.name].detectable_by_diagnosis) == (False, True)
+    assert scored[stale.name].detectable is True
+    assert counts(all_right)["confidently wrong, of detectable single ones"][1] == 47
+
+
+def test_ablations_from_the_sidecar_and_from_the_provenance(all_right: Layout) -> None:
+    case, other = of_kind("single")[:2]
+    sidecar = {"score only": {"verdict": "unknown"}, "BIC only": {"verdict": IDENTIFIED, "effects": case.effects}}
+    write_whole(all_right.verdict(case.name) / "ablations.json", sidecar)
+    said = json.dumps({"verdict": "inseparable", "effects": [], "group": [*other.effects, "x"]})
+    replaced(all_right, other, replace(verdict(truly(other)), provenance={"ablation no U": said, "mesh": "small"}))
+    scored = {c.case: c for c in score_all(all_right)[0]}
+    assert {n: mark for n, (_, mark) in scored[case.name].ablations.items()} == {
+        "score only": "unknown", "BIC only": "right",
+    }  # fmt: skip
+    assert scored[other.name].ablations["no U"][1] == "right group"
+    write_whole(all_right.verdict(case.name) / "ablations.json", {"score only": ["unknown"]})
+    with pytest.raises(ValueError, match="'score only'"):
+        score_all(all_right)
+
+
+def test_command_writes_results_picture_and_page(all_right: Layout, tmp_path: Path) -> None:
+    page, out = tmp_path / "page.md", tmp_path / "results.json"
+    page.write_text(f"# Page\n\nabove\n{score.BEGIN}\nwhat was there\n{score.END}\nbelow\n")
+    write_whole(all_right.verdict("case_001") / "ablations.json", {"no U": {"verdict": "unknown"}})
+    layout_without = all_right.verdict("case_002") / "run.json"
+    layout_without.unlink()
+    score.main(all_right.folder, out, page)
+    text = page.read_text()
+    assert text.startswith("# Page\n\nabove\n")
+    assert text.endswith("\nbelow\n")
+    assert "what was there" not in text
+    assert "98 of 99 cases are scored" in text
+    assert "| without a part of the method | no U |" in text
+    rows = [line for line in text.splitlines() if line.startswith("| 0")]
+    assert len(rows) == 98
+    results = json.loads(out.read_text())
+    assert len(results["cases"]) == 98
+    assert results["without a verdict"] == ["case_002"]
+    assert {"truth", "called", "mark", "error", "detectable", "seconds"} <= set(results["cases"][0])
+    assert (tmp_path / "page.png").stat().st_size > 20_000
+    with pytest.raises(ValueError, match="needs a line"):
+        put_into("no marks", "")
+
+
+def test_confusion_counts_every_case_once(all_right: Layout) -> None:
+    case = of_kind("single")[0]
+    group = (case.effects[0], "edge_gap")
+    replaced(all_right, case, verdict(Called(INSEPARABLE, (), group)))
+    matrix = confusion(score_all(all_right)[0])
+    assert dict(zip(matrix.rows, matrix.cases, strict=True))["nothing hidden"] == 24
+    assert sum(matrix.cases) == 48 + 24 + 12
+    np.testing.assert_allclose(matrix.count.sum(axis=1), matrix.cases)
+    row = matrix.rows.index(case.effects[0])
+    assert matrix.count[row, matrix.columns.index(case.effects[0])] == 2.5
+    assert matrix.count[row, matrix.columns.index("edge_gap")] == 0.5
