@@ -1,10 +1,12 @@
 """Effects and calibrations in rig files: read with everything else, applied by all that take the rig, hashed."""
 
+import hashlib
 import io
 import pickle
 import subprocess
 import sys
 from dataclasses import replace
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +16,8 @@ from support.plain_rig import around_first_stuck_mode, plain_reduced_model
 
 from updamp import stages, store
 from updamp.curve_jobs import CurveEnd, CurveJob, curve_problem, trace_curve
+from updamp.diagnosis.effects import catalogue, edge_gap
+from updamp.diagnosis.effects.catalogue import CATALOGUE
 from updamp.diagnosis.model.build import rig_model
 from updamp.diagnosis.model.modal_rig import load_modal
 from updamp.diagnosis.model.parameters import FRICTION, LOSS_FACTOR, YOUNGS_MODULUS
@@ -137,6 +141,17 @@ def test_a_change_in_a_user_s_file_is_noticed(tmp_path):
     assert changed(before, with_effects(oily)) == set()
     own.write_text(OWN + "\n# factor squared from now on\n")
     assert changed(before, with_effects(oily)) == {"curve"}
+
+
+def test_effects_of_other_packages_are_hashed_by_their_source(monkeypatch):
+    class Installed(EntryPoint):
+        def load(self):
+            return replace(CATALOGUE["edge_gap"], name=self.name)
+
+    monkeypatch.setattr(catalogue, "entry_points", lambda group: [Installed("rounded", "x", group)])
+    own, other = with_effects({"name": "edge_gap", "values": {}}, {"name": "rounded", "values": {}}).effects
+    assert own.code == ""
+    assert other.code == hashlib.sha256(Path(edge_gap.__file__).read_bytes()).hexdigest()
 
 
 # --- what they do ---
