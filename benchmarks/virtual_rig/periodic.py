@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+import scipy.linalg
 from numpy.typing import NDArray
 from virtual_rig.assembled import Assembled
 from virtual_rig.basis import Basis
@@ -123,25 +124,33 @@ def forces(rig: Assembled, x: Floats, w: float, basis: Basis):
 
 
 def gmres(product, right, tolerance, most=200):
-    """Solve product(v) = right to the relative tolerance (Saad and Schultz 1986), orthogonalised twice."""
+    """Solve product(v) = right to the relative tolerance (Saad and Schultz 1986), orthogonalised twice; the small least
+    squares problem by Givens rotations, as in their section 3.2."""
     size = np.linalg.norm(right)
     if size == 0:
         return right
     basis = np.empty((most + 1, right.size))
-    H = np.zeros((most + 1, most))
-    basis[0] = right.ravel() / size
+    R, goal = np.zeros((most, most)), np.zeros(most + 1)
+    turns = np.zeros((most, 2))
+    basis[0], goal[0] = right.ravel() / size, size
     for j in range(most):
         v = product(basis[j].reshape(right.shape)).ravel()
+        h = np.zeros(j + 1)
         for _ in range(2):
             c = basis[: j + 1] @ v
             v = v - c @ basis[: j + 1]
-            H[: j + 1, j] += c
-        H[j + 1, j] = np.linalg.norm(v)
-        goal = np.zeros(j + 2)
-        goal[0] = size
-        y, *_ = np.linalg.lstsq(H[: j + 2, : j + 1], goal)
-        missed = np.linalg.norm(H[: j + 2, : j + 1] @ y - goal)
-        if missed <= tolerance * size or H[j + 1, j] == 0 or j == most - 1:
+            h += c
+        below = float(np.linalg.norm(v))
+        column = h.tolist()
+        for i, (cos, sin) in enumerate(turns[:j].tolist()):
+            column[i], column[i + 1] = cos * column[i] + sin * column[i + 1], cos * column[i + 1] - sin * column[i]
+        length = float(np.hypot(column[j], below))
+        cos, sin = turns[j] = column[j] / length, below / length
+        column[j] = length
+        R[: j + 1, j] = column
+        goal[j], goal[j + 1] = cos * goal[j], -sin * goal[j]
+        if abs(goal[j + 1]) <= tolerance * size or below == 0 or j == most - 1:
+            y = scipy.linalg.solve_triangular(R[: j + 1, : j + 1], goal[: j + 1])
             return (y @ basis[: j + 1]).reshape(right.shape)
-        basis[j + 1] = v / H[j + 1, j]
+        basis[j + 1] = v / below
     raise AssertionError
