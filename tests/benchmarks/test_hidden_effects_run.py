@@ -1,0 +1,115 @@
+"""Blind runs: what a diagnosis is given, what is kept, and that finished cases are not done again."""
+
+import json
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+import pytest
+import typer
+from hidden_effects import run
+from hidden_effects.cases import by_name
+from hidden_effects.layout import Layout, write_whole
+from hidden_effects.run import Task, diagnose, tasks
+from hidden_effects.shared_model import build, place
+
+from updamp.diagnosis.verdict import Confounding, ErrorReached, Verdict
+from updamp.diagnosis.verdict_json import read_json
+
+RIG = Path(__file__).parents[2] / "rigs" / "virtual_rig.toml"
+TINY = """
+[mesh.tiny]
+width = 4
+face = 2
+platform_outer = 1
+platform_inner = 1
+platform_height = 2
+stem_thickness = 1
+stem_below_excitation = 2
+stem_below_platform = 1
+stem_above_platform = 4
+stem_top = 1
+damper_across = 2
+damper_apex = 1
+damper_base = 1
+contact_elements = 36
+"""
+ADEQUATE = Verdict(
+    "adequate", "", (), (), (), ErrorReached(1.0, 1.0, 1.0, 1.0, 1.0), (), (),
+    Confounding((), np.zeros((0, 0)), 0.9, ()), (), (), {},
+)  # fmt: skip
+
+
+@pytest.fixture
+def layout(tmp_path: Path) -> Layout:
+    """Data of the three repetitions, made up, and stages of a model."""
+    found = Layout(tmp_path)
+    for case in by_name(("resolution",)):
+        write_whole(found.truth(case.name), {"case": case.name, "effects": ["secret"]})
+        found.data(case.name).mkdir(parents=True)
+        found.measurement(case.name).write_text(f"title = '{case.name}'")
+        stages = tmp_path / "models" / case.fitted / "stages"
+        stages.mkdir(parents=True, exist_ok=True)
+        (stages / "mesh.h5").write_text("nodes")
+    return found
+
+
+def test_diagnosis_is_given_nothing_of_the_truth(layout: Layout, monkeypatch: pytest.MonkeyPatch) -> None:
+    given = []
+
+    def seeing(rig: Path, preset: str, measurement: Path, out: Path) -> Verdict:
+        given.append((rig, preset, measurement, sorted(p.relative_to(out) for p in out.rglob("*.h5"))))
+        return ADEQUATE
+
+    monkeypatch.setattr(run, "diagnose_case", seeing)
+    found, missing = tasks(layout, ("resolution", "pair"))
+    assert len(missing) == 12
+    assert {f.name for f in fields(Task)} == {"name", "preset", "measurement", "model", "out"}
+    for task in found:
+        assert diagnose(task).verdict == "adequate"
+        assert read_json(task.out / "diagnosis.json").verdict == "adequate"
+    assert {preset for _, preset, _, _ in given} == {"diagnosis_146"}
+    assert {m.parent.name for _, _, m, _ in given} == {case.name for case in by_name(("resolution",))}
+    assert all(not layout.truth(m.parent.name).is_relative_to(m.parent) for _, _, m, _ in given)
+    assert all(stages == [Path("stages/mesh.h5")] for *_, stages in given)
+
+
+def test_finished_cases_are_left_and_changed_ones_done_again(layout: Layout, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run, "diagnose_case", lambda *_: ADEQUATE)
+    first, *others = tasks(layout, ("resolution",))[0]
+    assert not first.done
+    diagnose(first)
+    assert first.done
+    assert not any(task.done for task in others)
+    first.measurement.write_text("title = 'measured again'")
+    assert not first.done
+
+
+def test_a_failed_diagnosis_leaves_no_result(layout: Layout, monkeypatch: pytest.MonkeyPatch) -> None:
+    def failing(*_: object) -> Verdict:
+        raise ArithmeticError("stalled")
+
+    monkeypatch.setattr(run, "diagnose_case", failing)
+    monkeypatch.setattr(run, "build", lambda *_: None)
+    with pytest.raises(typer.Exit):
+        run.main(layout.folder, only=["resolution"])
+    assert not list((layout.folder / "verdicts").rglob("run.json"))
+    monkeypatch.setattr(run, "diagnose_case", lambda *_: ADEQUATE)
+    run.main(layout.folder, only=["resolution"])
+    kept = [json.loads(path.read_text()) for path in (layout.folder / "verdicts").rglob("run.json")]
+    assert len(kept) == 3
+    assert all(one["seconds"] >= 0 and one["preset"] == "diagnosis_146" for one in kept)
+
+
+def test_model_is_built_once_and_copied(tmp_path: Path) -> None:
+    rig = tmp_path / "rig.toml"
+    rig.write_text(RIG.read_text().replace("modes = 24 ", "modes = 8 ") + TINY)
+    model = build(rig, "tiny", tmp_path / "models")
+    built = {path.name: path.stat().st_mtime_ns for path in (model / "stages").iterdir()}
+    assert {"mesh.h5", "finite_elements.h5", "static_contact.h5"} <= set(built)
+    build(rig, "tiny", tmp_path / "models")
+    assert {p.name: p.stat().st_mtime_ns for p in (model / "stages").glob("*.h5")} == {
+        name: when for name, when in built.items() if name.endswith(".h5")
+    }
+    place(model, tmp_path / "case")
+    assert {p.name for p in (tmp_path / "case" / "stages").iterdir()} == set(built)
