@@ -18,6 +18,7 @@ from updamp.diagnosis.comparison import (
     ModelCurve,
     PointResidual,
 )
+from updamp.diagnosis.effects.chosen import ChosenEffect
 from updamp.diagnosis.findings import findings, lack_of_fit, misfits
 from updamp.diagnosis.gross_misfit import gross_misfits, growth
 from updamp.diagnosis.measurement.measurement import Measurement
@@ -53,11 +54,13 @@ def compare(
     options: CompareOptions | None = None,
     progress: Progress = lambda _: None,
     finer: Mapping[str, RigModel] | None = None,
+    taken: Sequence[ChosenEffect] = (),
 ) -> tuple[Comparison, Fit | None]:
     """The comparison, and the calibration it rests on (None where only features were measured).
 
     finer: name -> model with finer numerics; what it changes counts as numerical error, not as misfit. That of more
         harmonics and time samples is made here.
+    taken: effects of the rig file, which `model` and `finer` do not have yet
 
     raises: BranchStoppedError where the model has no response at the beginning of a run
     """
@@ -65,7 +68,7 @@ def compare(
     if not measurement.runs:
         return _of_features(measurement, features, provenance), None
     plan = plan_of(measurement, options.harmonics)
-    parametrisation = Parametrisation(model, nuisances(model))
+    parametrisation = Parametrisation(model, nuisances(model), taken=tuple(taken))
     start = np.zeros(len(parametrisation))
     progress("prediction")
     before = predict(parametrisation, start, plan)

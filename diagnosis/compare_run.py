@@ -12,11 +12,12 @@ from updamp import stages
 from updamp.diagnosis.compare import CompareOptions, compare
 from updamp.diagnosis.comparison import Comparison, FeatureComparison
 from updamp.diagnosis.comparison_json import write_json
+from updamp.diagnosis.effects.chosen import ChosenEffect, resolved, with_effects
 from updamp.diagnosis.history import record_comparison
 from updamp.diagnosis.measurement.load import load_measurement
 from updamp.diagnosis.measurement.measurement import Measurement
-from updamp.diagnosis.model.build import rig_model
-from updamp.diagnosis.model.modal_rig import ModalRig, is_modal, load_modal
+from updamp.diagnosis.model.build import rig_before_effects
+from updamp.diagnosis.model.modal_rig import is_modal, load_modal
 from updamp.diagnosis.model.rig_model import RigModel
 from updamp.diagnosis.report.write_report import write_report
 from updamp.diagnosis.residual.fit import Fit
@@ -65,28 +66,39 @@ def run_compare(
         display.update("comparison", 0.0, "prediction")
         told = _Told(display)
         comparison, fit = compare(
-            subject.model, subject.measurement, subject.features, provenance, options, told, subject.finer
+            subject.before_effects,
+            subject.measurement,
+            subject.features,
+            provenance,
+            options,
+            told,
+            subject.finer,
+            subject.taken,
         )
         display.done("comparison", f"{len(comparison.findings)} findings")
         files.out.mkdir(parents=True, exist_ok=True)
         write_json(files.comparison, comparison)
         write_report(comparison, files.report, _pictures(files.out))
-        record_comparison(files.rig, subject.effects, comparison)
+        record_comparison(files.rig, tuple(one.effect.name for one in subject.taken), comparison)
         display.done("files", f"{files.comparison}, {files.report}")
     return comparison, fit
 
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """What is compared. mesh: preset, "" for a model without; finer: models with finer numerics, by what is finer
-    effects: that the rig file has taken up"""
+    """What is compared.
 
-    model: RigModel
+    before_effects: the model, calibrated as the rig file says; taken: effects of the rig file, to be applied after
+        nuisance parameters (`Parametrisation`)
+    mesh: preset, "" for a model without; finer: models with finer numerics, before effects too, by what is finer
+    """
+
+    before_effects: RigModel
     measurement: Measurement
     features: tuple[FeatureComparison, ...]
     mesh: str
     finer: Mapping[str, RigModel] = field(default_factory=dict)
-    effects: tuple[str, ...] = ()
+    taken: tuple[ChosenEffect, ...] = ()
 
 
 def _of_rig(files: CompareFiles, preset: str, workers: int, display: Display, finer: str | None) -> Subject:
@@ -100,19 +112,14 @@ def _of_rig(files: CompareFiles, preset: str, workers: int, display: Display, fi
         folder = files.out / finer
         again = Run(rig, RunOptions(finer, folder, workers, check=False, until=stages.STATIC_CONTACT), display)
         finer_models["mesh"] = _model(again)[0]
-    return Subject(model, measurement, features, preset, finer_models, _names(rig))
+    return Subject(model, measurement, features, preset, finer_models, resolved(rig.effects))
 
 
 def _of_modal_rig(files: CompareFiles) -> Subject:
     rig = load_modal(files.rig)
-    model = rig.model()
-    return Subject(
-        model, load_measurement(files.measurement, model.components.points, rig.name), (), "", {}, _names(rig)
-    )
-
-
-def _names(rig: Rig | ModalRig) -> tuple[str, ...]:
-    return tuple(effect.name for effect in rig.effects)
+    model = rig.before_effects()
+    measurement = load_measurement(files.measurement, model.components.points, rig.name)
+    return Subject(model, measurement, (), "", taken=resolved(rig.effects))
 
 
 class _Told:
@@ -135,13 +142,14 @@ def _points() -> tuple[str, ...]:
 
 
 def _model(run: Run) -> tuple[RigModel, float]:
-    """The model, and the excited blade's first frequency without damper [Hz]."""
+    """The model before effects, and the excited blade's first frequency without damper with them [Hz]."""
     done = run.products()
     assert done.finite_elements is not None, "the run goes as far as static contact"
     assert done.static_contact is not None, "the run goes as far as static contact"
-    model = rig_model(done.finite_elements.product.reduced, done.static_contact.product, run.rig)
-    of_blade = np.array(model.owner) == f"blade_{run.rig.excitation.blade}"
-    return model, float(model.components.frequencies[of_blade].min())
+    model = rig_before_effects(done.finite_elements.product.reduced, done.static_contact.product, run.rig)
+    whole = with_effects(model, resolved(run.rig.effects))
+    of_blade = np.array(whole.owner) == f"blade_{run.rig.excitation.blade}"
+    return model, float(whole.components.frequencies[of_blade].min())
 
 
 def _features(

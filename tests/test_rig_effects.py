@@ -5,6 +5,7 @@ import io
 import pickle
 import subprocess
 import sys
+import textwrap
 from dataclasses import replace
 from importlib.metadata import EntryPoint
 from pathlib import Path
@@ -18,9 +19,10 @@ from updamp import stages, store
 from updamp.curve_jobs import CurveEnd, CurveJob, curve_problem, trace_curve
 from updamp.diagnosis.effects import catalogue, edge_gap
 from updamp.diagnosis.effects.catalogue import CATALOGUE
-from updamp.diagnosis.model.build import rig_model
+from updamp.diagnosis.effects.chosen import resolved
+from updamp.diagnosis.model.build import rig_before_effects, rig_model
 from updamp.diagnosis.model.modal_rig import load_modal
-from updamp.diagnosis.model.parameters import FRICTION, LOSS_FACTOR, YOUNGS_MODULUS
+from updamp.diagnosis.model.parameters import FRICTION, LOSS_FACTOR, NORMAL, YOUNGS_MODULUS, Parametrisation
 from updamp.fem.finite_element_model import FiniteElementResult
 from updamp.fem.static_contact import static_contact
 from updamp.geometry.build_mesh import build_mesh
@@ -236,6 +238,42 @@ def test_a_calibration_is_what_a_fit_applies():
     np.testing.assert_array_equal(calibrated.components.omega_squared, model.components.omega_squared)
     np.testing.assert_array_equal(calibrated.components.hysteretic, model.components.hysteretic)
     np.testing.assert_array_equal(calibrated.contacts.parameters.mu, model.contacts.parameters.mu)
+
+
+@pytest.mark.parametrize(
+    ("nuisance", "name", "entry"), [(LOSS_FACTOR, "material_damping", "coefficient"), (NORMAL, "edge_gap", "n0")]
+)
+def test_a_fit_finds_the_same_whether_values_are_free_or_taken_up(nuisance, name, entry):
+    """These effects depend on what is calibrated: the order counts."""
+    effect = CATALOGUE[name]
+    stated = {p.name: f"{p.typical} {p.unit}" if p.unit else p.typical for p in effect.parameters}
+    rig = with_effects({"name": name, "values": stated})
+    reduced = plain_reduced_model(rig, build_mesh(rig, "small").contacts)
+    base = rig_before_effects(reduced, static_contact(reduced, rig), rig)
+    free = Parametrisation(base, (nuisance,), (effect,)).model(np.array([0.5, 1.0]))
+    taken = Parametrisation(base, (nuisance,), taken=resolved(rig.effects)).model(np.array([0.5]))
+    other_order = nuisance.apply(rig_model(reduced, static_contact(reduced, rig), rig), float(np.exp(0.5)))
+
+    def entries(model):
+        return np.asarray(getattr((model.elements or (model.contacts,))[0].parameters, entry))
+
+    np.testing.assert_allclose(entries(taken), entries(free), rtol=1e-12)
+    assert np.abs(entries(other_order) / entries(taken) - 1).max() > 0.01
+
+
+def test_a_taken_effect_goes_to_a_process_that_has_not_read_its_file(tmp_path):
+    own = tmp_path / "oily.py"
+    own.write_text(OWN)
+    rig = with_effects({"name": "oily", "file": str(own), "values": {"factor": 0.5}}, SHAKER)
+    (tmp_path / "taken.pickle").write_bytes(pickle.dumps(resolved(rig.effects)))
+    code = textwrap.dedent(f"""
+        import pickle
+        from pathlib import Path
+        oily, shaker = pickle.loads(Path({str(tmp_path / "taken.pickle")!r}).read_bytes())
+        print(oily.effect.sentence, dict(oily.values), shaker.values["mass"])
+    """)
+    shown = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    assert shown.stdout.strip() == "someone oiled it {'factor': 0.5} 0.05"
 
 
 def modal(tmp_path: Path, more: str) -> Path:

@@ -31,12 +31,17 @@ KEYS = ("name", "file", "values", "origin")
 class ChosenEffect:
     """values: of all its parameters, in their units; origin: where they come from, "" if not stated
     file: that the effect was read from, None for one of the catalogue
+
+    Another process that gets one reads the file itself.
     """
 
     effect: Effect
     values: Mapping[str, float]
     origin: str = ""
     file: Path | None = None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored, (self.effect.name, self.file, dict(self.values), self.origin)
 
     def apply(self, model: RigModel) -> RigModel:
         """raises: ValueError naming the effect where the model has no place for it"""
@@ -72,10 +77,11 @@ def taken_effects(tables: object, folder: Path) -> tuple[TakenEffect, ...]:
 
 def resolved(taken: Sequence[TakenEffect]) -> tuple[ChosenEffect, ...]:
     """The effects of a rig, in its order, ready to be applied; raises: RigError where one is not there any more"""
-    return tuple(
-        ChosenEffect(_effect(one.name, one.file, "effects"), MappingProxyType(dict(one.values)), one.origin, one.file)
-        for one in taken
-    )
+    return tuple(_restored(one.name, one.file, one.values, one.origin) for one in taken)
+
+
+def _restored(name: str, file: Path | None, values: Mapping[str, float], origin: str) -> ChosenEffect:
+    return ChosenEffect(_effect(name, file, "effects"), MappingProxyType(dict(values)), origin, file)
 
 
 def _code(one: ChosenEffect) -> str:

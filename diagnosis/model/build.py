@@ -20,11 +20,16 @@ def rig_model(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> RigModel:
     Without any its `system` is that of hbm.rig_system.rig_system.
     raises: ValueError naming an effect or factor that the rig has no place for
     """
-    return with_effects(calibrated(rig_as_built(reduced, rest, rig), rig.calibration), resolved(rig.effects))
+    return with_effects(rig_before_effects(reduced, rest, rig), resolved(rig.effects))
 
 
-def rig_as_built(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> RigModel:
-    """The rig before any effect. Only the study's damper model is applied; harmonics, samples and law are those of the
+def rig_before_effects(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> RigModel:
+    """The rig with the calibration of its file: the base of a `Parametrisation`, which applies the effects itself."""
+    return calibrated(_as_built(reduced, rest, rig), rig.calibration)
+
+
+def _as_built(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> RigModel:
+    """Only the study's damper model is applied; harmonics, samples and law are those of the
     rig file."""
     reduced, rest = DAMPER_MODELS[rig.damper_model].apply(reduced, rest)
     return RigModel(

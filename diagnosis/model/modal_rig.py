@@ -123,10 +123,16 @@ class ModalRig(Section):
 
         raises: ValueError naming an effect or factor that the model has no place for
         """
-        return with_effects(calibrated(self.as_identified, self.calibration), resolved(self.effects))
+        return with_effects(self.before_effects(), resolved(self.effects))
 
-    @property
-    def as_identified(self) -> RigModel:
+    def before_effects(self) -> RigModel:
+        """With the calibration: the base of a `Parametrisation`, which applies the effects itself.
+
+        raises: ValueError naming a factor that the model has no place for
+        """
+        return calibrated(self._as_identified(), self.calibration)
+
+    def _as_identified(self) -> RigModel:
         """Its modes as one component; parameters are those of modes identified in a test (`RigModel.identified`)."""
         balance, modes = self.harmonic_balance, tuple(self.modes.values())
         omega = 2 * np.pi * np.array([mode.frequency for mode in modes])

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.diagnosis.effects.chosen import ChosenEffect, with_effects
 from updamp.diagnosis.effects.effect import Effect
 from updamp.diagnosis.model.numerical_error import NumericalError
 from updamp.diagnosis.model.rig_model import RigModel
@@ -52,23 +53,25 @@ def _modal_mass(model: RigModel, factor: float) -> RigModel:
     return replace(model, components=replace(c, phi=c.phi / np.sqrt(factor), residual=c.residual / factor))
 
 
-def _contact_entry(*entries: str) -> Callable[[RigModel, float], RigModel]:
-    def apply(model: RigModel, factor: float) -> RigModel:
-        assert model.contacts is not None, "asked for where there are contacts only"
-        parameters = model.contacts.parameters
-        return model.with_contacts(**{entry: getattr(parameters, entry) * factor for entry in entries})
+@dataclass(frozen=True)
+class _ContactEntry:
+    """A factor on one entry of the contacts' parameters."""
 
-    return apply
+    entry: str
+
+    def __call__(self, model: RigModel, factor: float) -> RigModel:
+        assert model.contacts is not None, "asked for where there are contacts only"
+        return model.with_contacts(**{self.entry: getattr(model.contacts.parameters, self.entry) * factor})
 
 
 YOUNGS_MODULUS = Nuisance(
     "youngs_modulus", "Young's modulus of blades and damper", 0.01, 0.05, 2e-4, _stiffness_of_material
 )
 LOSS_FACTOR = Nuisance("loss_factor", "material loss factor", 0.5, 1.5, 0.02, _loss_factor)
-FRICTION = Nuisance("friction_coefficient", "friction coefficient", 0.3, 1.5, 0.05, _contact_entry("mu"))
-TANGENTIAL = Nuisance("tangential_stiffness", "tangential contact stiffness", 0.7, 2.5, 0.05, _contact_entry("kt"))
-NORMAL = Nuisance("normal_stiffness", "normal contact stiffness", 0.7, 2.5, 0.05, _contact_entry("kn"))
-PRELOAD = Nuisance("preload", "preload of the contacts", 0.02, 0.1, 0.03, _contact_entry("n0"))
+FRICTION = Nuisance("friction_coefficient", "friction coefficient", 0.3, 1.5, 0.05, _ContactEntry("mu"))
+TANGENTIAL = Nuisance("tangential_stiffness", "tangential contact stiffness", 0.7, 2.5, 0.05, _ContactEntry("kt"))
+NORMAL = Nuisance("normal_stiffness", "normal contact stiffness", 0.7, 2.5, 0.05, _ContactEntry("kn"))
+PRELOAD = Nuisance("preload", "preload of the contacts", 0.02, 0.1, 0.03, _ContactEntry("n0"))
 # Of modes identified in a test, whose frequencies are known best and whose masses least (half a decibel).
 MODAL_STIFFNESS = Nuisance("modal_stiffness", "modal stiffness", 0.01, 0.05, 2e-4, _stiffness_of_material)
 MODAL_MASS = Nuisance("modal_mass", "modal mass", 0.05, 0.5, 0.01, _modal_mass)
@@ -94,12 +97,17 @@ class Parametrisation:
     """A base model with what may change in it. The vector u has one entry a nuisance (logarithm of its factor), then
     one for each parameter of each effect, scaled: 0 at its null value, 1 at its typical one; then one for each pattern
     of numerical error, which does not change the model but what is observed of it.
+
+    taken: effects with fixed values, those of the rig file; `base` is the model before them. They are applied after the
+        nuisance parameters, as all effects are, so that a fit finds the same whether an effect's values are free or
+        have been taken up.
     """
 
     base: RigModel
     nuisances: tuple[Nuisance, ...]
     effects: tuple[Effect, ...] = ()
     numerics: NumericalError = field(default_factory=NumericalError)
+    taken: tuple[ChosenEffect, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -153,6 +161,7 @@ class Parametrisation:
         for nuisance, log_factor in zip(self.nuisances, u, strict=False):
             if log_factor != 0:
                 model = nuisance.apply(model, float(np.exp(log_factor)))
+        model = with_effects(model, self.taken)
         values = self.values(u)
         for effect in self.effects:
             model = effect.apply(model, values[effect.name])
