@@ -186,10 +186,12 @@ def _features(
 def _provenance(files: CompareFiles, subject: Subject, preset: str) -> Mapping[str, str]:
     hashes = {f"SHA-256 of {name}": value for name, value in (subject.measurement.hashes or {}).items()}
     of_mesh = {"mesh": preset} if subject.mesh else {}
+    effects = {"effects of the rig file": ", ".join(one.effect.name for one in subject.taken)} if subject.taken else {}
     return {
         "rig file": str(files.rig),
         "measurement": str(files.measurement),
         **of_mesh,
+        **effects,
         "updamp": version("updamp"),
         **hashes,
     }

@@ -382,6 +382,7 @@ def test_compare_shows_the_smaller_error_and_adds_it_to_the_history(beam, diagno
         assert result.exit_code == 0, result.output
         found = read_comparison(tmp_path / path.stem / "comparison.json")
         errors[path] = np.sqrt(found.chi2_after / found.values)
+    assert found.provenance["effects of the rig file"] == "shaker_attachment"
     assert errors[new] < 1.2
     assert errors[rig] > 5 * errors[new]
     assert not history_file(rig).exists(), "a rig file without effects gets no file beside it"
