@@ -13,7 +13,7 @@ from updamp.diagnosis.effects.catalogue import CATALOGUE
 from updamp.diagnosis.verdict import Candidate, ErrorReached, Verdict
 from updamp.diagnosis.verdict_json import read_json
 
-# Fixed beforehand, ../shared/diagnosis.md.
+# Fixed before any verdict.
 SCORE, VISIBILITY = 6.0, 0.2
 ABLATIONS = "ablations.json"
 _IN_PROVENANCE = "ablation "

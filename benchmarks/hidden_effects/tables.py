@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from math import isfinite
 
-from hidden_effects.goals import Goal, ablated, ablation_names
+from hidden_effects.goals import Goal, ablated, ablation_names, identification
 from hidden_effects.scored_case import ScoredCase, Seen
 
 KINDS = {
@@ -35,12 +35,14 @@ def goal_table(goals: Sequence[Goal]) -> str:
 
 
 def ablation_table(cases: Sequence[ScoredCase]) -> str:
-    """A column for each ablation that was stored, beside the whole diagnosis over the same cases; "" for none."""
+    """A column for each ablation that was stored, beside the whole method over the cases that have any; "" for none."""
     names = ablation_names(cases)
     if not names:
         return ""
-    columns = [ablated(cases, name) for name in names]
-    lines = ["| without a part of the method | " + " | ".join(names) + " |", "|---" * (len(names) + 1) + "|"]
+    whole = identification([c for c in cases if c.ablations], lambda c: c.mark, lambda c: c.detectable)
+    columns = [whole, *(ablated(cases, name) for name in names)]
+    head = " | ".join(("without a part of the method", "whole", *names))
+    lines = [f"| {head} |", "|---" * (len(names) + 2) + "|"]
     for row in zip(*columns, strict=True):
         lines.append(f"| {row[0].name} | " + " | ".join(_count(g) if g.of else "-" for g in row) + " |")
     return "\n".join(lines)

@@ -217,7 +217,7 @@ def test_command_writes_results_picture_and_page(all_right: Layout, tmp_path: Pa
     assert text.endswith("\nbelow\n")
     assert "what was there" not in text
     assert "98 of 99 cases are scored" in text
-    assert "| without a part of the method | no U |" in text
+    assert "| without a part of the method | whole | no U |" in text
     rows = [line for line in text.splitlines() if line.startswith("| 0")]
     assert len(rows) == 98
     results = json.loads(out.read_text())
