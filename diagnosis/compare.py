@@ -80,10 +80,8 @@ def compare(
     before = tuple(with_patterns(branch, parametrisation.numerics) for branch in before)
     calibrated = fit(parametrisation, plan, start, None, before, options.fit, progress)
     progress("curves")
-    after = predict(parametrisation, calibrated.u, plan, calibrated.compared.branches[plan.repeats[0]])
-    as_given = compare_at(
-        parametrisation, start, plan, dict.fromkeys(plan.repeats, before), calibrated.compared.scatter
-    )
+    after = predict(parametrisation, calibrated.u, plan, calibrated.compared.branches)
+    as_given = compare_at(parametrisation, start, plan, before, calibrated.compared.scatter)
     loss_factor = parametrisation.names.index(LOSS_FACTOR.name)
     names = {channel.point: channel.name for channel in measurement.channels}
     of_tests, of_model = _measured_backbones(plan, names), _model_backbones(plan, names, after)

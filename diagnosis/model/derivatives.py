@@ -45,7 +45,7 @@ class Derivatives:
     """value: (n_rows, n_coefficients) observed motion [m]
 
     along: its derivative (and w_along that of the angular frequency) by length along the branch
-    by_parameter: (n_parameters, n_rows, n_coefficients) with the place along the branch held; w_by_parameter
+    by_parameter: (n_parameters, n_rows, n_coefficients) with the place along the branch held (`_held`); w_by_parameter
     x_by_parameter: (n_parameters, n_relative, n_coefficients) likewise, of the relative displacements [m]
     by_force: by the logarithm of the force; w_by_force
     """
@@ -63,7 +63,7 @@ class Derivatives:
 def derivatives(point: BranchPoint, excitation: Excitation, changes: Sequence[Change], rows: Integers) -> Derivatives:
     """raises: RuntimeError where the Jacobian is singular and no correction helps"""
     equation = point.solution.equation
-    receptance, x = equation.receptance, point.x
+    receptance, x, w = equation.receptance, point.x, point.w
     # That of the solution carries the state before the last Newton step, in which a contact may have been stuck.
     jacobian = factorise(receptance, equation.departure)
     system = receptance.system
@@ -83,22 +83,33 @@ def derivatives(point: BranchPoint, excitation: Excitation, changes: Sequence[Ch
     dy[..., -3] += receptance.excitation(excitation, rows)
     dy[..., -2] += by_w
     dy[..., -1] += by_w * point.tangent_w
-    # hold the place along the branch: the move has no part along its tangent
-    metric, (tx, tw) = point.metric, point.tangent
-    along = np.tensordot(metric.weights**2 * tx, dx[..., :-1], axes=2)
-    of_frequency = along[-1] + tw / metric.scale_w**2
-    dw = -along[:-1] / of_frequency
+    dw = _held(here.observed, dy, point.tangent_w, w)
     total = dy[..., :-2] + dy[..., -2:-1] * dw
     return Derivatives(
         value=here.observed,
         along=dy[..., -1],
-        w_along=tw,
+        w_along=point.tangent_w,
         by_parameter=total[..., :-1].transpose(2, 0, 1),
         w_by_parameter=dw[:-1],
         x_by_parameter=(dx[..., :-3] + dx[..., -2:-1] * dw[:-1]).transpose(2, 0, 1),
         by_force=total[..., -1],
         w_by_force=float(dw[-1]),
     )
+
+
+def _held(observed: Floats, dy: Floats, w_along: float, w: float) -> Floats:
+    """(n,) changes of the angular frequency that go with the first n = columns - 2 of dy, for the place to be held.
+
+    dy: (n_rows, n_coefficients, columns) at held frequency, then by the frequency, then along the branch
+
+    The place is held where the observed motion changes least, relative to each row's size: a resonance that shifts
+    keeps its amplitudes and phases, so that a shift by more than its width still is one of the frequency alone.
+    """
+    size = np.maximum(np.linalg.norm(observed, axis=1), np.finfo(float).tiny)
+    relative = (dy / size[:, None, None]).reshape(-1, dy.shape[2])
+    by_parameter, by_w, along = relative[:, :-2], relative[:, -2] * w, relative[:, -1]
+    along, shift = np.append(along, w_along / w), np.append(by_w, 1.0)
+    return np.asarray(-w * (along[:-1] @ by_parameter) / (along @ shift))
 
 
 def _observed(receptance: Receptance, excitation: Excitation, departure: Floats, rows: Integers) -> Floats:

@@ -1,11 +1,12 @@
-"""What finer numerics would change, as directions in which the model may be wrong.
+"""What finer numerics would change: what is added to the model's observations, and how sure that is.
 
 The branch of a finer model (mesh, contact patches, harmonics, time samples) is compared with that of the model in use.
-The difference is not taken off: a finer model is not the truth either. It enters the fit as a pattern whose size is
-normally distributed about 0 with deviation 1, so that misfits of that shape and size prove nothing.
+The finer model is nearer the truth, but is not the truth: the difference is taken to be the error to within half of
+its size. That uncertainty enters the fit as patterns of size 0 with standard deviation 1, so that misfits of that shape
+and size prove nothing: one pattern for the whole difference and, of what calibration cannot make up for, one a mode.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,59 +14,65 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
+_FREQUENCY = 0.02  # of a turn of phase: what the whole window counts
 _DENSE = 12  # places tried between two points of the finer branch
 
 
 @dataclass(frozen=True, eq=False)
 class NumericalError:
-    """names: of the patterns, such as "mesh"
+    """names: of the patterns, such as "mesh IP"
 
-    patterns: condition's name -> (share of the branch's length (n,), change of the observations (n, n_patterns, m))
+    coarse: condition's name -> (n, m) observations along the branch at which the following are known
+    expected: condition's name -> (n, m) to be added to the observations
+    patterns: condition's name -> (n, n_patterns, m) standard deviations of what that is off by
     """
 
     names: tuple[str, ...] = ()
-    patterns: Mapping[str, tuple[Floats, Floats]] | None = None
+    coarse: Mapping[str, Floats] | None = None
+    expected: Mapping[str, Floats] | None = None
+    patterns: Mapping[str, Floats] | None = None
 
-    def at(self, condition: str, share: Floats, m: int) -> Floats:
-        """(n, n_patterns, m) at shares of the branch's length."""
-        if self.patterns is None:
-            return np.zeros((len(share), 0, m))
-        known, change = self.patterns[condition]
-        flat = change.reshape(len(known), -1)
-        each = np.stack([np.interp(share, known, column) for column in flat.T], axis=1)
-        return np.asarray(each.reshape(len(share), len(self.names), m))
+    def at(self, condition: str, observed: Floats, window: tuple[float, float]) -> tuple[Floats, Floats]:
+        """Expected change (k, m) and patterns (k, n_patterns, m) where a branch of other parameters shows `observed`
+        (k, m): those of the most similar place."""
+        if self.coarse is None or self.expected is None or self.patterns is None:
+            return np.zeros_like(observed), np.zeros((len(observed), 0, observed.shape[1]))
+        place = most_similar(observed, self.coarse[condition], window)
+        return _between(place, self.expected[condition]), _between(place, self.patterns[condition])
 
 
-def difference(coarse: Floats, finer: Floats, window: tuple[float, float]) -> Floats:
-    """(n, m) of every point of the coarse branch from the nearest place of the finer one, to be added to it.
+def _between(place: Floats, values: Floats) -> Floats:
+    """Along the first axis; place: (k,) in units of its entries."""
+    low = np.clip(place.astype(int), 0, len(values) - 2)
+    share = (place - low).reshape(-1, *[1] * (values.ndim - 1))
+    return np.asarray((1 - share) * values[low] + share * values[low + 1])
 
-    coarse: (n, m), finer: (k, m) observations along the branches: logarithm of frequency, then of each amplitude and
-        its phase; window: frequencies [Hz], whose range counts as much as half a turn of phase
+
+def most_similar(observed: Floats, along: Floats, window: tuple[float, float]) -> Floats:
+    """(k,) places along a branch (n, m), in units of its points, that are most like the observations (k, m).
+
+    A resonance that is shifted by more than its width is the same resonance still: frequency hardly counts.
+
+    observations: logarithm of frequency, then of each amplitude and its phase; window: frequencies [Hz], whose range
+        counts as much as a part of a turn of phase
     """
-    weights = np.ones(coarse.shape[1])
-    weights[0] = np.pi / np.log(window[1] / window[0])
-    steps = np.linspace(0, 1, _DENSE, endpoint=False)[:, None, None]
-    dense = (finer[:-1] + steps * np.diff(finer, axis=0)).reshape(-1, finer.shape[1])
-    found = np.empty_like(coarse)
-    for i, point in enumerate(coarse):
-        change = dense - point
-        change[:, 2::2] -= 2 * np.pi * np.round(change[:, 2::2] / (2 * np.pi))
-        found[i] = change[np.argmin(np.sum((weights * change) ** 2, axis=1))]
+    weights = np.ones(observed.shape[1])
+    weights[0] = _FREQUENCY * 2 * np.pi / np.log(window[1] / window[0])
+    place = np.linspace(0, len(along) - 1, _DENSE * (len(along) - 1) + 1)
+    dense = _between(place, along)
+    found = np.empty(len(observed))
+    for i, point in enumerate(observed):
+        found[i] = place[np.argmin(np.sum((weights * to_nearest_turn(dense - point)) ** 2, axis=1))]
     return found
 
 
-def numerical_error(
-    names: Sequence[str],
-    windows: Mapping[str, tuple[float, float]],
-    coarse: Mapping[str, tuple[Floats, Floats]],
-    finer: Sequence[Mapping[str, Floats]],
-) -> NumericalError:
-    """Patterns of all conditions.
+def difference(coarse: Floats, finer: Floats, window: tuple[float, float]) -> Floats:
+    """(n, m) of every point of the coarse branch from the most similar place of the finer one, to be added to it."""
+    return to_nearest_turn(_between(most_similar(coarse, finer, window), finer) - coarse)
 
-    coarse: condition -> (share of length (n,), observations (n, m)); finer: for each name, condition -> (k, m)
-    """
-    patterns = {}
-    for condition, (share, observed) in coarse.items():
-        changes = [difference(observed, one[condition], windows[condition]) for one in finer]
-        patterns[condition] = (share, np.stack(changes, axis=1))
-    return NumericalError(tuple(names), patterns)
+
+def to_nearest_turn(change: Floats) -> Floats:
+    """Changes (..., m) of observations with those of the phases between half a turn back and forth."""
+    turned = change.copy()
+    turned[..., 2::2] -= 2 * np.pi * np.round(turned[..., 2::2] / (2 * np.pi))
+    return turned

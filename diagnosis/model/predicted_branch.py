@@ -27,6 +27,8 @@ Floats = NDArray[np.float64]
 
 # The branch is followed beyond the measured frequencies by this share of their range.
 _BEYOND = 0.15
+# A branch moved by changes of the parameters has to reach beyond them by this much still.
+_SPARE = 0.04
 # To what share of the largest amplitude a response has to be proportional to the force.
 _LINEAR = 1e-6
 
@@ -159,13 +161,23 @@ def trace_branch(
 
 def move_branch(parametrisation: Parametrisation, u: Floats, before: PredictedBranch) -> PredictedBranch | None:
     """The branch at other parameters, each point corrected across the branch from where its derivatives put it; None
-    where one does not converge.
+    where one does not converge, or where the branch has moved out of the measured window.
 
     Its parameters may be fewer than those now: the derivatives are of the first ones.
     """
     there = ModelAt(parametrisation, u)
     moved = _moved(there, before)
-    return None if moved is None else _observe(there, before.condition, moved, before.stopped)
+    if moved is None or not (before.stopped or _covers(moved, before.condition)):
+        return None
+    return _observe(there, before.condition, moved, before.stopped)
+
+
+def _covers(points: Sequence[BranchPoint], condition: Condition) -> bool:
+    """Whether the measured window is covered, with something to spare for shifts to first order."""
+    low, high = condition.window
+    spare = _SPARE * (high - low)
+    frequencies = [point.frequency for point in points]
+    return min(frequencies) < low - spare and max(frequencies) > high + spare
 
 
 def _moved(there: ModelAt, before: PredictedBranch) -> list[BranchPoint] | None:
@@ -218,12 +230,25 @@ def _observe(
 
 
 def with_patterns(branch: PredictedBranch, numerics: NumericalError) -> PredictedBranch:
-    """The branch with the patterns of numerical error as further parameters, at 0; it has none yet."""
-    state = branch.state
-    patterns = numerics.at(branch.condition.name, branch.place / branch.place[-1], state.shape[1])
-    by_parameter, by_force = branch.slopes[:, :-1], branch.slopes[:, -1:]
-    slopes = np.concatenate([by_parameter, _of_state(patterns, state), by_force], axis=1)
-    return replace(branch, u=np.append(branch.u, np.zeros(patterns.shape[1])), slopes=slopes)
+    """The branch with the expected numerical error added, and with its patterns as further parameters, at 0; it has
+    none yet."""
+    expected, patterns = numerics.at(branch.condition.name, branch.at(branch.place).value, branch.condition.wider)
+    turn = np.exp(expected[:, 1::2] + 1j * expected[:, 2::2])
+    state, along = branch.state.copy(), _turned(branch.along, turn)
+    state[:, 0] += expected[:, 0]
+    state[:, 1:] = _pairs((branch.state[:, 1::2] + 1j * branch.state[:, 2::2]) * turn)
+    if numerics.names:
+        along += _of_state(np.gradient(expected, branch.place, axis=0)[:, None], state)[:, 0]
+    slopes = _turned(branch.slopes, turn[:, None])
+    slopes = np.concatenate([slopes[:, :-1], _of_state(patterns, state), slopes[:, -1:]], axis=1)
+    u = np.append(branch.u, np.zeros(patterns.shape[1]))
+    return replace(branch, u=u, state=state, along=along, slopes=slopes)
+
+
+def _turned(change: Floats, turn: NDArray[np.complex128]) -> Floats:
+    """Changes of the state whose amplitudes are multiplied by `turn`."""
+    amplitude = (change[..., 1::2] + 1j * change[..., 2::2]) * turn
+    return np.concatenate([change[..., :1], _pairs(amplitude)], axis=-1)
 
 
 def _is_proportional(state: Floats, along: Floats, by_force: Floats) -> bool:

@@ -2,7 +2,7 @@
 
 Two loops (M. J. Lindstrom and D. M. Bates, Biometrics 46 (1990) 673): inside, the branches are taken as linear in the
 parameters about where they were solved, while parameters, the offsets of each assembly and the scatter are fitted;
-outside, the branches are solved anew, at first one for all assemblies, at last one for each.
+outside, the branches are solved anew, the same for all assemblies.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -32,41 +32,39 @@ Floats = NDArray[np.float64]
 Progress = Callable[[str], None]
 # Share by which chi2 may rise in a step: it is rough, since contacts begin to slip one after the other.
 _ROUGH = 0.005
-# Branches of each assembly that fit worse by this factor are those of offsets too large to be found to first order.
-_FURTHER_OFF = 1.2
+# Share of chi2 below which a change of it is none.
+_DIGITS = 1e-5
+# Change of a nuisance parameter up to which branches are nearly linear in it, however well it is known beforehand.
+_LINEAR = 0.2
 # Scatter of the parameters of a single assembly, as a share of what they are expected to scatter by.
 _ALONE = 1e-3
 # chi2 a value from where on the model fails grossly: by ten times the scatter on average.
 GROSS = 100.0
-# For each repeat, one a condition.
-Branches = Mapping[int, tuple[PredictedBranch, ...]]
 
 
 @dataclass(frozen=True)
 class FitOptions:
     """rounds: in which branches are solved anew, at most; largest_step: of a parameter in a round, in units of its
         scale (prior deviation, or typical size of an effect)
-    tolerance: largest change in a last round, in standard deviations
-    each_assembly: whether branches are solved for each assembly in the end
+    tolerance: fall of chi2 to be expected of another round below which there is none
     """
 
     rounds: int = 12
-    largest_step: float = 0.3
-    tolerance: float = 0.1
-    each_assembly: bool = True
+    largest_step: float = 0.5
+    tolerance: float = 4.0
 
 
 @dataclass(frozen=True, eq=False)
 class Compared:
     """The model at u against all runs, the scatter given.
 
-    branches: by repeat, one a condition; matched: one a run; assemblies: one a repeat; offsets: by repeat
+    branches: one a condition; matched: one a run; assemblies: one a repeat; offsets: by repeat
     chi2: with the offsets' share
     values: number of real values compared
     """
 
     u: Floats
-    branches: Branches
+    branches: tuple[PredictedBranch, ...]
     matched: tuple[Matched, ...]
     assemblies: tuple[Assembly, ...]
     offsets: Mapping[int, Offsets]
@@ -120,7 +118,7 @@ def compare_at(
     parametrisation: Parametrisation,
     u: Floats,
     plan: Plan,
-    branches: Branches,
+    branches: Sequence[PredictedBranch],
     scatter: Scatter,
     start: Mapping[int, Offsets] | None = None,
     spread: Floats | None = None,
@@ -140,7 +138,7 @@ def compare_at(
         first = of_scatter if spread is None else np.maximum(spread, of_scatter)
         for i in range(rounds):
             width = first if i == 0 else of_scatter
-            matched, equations = _assembled(parametrisation, u, plan, runs, branches[repeat], offsets, width, misfit)
+            matched, equations = _assembled(parametrisation, u, plan, runs, branches, offsets, width, misfit)
             b, chi2 = offsets_of(equations, scatter)
             if fails_grossly(parametrisation, chi2, len(equations.residual)):
                 misfit = scatter.noise * float(np.sqrt(chi2 / len(equations.residual)))
@@ -149,7 +147,7 @@ def compare_at(
         parts.append((matched, equations, offsets, chi2))
     return Compared(
         u,
-        branches,
+        tuple(branches),
         tuple(m for matched, *_ in parts for m in matched),
         tuple(part[1] for part in parts),
         dict(zip(plan.repeats, (part[2] for part in parts), strict=True)),
@@ -209,47 +207,26 @@ def fit(
     share = 1.0 if len(plan.repeats) > 1 else _ALONE
     prior = Scatter({n.name: share * n.scatter for n in parametrisation.nuisances})
     common = tuple(at_start) if at_start is not None else predict(parametrisation, start, plan)
-    branches: Branches = dict.fromkeys(plan.repeats, common)
     spread = np.where(np.isfinite(parametrisation.deviation), parametrisation.deviation, 0.0)
-    best = compare_at(parametrisation, start, plan, branches, scatter or prior, None, spread)
-    reach, each, message = options.largest_step, False, f"not settled in {options.rounds} rounds"
+    best = compare_at(parametrisation, start, plan, common, scatter or prior, None, spread)
+    reach, message = options.largest_step, f"not settled in {options.rounds} rounds"
     for _ in range(options.rounds):
         ahead = _fit_linear(parametrisation, plan, best, scatter, prior, reach)
-        solved = _solved(parametrisation, plan, ahead, each)
-        worse = _objective(parametrisation, solved) - _objective(
-            parametrisation, reweighed(parametrisation, plan, best, solved.scatter)
-        )
+        now = _objective(parametrisation, reweighed(parametrisation, plan, best, ahead.scatter))
+        if now - _objective(parametrisation, ahead) < max(options.tolerance, _DIGITS * now):
+            return _result(parametrisation, best, True, "settled")
+        common = predict(parametrisation, ahead.u, plan, best.branches)
+        solved = compare_at(parametrisation, ahead.u, plan, common, ahead.scatter, ahead.offsets)
         progress(f"chi2 {solved.chi2:.0f} for {solved.values} values")
         gross = fails_grossly(parametrisation, best.chi2, best.values)
-        if worse > (1e-5 if gross else _ROUGH) * best.chi2:
+        if _objective(parametrisation, solved) - now > (_DIGITS if gross else _ROUGH) * best.chi2:
             reach /= 3
             if reach < 0.01 * options.largest_step:
                 message = "no step lowers chi2 any more"
                 break
             continue
-        moved = np.max(np.abs(solved.u - best.u) / _deviations(parametrisation, solved))
         best, reach = solved, min(1.5 * reach, options.largest_step)
-        if moved < options.tolerance * (1 if each else 10):
-            if each or not options.each_assembly:
-                return _result(parametrisation, best, True, "settled")
-            finer = _solved(parametrisation, plan, best, True)
-            if _objective(parametrisation, finer) > _FURTHER_OFF * _objective(parametrisation, best):
-                return _result(parametrisation, best, True, "settled, with the same branch for all assemblies")
-            each, best = True, finer
     return _result(parametrisation, best, False, message)
-
-
-def _solved(parametrisation: Parametrisation, plan: Plan, ahead: Compared, each: bool) -> Compared:
-    """The same with branches solved where they are needed."""
-    if each:
-        branches = {}
-        for repeat in plan.repeats:
-            u = ahead.u + _padded(ahead.offsets[repeat].parameters, len(ahead.u))
-            branches[repeat] = predict(parametrisation, u, plan, ahead.branches[repeat])
-    else:
-        common = predict(parametrisation, ahead.u, plan, ahead.branches[plan.repeats[0]])
-        branches = dict.fromkeys(plan.repeats, common)
-    return compare_at(parametrisation, ahead.u, plan, branches, ahead.scatter, ahead.offsets)
 
 
 def reweighed(parametrisation: Parametrisation, plan: Plan, compared: Compared, scatter: Scatter) -> Compared:
@@ -267,7 +244,8 @@ def _fit_linear(
 ) -> Compared:
     """Parameters, offsets and scatter with the branches linear about where they were solved."""
     deviation = parametrisation.deviation
-    limits = reach * np.where(np.isfinite(deviation), deviation, 1.0)
+    limits = reach * np.where(np.isfinite(deviation), np.maximum(deviation, _LINEAR), 1.0)
+    limits[parametrisation.n_of_model :] = 2 * parametrisation.upper[parametrisation.n_of_model :]  # exactly linear
     lower = np.maximum(parametrisation.lower, about.u - limits)
     upper = np.minimum(parametrisation.upper, about.u + limits)
     now = about
@@ -323,10 +301,6 @@ def _covariance(parametrisation: Parametrisation, compared: Compared) -> Floats:
         columns = columns / np.sqrt(compared.chi2 / compared.values)
     information = columns.T @ columns + np.diag(1 / parametrisation.deviation**2)
     return np.asarray(np.linalg.pinv(information), dtype=np.float64)
-
-
-def _deviations(parametrisation: Parametrisation, compared: Compared) -> Floats:
-    return np.sqrt(np.diag(_covariance(parametrisation, compared)))
 
 
 def _result(parametrisation: Parametrisation, compared: Compared, success: bool, message: str) -> Fit:

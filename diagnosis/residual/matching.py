@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.diagnosis.model.numerical_error import to_nearest_turn
 from updamp.diagnosis.model.predicted_branch import Observed, PredictedBranch
 from updamp.diagnosis.residual.observations import Observations
 
@@ -67,13 +68,7 @@ def _difference(run: Observations, model: Observed, shift: Floats) -> Floats:
     """(n, m) measured less model"""
     moves = np.broadcast_to(shift, (len(run), len(shift))).copy()
     moves[:, -1] = run.log_force
-    return _to_nearest_turn(run.observed - model.value - np.einsum("npm,np->nm", model.slopes, moves))
-
-
-def _to_nearest_turn(difference: Floats) -> Floats:
-    turned = difference.copy()
-    turned[..., 2::2] -= 2 * np.pi * np.round(turned[..., 2::2] / (2 * np.pi))
-    return turned
+    return to_nearest_turn(run.observed - model.value - np.einsum("npm,np->nm", model.slopes, moves))
 
 
 def _weights(branch: PredictedBranch, run: Observations, spread: Floats, misfit: float) -> Floats:
@@ -90,7 +85,7 @@ def _distance(branch: PredictedBranch, run: Observations, tried: Floats, shift: 
     model = branch.at(tried)
     predicted = model.value + np.einsum("...pm,p->...m", model.slopes, shift)
     by_force = model.slopes[..., -1, :] * run.log_force[:, None, None]
-    difference = _to_nearest_turn(run.observed[:, None] - predicted - by_force)
+    difference = to_nearest_turn(run.observed[:, None] - predicted - by_force)
     return np.asarray(np.sum((weights * difference) ** 2, axis=2))
 
 
@@ -113,17 +108,21 @@ def _nearest(branch: PredictedBranch, run: Observations, shift: Floats, weights:
 
 def _across(run: Observations, place: Floats, difference: Floats, model: Observed) -> Matched:
     """What is left once the place along the branch has been chosen by the sensors' noise alone."""
-    n, m = difference.shape
-    across = np.empty((n, m - 1, m))
-    for i in range(n):
-        tangent = model.along[i] / run.noise[i]
-        basis = np.linalg.qr(tangent[:, None], mode="complete")[0][:, 1:]
-        across[i] = basis.T / run.noise[i]
+    basis = across(model.along, run.noise)
     return Matched(
         run,
         place,
         difference,
-        np.einsum("nrm,nm->nr", across, difference),
-        np.einsum("nrm,npm->nrp", across, model.slopes[:, :-1]),
-        across,
+        np.einsum("nrm,nm->nr", basis, difference),
+        np.einsum("nrm,npm->nrp", basis, model.slopes[:, :-1]),
+        basis,
     )
+
+
+def across(along: Floats, noise: Floats) -> Floats:
+    """(n, m - 1, m) what takes changes of observations to those across the branch, in standard deviations.
+
+    along: (n, m) direction of the branch; noise: (n, m) standard deviations
+    """
+    basis = np.linalg.qr((along / noise)[:, :, None], mode="complete")[0][:, :, 1:]
+    return np.asarray(basis.transpose(0, 2, 1) / noise[:, None, :])

@@ -6,16 +6,21 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.diagnosis.model.numerical_error import numerical_error
+from updamp.diagnosis.model.numerical_error import NumericalError, difference
 from updamp.diagnosis.model.parameters import Parametrisation
-from updamp.diagnosis.model.predicted_branch import PredictedBranch, trace_branch
+from updamp.diagnosis.model.predicted_branch import Condition, PredictedBranch, trace_branch
 from updamp.diagnosis.model.rig_model import RigModel
+from updamp.diagnosis.residual.matching import across
 from updamp.diagnosis.residual.observations import Plan
 from updamp.hbm.harmonics import Harmonics
 
 Floats = NDArray[np.float64]
 
 _MORE_HARMONICS = 2
+# Of what finer numerics change.
+_UNSURE = 0.5
+# A finer model is traced beyond the measured window by this share of it.
+_FURTHER = 0.4
 
 
 def more_harmonics(model: RigModel) -> RigModel:
@@ -32,23 +37,73 @@ def with_numerical_error(
     branches: Sequence[PredictedBranch],
     finer: Mapping[str, RigModel],
 ) -> Parametrisation:
-    """The parametrisation with a pattern of numerical error for each of the finer models.
+    """The parametrisation with a pattern of numerical error for each of the finer models and each mode.
 
     branches: of the parametrisation at u, one a condition; finer: name -> model with the same points
     raises: BranchStoppedError where a finer model has no response at the beginning of a run
     """
-    coarse = {b.condition.name: (b.place / b.place[-1], b.at(b.place).value) for b in branches}
-    windows = {c.name: c.wider for c in plan.conditions}
-    all_finer = []
-    for model in finer.values():
+    coarse = {b.condition.name: unwrapped(b.at(b.place).value) for b in branches}
+    modes = tuple(dict.fromkeys(c.mode for c in plan.conditions))
+    expected = {c: np.zeros_like(observed) for c, observed in coarse.items()}
+    names: list[str] = []
+    patterns: dict[str, list[Floats]] = {c: [] for c in coarse}
+    for name, model in finer.items():
         # at u, and with nothing left to differentiate by: the pattern needs the branch alone
         there = Parametrisation(replace(parametrisation, base=model).model(u), ())
-        traced = [trace_branch(there, np.zeros(0), c) for c in plan.conditions]
-        all_finer.append({b.condition.name: _densely(b) for b in traced})
-    return replace(parametrisation, numerics=numerical_error(tuple(finer), windows, coarse, all_finer))
+        changes = {c.name: _change(there, c, coarse[c.name]) for c in plan.conditions}
+        left = _beyond_calibration(parametrisation, plan, branches, changes)
+        names += [name, *(f"{name} {mode}" for mode in modes)]
+        for c in plan.conditions:
+            expected[c.name] += changes[c.name]
+            of_modes = (left[c.name] * (c.mode == mode) for mode in modes)
+            patterns[c.name] += [_UNSURE * change for change in (changes[c.name], *of_modes)]
+    numerics = NumericalError(
+        tuple(names),
+        coarse,
+        expected,
+        {c: np.stack(each, axis=1) for c, each in patterns.items()},
+    )
+    return replace(parametrisation, numerics=numerics)
+
+
+def _change(finer: Parametrisation, condition: Condition, coarse: Floats) -> Floats:
+    traced = trace_branch(finer, np.zeros(0), _wider(condition))
+    return difference(coarse, _densely(traced), condition.wider)
+
+
+def _beyond_calibration(
+    parametrisation: Parametrisation, plan: Plan, branches: Sequence[PredictedBranch], changes: Mapping[str, Floats]
+) -> dict[str, Floats]:
+    """Changes of all branches (n, m) less what the parameters make up for, within their prior deviations.
+
+    What calibration takes up is no error of the calibrated model, whatever it does to the parameters.
+    """
+    n = parametrisation.n_of_model
+    columns, wanted = [np.diag(1 / parametrisation.deviation[:n])], [np.zeros(n)]
+    slopes = {}
+    for test, branch in enumerate(branches):
+        noise = np.median(np.concatenate([o.noise for o in plan.observations if o.test == test]), axis=0)
+        observed = branch.at(branch.place)
+        slopes[branch.condition.name] = observed.slopes[:, :n]
+        basis = across(observed.along, np.broadcast_to(noise, observed.along.shape))
+        columns.append(np.einsum("nrm,npm->nrp", basis, observed.slopes[:, :n]).reshape(-1, n))
+        wanted.append(np.einsum("nrm,nm->nr", basis, changes[branch.condition.name]).ravel())
+    made_up_for = np.linalg.lstsq(np.concatenate(columns), np.concatenate(wanted), rcond=None)[0]
+    return {name: change - made_up_for @ slopes[name] for name, change in changes.items()}
+
+
+def _wider(condition: Condition) -> Condition:
+    """Finer numerics may shift the resonance by more than its width."""
+    low, high = condition.window
+    return replace(condition, window=(low - _FURTHER * (high - low), high + _FURTHER * (high - low)))
 
 
 def _densely(branch: PredictedBranch) -> Floats:
-    observed = branch.at(np.linspace(branch.place[0], branch.place[-1], 4 * len(branch.place))).value
-    observed[:, 2::2] = np.unwrap(observed[:, 2::2], axis=0)
-    return observed
+    return unwrapped(branch.at(np.linspace(branch.place[0], branch.place[-1], 4 * len(branch.place))).value)
+
+
+def unwrapped(observed: Floats) -> Floats:
+    """Observations (n, m) along a branch with phases that do not jump."""
+    smooth = observed.copy()
+    smooth[:, 2::2] = np.unwrap(smooth[:, 2::2], axis=0)
+    return smooth

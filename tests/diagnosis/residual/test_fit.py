@@ -7,7 +7,7 @@ import pytest
 from support.small_model import NUISANCES, condition, parametrisation, synthetic_plan
 
 from updamp.diagnosis.findings import findings, misfits
-from updamp.diagnosis.residual.fit import FitOptions, compare_at, fit, predict
+from updamp.diagnosis.residual.fit import compare_at, fit, predict
 from updamp.diagnosis.residual.observations import roughness
 from updamp.diagnosis.residual.scatter import Scatter
 
@@ -40,7 +40,7 @@ def test_offsets_of_the_assemblies_are_found(runs):
     """Friction's, which nothing else imitates: within a third of its scatter."""
     plan, drawn = runs
     branches = predict(parametrisation(), TRUTH, plan)
-    found = compare_at(parametrisation(), TRUTH, plan, dict.fromkeys(plan.repeats, branches), KNOWN)
+    found = compare_at(parametrisation(), TRUTH, plan, branches, KNOWN)
     slip = np.array([o.parameters[2] + o.parameters[3] for o in found.offsets.values()])
     np.testing.assert_allclose(slip, drawn[:, 2] + drawn[:, 3], atol=0.015)
 
@@ -68,7 +68,7 @@ def test_a_shifted_resonance_is_named(runs):
         observed[:, 0] += 0.003 * (o.test == 2)
         moved.append(replace(o, observed=observed))
     plan = replace(plan, observations=tuple(moved))
-    found = fit(parametrisation(), plan, TRUTH, options=FitOptions(each_assembly=False))
+    found = fit(parametrisation(), plan, TRUTH)
     said = findings(found, plan, misfits(found, plan, [1.0] * 3))
     assert said
     assert said[0].quantity == "frequency"
