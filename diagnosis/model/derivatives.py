@@ -5,7 +5,7 @@ tangents nor iterations; the Jacobian that solved the point turns their differen
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -29,15 +29,21 @@ _STEP_W = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """A parameter's change by a finite difference to one side.
+    """A parameter's change by a finite difference, to one side unless there is an opposite.
 
     system: the changed one; step: of the parameter, from where the point stands
+    opposite: that changed by the negative step. The structure's response is as curved as its resonance is narrow: a
+        difference to one side would be off by half of step over loss factor, squared
     contacts_alone: whether the linear structure is that of the point
+    added: points of elements that the changed system has in addition, which exert nothing where the point stands but
+        for the step
     """
 
     system: NonlinearSystem
     step: float
-    contacts_alone: bool
+    contacts_alone: bool = False
+    added: tuple[str, ...] = ()
+    opposite: NonlinearSystem | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,24 +138,39 @@ class _Here:
     def difference(self, change: Change, x: Floats) -> tuple[Floats, Floats]:
         """Of the residual and of the observed motion at the same x, over the step."""
         system, w = change.system, self.receptance.w
+        if change.opposite is not None:
+            ahead, behind = (
+                self.difference(replace(change, system=s, opposite=None), x) for s in (system, change.opposite)
+            )
+            return (ahead[0] - behind[0]) / 2, (ahead[1] - behind[1]) / 2
         if change.contacts_alone:
             # the residual as the point's own system has it: with its springs the structure stays the same
             reference = self.receptance.system.reference_stiffness[:, None]
             moved = (system.element_forces(x, w) - reference * x - self.departure) / change.step
             return self.receptance.apply(moved), -self.receptance.apply(moved, self.rows)
-        receptance = Receptance(system, w)
-        g = self.departure if self._same_elements(system) else system.departure_value(x, w)
-        residual = x - receptance.excitation(self.excitation) + receptance.apply(g)
-        motion = _observed(receptance, self.excitation, g, self.rows)
-        return (residual - self._residual(x)) / change.step, (motion - self.observed) / change.step
+        receptance, n, rows = Receptance(system, w), len(x), self.rows + len(change.added)
+        all_x = np.concatenate([x, self._motion_of(change.added)]) if change.added else x
+        g = self.departure if self._same_elements(system) else system.departure_value(all_x, w)
+        excitation = replace(self.excitation, row=self.excitation.row + len(change.added))
+        residual = all_x - receptance.excitation(excitation) + receptance.apply(g)
+        motion = _observed(receptance, excitation, g, rows)
+        return (residual[:n] - self._residual(x)) / change.step, (motion - self.observed) / change.step
+
+    def _motion_of(self, points: Sequence[str]) -> Floats:
+        """(n_points, n_coefficients)"""
+        rows = np.array([self.receptance.system.free.row(point) for point in points])
+        return _observed(self.receptance, self.excitation, self.departure, rows)
 
     def by_frequency(self, x: Floats) -> Floats:
         """Of the observed motion at held relative displacements."""
         system, w = self.receptance.system, self.receptance.w
         h = _STEP_W * w
         depends = any(group.law.rate_dependent for group in system.groups)
-        g = system.departure_value(x, w + h) if depends else self.departure
-        return (_observed(Receptance(system, w + h), self.excitation, g, self.rows) - self.observed) / h
+        observed = []
+        for there in (w + h, w - h):
+            g = system.departure_value(x, there) if depends else self.departure
+            observed.append(_observed(Receptance(system, there), self.excitation, g, self.rows))
+        return (observed[0] - observed[1]) / (2 * h)
 
     def _residual(self, x: Floats) -> Floats:
         return x - self.receptance.excitation(self.excitation) + self.receptance.apply(self.departure)

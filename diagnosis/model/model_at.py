@@ -1,11 +1,12 @@
 """The model at one place in the space of its parameters, and how it changes around there."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.diagnosis.effects.effect import Effect, EffectParameter
 from updamp.diagnosis.model.derivatives import Change
 from updamp.diagnosis.model.parameters import Parametrisation
 from updamp.diagnosis.model.rig_model import RigModel
@@ -14,7 +15,8 @@ from updamp.hbm.system import NonlinearSystem
 
 Floats = NDArray[np.float64]
 
-_STEP = 1e-5  # of a parameter, for differences to one side
+_STEP = 1e-5  # of a parameter
+_STEP_OF_EFFECT = 1e-3  # likewise, of its typical size
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,23 +32,38 @@ class ModelAt:
 
     @cached_property
     def changes(self) -> tuple[Change, ...]:
-        """A difference for every parameter of the model, upwards unless a bound is near."""
+        """A difference for every parameter of the model: for contacts, whose forces have kinks, upwards unless a bound
+        is near; for the structure to both sides unless a bound is."""
         found = []
         for j in range(self.parametrisation.n_of_model):
             step = _STEP if self.u[j] + _STEP <= self.parametrisation.upper[j] else -_STEP
-            there = self.u.copy()
-            there[j] += step
-            found.append(change_to(self.model, self.parametrisation.model(there), step))
+            change = change_to(self.model, self._moved(j, step), step)
+            if not change.contacts_alone and self.u[j] - _STEP >= self.parametrisation.lower[j] and step > 0:
+                change = replace(change, opposite=self._moved(j, -step).system)
+            found.append(change)
         return tuple(found)
+
+    def _moved(self, which: int, step: float) -> RigModel:
+        there = self.u.copy()
+        there[which] += step
+        return self.parametrisation.model(there)
 
 
 def change_to(model: RigModel, changed: RigModel, step: float) -> Change:
-    """step: of the parameter between the two"""
+    """step: of the parameter between the two; the changed one may have further elements, after those of the model"""
+    points = tuple(e.point for e in changed.elements)[len(model.elements) :]
     if not _same_structure(model, changed):
-        return Change(changed.system, step, contacts_alone=False)
+        return Change(changed.system, step, added=points)
     # the same object: what was worked out for it holds
     system = NonlinearSystem(model.system.free, changed.groups, changed.harmonics, changed.time_samples)
     return Change(system, step, contacts_alone=True)
+
+
+def change_of_effect(model: RigModel, effect: Effect, parameter: EffectParameter) -> Change:
+    """By one parameter of an effect that the model does not have yet, scaled as in a `Parametrisation`."""
+    step = _STEP_OF_EFFECT
+    value = parameter.null + step * (parameter.typical - parameter.null)
+    return change_to(model, effect.apply(model, {**effect.at_null(), parameter.name: value}), step)
 
 
 def _same_structure(a: RigModel, b: RigModel) -> bool:

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 _FREQUENCY = 0.02  # of a turn of phase: what the whole window counts
-_DENSE = 12  # places tried between two points of the finer branch
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,11 +57,14 @@ def most_similar(observed: Floats, along: Floats, window: tuple[float, float]) -
     """
     weights = np.ones(observed.shape[1])
     weights[0] = _FREQUENCY * 2 * np.pi / np.log(window[1] / window[0])
-    place = np.linspace(0, len(along) - 1, _DENSE * (len(along) - 1) + 1)
-    dense = _between(place, along)
+    chords = weights * np.diff(along, axis=0)
+    lengths = np.maximum(np.sum(chords**2, axis=1), np.finfo(float).tiny)
     found = np.empty(len(observed))
     for i, point in enumerate(observed):
-        found[i] = place[np.argmin(np.sum((weights * to_nearest_turn(dense - point)) ** 2, axis=1))]
+        apart = weights * to_nearest_turn(point - along[:-1])
+        share = np.clip(np.sum(apart * chords, axis=1) / lengths, 0.0, 1.0)
+        nearest = int(np.argmin(np.sum((apart - share[:, None] * chords) ** 2, axis=1)))
+        found[i] = nearest + share[nearest]
     return found
 
 

@@ -21,6 +21,8 @@ _MORE_HARMONICS = 2
 _UNSURE = 0.5
 # A finer model is traced beyond the measured window by this share of it.
 _FURTHER = 0.4
+# Places taken of it for each of its points.
+_DENSELY = 40
 
 
 def more_harmonics(model: RigModel) -> RigModel:
@@ -48,6 +50,8 @@ def with_numerical_error(
     names: list[str] = []
     patterns: dict[str, list[Floats]] = {c: [] for c in coarse}
     for name, model in finer.items():
+        if _is_the_same(model, parametrisation.base):
+            continue  # what the two branches are apart is how they are interpolated
         # at u, and with nothing left to differentiate by: the pattern needs the branch alone
         there = Parametrisation(replace(parametrisation, base=model).model(u), ())
         changes = {c.name: _change(there, c, coarse[c.name]) for c in plan.conditions}
@@ -66,9 +70,14 @@ def with_numerical_error(
     return replace(parametrisation, numerics=numerics)
 
 
+def _is_the_same(model: RigModel, base: RigModel) -> bool:
+    """Harmonics and time samples do not change a linear model."""
+    return model.components is base.components and not model.groups and not base.groups
+
+
 def _change(finer: Parametrisation, condition: Condition, coarse: Floats) -> Floats:
-    traced = trace_branch(finer, np.zeros(0), _wider(condition))
-    return difference(coarse, _densely(traced), condition.wider)
+    traced = trace_branch(finer, np.zeros(0), wider(condition))
+    return difference(coarse, densely(traced), condition.wider)
 
 
 def _beyond_calibration(
@@ -92,14 +101,14 @@ def _beyond_calibration(
     return {name: change - made_up_for @ slopes[name] for name, change in changes.items()}
 
 
-def _wider(condition: Condition) -> Condition:
+def wider(condition: Condition) -> Condition:
     """Finer numerics may shift the resonance by more than its width."""
     low, high = condition.window
     return replace(condition, window=(low - _FURTHER * (high - low), high + _FURTHER * (high - low)))
 
 
-def _densely(branch: PredictedBranch) -> Floats:
-    return unwrapped(branch.at(np.linspace(branch.place[0], branch.place[-1], 4 * len(branch.place))).value)
+def densely(branch: PredictedBranch) -> Floats:
+    return unwrapped(branch.at(np.linspace(branch.place[0], branch.place[-1], _DENSELY * len(branch.place))).value)
 
 
 def unwrapped(observed: Floats) -> Floats:

@@ -47,7 +47,8 @@ def test_derivatives_by_the_parameters_against_branches_solved_anew(slipping, wh
 
 
 def test_derivative_by_the_force_against_points_solved_anew(slipping):
-    """On the planes across the branch through each point."""
+    """On the planes across the branch through each point; what points move by along the branch is a matter of where
+    the place on it is held, and is taken off."""
     model, step = parametrisation().base, 1e-3
     row = model.system.free.row("a.x")
     for i in range(2, len(slipping.points) - 2, 7):
@@ -57,11 +58,13 @@ def test_derivative_by_the_force_against_points_solved_anew(slipping):
             arc = Arc(point.x, point.w, point.tangent, point.metric)
             solution = solve(model.system, force, point.x, point.w, arc=arc)
             amplitude = model.harmonics.amplitude(response(solution.equation, force, np.array([row])), 1)[0]
-            logs.append([np.log(solution.w), np.log(amplitude)])
+            logs.append([np.log(solution.w), np.log(np.abs(amplitude)), np.angle(amplitude)])
         difference = (np.array(logs[0]) - np.array(logs[1])) / (2 * step)
-        slopes = slipping.at(slipping.place[i]).slopes[-1]
-        np.testing.assert_allclose(slopes[0], difference[0].real, atol=2e-4)
-        np.testing.assert_allclose(slopes[1] + 1j * slopes[2], difference[1], atol=2e-3)
+        there = slipping.at(slipping.place[i])
+        direction = there.along[:3] / np.linalg.norm(there.along[:3])
+        left = there.slopes[-1, :3] - difference
+        left -= (left @ direction) * direction
+        assert np.all(np.abs(left) < [2e-4, 2e-3, 2e-3]), (i, left)
 
 
 def test_moved_and_traced_branches_are_the_same_curve(slipping):
