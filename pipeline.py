@@ -115,8 +115,9 @@ def compare(
     out: Annotated[Path, typer.Option(help="Folder for all that is written; that of a run, to use its model.")],
     mesh: Annotated[str, typer.Option(help="Preset of the rig file: small (first looks), medium or full.")] = "full",
     finer: Annotated[
-        str | None, typer.Option(help="Preset with a finer mesh: what it changes counts as numerical error.")
-    ] = None,
+        list[str],
+        typer.Option(help="Preset with a finer mesh: what it changes counts as numerical error. Repeatable."),
+    ] = [],  # noqa: B006
     jobs: Annotated[
         int | None, typer.Option(help="Curves traced at the same time.", show_default="the CPUs, at most 4")
     ] = None,
@@ -134,7 +135,7 @@ def compare(
         keep_compiled()
         console = Console()
         files = CompareFiles(rig, measurement, out)
-        comparison, _ = run_compare(files, mesh, jobs if jobs is not None else _workers(), console, finer)
+        comparison, _ = run_compare(files, mesh, jobs if jobs is not None else _workers(), console, tuple(finer))
         for sentence in sentences(comparison):
             console.print(Text.assemble(("finding   ", "yellow"), sentence), soft_wrap=True)
         console.print(f"{files.report}", highlight=False, soft_wrap=True)

@@ -51,12 +51,12 @@ def run_compare(
     preset: str,
     workers: int,
     console: Console,
-    finer: str | None = None,
+    finer: Sequence[str] = (),
     options: CompareOptions | None = None,
 ) -> tuple[Comparison, Fit | None]:
     """Build the model where it is not there yet, compare, write both files.
 
-    finer: preset of a finer mesh; what it changes counts as numerical error
+    finer: presets of finer meshes; what each changes counts as numerical error
 
     raises: RigError, MeasurementError and what the stages raise, naming what to mend
     """
@@ -101,17 +101,17 @@ class Subject:
     taken: tuple[ChosenEffect, ...] = ()
 
 
-def _of_rig(files: CompareFiles, preset: str, workers: int, display: Display, finer: str | None) -> Subject:
+def _of_rig(files: CompareFiles, preset: str, workers: int, display: Display, finer: Sequence[str]) -> Subject:
     rig = load_rig(files.rig)
     measurement = load_measurement(files.measurement, _points(), rig.name)
     run = Run(rig, RunOptions(preset, files.out, workers, check=False, until=stages.STATIC_CONTACT), display)
     model, free_frequency = _model(run)
     features = _features(files, rig, measurement, preset, workers, display, free_frequency)
     finer_models = {}
-    if finer is not None:
-        folder = files.out / finer
-        again = Run(rig, RunOptions(finer, folder, workers, check=False, until=stages.STATIC_CONTACT), display)
-        finer_models["mesh"] = _model(again)[0]
+    for name in dict.fromkeys(finer):
+        folder = files.out / name
+        again = Run(rig, RunOptions(name, folder, workers, check=False, until=stages.STATIC_CONTACT), display)
+        finer_models[name] = _model(again)[0]
     return Subject(model, measurement, features, preset, finer_models, resolved(rig.effects))
 
 
