@@ -11,6 +11,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from updamp.fem.reduced_model import ReducedModel
+from updamp.hbm.graded_eigen import graded_eigh
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -80,7 +81,7 @@ def add_springs(model: LinearModel, directions: Floats, stiffness: Floats) -> Li
     W = np.linalg.solve(np.eye(len(S)) + S @ (directions.T @ RV), S)
     W = (W + W.T) / 2
     residual = model.residual - RV @ W @ RV.T
-    omega_squared, X = scipy.linalg.eigh(np.diag(model.omega_squared) + PV @ W @ PV.T)
+    omega_squared, X = graded_eigh(np.diag(model.omega_squared) + PV @ W @ PV.T)
     return replace(
         model,
         omega_squared=omega_squared,

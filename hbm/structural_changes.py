@@ -1,4 +1,4 @@
-"""Changes of the linear structure at named points: springs exactly, dashpots and masses through the modes."""
+"""Changes of the linear structure at named points: springs, dashpots and masses, exact in spite of truncated modes."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -7,9 +7,13 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
+from updamp.hbm.graded_eigen import graded_eigh
 from updamp.hbm.linear_model import LinearModel, add_springs
 
 Floats = NDArray[np.float64]
+
+ROUND_OFF = 1e-10  # residual flexibility at a point, relative to all, below which there is none
+ABOVE_LOWEST, ABOVE_HIGHEST = 3e11, 1e6  # see _least_inertia
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,6 +21,7 @@ class Attachment:
     """What acts on the displacement sum_i weight_i u_i of named points.
 
     points: name -> weight; stiffness [N/m], dashpot [N s/m], mass [kg]
+    raises: ValueError for a negative mass
     """
 
     name: str
@@ -24,6 +29,10 @@ class Attachment:
     stiffness: float = 0.0
     dashpot: float = 0.0
     mass: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.mass < 0:
+            raise ValueError(f"attachment {self.name} has a mass of {self.mass:g} kg: give one that is not negative")
 
     def direction(self, model: LinearModel) -> Floats:
         """(n_rows,); raises: KeyError for a point that is not in the model"""
@@ -34,43 +43,84 @@ class Attachment:
 
 
 def attach(model: LinearModel, attachments: Sequence[Attachment]) -> LinearModel:
-    """The model with all of them.
+    """The model with all of them: exact, whatever the modal truncation.
 
-    Springs are exact. Masses and dashpots act through the modes alone: what they do by way of the residual
-    flexibility, of the order of its displacement over the modes', is left out.
+    Masses and dashpots move with the residual flexibility too. What it lets their points move by beyond the modes
+    becomes a mode of its own, of high frequency: one for each independent displacement that they act on, if it has
+    residual flexibility.
     """
     springs = [a for a in attachments if a.stiffness != 0]
     if springs:
         directions = np.stack([a.direction(model) for a in springs], axis=1)
         model = add_springs(model, directions, np.array([a.stiffness for a in springs]))
-    viscous = model.viscous.copy()
-    mass = np.eye(len(model.omega_squared))
-    for attachment in attachments:
-        shape = attachment.direction(model) @ model.phi
-        viscous += attachment.dashpot * np.outer(shape, shape)
-        mass += attachment.mass * np.outer(shape, shape)
-    model = replace(model, viscous=viscous)
-    return with_modal_matrices(model, mass=mass) if any(a.mass for a in attachments) else model
+    dynamic = [a for a in attachments if a.mass != 0 or a.dashpot != 0]
+    if not dynamic:
+        return model
+    directions = np.stack([a.direction(model) for a in dynamic], axis=1)
+    return add_inertia(model, directions, np.array([a.mass for a in dynamic]), np.array([a.dashpot for a in dynamic]))
 
 
-def with_modal_matrices(
-    model: LinearModel, stiffness_change: Floats | None = None, mass: Floats | None = None
-) -> LinearModel:
-    """The model with other modal matrices, brought back to its own modes.
+def add_inertia(model: LinearModel, directions: Floats, mass: Floats, dashpot: Floats) -> LinearModel:
+    """The model with masses and dashpots on the displacements y = V^T (phi q + R f).
 
-    stiffness_change: (m, m) added to diag(omega_squared) [rad^2/s^2]; mass: (m, m) instead of the identity [-]
+    The residual flexibility is split into what V's forces drive and the rest: R = A A^T + R', A = R V U rho^-1/2 with
+    V^T R V = U rho U^T. The former becomes modes p of unit stiffness with the shapes A (residual attachment modes, as
+    in Craig and Chang 1977), R' does not move V. So y = V^T (phi q + A p): masses and dashpots act on modes alone.
+    The new modes are brought to unit mass; inertia below `_least_inertia`, as with a dashpot alone, is raised to that.
+
+    directions V: (n_rows, k); mass: (k,) not negative [kg]; dashpot: (k,) [N s/m]
     """
-    K = np.diag(model.omega_squared)
-    K = K if stiffness_change is None else K + stiffness_change
-    omega_squared, X = scipy.linalg.eigh(K) if mass is None else scipy.linalg.eigh(K, mass)
+    shapes = _residual_modes(model, directions)
+    inertia, T = scipy.linalg.eigh((directions.T @ shapes).T * mass @ (directions.T @ shapes))
+    inertia = np.maximum(inertia, _least_inertia(model, directions))
+    grown = shapes @ T / np.sqrt(inertia)
+    phi = np.hstack([model.phi, grown])
+    moved = directions.T @ phi
+    old, none = len(model.omega_squared), np.zeros((len(inertia),) * 2)
+    added = moved.T * mass @ moved
+    added[old:, old:] = none  # it is what brought the new modes to unit mass
+    residual = model.residual - shapes @ shapes.T
+    # the new modes last: the factor then keeps their large stiffness away from the others
+    inverse = scipy.linalg.solve_triangular(
+        np.linalg.cholesky(np.eye(len(added)) + added), np.eye(len(added)), lower=True
+    )
+    stiffness = inverse * np.concatenate([model.omega_squared, 1 / inertia]) @ inverse.T
+    omega_squared, Q = graded_eigh((stiffness + stiffness.T) / 2)
+    X = inverse.T @ Q
+    viscous = scipy.linalg.block_diag(model.viscous, none) + moved.T * dashpot @ moved
     return replace(
         model,
         omega_squared=omega_squared,
-        phi=model.phi @ X,
-        hysteretic=X.T @ model.hysteretic @ X,
-        viscous=X.T @ model.viscous @ X,
+        phi=phi @ X,
+        residual=(residual + residual.T) / 2,
+        hysteretic=X.T @ scipy.linalg.block_diag(model.hysteretic, none) @ X,
+        viscous=X.T @ viscous @ X,
         basis=None,
     )
+
+
+def _residual_modes(model: LinearModel, directions: Floats) -> Floats:
+    """(n_rows, p) A, p the rank of the residual flexibility seen by the directions [(m/N)^1/2]"""
+    driven = model.residual @ directions
+    sizes, U = scipy.linalg.eigh(directions.T @ driven)
+    elastic = model.omega_squared > 0
+    by_modes = np.sum((directions.T @ model.phi[:, elastic]) ** 2 / model.omega_squared[elastic])
+    kept = sizes > ROUND_OFF * max(by_modes, *np.abs(sizes))
+    return np.asarray(driven @ U[:, kept] / np.sqrt(sizes[kept]))
+
+
+def _least_inertia(model: LinearModel, directions: Floats) -> float:
+    """Of a new mode of unit stiffness [s^2]: as at a frequency far above what is vibrated at, which is taken to be of
+    the order of the lowest modes that the directions feel, or among the modes at all. The error at w is w^2 times this.
+
+    Without bound the dynamic stiffness would be ill-conditioned.
+    """
+    elastic = model.omega_squared > 0
+    omega_squared = model.omega_squared[elastic]
+    felt = np.sum((directions.T @ model.phi[:, elastic]) ** 2, axis=0) / omega_squared
+    lowest = felt.sum() / max(np.sum(felt / omega_squared), np.finfo(float).tiny)
+    highest = omega_squared.max(initial=0.0)
+    return float(1 / max(ABOVE_LOWEST * lowest, ABOVE_HIGHEST * highest, np.finfo(float).tiny))
 
 
 def with_relative_rows(model: LinearModel, points: Sequence[str]) -> LinearModel:
