@@ -1,9 +1,9 @@
 """Symmetric eigenproblems whose entries span many orders of magnitude, without loss in the small eigenvalues.
 
-LAPACK's usual solvers err by round-off times the largest eigenvalue: stuck modes of a rig reach from 0.4 to 200 kHz, and
-what is left of the lowest one's frequency squared is 11 digits, which near resonance at a loss factor of 0.1 % is 8
-digits of the response. One-sided Jacobi on the Cholesky factor (Demmel and Veselic 1992, SIAM J. Matrix Anal. Appl. 13,
-1204-1245) finds every eigenvalue to round-off times the condition of the matrix scaled to a unit diagonal: 14 digits.
+LAPACK's usual solvers err by round-off times the largest eigenvalue. Stuck modes of a rig reach from 0.4 to 200 kHz: of
+the lowest one's frequency squared 11 digits are left, and near resonance at a loss factor of 0.1 % 8 digits of the
+response. One-sided Jacobi on the Cholesky factor (Demmel and Veselic 1992, SIAM J. Matrix Anal. Appl. 13, 1204-1245)
+finds every eigenvalue to round-off times the condition of the matrix scaled to a unit diagonal: 14 digits.
 """
 
 import numpy as np
