@@ -95,7 +95,7 @@ def compare(
         title=measurement.title,
         adequate=not said,
         findings=said,
-        calibration=_calibration(calibrated),
+        calibration=calibration(calibrated),
         curves=tuple(
             _pair(plan, i, j, names, before[i], after[i])
             for i, condition in enumerate(plan.conditions)
@@ -139,7 +139,7 @@ def _damping_share(branch: PredictedBranch, loss_factor: int) -> float:
     return float(np.clip(-answer, 0.02, 1.0))
 
 
-def _calibration(fitted: Fit) -> tuple[Calibrated, ...]:
+def calibration(fitted: Fit) -> tuple[Calibrated, ...]:
     """As factors on the rig file's values."""
     entries = []
     for n, u, s in zip(fitted.parametrisation.nuisances, fitted.u, fitted.deviations, strict=False):

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
-from updamp.diagnosis.model.derivatives import Derivatives, derivatives
+from updamp.diagnosis.model.derivatives import Change, Derivatives, derivatives
 from updamp.diagnosis.model.model_at import ModelAt
 from updamp.diagnosis.model.numerical_error import NumericalError
 from updamp.diagnosis.model.parameters import Parametrisation
@@ -156,7 +156,7 @@ def trace_branch(
         if len(points) < 4:
             raise
         stopped = str(stop)
-    return _observe(there, condition, points, stopped)
+    return observe(there, condition, points, stopped)
 
 
 def move_branch(parametrisation: Parametrisation, u: Floats, before: PredictedBranch) -> PredictedBranch | None:
@@ -169,7 +169,7 @@ def move_branch(parametrisation: Parametrisation, u: Floats, before: PredictedBr
     moved = _moved(there, before)
     if moved is None or not (before.stopped or _covers(moved, before.condition)):
         return None
-    return _observe(there, before.condition, moved, before.stopped)
+    return observe(there, before.condition, moved, before.stopped)
 
 
 def _covers(points: Sequence[BranchPoint], condition: Condition) -> bool:
@@ -182,6 +182,8 @@ def _covers(points: Sequence[BranchPoint], condition: Condition) -> bool:
 
 def _moved(there: ModelAt, before: PredictedBranch) -> list[BranchPoint] | None:
     system, excitation = there.model.system, there.model.excited_by(before.condition.force)
+    if before.points[0].x.shape != (system.free.n_relative, system.harmonics.n_coefficients):
+        return None  # an effect has brought elements or harmonics of its own
     moved: list[BranchPoint] = []
     for i, point in enumerate(before.points):
         known = len(before.w_by_parameter[i])
@@ -196,15 +198,13 @@ def _moved(there: ModelAt, before: PredictedBranch) -> list[BranchPoint] | None:
     return moved
 
 
-def _observe(
-    there: ModelAt,
-    condition: Condition,
-    points: Sequence[BranchPoint],
-    stopped: str,
+def observe(
+    there: ModelAt, condition: Condition, points: Sequence[BranchPoint], stopped: str, further: Sequence[Change] = ()
 ) -> PredictedBranch:
+    """Solved points as a branch; further: changes by parameters that the model does not have yet, after its own."""
     system, excitation = there.model.system, there.model.excited_by(condition.force)
     rows = np.array([system.free.row(point) for point, _ in condition.sensors])
-    found = [derivatives(p, excitation, there.changes, rows) for p in points]
+    found = [derivatives(p, excitation, (*there.changes, *further), rows) for p in points]
     each = [_state(d, p.w, system, condition) for d, p in zip(found, points, strict=True)]
     state, along, slopes = (np.array(column) for column in zip(*each, strict=True))
     length = _length(along, state, condition)
@@ -214,7 +214,7 @@ def _observe(
     place = np.concatenate([[0.0], np.cumsum(chords)])
     branch = PredictedBranch(
         condition,
-        there.u[: there.parametrisation.n_of_model],
+        np.append(there.u[: there.parametrisation.n_of_model], np.zeros(len(further))),
         tuple(points),
         place,
         state,
@@ -238,9 +238,9 @@ def with_patterns(branch: PredictedBranch, numerics: NumericalError) -> Predicte
     state[:, 0] += expected[:, 0]
     state[:, 1:] = _pairs((branch.state[:, 1::2] + 1j * branch.state[:, 2::2]) * turn)
     if numerics.names:
-        along += _of_state(np.gradient(expected, branch.place, axis=0)[:, None], state)[:, 0]
+        along += of_state(np.gradient(expected, branch.place, axis=0)[:, None], state)[:, 0]
     slopes = _turned(branch.slopes, turn[:, None])
-    slopes = np.concatenate([slopes[:, :-1], _of_state(patterns, state), slopes[:, -1:]], axis=1)
+    slopes = np.concatenate([slopes[:, :-1], of_state(patterns, state), slopes[:, -1:]], axis=1)
     u = np.append(branch.u, np.zeros(patterns.shape[1]))
     return replace(branch, u=u, state=state, along=along, slopes=slopes)
 
@@ -259,7 +259,7 @@ def _is_proportional(state: Floats, along: Floats, by_force: Floats) -> bool:
     return bool(np.allclose(held[:, 1:], state[:, 1:], rtol=0, atol=_LINEAR * np.abs(state[:, 1:]).max()))
 
 
-def _of_state(patterns: Floats, state: Floats) -> Floats:
+def of_state(patterns: Floats, state: Floats) -> Floats:
     """Changes of the logarithms (n, k, m) as those of the state."""
     amplitude = state[:, None, 1::2] + 1j * state[:, None, 2::2]
     change = (patterns[..., 1::2] + 1j * patterns[..., 2::2]) * amplitude

@@ -212,14 +212,14 @@ def fit(
     reach, message = options.largest_step, f"not settled in {options.rounds} rounds"
     for _ in range(options.rounds):
         ahead = _fit_linear(parametrisation, plan, best, scatter, prior, reach)
-        now = _objective(parametrisation, reweighed(parametrisation, plan, best, ahead.scatter))
-        if now - _objective(parametrisation, ahead) < max(options.tolerance, _DIGITS * now):
+        now = objective(parametrisation, reweighed(parametrisation, plan, best, ahead.scatter))
+        if now - objective(parametrisation, ahead) < max(options.tolerance, _DIGITS * now):
             return _result(parametrisation, best, True, "settled")
         common = predict(parametrisation, ahead.u, plan, best.branches)
         solved = compare_at(parametrisation, ahead.u, plan, common, ahead.scatter, ahead.offsets)
         progress(f"chi2 {solved.chi2:.0f} for {solved.values} values")
         gross = fails_grossly(parametrisation, best.chi2, best.values)
-        if _objective(parametrisation, solved) - now > (_DIGITS if gross else _ROUGH) * best.chi2:
+        if objective(parametrisation, solved) - now > (_DIGITS if gross else _ROUGH) * best.chi2:
             reach /= 3
             if reach < 0.01 * options.largest_step:
                 message = "no step lowers chi2 any more"
@@ -290,7 +290,7 @@ class _Equations:
         return np.vstack([-self.at(u).equations()[1], np.diag(1 / self._parametrisation.deviation)])
 
 
-def _objective(parametrisation: Parametrisation, compared: Compared) -> float:
+def objective(parametrisation: Parametrisation, compared: Compared) -> float:
     return compared.chi2 + float(np.sum((compared.u / parametrisation.deviation) ** 2))
 
 

@@ -1,0 +1,135 @@
+"""Where the search starts: the model without further effects, calibrated to some runs, others kept for judging."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.diagnosis.effects.chosen import ChosenEffect
+from updamp.diagnosis.model.parameters import LOSS_FACTOR, Parametrisation, nuisances
+from updamp.diagnosis.model.predicted_branch import with_patterns
+from updamp.diagnosis.model.rig_model import RigModel
+from updamp.diagnosis.residual.fit import Fit, FitOptions, compare_at, fit, predict
+from updamp.diagnosis.residual.matching import Matched
+from updamp.diagnosis.residual.numerical_gate import more_harmonics, with_numerical_error
+from updamp.diagnosis.residual.observations import Plan
+from updamp.diagnosis.residual.scatter import Scatter, learn
+
+Floats = NDArray[np.float64]
+# Fewest levels of a mode of which one is kept for judging.
+_ENOUGH = 3
+_ROUNDS = FitOptions(rounds=4)
+
+
+@dataclass(frozen=True, eq=False)
+class Baseline:
+    """plan: all runs; training, held_out: places of its conditions
+
+    fitted: to the training runs, with the scatter that the repeats alone show
+    repeatability: weighted residual RMS of what differs between the repeats
+    """
+
+    plan: Plan
+    training: tuple[int, ...]
+    held_out: tuple[int, ...]
+    fitted: Fit
+    repeatability: float
+
+    @property
+    def train_plan(self) -> Plan:
+        return self.plan.only(self.training)
+
+    @property
+    def held_out_plan(self) -> Plan:
+        return self.plan.only(self.held_out)
+
+
+def baseline(
+    model: RigModel,
+    taken: tuple[ChosenEffect, ...],
+    plan: Plan,
+    finer: Mapping[str, RigModel],
+    held_out: Sequence[str] | None = None,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Baseline:
+    """Numerical gate and calibration.
+
+    held_out: names of runs that no fit sees; by default one level of each mode that was measured at three or more
+    raises: BranchStoppedError where the model has no response at the beginning of a run; ValueError for a run that
+        was not measured
+    """
+    kept = _held_out(plan, held_out)
+    training = tuple(i for i in range(len(plan.conditions)) if i not in kept)
+    parametrisation = Parametrisation(model, nuisances(model), taken=taken)
+    start = np.zeros(len(parametrisation))
+    progress("prediction")
+    before = predict(parametrisation, start, plan)
+    progress("numerical error")
+    all_finer = {"harmonics": more_harmonics(model), **finer}
+    parametrisation = with_numerical_error(parametrisation, start, plan, before, all_finer)
+    train = plan.only(training)
+    at_start = tuple(with_patterns(before[i], parametrisation.numerics) for i in training)
+    start = np.zeros(len(parametrisation))
+    progress("calibration")
+    first = fit(parametrisation, train, start, None, at_start, _ROUNDS, progress)
+    scatter, repeatability = scatter_of_repeats(first, train)
+    found = fit(parametrisation, train, first.u, scatter, first.compared.branches, _ROUNDS, progress)
+    return Baseline(plan, training, kept, found, repeatability)
+
+
+def _held_out(plan: Plan, names: Sequence[str] | None) -> tuple[int, ...]:
+    """Places of the conditions: the second highest level of each mode, if not said otherwise."""
+    if names is not None:
+        known = [c.name for c in plan.conditions]
+        unknown = [name for name in names if name not in known]
+        if unknown:
+            raise ValueError(f"no run '{unknown[0]}' to hold out; there are {', '.join(known)}")
+        return tuple(i for i, name in enumerate(known) if name in names)
+    kept: list[int] = []
+    for mode in dict.fromkeys(c.mode for c in plan.conditions):
+        levels = sorted({c.level for c in plan.conditions if c.mode == mode})
+        if len(levels) >= _ENOUGH:
+            kept += [i for i, c in enumerate(plan.conditions) if c.mode == mode and c.level == levels[-2]]
+    return tuple(sorted(kept))
+
+
+def scatter_of_repeats(fitted: Fit, plan: Plan) -> tuple[Scatter, float]:
+    """The scatter with what all repeats have in common left out, and the RMS of what they do not.
+
+    A misfit of the model is common to all repeats. So frequency, damping and the sensors' amplitudes and phases of
+    every run may be anything here, or the scatter would grow until the misfit is one of its draws. Sensors' noise is
+    what the runs' roughness says.
+    """
+    p, compared = fitted.parametrisation, fitted.compared
+    loss = p.names.index(LOSS_FACTOR.name)
+    freed = []
+    for a in compared.assemblies:
+        of_repeat = [m for m in compared.matched if m.observations.repeat == a.repeat]
+        blocks = np.concatenate([_free(m, plan, loss) for m in of_repeat])
+        freed.append(replace(a, common=np.concatenate([a.common, blocks], axis=1)))
+    if len(freed) < 2:
+        return replace(compared.scatter, noise=1.0), 1.0
+    learnt = learn(freed, Scatter({n.name: n.scatter for n in p.nuisances}))
+    return replace(learnt, noise=1.0), learnt.noise
+
+
+def _free(m: Matched, plan: Plan, loss: int) -> Floats:
+    """(values of the run, directions of all runs): zero but for its own."""
+    own = m.observations.test
+    n_of = [2 + 2 * len(c.sensors) for c in plan.conditions]
+    block = np.zeros((m.residual.size, sum(n_of)))
+    columns = [m.by_observation[:, :, j].ravel() for j in range(m.by_observation.shape[2])]
+    columns.append(m.by_parameter[:, :, loss].ravel())
+    start = sum(n_of[:own])
+    block[:, start : start + n_of[own]] = np.stack(columns, axis=1)
+    return block
+
+
+def error_of(fitted: Fit, plan: Plan) -> float:
+    """Weighted residual RMS on runs that the fit may not have seen, parameters and scatter as they are."""
+    if not plan.conditions:
+        return float("nan")
+    branches = predict(fitted.parametrisation, fitted.u, plan)
+    compared = compare_at(fitted.parametrisation, fitted.u, plan, branches, fitted.compared.scatter)
+    return float(np.sqrt(compared.chi2 / compared.values))

@@ -1,0 +1,33 @@
+"""What the search for a missing effect decides by. All of it is fixed before a benchmark is scored."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Criteria:
+    """score, visibility: of the score test, below which an effect is not looked for in the data
+    short, full: how many effects at most get a short refit, and a full one
+    delta_bic: by which an effect has to improve the information criterion, the misfit that is left taken as noise
+    gain: share by which the error on held-out runs has to fall
+    at_bound: distance from a bound, as a share of its range, within which a parameter stands at it
+    rival: an effect explains the data as well as the best one where chi2 a value is no more than this share above it
+    cosine: of two signatures above which the effects look alike
+    lack: chi2 a value from where on a model fails that no effect has improved
+    excess: chi2 a value above which a model with effects still fails
+    look_further: chi2 a value above which a second effect is looked for
+    second: share that a second effect has to bring chi2 a value down to
+    """
+
+    score: float = 4.0
+    visibility: float = 0.2
+    short: int = 8
+    full: int = 3
+    delta_bic: float = 10.0
+    gain: float = 0.03
+    at_bound: float = 0.005
+    rival: float = 0.1
+    cosine: float = 0.9
+    lack: float = 1.6
+    excess: float = 1.7
+    look_further: float = 1.25
+    second: float = 0.85

@@ -1,0 +1,103 @@
+"""The fit with an effect in the model: what decides."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.diagnosis.effects.effect import Effect
+from updamp.diagnosis.model.predicted_branch import PredictedBranch
+from updamp.diagnosis.residual.fit import Fit, FitOptions, compare_at, fit, objective, predict
+from updamp.diagnosis.residual.observations import Plan
+from updamp.diagnosis.search.criteria import Criteria
+from updamp.hbm.continuation import BranchStoppedError
+
+Floats = NDArray[np.float64]
+_SHORT, _FULL = FitOptions(rounds=2), FitOptions(rounds=6)
+
+
+@dataclass(frozen=True, eq=False)
+class Refit:
+    """drop: of the objective (chi2 and priors) from the baseline; delta_bic: with what is left taken as noise
+
+    at_bound: parameter that stands at a bound beyond which it makes no sense, "" if none
+    """
+
+    effects: tuple[Effect, ...]
+    fitted: Fit
+    drop: float
+    delta_bic: float
+    at_bound: str
+
+    @property
+    def error(self) -> float:
+        """Weighted residual RMS."""
+        return float(np.sqrt(self.fitted.compared.chi2 / self.fitted.compared.values))
+
+    @property
+    def excess(self) -> float:
+        """chi2 a value"""
+        return self.fitted.compared.chi2 / self.fitted.compared.values
+
+
+def refit(
+    base: Fit,
+    plan: Plan,
+    effects: Sequence[Effect],
+    starts: Sequence[Floats],
+    criteria: Criteria,
+    full: bool,
+    near: Fit | None = None,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Refit | None:
+    """The fit with further effects, from the best of several starts; None where the model has no response at any.
+
+    starts: (p,) of the effects' parameters each, in typical sizes; near: a fit of the same to go on from
+    """
+    if near is not None:
+        again = fit(near.parametrisation, plan, near.u, base.compared.scatter, near.compared.branches, _options(full))
+        return judged(base, again, effects, criteria)
+    p, n = base.parametrisation, base.parametrisation.n_of_model
+    extended = replace(p, effects=(*p.effects, *effects))
+    best: tuple[float, Floats, tuple[PredictedBranch, ...]] | None = None
+    for start in starts:
+        u = np.clip(np.concatenate([base.u[:n], start, base.u[n:]]), extended.lower, extended.upper)
+        try:
+            branches = predict(extended, u, plan, base.compared.branches)
+        except BranchStoppedError:
+            continue
+        compared = compare_at(extended, u, plan, branches, base.compared.scatter, base.compared.offsets)
+        value = objective(extended, compared)
+        if best is None or value < best[0]:
+            best = value, u, branches
+    if best is None:
+        return None
+    found = fit(extended, plan, best[1], base.compared.scatter, best[2], _options(full), progress)
+    return judged(base, found, effects, criteria)
+
+
+def _options(full: bool) -> FitOptions:
+    return _FULL if full else _SHORT
+
+
+def judged(base: Fit, found: Fit, effects: Sequence[Effect], criteria: Criteria) -> Refit:
+    before = objective(base.parametrisation, base.compared)
+    drop = before - objective(found.parametrisation, found.compared)
+    parameters = sum(len(e.parameters) for e in effects)
+    # what a better model leaves is noise to the worse one (R. T. Birge, Phys. Rev. 40 (1932) 207)
+    noise = max(1.0, found.compared.chi2 / found.compared.values)
+    delta_bic = drop / noise - parameters * float(np.log(found.compared.values))
+    return Refit(tuple(effects), found, drop, delta_bic, _at_bound(found, effects, criteria))
+
+
+def _at_bound(found: Fit, effects: Sequence[Effect], criteria: Criteria) -> str:
+    """Bounds at the null value are no such: there the effect is absent."""
+    values = found.parametrisation.values(found.u)
+    for effect in effects:
+        for q in effect.parameters:
+            near = criteria.at_bound * (q.upper - q.lower)
+            for bound in (q.lower, q.upper):
+                if bound != q.null and abs(values[effect.name][q.name] - bound) < near:
+                    return f"{effect.name}.{q.name}"
+    return ""

@@ -1,0 +1,96 @@
+"""Score test: how far chi2 would fall, to first order, if an effect were in the model, and how it would look.
+
+C. R. Rao, Proc. Cambridge Phil. Soc. 44 (1948) 50; known as modification index in structural equation models (D.
+Soerbom, Psychometrika 54 (1989) 371). Everything is orthogonal to what the nuisance parameters can imitate, as far as
+their priors let them.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+from scipy.optimize import lsq_linear
+
+from updamp.diagnosis.effects.effect import Effect
+from updamp.diagnosis.search.signature import Extended
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Score:
+    """drop: of chi2, to first order and within the bounds; step: (p,) that brings it, in typical sizes
+
+    visibility: share of the signature that nuisance parameters cannot imitate, 0 to 1
+    raw: cosine between residual and signature without orthogonalisation
+    signature: (n,) whitened and orthogonal, of the step, or of the typical size where the step is none
+    """
+
+    effect: Effect
+    drop: float
+    step: Floats
+    visibility: float
+    raw: float
+    signature: Floats
+
+    @property
+    def score(self) -> float:
+        """In standard deviations."""
+        return float(np.sqrt(max(self.drop, 0.0)))
+
+
+def scores(extended: Extended) -> tuple[Score, ...]:
+    """Of all further effects, the largest drop first."""
+    residual, columns = extended.compared.equations()
+    p = extended.parametrisation
+    of_effects = np.zeros(len(p), dtype=bool)
+    for effect in extended.effects:
+        of_effects[extended.columns(effect)] = True
+    nuisance = columns[:, ~of_effects]
+    # the prior as further rows, so that what it holds cannot imitate anything
+    prior = np.diag(1 / p.deviation[~of_effects])
+    rows = np.concatenate([residual, -extended.compared.u[~of_effects] * np.diag(prior)])
+    basis = scipy.linalg.orth(np.vstack([nuisance, prior]))
+    left = rows - basis @ (basis.T @ rows)
+    found = []
+    for effect in extended.effects:
+        place = extended.columns(effect)
+        raw = np.vstack([columns[:, place], np.zeros((len(prior), place.stop - place.start))])
+        bounds = p.lower[place], p.upper[place]
+        found.append(_score(effect, raw, raw - basis @ (basis.T @ raw), left, rows, bounds))
+    return tuple(sorted(found, key=lambda s: -s.drop))
+
+
+def _score(
+    effect: Effect, raw: Floats, own: Floats, left: Floats, rows: Floats, bounds: tuple[Floats, Floats]
+) -> Score:
+    if not np.any(own):
+        return Score(effect, 0.0, np.zeros(raw.shape[1]), 0.0, 0.0, np.zeros(len(left)))
+    size = np.linalg.norm(own, axis=0)
+    used = size > 1e-9 * size.max()  # a finite step moves one parameter only
+    # parameters of one effect that look alike share the change
+    held = 1e-3 * size.max() * np.eye(int(used.sum()))
+    scaled = np.vstack([own[:, used], held])
+    found = lsq_linear(scaled, np.append(left, np.zeros(len(held))), (bounds[0][used], bounds[1][used]))
+    step = np.zeros(len(size))
+    step[used] = found.x
+    drop = float(left @ left - np.sum((left - own @ step) ** 2))
+    shown = step if drop > 1e-6 else used.astype(float)
+    signature, whole = own @ shown, raw @ shown
+    length = _length(whole)
+    visible = _length(signature) / length
+    alike = float(abs(whole @ rows)) / (length * _length(rows))
+    return Score(effect, drop, step, visible, alike, signature)
+
+
+def cosines(found: Sequence[Score]) -> Floats:
+    """(n, n) between the orthogonal signatures."""
+    directions = np.array([s.signature / _length(s.signature) for s in found])
+    return np.asarray(directions @ directions.T)
+
+
+def _length(vector: Floats) -> float:
+    """Not nil, so that it can be divided by."""
+    return max(float(np.linalg.norm(vector)), 1e-300)

@@ -1,0 +1,138 @@
+"""What each effect would do to the observations, to first order about a calibrated model that does not have it."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.diagnosis.effects.effect import Effect
+from updamp.diagnosis.model.derivatives import Change
+from updamp.diagnosis.model.model_at import ModelAt, change_of_effect
+from updamp.diagnosis.model.numerical_error import difference
+from updamp.diagnosis.model.parameters import Parametrisation
+from updamp.diagnosis.model.predicted_branch import Condition, PredictedBranch, observe, of_state, trace_branch
+from updamp.diagnosis.model.rig_model import RigModel
+from updamp.diagnosis.residual.fit import Compared, Fit, compare_at
+from updamp.diagnosis.residual.numerical_gate import densely, unwrapped, wider
+from updamp.diagnosis.residual.observations import Plan
+from updamp.hbm.continuation import BranchStoppedError
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Extended:
+    """A calibrated model with further effects at their null values.
+
+    compared: with one column for each of their parameters, after those of the parametrisation's own effects
+    effects: those that the model has a place for; refused: name -> why it has none
+    """
+
+    parametrisation: Parametrisation
+    compared: Compared
+    effects: tuple[Effect, ...]
+    refused: dict[str, str]
+
+    def columns(self, effect: Effect) -> slice:
+        place = len(self.parametrisation.nuisances)
+        for other in self.parametrisation.effects:
+            n = len(other.parameters)
+            if other.name == effect.name:
+                return slice(place, place + n)
+            place += n
+        raise KeyError(effect.name)
+
+    def answer(self, effect: Effect, step: Floats) -> Floats:
+        """(p,) the effect's step, and what the nuisance parameters do to make up for it as far as they can."""
+        _, columns = self.compared.equations()
+        p, place = self.parametrisation, self.columns(effect)
+        first, n = len(p.nuisances), p.n_of_model
+        free = np.r_[0:first, n : len(p)]
+        prior = np.diag(1 / p.deviation[free])
+        wanted = np.concatenate([columns[:, place] @ step, np.zeros(len(free))])
+        made_up = np.linalg.lstsq(np.vstack([columns[:, free], prior]), wanted, rcond=None)[0]
+        found = np.zeros(len(p))
+        found[place], found[free] = step, -made_up
+        return found
+
+
+def extend(
+    fitted: Fit, plan: Plan, effects: Sequence[Effect], progress: Callable[[str], None] = lambda _: None
+) -> Extended:
+    """The fit's model with signatures of the effects as further columns.
+
+    An effect that cannot be differentiated at its null value is traced at its typical one: its column is the
+    difference over the whole step.
+    """
+    p, u = fitted.parametrisation, fitted.u
+    there = ModelAt(p, u)
+    known, refused = _with_a_place(there, effects)
+    by_derivative = [e for e in known if e.name not in _by_step(there, known)]
+    by_step = [e for e in known if e not in by_derivative]
+    changes = [change_of_effect(there.model, e, q) for e in by_derivative for q in e.parameters]
+    branches = []
+    for branch in fitted.compared.branches:
+        progress(f"signatures {branch.condition.name}")
+        steps = [_by_step_of(there, branch, e) for e in by_step]
+        branches.append(_extended(there, branch, changes, steps))
+    ordered = (*by_derivative, *by_step)
+    extended = replace(p, effects=(*p.effects, *ordered))
+    n = p.n_of_model
+    longer = np.concatenate([u[:n], np.zeros(extended.n_of_model - n), u[n:]])
+    compared = compare_at(extended, longer, plan, branches, fitted.compared.scatter, fitted.compared.offsets)
+    return Extended(extended, compared, ordered, refused)
+
+
+def _with_a_place(there: ModelAt, effects: Sequence[Effect]) -> tuple[list[Effect], dict[str, str]]:
+    known, refused = [], {}
+    for effect in effects:
+        try:
+            _ = effect.apply(there.model, effect.at_typical()).system
+        except (ValueError, KeyError, AssertionError) as error:
+            refused[effect.name] = str(error)
+        else:
+            known.append(effect)
+    return known, refused
+
+
+def _by_step(there: ModelAt, effects: Sequence[Effect]) -> set[str]:
+    """Those that have no derivative at their null value, or other harmonics beside it."""
+    orders = there.model.harmonics.orders
+    return {e.name for e in effects if e.finite_step or e.apply(there.model, e.at_typical()).harmonics.orders != orders}
+
+
+def _by_step_of(there: ModelAt, branch: PredictedBranch, effect: Effect) -> Floats:
+    """(n, n_parameters, m) changes of the observations for all parameters at their typical values.
+
+    Parameters beyond the first have no column of their own: the refit moves them.
+    """
+    observed = unwrapped(branch.at(branch.place).value)
+    for share in (1.0, 0.5, 0.25):
+        values = {q.name: q.null + share * (q.typical - q.null) for q in effect.parameters}
+        try:
+            found = _traced(effect.apply(there.model, values), branch.condition)
+        except BranchStoppedError:
+            continue
+        change = difference(observed, found, branch.condition.wider) / share
+        rest = np.zeros((len(change), len(effect.parameters) - 1, change.shape[1]))
+        return np.concatenate([change[:, None], rest], axis=1)
+    return np.zeros((len(observed), len(effect.parameters), observed.shape[1]))
+
+
+def _traced(model: RigModel, condition: Condition) -> Floats:
+    return densely(trace_branch(Parametrisation(model, ()), np.zeros(0), wider(condition)))
+
+
+def _extended(
+    there: ModelAt, branch: PredictedBranch, changes: Sequence[Change], steps: Sequence[Floats]
+) -> PredictedBranch:
+    """The branch with columns for all parameters of the effects before those of the numerical error."""
+    found = observe(there, branch.condition, branch.points, branch.stopped, changes)
+    if not steps:
+        return found
+    n = there.parametrisation.n_of_model + len(changes)
+    columns = of_state(np.concatenate(steps, axis=1), found.state)
+    slopes = np.concatenate([found.slopes[:, :n], columns, found.slopes[:, n:]], axis=1)
+    u = np.concatenate([found.u[:n], np.zeros(columns.shape[1]), found.u[n:]])
+    return replace(found, u=u, slopes=slopes)
