@@ -1,0 +1,149 @@
+"""The points of one measured run, expanded through the model one by one."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.diagnosis.model.predicted_branch import PredictedBranch
+from updamp.diagnosis.residual.matching import Matched
+from updamp.diagnosis.search.modal_expansion import Expansion, MeasuredPoint, expand
+from updamp.diagnosis.search.resonant_mode import ResonantMode, first_harmonics, modal_amplitudes, system_of
+from updamp.hbm.system import Excitation, NonlinearSystem
+
+Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Integers = NDArray[np.int64]
+
+# Points below this share of a run's largest amplitude say next to nothing about the mode.
+_LOWEST = 0.15
+# Points of a run that are expanded, at most.
+_MOST = 24
+
+
+@dataclass(frozen=True, eq=False)
+class ExpandedRun:
+    """One run expanded. matched: with k and c of its n points, whitened with the sensors' noise, for the residual
+    amplitude: (n,) at the channel [m]; by_force: (n, 2, 2) residual by k [N/m] and c [N s/m]
+    test: place of its condition"""
+
+    matched: Matched
+    amplitude: Floats
+    w: Floats
+    by_force: Floats
+
+    @property
+    def test(self) -> int:
+        return self.matched.observations.test
+
+
+def expanded_run(matched: Matched, branch: PredictedBranch, excitation: str, mode: ResonantMode) -> ExpandedRun | None:
+    """None where not a single point could be expanded. branch: that the run was matched with; excitation: name of the
+    point that the shaker acts on
+
+    raises: ValueError where the run does not have the mode's channel
+    """
+    points = _Points.of(matched, branch, excitation, mode)
+    found = {i: e for i in _enough(points.amplitude) if (e := points.expanded(i)) is not None}
+    if not found:
+        return None
+    rows = [_row(e, matched, branch, points.columns, i) for i, e in found.items()]
+    residual, by_force, by_parameter, by_observation = (np.stack(each) for each in zip(*rows, strict=True))
+    return ExpandedRun(
+        replace(matched, residual=residual, by_parameter=by_parameter, by_observation=by_observation),
+        np.array([abs(e.displacement) for e in found.values()]),
+        np.array([e.w for e in found.values()]),
+        by_force,
+    )
+
+
+def _enough(amplitude: Floats) -> Integers:
+    """Points that tell of the mode, evenly thinned."""
+    useful = np.flatnonzero(amplitude > _LOWEST * amplitude.max())
+    return useful[np.unique(np.linspace(0, len(useful) - 1, min(len(useful), _MOST)).round().astype(int))]
+
+
+def _row(
+    expansion: Expansion, matched: Matched, branch: PredictedBranch, columns: Integers, i: int
+) -> Sequence[Floats]:
+    """Of one point: k and c, and their derivatives, over the sensors' noise."""
+    M = np.zeros((2, matched.observations.observed.shape[1]))
+    M[:, columns] = expansion.by_observation
+    noise = M * matched.observations.noise[i]
+    root = np.linalg.inv(np.linalg.cholesky(noise @ noise.T))
+    slopes = branch.at(matched.place[i]).slopes[:-1]
+    value = np.array([expansion.missing.real, expansion.missing.imag / expansion.w])
+    return root @ value, root, root @ M @ slopes.T, root @ M
+
+
+@dataclass(frozen=True, eq=False)
+class _Points:
+    """The measured points of one run as they would be on the model that the branch was solved for.
+
+    w: (n,) [rad/s]; measured: (n, n_sensors) first harmonics [m]; force: (n,) [N]; columns: of the observations used
+    """
+
+    matched: Matched
+    branch: PredictedBranch
+    system: NonlinearSystem
+    mode: ResonantMode
+    excited: int
+    w: Floats
+    measured: Complex
+    columns: Integers
+
+    @staticmethod
+    def of(matched: Matched, branch: PredictedBranch, excitation: str, mode: ResonantMode) -> "_Points":
+        at, system = branch.at(matched.place), system_of(branch.points[0])
+        # the force is put into the equations as it was measured, so its share of the difference is left in
+        observed = at.value + matched.difference + matched.observations.log_force[:, None] * at.slopes[:, -1]
+        sensors = np.array(first_harmonics(branch))
+        measured = np.exp(observed[:, 1 + 2 * sensors] + 1j * observed[:, 2 + 2 * sensors])
+        columns = np.concatenate([[0], np.stack([1 + 2 * sensors, 2 + 2 * sensors], axis=1).ravel()])
+        row = system.free.row(excitation)
+        return _Points(matched, branch, system, mode, row, 2 * np.pi * np.exp(observed[:, 0]), measured, columns)
+
+    @cached_property
+    def rows(self) -> Integers:
+        """(n_sensors,) of the linear model"""
+        return np.array([self.system.free.row(self.branch.condition.sensors[i][0]) for i in self._sensors])
+
+    @property
+    def _sensors(self) -> Integers:
+        return (self.columns[1::2] - 1) // 2
+
+    @property
+    def channel(self) -> int:
+        """Place among the sensors; raises: ValueError where it was not measured"""
+        row = self.system.free.row(self.mode.point)
+        if row not in self.rows:
+            raise ValueError(
+                f"test {self.branch.condition.name!r} does not have the channel at {self.mode.point}, which its mode's "
+                "missing force is read off; leave out the test, or that channel everywhere"
+            )
+        return list(self.rows).index(row)
+
+    @property
+    def amplitude(self) -> Floats:
+        """(n,) at the channel [m]"""
+        return np.asarray(np.abs(self.measured[:, self.channel]))
+
+    def expanded(self, i: int) -> Expansion | None:
+        noise = self.matched.observations.noise[i, self.columns[1:]].reshape(-1, 2)
+        force = self.branch.condition.force * float(np.exp(self.matched.observations.log_force[i]))
+        point = MeasuredPoint(float(self.w[i]), self.rows, self.channel, self.measured[i], noise)
+        return expand(self.system, Excitation(self.excited, force), self.mode, point, self._start(i))
+
+    def _start(self, i: int) -> tuple[Floats, Complex]:
+        """Between the two neighbouring points of the branch, in the measured phase and size."""
+        branch, place = self.branch, self.matched.place[i]
+        after = int(np.clip(np.searchsorted(branch.place, place), 1, len(branch.points) - 1))
+        low, high = branch.place[after - 1 : after + 1]
+        share = float(np.clip((place - low) / (high - low), 0, 1))
+        pair = branch.points[after - 1 : after + 1]
+        x = (1 - share) * pair[0].x + share * pair[1].x
+        excitation = Excitation(self.excited, branch.condition.force)
+        q = [modal_amplitudes(p, excitation)[list(self.mode.numbers)] for p in pair]
+        return x, (1 - share) * q[0] + share * q[1]
