@@ -61,8 +61,8 @@ def run_compare(
     raises: RigError, MeasurementError and what the stages raise, naming what to mend
     """
     with Display(console) as display:
-        subject = _of_modal_rig(files) if is_modal(files.rig) else _of_rig(files, preset, workers, display, finer)
-        provenance = _provenance(files, subject, preset)
+        subject = subject_of(files, preset, workers, display, finer)
+        provenance = provenance_of(files, subject, preset)
         display.update("comparison", 0.0, "prediction")
         told = _Told(display)
         comparison, fit = compare(
@@ -99,6 +99,14 @@ class Subject:
     mesh: str
     finer: Mapping[str, RigModel] = field(default_factory=dict)
     taken: tuple[ChosenEffect, ...] = ()
+
+
+def subject_of(files: CompareFiles, preset: str, workers: int, display: Display, finer: Sequence[str]) -> Subject:
+    """The model, built where it is not there yet, and the measurement.
+
+    raises: RigError, MeasurementError and what the stages raise, naming what to mend
+    """
+    return _of_modal_rig(files) if is_modal(files.rig) else _of_rig(files, preset, workers, display, finer)
 
 
 def _of_rig(files: CompareFiles, preset: str, workers: int, display: Display, finer: Sequence[str]) -> Subject:
@@ -183,7 +191,7 @@ def _features(
     return compare_features(measurement.features, resonance)
 
 
-def _provenance(files: CompareFiles, subject: Subject, preset: str) -> Mapping[str, str]:
+def provenance_of(files: CompareFiles, subject: Subject, preset: str) -> Mapping[str, str]:
     hashes = {f"SHA-256 of {name}": value for name, value in (subject.measurement.hashes or {}).items()}
     of_mesh = {"mesh": preset} if subject.mesh else {}
     effects = {"effects of the rig file": ", ".join(one.effect.name for one in subject.taken)} if subject.taken else {}
