@@ -1,5 +1,6 @@
-"""Commands that change a rig file's effects and tell their history: `updamp add`, `remove`, `history`."""
+"""Commands that find missing effects and take them up: `updamp diagnose`, `add`, `remove`, `history`."""
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -7,7 +8,7 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from updamp.command_line import Debug, RigFile, clean_errors
+from updamp.command_line import Debug, RigFile, clean_errors, interruptible
 
 if TYPE_CHECKING:
     from updamp.diagnosis.add import Changed
@@ -18,8 +19,55 @@ Out = Annotated[
 
 
 def join(app: typer.Typer) -> None:
-    for command in (add, remove, history):
+    for command in (diagnose, add, remove, history):
         app.command()(command)
+
+
+def diagnose(
+    rig: RigFile,
+    measurement: Annotated[Path, typer.Argument(metavar="MEASUREMENT", help="measurement.toml.")],
+    out: Annotated[Path, typer.Option(help="Folder for all that is written; that of a run, to use its model.")],
+    mesh: Annotated[str, typer.Option(help="Preset of the rig file: small (first looks), medium or full.")] = "full",
+    finer: Annotated[
+        list[str] | None,
+        typer.Option(help="Preset with a finer mesh: what it changes counts as numerical error. May be repeated."),
+    ] = None,
+    hold_out: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Run that no fit is to see; may be repeated.",
+            show_default="the second highest level of each mode with three or more",
+        ),
+    ] = None,
+    effect: Annotated[
+        list[Path] | None, typer.Option(help="Python file of an effect of your own to look for; may be repeated.")
+    ] = None,
+    jobs: Annotated[int, typer.Option(min=1, help="Fits at the same time.")] = 1,
+    scheduler: Annotated[
+        str, typer.Option(metavar="ADDRESS", help="Of a Dask scheduler whose workers run the fits.")
+    ] = "",
+    debug: Debug = False,
+) -> None:
+    """Say which physical effect the model lacks: diagnosis.json and report.html.
+
+    Effects of the catalogue are tried on some of the runs and judged on the others. What was found so far is kept, and
+    a search that was stopped goes on from there.
+    """
+    with clean_errors(debug), interruptible():
+        os.environ.setdefault("OMP_NUM_THREADS", "1")  # many small products: threads would wait for each other
+        from updamp.diagnosis.compare_run import CompareFiles
+        from updamp.diagnosis.search.diagnose import DiagnoseOptions
+        from updamp.diagnosis.search.diagnose import diagnose as search_effects
+        from updamp.hbm.compilation_cache import keep_compiled
+
+        keep_compiled()
+        options = DiagnoseOptions(
+            tuple(finer or ()), tuple(hold_out) if hold_out else None, tuple(effect or ()), jobs, scheduler
+        )
+        files, console = CompareFiles(rig, measurement, out), Console()
+        verdict = search_effects(files, mesh, options, console)
+        console.print(Text.assemble((f"{verdict.verdict}   ", "yellow"), verdict.sentence), soft_wrap=True)
+        console.print(f"{files.report}", highlight=False, soft_wrap=True)
 
 
 def add(

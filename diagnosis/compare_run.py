@@ -78,7 +78,7 @@ def run_compare(
         display.done("comparison", f"{len(comparison.findings)} findings")
         files.out.mkdir(parents=True, exist_ok=True)
         write_json(files.comparison, comparison)
-        write_report(comparison, files.report, _pictures(files.out))
+        write_report(comparison, files.report, pictures_of(files.out))
         record_comparison(files.rig, tuple(one.effect.name for one in subject.taken), comparison)
         display.done("files", f"{files.comparison}, {files.report}")
     return comparison, fit
@@ -205,7 +205,7 @@ def provenance_of(files: CompareFiles, subject: Subject, preset: str) -> Mapping
     }
 
 
-def _pictures(folder: Path) -> dict[str, bytes]:
+def pictures_of(folder: Path) -> dict[str, bytes]:
     """Those of the contacts, where `updamp run` has drawn them into the same folder."""
     captions = {
         "pressure.png": "Pressure at rest",

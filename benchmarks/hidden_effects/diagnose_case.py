@@ -2,7 +2,12 @@
 
 from pathlib import Path
 
+from rich.console import Console
+
 from updamp.diagnosis.verdict import Verdict
+
+# What their difference from the fitted model is counts as numerical error.
+FINER = ("diagnosis_fine",)
 
 
 def diagnose_case(rig: Path, preset: str, measurement: Path, out: Path) -> Verdict:
@@ -11,6 +16,10 @@ def diagnose_case(rig: Path, preset: str, measurement: Path, out: Path) -> Verdi
     Where the diagnosis tells what it would have said without a part of the method, it does so in out/ablations.json or
     in the verdict's provenance: see `scored_case.ablations_of`.
     """
-    from updamp.diagnosis.search import diagnose_files
+    from updamp.diagnosis.compare_run import CompareFiles
+    from updamp.diagnosis.search.diagnose import DiagnoseOptions, diagnose
+    from updamp.hbm.compilation_cache import keep_compiled
 
-    return diagnose_files(rig, preset, measurement, out)
+    keep_compiled()
+    options = DiagnoseOptions(finer=FINER, report=False)
+    return diagnose(CompareFiles(rig, measurement, out), preset, options, Console(quiet=True))

@@ -1,6 +1,6 @@
 """The fit with an effect in the model: what decides."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -49,14 +49,14 @@ def refit(
     criteria: Criteria,
     full: bool,
     near: Fit | None = None,
-    progress: Callable[[str], None] = lambda _: None,
 ) -> Refit | None:
     """The fit with further effects, from the best of several starts; None where the model has no response at any.
 
     starts: (p,) of the effects' parameters each, in typical sizes; near: a fit of the same to go on from
     """
     if near is not None:
-        again = fit(near.parametrisation, plan, near.u, base.compared.scatter, near.compared.branches, _options(full))
+        solved = near.compared.branches or None
+        again = fit(near.parametrisation, plan, near.u, base.compared.scatter, solved, _options(full))
         return judged(base, again, effects, criteria)
     p, n = base.parametrisation, base.parametrisation.n_of_model
     extended = replace(p, effects=(*p.effects, *effects))
@@ -73,7 +73,7 @@ def refit(
             best = value, u, branches
     if best is None:
         return None
-    found = fit(extended, plan, best[1], base.compared.scatter, best[2], _options(full), progress)
+    found = fit(extended, plan, best[1], base.compared.scatter, best[2], _options(full))
     return judged(base, found, effects, criteria)
 
 

@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.diagnosis.effects.effect import Effect
-from updamp.diagnosis.residual.fit import Fit
+from updamp.diagnosis.search.attempts import Attempt, Bench, Done, Result, run_here, with_branches
 from updamp.diagnosis.search.baseline import Baseline, error_of
 from updamp.diagnosis.search.criteria import Criteria
-from updamp.diagnosis.search.evidence import Evidence, Tested, Trial
-from updamp.diagnosis.search.refit import Refit, judged, refit
+from updamp.diagnosis.search.evidence import Evidence, Tested
+from updamp.diagnosis.search.refit import Refit, judged
 from updamp.diagnosis.search.score import Score, cosines, scores
 from updamp.diagnosis.search.signature import Extended, extend
 
@@ -35,50 +35,62 @@ class Found:
 
 
 def search(
-    start: Baseline, effects: Sequence[Effect], criteria: Criteria, progress: Progress = lambda _: None
+    start: Baseline,
+    effects: Sequence[Effect],
+    criteria: Criteria,
+    progress: Progress = lambda _: None,
+    bench: Bench = run_here,
 ) -> Found:
-    """raises: BranchStoppedError where the calibrated model has no response at the beginning of a run"""
+    """bench: where the fits are run
+
+    raises: BranchStoppedError where the calibrated model has no response at the beginning of a run
+    """
     base, plan = start.fitted, start.train_plan
     extended = extend(base, plan, effects, progress)
     scored = scores(extended)
     held_out = error_of(base, start.held_out_plan)
-    singles = _singles(start, scored, criteria, progress)
-    trials = {names: _trial(start, r, r.delta_bic, full) for names, (r, full) in singles.items()}
-    pairs = _pairs(start, effects, singles, criteria, progress)
-    of_pairs = {names: _trial(start, r, _against_parts(r, names, singles, base), True) for names, r in pairs.items()}
+    singles = _singles(start, scored, criteria, progress, bench)
+    pairs = _pairs(start, effects, singles, criteria, progress, bench)
     evidence = Evidence(
         base.compared.chi2 / base.compared.values,
         held_out,
         start.repeatability,
         _tested(extended, scored),
-        tuple(sorted(trials.values(), key=lambda t: t.excess)),
-        tuple(sorted(of_pairs.values(), key=lambda t: t.excess)),
+        tuple(sorted((r.trial for r in singles.values()), key=lambda t: t.excess)),
+        tuple(sorted((r.trial for r in pairs.values()), key=lambda t: t.excess)),
         _alike(scored, criteria),
     )
-    refits = {**{names: r for names, (r, _) in singles.items()}, **pairs}
+    refits = {names: r.refit for names, r in {**singles, **pairs}.items()}
     return Found(start, extended, scored, refits, evidence, extended.refused)
 
 
-def _singles(
-    start: Baseline, scored: Sequence[Score], criteria: Criteria, progress: Progress
-) -> dict[tuple[str, ...], tuple[Refit, bool]]:
+Results = dict[tuple[str, ...], Result]
+
+
+def _singles(start: Baseline, scored: Sequence[Score], criteria: Criteria, progress: Progress, bench: Bench) -> Results:
     """Short refits of those that the score test does not rule out, full ones of the best."""
-    base, plan = start.fitted, start.train_plan
-    found: dict[tuple[str, ...], Refit] = {}
-    wanted = [s for s in scored if s.score >= criteria.score and s.visibility >= criteria.visibility][: criteria.short]
-    for s in wanted:
-        progress(f"refit {s.effect.name}")
-        r = refit(base, plan, [s.effect], _starts(s.step), criteria, full=False)
-        if r is not None:
-            found[(s.effect.name,)] = r
-    best = sorted(found, key=lambda names: -found[names].drop)[: criteria.full]
-    result = {names: (r, False) for names, r in found.items()}
-    for names in best:
-        progress(f"full refit {names[0]}")
-        again = refit(base, plan, found[names].effects, (), criteria, full=True, near=found[names].fitted)
-        if again is not None:
-            result[names] = (again, True)
-    return result
+    wanted = _worth_trying(scored, criteria)[: criteria.short]
+    short = [Attempt((s.effect,), _starts(s.step), full=False) for s in wanted]
+    found = _results(bench(start, criteria, short, _telling(progress)))
+    best = sorted(found.values(), key=lambda r: -r.refit.drop)[: criteria.full]
+    full = [Attempt(r.refit.effects, (), full=True, near=r.refit.fitted) for r in best]
+    return {**found, **_results(bench(start, criteria, full, _telling(progress)))}
+
+
+def _telling(progress: Progress) -> Done:
+    def done(attempt: Attempt, result: Result | None) -> None:
+        left = "no response" if result is None else f"leaves {result.trial.excess**0.5:.2f} times the scatter"
+        progress(f"{attempt.name}: {left}")
+
+    return done
+
+
+def _worth_trying(scored: Sequence[Score], criteria: Criteria) -> list[Score]:
+    return [s for s in scored if s.score >= criteria.score and s.visibility >= criteria.visibility]
+
+
+def _results(found: Sequence[Result | None]) -> Results:
+    return {r.trial.effects: r for r in found if r is not None}
 
 
 def _starts(step: Floats) -> tuple[Floats, ...]:
@@ -88,45 +100,38 @@ def _starts(step: Floats) -> tuple[Floats, ...]:
 
 
 def _pairs(
-    start: Baseline,
-    effects: Sequence[Effect],
-    singles: Mapping[tuple[str, ...], tuple[Refit, bool]],
-    criteria: Criteria,
-    progress: Progress,
-) -> dict[tuple[str, ...], Refit]:
+    start: Baseline, effects: Sequence[Effect], singles: Results, criteria: Criteria, progress: Progress, bench: Bench
+) -> Results:
     """Second effects beside the best single one, where that leaves a misfit."""
-    full = sorted((r for r, whole in singles.values() if whole), key=lambda r: -r.drop)
-    found: dict[tuple[str, ...], Refit] = {}
-    for first in full[:1]:
-        if first.excess < criteria.look_further or first.drop <= 0:
-            continue
-        (one,) = first.effects
-        others = [e for e in effects if e.name != one.name]
-        progress(f"second effect beside {one.name}")
-        again = scores(extend(first.fitted, start.train_plan, others, progress))
-        seconds = [s for s in again if s.score >= criteria.score and s.visibility >= criteria.visibility]
-        for s in seconds[: criteria.full]:
-            progress(f"pair {one.name}, {s.effect.name}")
-            r = refit(first.fitted, start.train_plan, [s.effect], _starts(s.step), criteria, full=True)
-            if r is not None:
-                both = judged(start.fitted, r.fitted, (one, s.effect), criteria)
-                found[(one.name, s.effect.name)] = replace(both, delta_bic=r.delta_bic)
+    settled = sorted((r.refit for r in singles.values() if r.trial.full), key=lambda r: -r.drop)
+    if not settled or settled[0].drop <= 0 or settled[0].excess < criteria.look_further:
+        return {}
+    first = settled[0]
+    (one,) = first.effects
+    progress(f"second effect beside {one.name}")
+    beside = replace(start, fitted=with_branches(first.fitted, start))
+    again = scores(extend(beside.fitted, start.train_plan, [e for e in effects if e.name != one.name], progress))
+    seconds = _worth_trying(again, criteria)[: criteria.full]
+    attempts = [Attempt((s.effect,), _starts(s.step), full=True) for s in seconds]
+    found: Results = {}
+    for r in bench(beside, criteria, attempts, _telling(progress)):
+        if r is not None:
+            second = r.refit.effects[0]
+            both = judged(start.fitted, r.refit.fitted, (one, second), criteria)
+            names = (one.name, second.name)
+            found[names] = Result(
+                both,
+                replace(r.trial, effects=names, drop=both.drop, delta_bic=_against_parts(start, both, singles)),
+            )
     return found
 
 
-def _against_parts(
-    pair: Refit, names: tuple[str, ...], singles: Mapping[tuple[str, ...], tuple[Refit, bool]], base: Fit
-) -> float:
-    """BIC gained over the better one of its effects alone; over the first where the second was not fitted alone."""
-    alone = [singles[(name,)][0].drop for name in names if (name,) in singles]
-    noise = max(1.0, pair.excess)
-    fewest = min(len(e.parameters) for e in pair.effects)
-    return (pair.drop - max(alone, default=0.0)) / noise - fewest * float(np.log(base.compared.values))
-
-
-def _trial(start: Baseline, r: Refit, delta_bic: float, full: bool) -> Trial:
-    held_out = error_of(r.fitted, start.held_out_plan)
-    return Trial(tuple(e.name for e in r.effects), r.excess, r.drop, delta_bic, held_out, r.at_bound, full)
+def _against_parts(start: Baseline, pair: Refit, singles: Results) -> float:
+    """BIC gained over the better one of its two effects."""
+    alone = [singles[(e.name,)].refit.drop for e in pair.effects if (e.name,) in singles]
+    noise, fewest = max(1.0, pair.excess), min(len(e.parameters) for e in pair.effects)
+    values = start.fitted.compared.values
+    return (pair.drop - max(alone, default=0.0)) / noise - fewest * float(np.log(values))
 
 
 def _tested(extended: Extended, scored: Sequence[Score]) -> tuple[Tested, ...]:

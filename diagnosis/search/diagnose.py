@@ -1,0 +1,169 @@
+"""`updamp diagnose`: from a rig file and a measurement to the effect that is missing."""
+
+import hashlib
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from datetime import date
+from multiprocessing import get_context
+from pathlib import Path
+
+from rich.console import Console
+
+from updamp.diagnosis.compare import compare
+from updamp.diagnosis.compare_run import CompareFiles, Subject, pictures_of, provenance_of, subject_of
+from updamp.diagnosis.comparison_json import write_json as write_comparison
+from updamp.diagnosis.effects.catalogue import catalogue
+from updamp.diagnosis.effects.effect import Effect
+from updamp.diagnosis.effects.user_effect import effect_from_file
+from updamp.diagnosis.report.write_report import write_report
+from updamp.diagnosis.residual.observations import Plan, plan_of
+from updamp.diagnosis.search.ablations import write_ablations
+from updamp.diagnosis.search.attempts import Bench, RunElsewhere, run_here, slim, with_branches
+from updamp.diagnosis.search.baseline import Baseline, baseline
+from updamp.diagnosis.search.conclude import conclude
+from updamp.diagnosis.search.criteria import Criteria
+from updamp.diagnosis.search.decide import Decision, decide
+from updamp.diagnosis.search.memory import Memory, Remembering, digest_of
+from updamp.diagnosis.search.missing_force import missing_forces
+from updamp.diagnosis.search.search import Found, search
+from updamp.diagnosis.verdict import MissingForce, Verdict
+from updamp.diagnosis.verdict_json import write_json
+from updamp.progress import Display
+
+_STAGE = "diagnosis"
+
+
+@dataclass(frozen=True)
+class DiagnoseOptions:
+    """finer: presets of finer meshes; held_out: names of runs that no fit sees, None for one level of each mode
+    own: files of the user's own effects, looked for too; jobs: fits at the same time; scheduler: address of a Dask
+    scheduler whose workers run the fits, "" for this machine; report: whether to write report.html, with comparison,
+    missing force and next measurements
+    """
+
+    finer: tuple[str, ...] = ()
+    held_out: tuple[str, ...] | None = None
+    own: tuple[Path, ...] = ()
+    jobs: int = 1
+    scheduler: str = ""
+    report: bool = True
+    criteria: Criteria = field(default_factory=Criteria)
+
+
+def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console: Console) -> Verdict:
+    """Build the model where it is not there yet, search, write diagnosis.json and report.html.
+
+    A diagnosis that was stopped goes on where it was, as long as nothing that it depends on has changed.
+    raises: RigError, MeasurementError and what the stages raise; ValueError where the measurement has no curves, or a
+        run to hold out was not measured
+    """
+    with Display(console) as display:
+        subject = subject_of(files, preset, options.jobs, display, options.finer)
+        if not subject.measurement.runs:
+            raise ValueError(
+                f"{files.measurement}: stated features alone do not tell effects apart; `updamp diagnose` needs runs "
+                "(curves) with repeats. `updamp compare` takes features"
+            )
+        provenance = {**provenance_of(files, subject, preset), "date": date.today().isoformat()}
+        effects = _effects(subject, options)
+        files.out.mkdir(parents=True, exist_ok=True)
+        plan, told = plan_of(subject.measurement), _telling(display)
+        memory = Memory(files.out / "search", _digest(files, preset, options, subject, effects))
+        start = _baseline(memory, subject, plan, options, told)
+        with _bench(options) as bench:
+            found = search(start, effects, options.criteria, told, Remembering(memory, bench))
+        names = {channel.point: channel.name for channel in subject.measurement.channels}
+        decision = decide(found.evidence, options.criteria)
+        forces = _forces(found, decision) if options.report else ()
+        verdict = conclude(found, options.criteria, names, forces, (), provenance)
+        write_json(files.out / "diagnosis.json", verdict)
+        write_ablations(files.out / "ablations.json", found.evidence, options.criteria)
+        if options.report:
+            _report(files, subject, verdict, told)
+        display.done(_STAGE, f"{verdict.verdict}: {', '.join(verdict.effects or verdict.group) or 'no effect'}")
+    return verdict
+
+
+def _effects(subject: Subject, options: DiagnoseOptions) -> tuple[Effect, ...]:
+    """Those of the catalogue and the user's own that the rig file does not have yet."""
+    taken = {one.effect.name for one in subject.taken}
+    known = [*catalogue().values(), *(effect_from_file(path) for path in options.own)]
+    return tuple(effect for effect in known if effect.name not in taken)
+
+
+def _digest(
+    files: CompareFiles, preset: str, options: DiagnoseOptions, subject: Subject, effects: Sequence[Effect]
+) -> str:
+    from importlib.metadata import version
+
+    own = [hashlib.sha256(path.read_bytes()).hexdigest() for path in options.own]
+    data = [f"{name} {value}" for name, value in sorted((subject.measurement.hashes or {}).items())]
+    rig = hashlib.sha256(files.rig.read_bytes()).hexdigest()
+    decisive = replace(options, jobs=1, scheduler="", report=True, own=())
+    return digest_of([rig, preset, repr(decisive), version("updamp"), *own, *data, *(e.name for e in effects)])
+
+
+def _baseline(
+    memory: Memory, subject: Subject, plan: Plan, options: DiagnoseOptions, told: Callable[[str], None]
+) -> Baseline:
+    start: Baseline | None = memory.recall("baseline")
+    if start is None:
+        start = baseline(subject.before_effects, subject.taken, plan, subject.finer, options.held_out, told)
+        memory.keep("baseline", replace(start, fitted=slim(start.fitted)))
+    return replace(start, fitted=with_branches(start.fitted, start))
+
+
+@contextmanager
+def _bench(options: DiagnoseOptions) -> Iterator[Bench]:
+    """Where the fits are run."""
+    if options.scheduler:
+        try:
+            from distributed import Client
+        except ImportError as error:
+            raise ValueError(
+                "--scheduler needs Dask: install it with `pip install 'updamp[cluster]'`, on the workers too"
+            ) from error
+        with Client(options.scheduler) as client:
+            yield RunElsewhere(client.get_executor(pure=False))
+    elif options.jobs > 1:
+        # threads of the parent's libraries do not survive a fork
+        with ProcessPoolExecutor(options.jobs, get_context("spawn")) as pool:
+            yield RunElsewhere(pool)
+    else:
+        yield run_here
+
+
+def _forces(found: Found, decision: Decision) -> tuple[MissingForce, ...]:
+    if decision.outcome == "adequate":
+        return ()
+    fitted = found.baseline.fitted
+    return missing_forces(fitted.compared, fitted.parametrisation, found.baseline.train_plan)
+
+
+def _report(files: CompareFiles, subject: Subject, verdict: Verdict, told: Callable[[str], None]) -> None:
+    comparison, _ = compare(
+        subject.before_effects,
+        subject.measurement,
+        subject.features,
+        verdict.provenance,
+        None,
+        told,
+        subject.finer,
+        subject.taken,
+    )
+    write_comparison(files.comparison, comparison)
+    write_report(comparison, files.report, pictures_of(files.out), verdict)
+
+
+def _telling(display: Display) -> Callable[[str], None]:
+    """How many fits there will be is not known: the bar tells what it is at."""
+    share = 0.0
+
+    def told(step: str) -> None:
+        nonlocal share
+        share += (1 - share) / 20
+        display.update(_STAGE, share, step)
+
+    return told
