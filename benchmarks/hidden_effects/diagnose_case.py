@@ -6,8 +6,8 @@ from rich.console import Console
 
 from updamp.diagnosis.verdict import Verdict
 
-# What their difference from the fitted model is counts as numerical error.
-FINER = ("diagnosis_fine",)
+# Fitted model -> meshes whose difference from it counts as numerical error.
+FINER = {"diagnosis": ("diagnosis_fine",), "diagnosis_146": ("diagnosis_146_fine",)}
 
 
 def diagnose_case(rig: Path, preset: str, measurement: Path, out: Path) -> Verdict:
@@ -21,5 +21,5 @@ def diagnose_case(rig: Path, preset: str, measurement: Path, out: Path) -> Verdi
     from updamp.hbm.compilation_cache import keep_compiled
 
     keep_compiled()
-    options = DiagnoseOptions(finer=FINER, report=False)
+    options = DiagnoseOptions(finer=FINER[preset], report=False)
     return diagnose(CompareFiles(rig, measurement, out), preset, options, Console(quiet=True))

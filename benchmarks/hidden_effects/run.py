@@ -21,7 +21,7 @@ os.environ.update(thread_limits(1))
 
 import typer
 from hidden_effects.cases import by_name
-from hidden_effects.diagnose_case import diagnose_case
+from hidden_effects.diagnose_case import FINER, diagnose_case
 from hidden_effects.in_turn import in_turn
 from hidden_effects.layout import RIG, Layout, read, write_whole
 from hidden_effects.shared_model import build, place
@@ -62,7 +62,7 @@ def diagnose(task: Task) -> Ran:
     """Verdict and time; run.json is written last, so that what has one is complete."""
     shutil.rmtree(task.out, ignore_errors=True)
     task.out.mkdir(parents=True)
-    place(task.model, task.out)
+    place(task.model, task.out, FINER[task.preset])
     started, processor = time.perf_counter(), time.process_time()
     verdict = diagnose_case(RIG, task.preset, task.measurement, task.out)
     seconds, processor = time.perf_counter() - started, time.process_time() - processor
@@ -103,7 +103,8 @@ def main(
     left = [task for task in found if again or not task.done]
     typer.echo(f"{len(found) - len(left)} of {len(found)} cases are diagnosed already")
     for preset in dict.fromkeys(task.preset for task in left):
-        build(RIG, preset, layout.folder / "models")
+        for one in (preset, *FINER[preset]):
+            build(RIG, one, layout.folder / "models")
     try:
         in_turn(diagnose, left, jobs, "diagnosing", lambda ran: f"{ran.verdict}, {ran.seconds:.0f} s")
     except RuntimeError as error:

@@ -1,6 +1,7 @@
 """The model that is fitted, built once for all cases: its stages are copied to where each diagnosis looks for them."""
 
 import shutil
+from collections.abc import Sequence
 from pathlib import Path
 
 from updamp import stages
@@ -19,6 +20,8 @@ def build(rig: Path, preset: str, folder: Path) -> Path:
     return own
 
 
-def place(model: Path, out: Path) -> None:
-    """Copies, since a diagnosis may write into its stages."""
+def place(model: Path, out: Path, finer: Sequence[str] = ()) -> None:
+    """Copies, since a diagnosis may write into its stages. finer: presets, built beside the model"""
     shutil.copytree(model / STAGES, out / STAGES, dirs_exist_ok=True)
+    for preset in finer:
+        shutil.copytree(model.parent / preset / STAGES, out / preset / STAGES, dirs_exist_ok=True)

@@ -9,6 +9,7 @@ import pytest
 import typer
 from hidden_effects import run
 from hidden_effects.cases import by_name
+from hidden_effects.diagnose_case import FINER
 from hidden_effects.layout import Layout, write_whole
 from hidden_effects.run import Task, diagnose, tasks
 from hidden_effects.shared_model import build, place
@@ -48,9 +49,10 @@ def layout(tmp_path: Path) -> Layout:
         write_whole(found.truth(case.name), {"case": case.name, "effects": ["secret"]})
         found.data(case.name).mkdir(parents=True)
         found.measurement(case.name).write_text(f"title = '{case.name}'")
-        stages = tmp_path / "models" / case.fitted / "stages"
-        stages.mkdir(parents=True, exist_ok=True)
-        (stages / "mesh.h5").write_text("nodes")
+        for preset in (case.fitted, *FINER[case.fitted]):
+            stages = tmp_path / "models" / preset / "stages"
+            stages.mkdir(parents=True, exist_ok=True)
+            (stages / "mesh.h5").write_text("nodes")
     return found
 
 
@@ -71,7 +73,8 @@ def test_diagnosis_is_given_nothing_of_the_truth(layout: Layout, monkeypatch: py
     assert {preset for _, preset, _, _ in given} == {"diagnosis_146"}
     assert {m.parent.name for _, _, m, _ in given} == {case.name for case in by_name(("resolution",))}
     assert all(not layout.truth(m.parent.name).is_relative_to(m.parent) for _, _, m, _ in given)
-    assert all(stages == [Path("stages/mesh.h5")] for *_, stages in given)
+    finer = [Path(preset) / "stages/mesh.h5" for preset in FINER["diagnosis_146"]]
+    assert all(stages == sorted([*finer, Path("stages/mesh.h5")]) for *_, stages in given)
 
 
 def test_finished_cases_are_left_and_changed_ones_done_again(layout: Layout, monkeypatch: pytest.MonkeyPatch) -> None:
