@@ -25,6 +25,7 @@ from updamp.diagnosis.search.baseline import Baseline, baseline
 from updamp.diagnosis.search.conclude import conclude
 from updamp.diagnosis.search.criteria import Criteria
 from updamp.diagnosis.search.decide import Decision, decide
+from updamp.diagnosis.search.evidence import write_evidence
 from updamp.diagnosis.search.memory import Memory, Remembering, digest_of
 from updamp.diagnosis.search.missing_force import missing_forces
 from updamp.diagnosis.search.search import Found, search
@@ -79,6 +80,7 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
         forces = _forces(found, decision) if options.report else ()
         verdict = conclude(found, options.criteria, names, forces, (), provenance)
         write_json(files.out / "diagnosis.json", verdict)
+        write_evidence(files.out / "evidence.json", found.evidence)
         write_ablations(files.out / "ablations.json", found.evidence, options.criteria)
         if options.report:
             _report(files, subject, verdict, told)

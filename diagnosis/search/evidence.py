@@ -1,6 +1,9 @@
 """What the search has found out, as plain numbers: all that the decision is made from."""
 
 from dataclasses import dataclass
+from pathlib import Path
+
+from updamp.diagnosis.json_document import JsonDocument
 
 
 @dataclass(frozen=True)
@@ -52,3 +55,15 @@ class Evidence:
 
     def test_of(self, effect: str) -> Tested | None:
         return next((t for t in self.tested if t.effect == effect), None)
+
+
+DOCUMENT = JsonDocument(Evidence, "updamp evidence 1", "updamp diagnose")
+
+
+def write_evidence(path: Path, evidence: Evidence) -> None:
+    DOCUMENT.write(path, evidence)
+
+
+def read_evidence(path: Path) -> Evidence:
+    """raises: ValueError naming the file and what is wrong with it"""
+    return DOCUMENT.read(path)
