@@ -84,7 +84,7 @@ def _run(start: Baseline, criteria: Criteria, attempt: Attempt) -> Result | None
     r = refit(start.fitted, start.train_plan, attempt.effects, attempt.starts, criteria, attempt.full, attempt.near)
     if r is None:
         return None
-    held_out = error_of(r.fitted, start.held_out_plan)
+    held_out = error_of(r.fitted, start.held_out_plan) if attempt.full else float("nan")
     names = tuple(e.name for e in attempt.effects)
     return Result(r, Trial(names, r.excess, r.drop, r.delta_bic, held_out, r.at_bound, attempt.full))
 

@@ -45,6 +45,8 @@ def reason_against(trial: Trial, evidence: Evidence, criteria: Criteria) -> str:
         tested = evidence.test_of(name)
         if tested is not None and tested.visibility < criteria.visibility:
             return f"{name} is not identifiable with these data: the nuisance parameters can imitate it"
+    if not trial.full:
+        return "others explain more"
     if trial.delta_bic < criteria.delta_bic:
         return "the data do not ask for it"
     if trial.at_bound:

@@ -12,7 +12,7 @@ class Trial:
 
     effects: names; excess: chi2 a value on the runs of the fit; drop: of chi2 and priors, from the model without them
     delta_bic: from the model with one effect less (of a pair: the better one of its two)
-    held_out: weighted residual RMS on runs that the fit never saw, nan where there are none
+    held_out: weighted residual RMS on runs that the fit never saw, nan where there are none or it is not full
     at_bound: parameter at the bound of what is physical, "" if none; full: whether the fit was left to settle
     """
 

@@ -50,7 +50,8 @@ def refit(
     full: bool,
     near: Fit | None = None,
 ) -> Refit | None:
-    """The fit with further effects, from the best of several starts; None where the model has no response at any.
+    """The fit with further effects, from the first start that is better than none, else from the best; None where the
+    model has no response at any.
 
     starts: (p,) of the effects' parameters each, in typical sizes; near: a fit of the same to go on from
     """
@@ -71,6 +72,8 @@ def refit(
         value = objective(extended, compared)
         if best is None or value < best[0]:
             best = value, u, branches
+        if value < objective(p, base.compared):
+            break
     if best is None:
         return None
     found = fit(extended, plan, best[1], base.compared.scatter, best[2], _options(full))

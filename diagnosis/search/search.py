@@ -73,7 +73,8 @@ def _singles(start: Baseline, scored: Sequence[Score], criteria: Criteria, progr
     short = [Attempt((s.effect,), _starts(s.step), full=False) for s in wanted]
     found = _results(bench(start, criteria, short, _telling(progress)))
     best = sorted(found.values(), key=lambda r: -r.refit.drop)[: criteria.full]
-    full = [Attempt(r.refit.effects, (), full=True, near=r.refit.fitted) for r in best]
+    close = [r for r in best if r.trial.excess < criteria.close * best[0].trial.excess]
+    full = [Attempt(r.refit.effects, (), full=True, near=r.refit.fitted) for r in close]
     return {**found, **_results(bench(start, criteria, full, _telling(progress)))}
 
 
