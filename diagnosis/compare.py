@@ -89,7 +89,7 @@ def compare(
         found = gross_misfits(calibrated, plan, of_tests, of_model)
         said = (*growth(calibrated, plan, of_tests, of_model), *findings(calibrated, plan, found))
     else:
-        found = misfits(calibrated, plan, [_damping_share(b, loss_factor) for b in after])
+        found = misfits(calibrated, plan, [damping_share(b, loss_factor) for b in after])
         said = findings(calibrated, plan, found)
     comparison = Comparison(
         title=measurement.title,
@@ -132,7 +132,7 @@ def _of_features(
     )  # fmt: skip
 
 
-def _damping_share(branch: PredictedBranch, loss_factor: int) -> float:
+def damping_share(branch: PredictedBranch, loss_factor: int) -> float:
     """The material's share of the damping at the branch's highest point: how much the amplitude there answers to it."""
     top = int(np.argmax(np.abs(branch.amplitude[:, 0])))
     answer = branch.at(branch.place[[top]]).slopes[0, loss_factor, 1]

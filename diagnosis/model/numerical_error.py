@@ -1,9 +1,12 @@
 """What finer numerics would change: what is added to the model's observations, and how sure that is.
 
 The branch of a finer model (mesh, contact patches, harmonics, time samples) is compared with that of the model in use.
-The finer model is nearer the truth, but is not the truth: the difference is taken to be the error to within half of
-its size. That uncertainty enters the fit as patterns of size 0 with standard deviation 1, so that misfits of that shape
-and size prove nothing: one pattern for the whole difference and, of what calibration cannot make up for, one a mode.
+The finer model is nearer the truth, but is not the truth: what it changes is known to within its own size. That
+uncertainty enters the fit as patterns of size 0 with standard deviation 1, so that misfits of that shape and size prove
+nothing: one pattern for the whole difference and, of what calibration cannot make up for, one a test.
+
+Where contacts begin to slip one after the other the response is jagged, by how many of them there are, and so is the
+difference. Nothing is said of where the teeth really are: their size is added to the noise of the sensors there.
 """
 
 from collections.abc import Mapping
@@ -11,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
 
 Floats = NDArray[np.float64]
 
@@ -24,12 +28,14 @@ class NumericalError:
     coarse: condition's name -> (n, m) observations along the branch at which the following are known
     expected: condition's name -> (n, m) to be added to the observations
     patterns: condition's name -> (n, n_patterns, m) standard deviations of what that is off by
+    rough: condition's name -> (n, m) standard deviations of what is left of place to place
     """
 
     names: tuple[str, ...] = ()
     coarse: Mapping[str, Floats] | None = None
     expected: Mapping[str, Floats] | None = None
     patterns: Mapping[str, Floats] | None = None
+    rough: Mapping[str, Floats] | None = None
 
     def at(self, condition: str, observed: Floats, window: tuple[float, float]) -> tuple[Floats, Floats]:
         """Expected change (k, m) and patterns (k, n_patterns, m) where a branch of other parameters shows `observed`
@@ -38,6 +44,12 @@ class NumericalError:
             return np.zeros_like(observed), np.zeros((len(observed), 0, observed.shape[1]))
         place = most_similar(observed, self.coarse[condition], window)
         return _between(place, self.expected[condition]), _between(place, self.patterns[condition])
+
+    def rough_at(self, condition: str, observed: Floats, window: tuple[float, float]) -> Floats:
+        """(k, m) of the most similar places."""
+        if self.coarse is None or self.rough is None:
+            return np.zeros_like(observed)
+        return _between(most_similar(observed, self.coarse[condition], window), self.rough[condition])
 
 
 def _between(place: Floats, values: Floats) -> Floats:
@@ -71,6 +83,14 @@ def most_similar(observed: Floats, along: Floats, window: tuple[float, float]) -
 def difference(coarse: Floats, finer: Floats, window: tuple[float, float]) -> Floats:
     """(n, m) of every point of the coarse branch from the most similar place of the finer one, to be added to it."""
     return to_nearest_turn(_between(most_similar(coarse, finer, window), finer) - coarse)
+
+
+def jaggedness(change: Floats) -> Floats:
+    """(n, m) size of what is not smooth in changes (n, m) along a branch: what points lie off the straight line between
+    their neighbours, as root mean square over five of them (variance 1.5 of that of independent points)."""
+    off = np.zeros_like(change)
+    off[1:-1] = change[1:-1] - (change[:-2] + change[2:]) / 2
+    return np.asarray(np.sqrt(uniform_filter1d(off**2, 5, axis=0, mode="nearest") / 1.5))
 
 
 def to_nearest_turn(change: Floats) -> Floats:

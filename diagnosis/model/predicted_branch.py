@@ -78,6 +78,7 @@ class PredictedBranch:
     x_by_parameter: for each point (p, n_relative, n_coefficients); w_by_parameter: (n, p)
     visited: (n,) whether a slow sweep in the test's direction sees it
     stopped: why the branch ends inside the window, "" if it does not
+    rough: (n, 1 + 2 n_sensors) standard deviations of the numerical error from place to place, None where not known
     proportional: whether amplitudes grow as the force does, as those of a linear model: then their slopes by the force
         hold the frequency, and are exact however far the measured force is from the condition's
     """
@@ -94,6 +95,7 @@ class PredictedBranch:
     visited: NDArray[np.bool_]
     stopped: str
     proportional: bool
+    rough: Floats | None = None
 
     @cached_property
     def _curve(self) -> CubicHermiteSpline:
@@ -118,6 +120,12 @@ class PredictedBranch:
         if self.proportional:
             slopes[..., -1, :] = np.append(0.0, np.tile([1.0, 0.0], amplitude.shape[-1]))
         return Observed(value, relative(along[..., None, :])[..., 0, :], slopes)
+
+    def rough_at(self, place: Floats) -> Floats:
+        """(..., 1 + 2 n_sensors)"""
+        if self.rough is None:
+            return np.zeros((*np.shape(place), self.state.shape[1]))
+        return np.stack([np.interp(place, self.place, column) for column in self.rough.T], axis=-1)
 
     @property
     def frequency(self) -> Floats:
@@ -232,7 +240,8 @@ def observe(
 def with_patterns(branch: PredictedBranch, numerics: NumericalError) -> PredictedBranch:
     """The branch with the expected numerical error added, and with its patterns as further parameters, at 0; it has
     none yet."""
-    expected, patterns = numerics.at(branch.condition.name, branch.at(branch.place).value, branch.condition.wider)
+    where = branch.condition.name, branch.at(branch.place).value, branch.condition.wider
+    expected, patterns = numerics.at(*where)
     turn = np.exp(expected[:, 1::2] + 1j * expected[:, 2::2])
     state, along = branch.state.copy(), _turned(branch.along, turn)
     state[:, 0] += expected[:, 0]
@@ -242,7 +251,7 @@ def with_patterns(branch: PredictedBranch, numerics: NumericalError) -> Predicte
     slopes = _turned(branch.slopes, turn[:, None])
     slopes = np.concatenate([slopes[:, :-1], of_state(patterns, state), slopes[:, -1:]], axis=1)
     u = np.append(branch.u, np.zeros(patterns.shape[1]))
-    return replace(branch, u=u, state=state, along=along, slopes=slopes)
+    return replace(branch, u=u, state=state, along=along, slopes=slopes, rough=numerics.rough_at(*where))
 
 
 def _turned(change: Floats, turn: NDArray[np.complex128]) -> Floats:

@@ -27,7 +27,7 @@ class Matched:
     """One run against the branch.
 
     place: (n,) along the branch; difference: (n, m) measured less model there, phases to the nearest turn
-    residual: (n, m - 1) across the branch, in standard deviations of the sensors
+    residual: (n, m - 1) across the branch, in standard deviations of sensors and numerics
     by_parameter: (n, m - 1, p) what a unit of each parameter takes from it; by_observation: (n, m - 1, m) likewise a
         unit of each observation, such as a drift of frequency (0) or a sensor's gain
     """
@@ -61,7 +61,7 @@ def match(
     place = _nearest(branch, run, shift, _weights(branch, run, spread, misfit))
     observed = branch.at(place)
     difference = _difference(run, observed, shift)
-    return _across(run, place, difference, observed)
+    return _across(run, place, difference, observed, np.hypot(run.noise, branch.rough_at(place)))
 
 
 def _difference(run: Observations, model: Observed, shift: Floats) -> Floats:
@@ -106,9 +106,10 @@ def _nearest(branch: PredictedBranch, run: Observations, shift: Floats, weights:
     return place
 
 
-def _across(run: Observations, place: Floats, difference: Floats, model: Observed) -> Matched:
-    """What is left once the place along the branch has been chosen by the sensors' noise alone."""
-    basis = across(model.along, run.noise)
+def _across(run: Observations, place: Floats, difference: Floats, model: Observed, noise: Floats) -> Matched:
+    """What is left once the place along the branch has been chosen by the noise alone; noise: (n, m), that of the
+    numerics included."""
+    basis = across(model.along, noise)
     return Matched(
         run,
         place,

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.diagnosis.model.numerical_error import NumericalError, difference
+from updamp.diagnosis.model.numerical_error import NumericalError, difference, jaggedness
 from updamp.diagnosis.model.parameters import Parametrisation
 from updamp.diagnosis.model.predicted_branch import Condition, PredictedBranch, trace_branch
 from updamp.diagnosis.model.rig_model import RigModel
@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 
 _MORE_HARMONICS = 2
 # Of what finer numerics change.
-_UNSURE = 0.5
+_UNSURE = 1.0
 # A finer model is traced beyond the measured window by this share of it.
 _FURTHER = 0.4
 # Places taken of it for each of its points.
@@ -39,16 +39,16 @@ def with_numerical_error(
     branches: Sequence[PredictedBranch],
     finer: Mapping[str, RigModel],
 ) -> Parametrisation:
-    """The parametrisation with a pattern of numerical error for each of the finer models and each mode.
+    """The parametrisation with patterns of numerical error for each of the finer models, and for each test.
 
     branches: of the parametrisation at u, one a condition; finer: name -> model with the same points
     raises: BranchStoppedError where a finer model has no response at the beginning of a run
     """
     coarse = {b.condition.name: unwrapped(b.at(b.place).value) for b in branches}
-    modes = tuple(dict.fromkeys(c.mode for c in plan.conditions))
     expected = {c: np.zeros_like(observed) for c, observed in coarse.items()}
     names: list[str] = []
     patterns: dict[str, list[Floats]] = {c: [] for c in coarse}
+    rough = {c: np.zeros_like(observed) for c, observed in coarse.items()}
     for name, model in finer.items():
         if _is_the_same(model, parametrisation.base):
             continue  # what the two branches are apart is how they are interpolated
@@ -56,16 +56,21 @@ def with_numerical_error(
         there = Parametrisation(replace(parametrisation, base=model).model(u), ())
         changes = {c.name: _change(there, c, coarse[c.name]) for c in plan.conditions}
         left = _beyond_calibration(parametrisation, plan, branches, changes)
-        names += [name, *(f"{name} {mode}" for mode in modes)]
+        names += [name, *(f"{name} {c.name}" for c in plan.conditions)]
         for c in plan.conditions:
             expected[c.name] += changes[c.name]
-            of_modes = (left[c.name] * (c.mode == mode) for mode in modes)
-            patterns[c.name] += [_UNSURE * change for change in (changes[c.name], *of_modes)]
+            of_tests = (left[c.name] * (c.name == test.name) for test in plan.conditions)
+            patterns[c.name] += [_UNSURE * change for change in (changes[c.name], *of_tests)]
+            rough[c.name] = np.hypot(rough[c.name], jaggedness(changes[c.name]))
     numerics = NumericalError(
         tuple(names),
         coarse,
         expected,
-        {c: np.stack(each, axis=1) for c, each in patterns.items()},
+        {
+            c: np.stack(each, axis=1) if each else np.zeros((len(coarse[c]), 0, coarse[c].shape[1]))
+            for c, each in patterns.items()
+        },
+        rough,
     )
     return replace(parametrisation, numerics=numerics)
 

@@ -1,0 +1,242 @@
+"""Measurements with nothing hidden: is the model at the true parameters within the scatter, do intervals hold the truth,
+does the comparison say that nothing is amiss? Resumable.
+
+.venv/bin/python benchmarks/virtual_rig/null_draws.py [--out FOLDER] [--draws 40] [--jobs 2]
+"""
+
+import os
+import pickle
+import sys
+import time
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+sys.path.append(str(Path(__file__).parents[1]))
+# To be set before numpy is loaded: the products are small, and threads make them many times slower.
+for library in ("OMP", "OPENBLAS", "MKL"):
+    os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+
+import numpy as np  # noqa: E402
+from hidden_effects.in_turn import in_turn  # noqa: E402
+from hidden_effects.layout import read, write_whole  # noqa: E402
+from numpy.typing import NDArray  # noqa: E402
+from virtual_rig.measurement import RIG, make_measurement  # noqa: E402
+
+from updamp.diagnosis.compare import damping_share  # noqa: E402
+from updamp.diagnosis.compare_run import CompareFiles, subject_of  # noqa: E402
+from updamp.diagnosis.findings import findings, lack_of_fit, misfits  # noqa: E402
+from updamp.diagnosis.measurement.load import load_measurement  # noqa: E402
+from updamp.diagnosis.model.parameters import LOSS_FACTOR, Parametrisation, nuisances  # noqa: E402
+from updamp.diagnosis.model.predicted_branch import PredictedBranch, move_branch, with_patterns  # noqa: E402
+from updamp.diagnosis.residual.fit import Compared, compare_at, fit, predict  # noqa: E402
+from updamp.diagnosis.residual.numerical_gate import more_harmonics, with_numerical_error  # noqa: E402
+from updamp.diagnosis.residual.observations import Plan, plan_of  # noqa: E402
+from updamp.diagnosis.residual.scatter import Scatter, learn  # noqa: E402
+from updamp.progress import Display  # noqa: E402
+
+Floats = NDArray[np.float64]
+
+FITTED, FINER = "diagnosis", "diagnosis_fine"
+SEEDS = 9100  # beyond those of the blind benchmark
+_WIDER = 0.25  # the windows of all draws lie within the first one's by this share of it to either side
+_ROUNDS = 5
+
+
+@dataclass(frozen=True)
+class Draw:
+    """measurement: its file; seed: to make it with where it is not there"""
+
+    name: str
+    measurement: Path
+    seed: int
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """What all draws share, at the rig file's parameters and in wide windows: branches and their numerical error.
+
+    `updamp compare` works these out for every measurement anew, in its own windows.
+    """
+
+    parametrisation: Parametrisation
+    branches: tuple[PredictedBranch, ...]
+
+    def moved_to(self, plan: Plan) -> tuple[PredictedBranch, ...]:
+        """The branches at a plan's forces, without patterns."""
+        plain = Parametrisation(self.parametrisation.base, self.parametrisation.nuisances)
+        wide = {b.condition.name: b for b in self.branches}
+        start, found = np.zeros(len(plain)), []
+        for condition in plan.conditions:
+            moved = move_branch(plain, start, replace(wide[condition.name], condition=condition))
+            if moved is None:
+                raise ValueError(
+                    f"{condition.name}: window {condition.window} is not within {wide[condition.name].condition.window}"
+                )
+            found.append(moved)
+        return tuple(found)
+
+
+@dataclass(frozen=True)
+class Result:
+    name: str
+    said: tuple[str, ...]
+    seconds: float
+
+
+def prepare(measurement: Path, models: Path) -> Prepared:
+    with Display() as display:
+        subject = subject_of(CompareFiles(RIG, measurement, models), FITTED, 1, display, (FINER,))
+    model, plan = subject.before_effects, plan_of(subject.measurement)
+    wide = tuple(replace(c, window=_widened(c.window)) for c in plan.conditions)
+    plan = replace(plan, conditions=wide)
+    parametrisation = Parametrisation(model, nuisances(model))
+    start = np.zeros(len(parametrisation))
+    branches = predict(parametrisation, start, plan)
+    finer = {"harmonics": more_harmonics(model), **subject.finer}
+    return Prepared(with_numerical_error(parametrisation, start, plan, branches, finer), branches)
+
+
+def _widened(window: tuple[float, float]) -> tuple[float, float]:
+    low, high = window
+    return low - _WIDER * (high - low), high + _WIDER * (high - low)
+
+
+def compare_draw(draw: Draw, prepared: Path, results: Path) -> Result:
+    """Compare one measurement and store what is found."""
+    started = time.perf_counter()
+    if not draw.measurement.is_file():
+        make_measurement(draw.measurement.parent, seed=draw.seed)
+    shared: Prepared = pickle.loads(prepared.read_bytes())
+    parametrisation = shared.parametrisation
+    plan = plan_of(load_measurement(draw.measurement, parametrisation.base.components.points, "virtual_rig"))
+    branches = tuple(with_patterns(b, parametrisation.numerics) for b in shared.moved_to(plan))
+    truth = at_truth(parametrisation, plan, branches)
+    fitted = fit(parametrisation, plan, np.zeros(len(parametrisation)), at_start=branches)
+    loss_factor = parametrisation.names.index(LOSS_FACTOR.name)
+    shares = [damping_share(b, loss_factor) for b in fitted.compared.branches]
+    found = misfits(fitted, plan, shares)
+    said = tuple(f.text for f in findings(fitted, plan, found))
+    n, c = len(parametrisation.nuisances), fitted.compared
+    write_whole(
+        results / f"{draw.name}.json",
+        {
+            "name": draw.name,
+            "chi2": c.chi2, "values": c.values, "message": fitted.message, "lack_of_fit": lack_of_fit(fitted),
+            "truth": {"chi2": truth.chi2, "scatter": truth.scatter.as_numbers()},
+            "scatter": c.scatter.as_numbers(),
+            "parameters": dict(zip(parametrisation.names[:n], zip(fitted.u.tolist(), fitted.deviations.tolist()))),
+            "numerics": dict(zip(parametrisation.names[n:], fitted.u[n:].tolist())),
+            "misfits": [[m.direction.quantity, m.direction.test, m.direction.sensor[0], m.relative, m.significance] for m in found],
+            "of_runs": [[m.observations.run, m.observations.repeat, float(np.mean(m.residual**2))] for m in c.matched],
+            "said": list(said),
+            "seconds": time.perf_counter() - started,
+        },
+    )  # fmt: skip
+    return Result(draw.name, said, time.perf_counter() - started)
+
+
+def at_truth(parametrisation: Parametrisation, plan: Plan, branches: tuple[PredictedBranch, ...]) -> Compared:
+    """The comparison with the parameters at their true values, numerical error and scatter fitted."""
+    n = len(parametrisation.nuisances)
+    prior = Scatter({x.name: x.scatter for x in parametrisation.nuisances})
+    u = np.zeros(len(parametrisation))
+    now = compare_at(parametrisation, u, plan, branches, prior)
+    for _ in range(_ROUNDS):
+        residual, columns = now.equations()
+        patterns = columns[:, n:]
+        information = patterns.T @ patterns + np.eye(patterns.shape[1])
+        u = u.copy()
+        u[n:] += np.linalg.solve(information, patterns.T @ residual - u[n:])
+        now = compare_at(parametrisation, u, plan, branches, now.scatter, now.offsets)
+        now = replace(now, scatter=learn(now.assemblies, prior))
+    return compare_at(parametrisation, u, plan, branches, now.scatter, now.offsets)
+
+
+@dataclass(frozen=True, eq=False)
+class Summary:
+    results: tuple[dict[str, Any], ...]
+
+    @cached_property
+    def z(self) -> dict[str, Floats]:
+        """Parameter -> (n_draws,) distance from the truth, in standard deviations."""
+        names = self.results[0]["parameters"]
+        return {x: np.array([r["parameters"][x][0] / r["parameters"][x][1] for r in self.results]) for x in names}
+
+    def lines(self) -> list[str]:
+        n = len(self.results)
+        chi2 = {
+            "calibrated": np.array([r["chi2"] / (r["values"] - len(r["parameters"])) for r in self.results]),
+            "at the true parameters": np.array([r["truth"]["chi2"] / r["values"] for r in self.results]),
+        }
+        noise = {
+            "calibrated": np.array([r["scatter"]["sensor noise"] for r in self.results]),
+            "at the true parameters": np.array([r["truth"]["scatter"]["sensor noise"] for r in self.results]),
+        }
+        rows = [
+            "| chi2 per degree of freedom | mean | lowest | highest | within 0.8-1.25 | noise factor |",
+            "|---|---|---|---|---|---|",
+        ]
+        for name, of in chi2.items():
+            inside = np.sum((of > 0.8) & (of < 1.25))
+            rows.append(
+                f"| {name} | {of.mean():.3f} | {of.min():.3f} | {of.max():.3f} | {inside} of {n} | {noise[name].mean():.2f} ({noise[name].min():.2f}-{noise[name].max():.2f}) |"
+            )
+        rows += ["", "| parameter | truth within 95 % | mean z | std z | half-width |", "|---|---|---|---|---|"]
+        held = 0
+        for name, z in self.z.items():
+            inside = int(np.sum(np.abs(z) < 1.96))
+            held += inside
+            width = np.median([1.96 * r["parameters"][name][1] for r in self.results])
+            rows.append(
+                f"| {name} | {inside} of {n} | {z.mean():+.2f} | {z.std(ddof=1) if n > 1 else 0:.2f} | {100 * width:.2g} % |"
+            )
+        rows.append(f"| all | {100 * held / (n * len(self.z)):.1f} % | | | |")
+        quiet = sum(not r["said"] for r in self.results)
+        return [
+            *rows,
+            "",
+            f"No misfit beyond repeatability: {quiet} of {n}",
+            *(f"- {r['name']}: {'; '.join(r['said'])}" for r in self.results if r["said"]),
+        ]
+
+
+def main(
+    out: Annotated[Path, typer.Option(help="folder for measurements, models and results")] = Path("results/null_draws"),
+    draws: int = 40,
+    jobs: Annotated[int, typer.Option(min=1, help="processes")] = 1,
+    known: Annotated[
+        Path | None, typer.Option(help="folder of the blind benchmark: its cases with nothing hidden come first")
+    ] = None,
+) -> None:
+    """Compare them all and print the tables."""
+    wanted = _draws(out, draws, known)
+    first, prepared, results = wanted[0], out / "prepared.pkl", out / "results"
+    if not first.measurement.is_file():
+        make_measurement(first.measurement.parent, seed=first.seed)
+    if not prepared.is_file():
+        prepared.parent.mkdir(parents=True, exist_ok=True)
+        prepared.write_bytes(pickle.dumps(prepare(first.measurement, out / "models")))
+    left = [d for d in wanted if not (results / f"{d.name}.json").is_file()]
+    work = partial(compare_draw, prepared=prepared, results=results)
+    in_turn(work, left, jobs, "draws", lambda r: f"{r.seconds:.0f} s, {'; '.join(r.said) or 'no misfit'}")
+    found = [content for d in wanted if (content := read(results / f"{d.name}.json")) is not None]
+    typer.echo("\n".join(Summary(tuple(found)).lines()))
+
+
+def _draws(out: Path, n: int, known: Path | None) -> list[Draw]:
+    found = []
+    for path in sorted((known / "truth").glob("*.json")) if known is not None else ():
+        truth = read(path) or {}
+        if truth["kind"] == "none":
+            found.append(Draw(path.stem, known / "data" / path.stem / "measurement.toml", truth["seed"]))
+    more = range(SEEDS, SEEDS + max(0, n - len(found)))
+    found += [Draw(f"seed_{seed}", out / "data" / f"seed_{seed}" / "measurement.toml", seed) for seed in more]
+    return found[:n]
+
+
+if __name__ == "__main__":
+    typer.run(main)
