@@ -78,7 +78,8 @@ def bar(share: float) -> str:
 
 
 def level_name(level: float, unit: str = "N") -> str:
-    return f"{level:.4g} {escape(pretty(unit))}"
+    """To three digits: a level is what was aimed at, held to a few per mille"""
+    return f"{float(f'{level:.3g}'):g} {escape(pretty(unit))}"
 
 
 def level_word(unit: str) -> str:

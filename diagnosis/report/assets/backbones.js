@@ -8,7 +8,7 @@
     {x: "amplitude", y: "damping", across: "displacement amplitude [µm]", up: "loss factor [–]"},
     {x: "level", y: "receptance", across: `${updamp.levelUnit === "N" ? "force" : updamp.levelWord} [${updamp.levelUnit}]`, up: "peak receptance [mm/N]"},
   ];
-  const WIDTH = 0.26;
+  const WIDTH = 0.25; // of all; between them are the labels of the next
   const axis = (letter, i) => letter + (i === 0 ? "" : i + 1);
 
   const pick = (values, keep) => values.filter((_, k) => keep[k]);
@@ -36,16 +36,15 @@
   }
 
   function draw() {
+    const lines = selection.chosen(model, {anyLevel: true}), points = selection.chosen(measured, {anyLevel: true});
     const traces = PANELS.flatMap((panel, i) => [
-      ...selection.chosen(model, {anyLevel: true}).map(each => modelTrace(each, panel, i)),
-      ...selection.chosen(measured, {anyLevel: true}).flatMap(each => measuredTraces(each, panel, i)),
-    ]);
+      ...lines.map(each => modelTrace(each, panel, i)), ...points.flatMap(each => measuredTraces(each, panel, i))]);
     const layout = {margin: {t: 60}, legend: {orientation: "h", x: 0, y: 1.02, yanchor: "bottom"}};
     PANELS.forEach((panel, i) => {
       const from = i * (1 - WIDTH) / (PANELS.length - 1);
-      layout[axis("xaxis", i)] = {title: {text: panel.across}, type: "log", domain: [from, from + WIDTH], anchor: axis("y", i),
-        tickformat: "~g", nticks: 6};
-      layout[axis("yaxis", i)] = {title: {text: panel.up}, anchor: axis("x", i), tickformat: i === 0 ? "" : "~g"};
+      layout[axis("xaxis", i)] = {...updamp.logAxis([...lines, ...points].flatMap(each => each[panel.x]), 6),
+        title: {text: panel.across}, domain: [from, from + WIDTH], anchor: axis("y", i)};
+      layout[axis("yaxis", i)] = {title: {text: panel.up, standoff: 12}, anchor: axis("x", i), tickformat: i === 0 ? "" : "~g"};
     });
     updamp.draw("backbones", traces, layout);
   }

@@ -21,7 +21,8 @@
     }));
     const strip = axis => ({type: "rect", layer: "below", xref: `${axis.replace("y", "x")} domain`, yref: axis, x0: 0, x1: 1,
       y0: -1.96, y1: 1.96, fillcolor: "#e3e6ea", line: {width: 0}});
-    const across = (domain, anchor) => ({title: {text: "displacement amplitude [µm]"}, type: "log", domain, anchor, tickformat: "~g"});
+    const across = (domain, anchor) => ({...updamp.logAxis(shown.flatMap(each => each.x), 9),
+      title: {text: "displacement amplitude [µm]"}, domain, anchor});
     updamp.draw("residual-amplitude", traces, {
       xaxis: across([0, 0.44], "y"), xaxis2: across([0.56, 1], "y2"),
       yaxis: {title: {text: "amplitude residual [σ]"}, zeroline: true, zerolinecolor: "#8a8f98"},

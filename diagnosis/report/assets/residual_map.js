@@ -8,6 +8,15 @@
   const sweepOf = up => (up ? "up" : "down");
   const round = value => updamp.digits(value, 2).replace("-", "−");
 
+  // The scale ends at a power of two that few cells exceed: 32 at least; up to 2 times the scatter its colours stay.
+  const sizes = maps.flatMap(map => map.cells.flat()).filter(cell => cell !== null).map(cell => cell.size).sort((a, b) => a - b);
+  const TOP = Math.max(5, Math.ceil(Math.log2(sizes[Math.floor(0.98 * (sizes.length - 1))] || 1)));
+  const FIXED = 2 / (TOP + 1), FIXED_AS_GIVEN = 1 / 3; // where 2 times the scatter lies on the scale
+  const stretched = scale.map(([place, colour]) => [place <= FIXED_AS_GIVEN ? place / FIXED_AS_GIVEN * FIXED
+    : FIXED + (place - FIXED_AS_GIVEN) / (1 - FIXED_AS_GIVEN) * (1 - FIXED), colour]);
+  const STEP = TOP > 8 ? 2 : 1;
+  const TICKS = [-1, 0, ...Array.from({length: TOP}, (_, k) => k + 1).filter(power => (TOP - power) % STEP === 0)];
+
   const textOf = cell => cell === null ? "" : `${round(cell.size)} times the scatter<br>worst at ${cell.channel}, `
     + `${updamp.digits(cell.f, 6)} Hz<br>amplitude ${round(cell.amplitude)}, phase ${round(cell.phase)} `
     + `standard deviations<br>${cell.n} values`;
@@ -38,8 +47,8 @@
     const width = (1 - GAP * (maps.length - 1)) / maps.length;
     const result = {
       shapes: frames(), margin: {t: 44, l: 90, b: 50}, annotations: [],
-      coloraxis: {colorscale: scale, cmin: -1, cmax: 5, colorbar: {title: {text: "times<br>the scatter"}, thickness: 14,
-        tickvals: [-1, 0, 1, 2, 3, 4, 5], ticktext: ["½", "1", "2", "4", "8", "16", "32"]}},
+      coloraxis: {colorscale: stretched, cmin: -1, cmax: TOP, colorbar: {title: {text: "times<br>the scatter"}, thickness: 14,
+        tickvals: TICKS, ticktext: TICKS.map(power => (power < 0 ? "½" : String(2 ** power)))}},
     };
     maps.forEach((map, i) => {
       const from = i * (width + GAP);

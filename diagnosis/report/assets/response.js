@@ -83,18 +83,26 @@
     return [low - room, high + room];
   }
 
+  // Whole quarters of a turn, with some room.
+  function phaseRange(traces) {
+    const all = traces.filter(trace => trace.yaxis === "y2").flatMap(trace => trace.y).filter(value => value !== null);
+    return all.length === 0 ? undefined
+      : [90 * Math.floor(Math.min(...all) / 90 + 0.05) - 10, 90 * Math.ceil(Math.max(...all) / 90 - 0.05) + 10];
+  }
+
   function draw() {
     const shown = selection.chosen(curves);
     const {frequency} = selection.state;
     const log = option("logarithmic");
     const mark = frequency === null ? [] : [{type: "line", xref: "x", yref: "paper", x0: frequency, x1: frequency, y0: 0,
       y1: 1, line: {color: "#6b1d00", width: 1.5, dash: "dashdot"}}];
-    updamp.draw("response", tracesOf(shown), {
+    const traces = tracesOf(shown);
+    updamp.draw("response", traces, {
       xaxis: {title: {text: "frequency [Hz]"}, range: rangeOf(shown), anchor: "y2"},
       yaxis: {title: {text: "receptance [mm/N]"}, domain: [0.36, 1], type: log ? "log" : "linear",
         rangemode: log ? "normal" : "tozero", tickformat: "~g",
         ...(log ? {dtick: "D2"} : {})},
-      yaxis2: {title: {text: "phase [°]"}, domain: [0, 0.29], tick0: 0, dtick: 90},
+      yaxis2: {title: {text: "phase [°]"}, domain: [0, 0.29], tick0: 0, dtick: 90, range: phaseRange(traces)},
       shapes: mark,
       annotations: mark.map(each => ({x: each.x0, y: 1, xref: "x", yref: "paper", yanchor: "bottom", showarrow: false,
         text: `${updamp.digits(frequency, 6)} Hz`, font: {color: "#6b1d00", size: 12}})),

@@ -73,10 +73,22 @@ updamp.selection = (() => {
     updamp.whenReady(showControls);
   }
   const levels = updamp.unique(curves.map(curve => curve.level)).sort((a, b) => a - b);
+
+  // Few levels are told apart by hue, many by their place on a scale.
+  function colourOf(level) {
+    const {levels: few, many} = updamp.palette;
+    const place = Math.max(levels.indexOf(level), 0);
+    if (levels.length <= few.length) return few[place];
+    const at = place / (levels.length - 1) * (many.length - 1), from = Math.min(Math.floor(at), many.length - 2);
+    const channel = (colour, k) => parseInt(colour.slice(1 + 2 * k, 3 + 2 * k), 16);
+    const mixed = [0, 1, 2].map(k => Math.round(channel(many[from], k) + (at - from) * (channel(many[from + 1], k) - channel(many[from], k))));
+    return `rgb(${mixed.join(",")})`;
+  }
+
   return {
     ALL, BOTH, state, select, chosen,
     onChange: listener => { listeners.push(listener); updamp.whenReady(() => listener(state)); },
-    colourOf: level => updamp.palette.levels[Math.max(levels.indexOf(level), 0) % updamp.palette.levels.length],
+    colourOf,
     symbolOf: repeat => ["circle-open", "square-open", "diamond-open", "cross-open", "star-open", "hexagon-open"][
       (((repeat - 1) % 6) + 6) % 6],
   };

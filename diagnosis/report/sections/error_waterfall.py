@@ -42,9 +42,12 @@ def _step_name(history: Sequence[Step], k: int) -> str:
 def _waterfall(names: Sequence[str], history: Sequence[Step], floor: float) -> dict[str, Any]:
     series = ([step.error for step in history], [step.held_out for step in history])
     layout: dict[str, Any] = {"showlegend": False, "shapes": [], "annotations": []}
-    traces = []
+    traces, bars = [], _bars(names)
     for axis, errors, (title, domain) in zip(("", "2"), series, PANELS, strict=True):
-        layout[f"xaxis{axis}"] = {"domain": domain, "anchor": f"y{axis}", "showgrid": False, "automargin": True}
+        layout[f"xaxis{axis}"] = {
+            "domain": domain, "anchor": f"y{axis}", "showgrid": False, "automargin": True, "tickmode": "array",
+            "tickvals": list(range(len(bars))), "ticktext": [_broken(bar) for bar in bars],
+        }  # fmt: skip
         layout[f"yaxis{axis}"] = {
             "title": {"text": "" if axis else "misfit [weighted RMS]"}, "anchor": f"x{axis}", "rangemode": "tozero",
         }  # fmt: skip
@@ -65,18 +68,30 @@ def _waterfall(names: Sequence[str], history: Sequence[Step], floor: float) -> d
 
 
 def _trace(names: Sequence[str], errors: Sequence[float], axis: str) -> dict[str, Any]:
+    """At whole numbers: two steps may have the same name."""
     falls = [after - before for before, after in pairwise(errors)]
     several = len(errors) > 1
     return {
-        "type": "waterfall", "x": [*names, *(["result"] if several else [])], "xaxis": f"x{axis}", "yaxis": f"y{axis}",
+        "type": "waterfall", "xaxis": f"x{axis}", "yaxis": f"y{axis}",
+        "x": list(range(len(errors) + several)), "y": [errors[0], *falls, *([0.0] if several else [])],
+        "customdata": _bars(names),
         "measure": ["absolute", *["relative"] * len(falls), *(["total"] if several else [])],
-        "y": [errors[0], *falls, *([0.0] if several else [])],
         "text": [number(errors[0], 3), *(f"{fall:+.2f}".replace("-", MINUS) for fall in falls),
                  *([number(errors[-1], 3)] if several else [])],
-        "textposition": "outside", "cliponaxis": False, "connector": {"line": {"color": GREY, "width": 1}},
+        "textposition": "auto", "insidetextfont": {"color": "#ffffff"}, "textangle": 0, "cliponaxis": False,
+        "connector": {"line": {"color": GREY, "width": 1}},
         "decreasing": {"marker": {"color": GREEN}}, "increasing": {"marker": {"color": VERMILLION}},
-        "totals": {"marker": {"color": BLUE}}, "hovertemplate": "%{x}: %{y:.3g}<extra></extra>",
+        "totals": {"marker": {"color": BLUE}}, "hovertemplate": "%{customdata}: %{y:.3g}<extra></extra>",
     }  # fmt: skip
+
+
+def _bars(names: Sequence[str]) -> list[str]:
+    return [escape(name) for name in names] + (["result"] if len(names) > 1 else [])
+
+
+def _broken(name: str) -> str:
+    """Over lines short enough to stand below a bar"""
+    return name.replace(", ", ",<br>").replace("_", "_<br>")
 
 
 def _floor(floor: float, axis: str) -> dict[str, Any]:

@@ -7,15 +7,27 @@ from updamp.diagnosis.comparison import Comparison, Finding
 from updamp.diagnosis.report.markup import level_name, level_word, number
 from updamp.diagnosis.report.section import Content, Report, Section
 
+FEW = 5  # findings that are not folded away
+
 
 def render(report: Report) -> Content:
     comparison = report.comparison
     kind = "good" if comparison.adequate else "bad"
     html = f'<p class="verdict {kind}">{escape(verdict_sentence(comparison))}</p>'
     if comparison.findings:
-        entries = "".join(_finding(finding, comparison.level_unit) for finding in comparison.findings)
-        html += f'<ol class="findings">{entries}</ol>'
+        html += _findings([_finding(finding, comparison.level_unit) for finding in comparison.findings])
     return Content(html + _cards(comparison))
+
+
+def _findings(entries: list[str]) -> str:
+    """The first few, the others folded away: the numbers below are to be seen too."""
+    if len(entries) <= FEW + 1:
+        return f'<ol class="findings">{"".join(entries)}</ol>'
+    return (
+        f'<ol class="findings">{"".join(entries[:FEW])}</ol>'
+        f"<details><summary>{len(entries) - FEW} more</summary>"
+        f'<ol class="findings" start="{FEW + 1}">{"".join(entries[FEW:])}</ol></details>'
+    )
 
 
 def verdict_sentence(comparison: Comparison) -> str:
@@ -36,7 +48,7 @@ def _finding(finding: Finding, unit: str) -> str:
     where += [finding.channel] if finding.channel else []
     tags = "".join(f'<span class="tag">{escape(tag)}</span>' for tag in (finding.quantity, *where))
     sure = (
-        f"{number(finding.significance, 2)} standard deviations of the scatter"
+        f"{number(abs(finding.significance), 2)} standard deviations of the scatter"
         if math.isfinite(finding.significance)
         else "scatter not known"
     )

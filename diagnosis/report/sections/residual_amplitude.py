@@ -6,21 +6,22 @@ from typing import Any
 import numpy as np
 
 from updamp.diagnosis.comparison import Comparison
-from updamp.diagnosis.report.markup import figure
+from updamp.diagnosis.report.markup import figure, level_word
 from updamp.diagnosis.report.section import Content, Report, Section
 
 INTRODUCTION = """<p>Positive: measured above the model, or ahead of it in phase. Shown for the mode, channel and sweep
-chosen above, force levels in colours; the grey strip holds 95 % of the points of an adequate model.</p>"""
+chosen above, {level}s in colours; the grey strip holds 95 % of the points of an adequate model.</p>"""
 
 
 def render(report: Report) -> Content | None:
     points = _points(report.comparison)
     if not points:
         return None
-    html = INTRODUCTION + figure(
+    level = level_word(report.comparison.level_unit)
+    html = INTRODUCTION.format(level=level) + figure(
         "residual-amplitude",
         "Residual of amplitude and of phase in standard deviations against the displacement amplitude, coloured by "
-        "force level.",
+        f"{level}.",
         height=380,
     )
     return Content(html, data={"points": points}, scripts=("selection.js", "residual_amplitude.js"))

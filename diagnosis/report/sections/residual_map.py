@@ -29,7 +29,7 @@ def render(report: Report) -> Content | None:
     upwards = {curve.run: curve.upwards for curve in comparison.curves}
     modes, unit = dict.fromkeys(r.mode for r in known), comparison.level_unit
     maps = [_map_of([r for r in known if r.mode == mode], upwards, unit) for mode in modes]
-    height = 150 + ROW_HEIGHT * max(max(len(each["rows"]) for each in maps), 4)
+    height = 150 + ROW_HEIGHT * max(max(len(each["rows"]) for each in maps), 6)  # room for the colour bar
     html = INTRODUCTION + figure(
         "residual-map",
         "Heat map of the residual's size: one panel a mode, one row a force level and sweep direction, frequency to "

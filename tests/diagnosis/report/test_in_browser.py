@@ -265,7 +265,7 @@ def test_prints_whole_plots_without_controls(page: webdriver.Chrome) -> None:
     assert 5 <= len(re.findall(rb"/Type\s*/Page\b", pdf)) <= 16
     widths = page.execute_script("return window.widths")
     assert len(widths) == 10
-    assert set(widths) == {690}
+    assert set(widths) == {862}  # of the paper's 690, times 0.8
     size = "return document.getElementById('plot-response')._fullLayout.width"
     WebDriverWait(page, 5).until(lambda driver: driver.execute_script(size) > 900)  # as wide as before on screen
     page.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
@@ -273,6 +273,24 @@ def test_prints_whole_plots_without_controls(page: webdriver.Chrome) -> None:
     assert len(hidden) >= 5
     assert not any(element.is_displayed() for element in hidden)
     page.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+
+
+def overlapping_labels(page: webdriver.Chrome) -> list[list[str]]:
+    """Pairs of tick labels of one axis that lie over each other."""
+    found: list[list[str]] = page.execute_script(
+        """if (document.querySelectorAll("g.xtick text").length < 30) return [["none", "found"]];
+        return [...document.querySelectorAll(".xaxislayer-above, .yaxislayer-above")].flatMap(layer => {
+          const labels = [...layer.querySelectorAll("g[class$='tick'] text")].map(
+            text => [text.textContent, text.getBoundingClientRect()]);
+          return labels.flatMap(([one, a], i) => labels.slice(i + 1).filter(([, b]) => a.left < b.right
+            && b.left < a.right && a.top < b.bottom - 3 && b.top < a.bottom - 3).map(([other]) => [one, other]));
+        });"""
+    )
+    return found
+
+
+def test_tick_labels_of_the_page_do_not_overlap(page: webdriver.Chrome) -> None:
+    assert overlapping_labels(page) == []
 
 
 def test_screenshot_is_no_blank_page(page: webdriver.Chrome, tmp_path: Path) -> None:
@@ -318,3 +336,21 @@ def test_gaps_in_the_data_leave_gaps(browser: webdriver.Chrome, tmp_path: Path) 
     assert "4 points without a solution of the model are left out" in browser.find_element(By.ID, "misfit").text
     assert [t["y"][3] for t in measured(browser) if t["y"]] == [None]
     assert not browser.find_element(By.ID, "select-mode").is_enabled()
+
+
+def test_labels_of_logarithmic_axes_do_not_overlap(browser: webdriver.Chrome, tmp_path: Path) -> None:
+    """Displacements over less than a decade to over four of them."""
+    comparison = synthetic_comparison(levels=(5.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0))
+    write_report(comparison, tmp_path / "report.html")
+    browser.get((tmp_path / "report.html").as_uri())
+    WebDriverWait(browser, 10).until(
+        lambda driver: driver.find_element(By.TAG_NAME, "body").get_attribute("data-ready")
+    )
+    assert overlapping_labels(browser) == []
+    ticks = browser.execute_script("return document.getElementById('plot-backbones')._fullLayout.xaxis3.tickvals")
+    assert 3 <= len(ticks) <= 6
+    colours = browser.execute_script(
+        "return [...new Set(document.getElementById('plot-residual-amplitude').data.map(each => each.marker.color))]"
+    )
+    assert len(colours) == 8
+    assert browser.get_log("browser") == []

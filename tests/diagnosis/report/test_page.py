@@ -15,10 +15,11 @@ from support.synthetic_comparison import features_only, synthetic_comparison
 from support.synthetic_verdict import synthetic_verdict
 
 from updamp.diagnosis.comparison import Comparison
-from updamp.diagnosis.report.markup import MINUS, MISSING, TIMES, number, percent, with_unit
+from updamp.diagnosis.report.markup import MINUS, MISSING, TIMES, level_name, number, percent, with_unit
 from updamp.diagnosis.report.page import build_page
 from updamp.diagnosis.report.registry import SECTIONS
 from updamp.diagnosis.report.section import Content, Report, Section
+from updamp.diagnosis.report.sections.outcome import SECTION as OUTCOME
 from updamp.diagnosis.report.write_report import write_report
 
 PNG = b"\x89PNG\r\n\x1a\n" + bytes(40)
@@ -157,6 +158,30 @@ def test_steps_without_held_out_data_say_so(comparison: Comparison) -> None:
     data = data_of(build_page(Report(comparison, replace(verdict, history=history)), SECTIONS))
     assert len(data["figures"]["waterfall"]["data"]) == 1
     assert any(a["text"] == "nothing was held out" for a in data["figures"]["waterfall"]["layout"]["annotations"])
+
+
+def test_a_step_that_comes_twice_is_two_bars(comparison: Comparison) -> None:
+    verdict = synthetic_verdict(comparison)
+    history = (*verdict.history, *verdict.history[-2:])
+    data = data_of(build_page(Report(comparison, replace(verdict, history=history)), SECTIONS))
+    bars, axis = data["figures"]["waterfall"]["data"][0], data["figures"]["waterfall"]["layout"]["xaxis"]
+    assert bars["x"] == axis["tickvals"] == list(range(len(history) + 1))
+    assert len(set(axis["ticktext"])) < len(axis["ticktext"])
+
+
+def test_many_findings_are_folded_away_after_the_first_ones(comparison: Comparison) -> None:
+    findings = tuple(replace(comparison.findings[0], text=f"finding {k}", significance=-k) for k in range(1, 13))
+    page = build_page(Report(replace(comparison, findings=findings)), SECTIONS)
+    assert re.search(r"<summary>7 more</summary><ol class=\"findings\" start=\"6\"><li><p>finding 6<", page)
+    assert all(f"finding {k}<" in page for k in range(1, 13))
+    assert f"{MINUS}12 standard" not in page
+    assert "more</summary>" not in build_page(Report(comparison), (OUTCOME,))
+
+
+def test_levels_are_named_as_they_were_aimed_at() -> None:
+    assert level_name(31.9901) == "32 N"
+    assert level_name(0.096) == "0.096 N"
+    assert level_name(1234.0, "m/s**2") == "1230 m/s²"
 
 
 def test_words_from_the_data_stay_words(comparison: Comparison) -> None:
