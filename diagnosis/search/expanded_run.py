@@ -3,14 +3,17 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import interp1d
 
 from updamp.diagnosis.model.predicted_branch import PredictedBranch
 from updamp.diagnosis.residual.matching import Matched
 from updamp.diagnosis.search.modal_expansion import Expansion, MeasuredPoint, expand
 from updamp.diagnosis.search.resonant_mode import ResonantMode, first_harmonics, modal_amplitudes, system_of
+from updamp.hbm.observe import response
 from updamp.hbm.system import Excitation, NonlinearSystem
 
 Floats = NDArray[np.float64]
@@ -71,11 +74,33 @@ def _row(
     """Of one point: k and c, and their derivatives, over the sensors' noise."""
     M = np.zeros((2, matched.observations.observed.shape[1]))
     M[:, columns] = expansion.by_observation
-    noise = M * matched.observations.noise[i]
+    noise = M * _noise(matched, branch, i)
     root = np.linalg.inv(np.linalg.cholesky(noise @ noise.T))
     slopes = branch.at(matched.place[i]).slopes[:-1]
     value = np.array([expansion.missing.real, expansion.missing.imag / expansion.w])
     return root @ value, root, root @ M @ slopes.T, root @ M
+
+
+def _noise(matched: Matched, branch: PredictedBranch, i: int) -> Floats:
+    """(m,) of sensors and numerics together"""
+    return np.hypot(matched.observations.noise[i], branch.rough_at(matched.place[i]))
+
+
+def _added(branch: PredictedBranch, sensors: Integers, excitation: str) -> tuple[Floats, Complex]:
+    """What the branch has beyond the solved points that it is made of: (n_points,) of the logarithm of the frequency,
+    (n_points, n_sensors) of the logarithms of the amplitudes."""
+    points = branch.points
+    system = system_of(points[0])
+    rows = np.array([system.free.row(branch.condition.sensors[i][0]) for i in sensors])
+    force = Excitation(system.free.row(excitation), branch.condition.force)
+    solved = [system.harmonics.amplitude(response(p.solution.equation, force, rows), 1) for p in points]
+    of_frequency = branch.state[:, 0] - np.log([point.frequency for point in points])
+    return of_frequency, np.log(branch.amplitude[:, sensors] / np.array(solved))
+
+
+def _between(place: Floats, known: Floats, values: NDArray[Any]) -> NDArray[Any]:
+    """Linearly between known places, along the first axis."""
+    return np.asarray(interp1d(known, values, axis=0, bounds_error=False, fill_value=(values[0], values[-1]))(place))
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,6 +125,12 @@ class _Points:
         # the force is put into the equations as it was measured, so its share of the difference is left in
         observed = at.value + matched.difference + matched.observations.log_force[:, None] * at.slopes[:, -1]
         sensors = np.array(first_harmonics(branch))
+        # what finer numerics are expected to change is in the branch, but not in the equations
+        added = _added(branch, sensors, excitation)
+        of_frequency, of_amplitude = (_between(matched.place, branch.place, change) for change in added)
+        observed[:, 0] -= of_frequency
+        observed[:, 1 + 2 * sensors] -= of_amplitude.real
+        observed[:, 2 + 2 * sensors] -= of_amplitude.imag
         measured = np.exp(observed[:, 1 + 2 * sensors] + 1j * observed[:, 2 + 2 * sensors])
         columns = np.concatenate([[0], np.stack([1 + 2 * sensors, 2 + 2 * sensors], axis=1).ravel()])
         row = system.free.row(excitation)
@@ -131,7 +162,7 @@ class _Points:
         return np.asarray(np.abs(self.measured[:, self.channel]))
 
     def expanded(self, i: int) -> Expansion | None:
-        noise = self.matched.observations.noise[i, self.columns[1:]].reshape(-1, 2)
+        noise = _noise(self.matched, self.branch, i)[self.columns[1:]].reshape(-1, 2)
         force = self.branch.condition.force * float(np.exp(self.matched.observations.log_force[i]))
         point = MeasuredPoint(float(self.w[i]), self.rows, self.channel, self.measured[i], noise)
         return expand(self.system, Excitation(self.excited, force), self.mode, point, self._start(i))

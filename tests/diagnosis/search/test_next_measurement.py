@@ -1,0 +1,144 @@
+"""Two effects that one level hardly tells apart, and the run that would."""
+
+from dataclasses import replace
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from support.small_model import condition, small_model, synthetic_plan
+
+from updamp.diagnosis.effects.effect import Effect, EffectParameter
+from updamp.diagnosis.model.parameters import FRICTION, LOSS_FACTOR, PRELOAD, Parametrisation
+from updamp.diagnosis.model.predicted_branch import trace_branch
+from updamp.diagnosis.model.rig_model import PointElement
+from updamp.diagnosis.residual.fit import compare_at, fit, predict
+from updamp.diagnosis.search.candidate_runs import candidate_runs
+from updamp.diagnosis.search.next_measurement import next_measurements
+from updamp.diagnosis.search.separation import Prediction, distance, separation
+from updamp.hbm.contact.amplitude_damper import AmplitudeDamper, AmplitudeDamperParameters
+from updamp.hbm.continuation import ContinuationOptions
+from updamp.hbm.structural_changes import Attachment
+
+NUISANCES = (LOSS_FACTOR, FRICTION, PRELOAD)
+FINE = ContinuationOptions(largest_step=0.1)
+FIRST = (("a.x", 1), ("b.x", 1))
+MEASURED = (condition(10.0),)
+MODEL = Parametrisation(small_model(), NUISANCES)
+
+
+def _quadratic(model, values):
+    damper = AmplitudeDamperParameters(values["coefficient"] * jnp.ones(1))
+    return replace(model, elements=(*model.elements, PointElement("hidden", "a.x", AmplitudeDamper(), damper)))
+
+
+def _dashpot(model, values):
+    return replace(model, attachments=(Attachment("hidden", {"a.x": 1.0}, dashpot=values["coefficient"]),))
+
+
+def _effect(name, apply, typical):
+    return Effect(name, name, (EffectParameter("coefficient", 0.0, -1e4, 1e4, typical, "", ""),), apply)
+
+
+QUADRATIC, DASHPOT = _effect("quadratic", _quadratic, 200.0), _effect("dashpot", _dashpot, 1.0)
+
+
+@pytest.fixture(scope="module")
+def measured():
+    truth, scatter = np.array([0, 0, 0, 1.0]), np.array([*(n.scatter for n in NUISANCES), 0])
+    model = Parametrisation(small_model(), NUISANCES, (QUADRATIC,))
+    return synthetic_plan(model, truth, MEASURED, scatter, seed=3, repeats=2)[0]
+
+
+@pytest.fixture(scope="module")
+def explanations(measured):
+    fits = {}
+    for effect in (QUADRATIC, DASHPOT):
+        model = Parametrisation(small_model(), NUISANCES, (effect,))
+        fits[effect.name] = fit(model, measured, np.zeros(4))
+    return fits
+
+
+@pytest.fixture(scope="module")
+def proposed(explanations, measured):
+    return next_measurements(explanations, measured, most_runs=2)
+
+
+def test_the_effects_are_hardly_told_apart_so_far(explanations):
+    """The right one does not fit decisively better."""
+    assert explanations["dashpot"].compared.chi2 - explanations["quadratic"].compared.chi2 < 10
+
+
+def test_a_run_that_tells_them_apart_comes_first(proposed, measured):
+    best = proposed[0]
+    assert best.effects == ("quadratic", "dashpot")
+    assert best.separation > 4
+    assert "quadratic and dashpot" in best.sentence
+    rates = [m.separation / m.hours for m in proposed]
+    assert rates == sorted(rates, reverse=True)
+    names = [run.condition.name for run in candidate_runs(measured, MODEL, 2)]
+    assert all("first at" in m.sentence for m in proposed)
+    assert len(names) == 2
+
+
+def test_candidate_runs_are_those_that_the_rig_can_make(measured):
+    runs = candidate_runs(measured, MODEL, 12)
+    made = [(run.condition.force, run.condition.upwards, run.load) for run in runs]
+    assert made == [(20, True, 1), (5, True, 1), (10, True, 1), (10, False, 1), (10, True, 0.7), (10, True, 1.3)]
+    again = runs[2].recordings
+    assert [r.sensors for r in again] == [(*FIRST, ("a.x", 3), ("b.x", 3))]
+    assert [round(60 * run.recordings[0].hours) for run in runs] == [10, 10, 10, 10, 130, 130]
+
+
+def test_the_separation_foretells_what_the_run_shows(explanations):
+    """A run at twice the level, of the first effect: how much worse the other one follows it, both adjusted again
+    within what the data so far leave them free."""
+    apart = separation(*(_prediction(f, 20.0) for f in explanations.values()), FIRST)
+    truth, scatter = explanations["quadratic"], np.array([*(n.scatter for n in NUISANCES), 0])
+    drops = []
+    for seed in (5, 6):
+        plan, _ = synthetic_plan(truth.parametrisation, truth.u, (condition(20.0),), scatter, seed, repeats=1)
+        drops.append(_adjusted(explanations["dashpot"], plan) - _adjusted(truth, plan))
+    assert np.sqrt(np.mean(drops)) == pytest.approx(apart, abs=2.0)  # deviation 1.4 of the root of two draws' mean
+
+
+def _adjusted(f, plan):
+    """chi2 of new data alone, with the parameters' covariance so far."""
+    about = compare_at(f.parametrisation, f.u, plan, predict(f.parametrisation, f.u, plan), f.compared.scatter)
+    residual, columns = about.equations()
+    right = columns.T @ residual
+    return residual @ residual - right @ np.linalg.solve(np.linalg.inv(f.covariance) + columns.T @ columns, right)
+
+
+def _prediction(f, force):
+    branch = trace_branch(f.parametrisation, f.u, condition(force, window=(37.5, 52.5)), FINE)
+    noise = {"a.x": 0.005, "b.x": 0.005, "": 0.005}
+    return Prediction(branch, f.covariance, tuple(n.name for n in NUISANCES), f.compared.scatter, noise)
+
+
+def test_an_explanation_does_not_lie_apart_from_itself(explanations):
+    one = _prediction(explanations["quadratic"], 20.0)
+    assert separation(one, one, FIRST) < 0.01
+
+
+def test_what_parameters_may_be_adjusted_to_does_not_separate(explanations):
+    """Friction moved by its own deviation."""
+    f = explanations["quadratic"]
+    moved = replace(f, compared=replace(f.compared, u=f.u + f.deviations * np.array([0, 1.0, 0, 0])))
+    free = separation(_prediction(f, 20.0), _prediction(moved, 20.0), FIRST)
+    known = replace(f, covariance=1e-8 * f.covariance), replace(moved, covariance=1e-8 * f.covariance)
+    held = separation(*(_prediction(each, 20.0) for each in known), FIRST)
+    assert free < 1.2
+    assert held > 1.3 * free
+
+
+def test_the_distance_is_what_is_left_of_least_squares():
+    rng = np.random.default_rng(1)
+    residual, spread = rng.standard_normal(30), rng.standard_normal((30, 7))
+    padded = np.vstack([spread, np.eye(7)])
+    right = np.append(residual, np.zeros(7))
+    left = right - padded @ np.linalg.lstsq(padded, right, rcond=None)[0]
+    assert distance(residual, spread) == pytest.approx(np.linalg.norm(left))
+
+
+def test_one_explanation_needs_no_telling_apart(explanations, measured):
+    assert next_measurements({"quadratic": explanations["quadratic"]}, measured) == ()
