@@ -10,15 +10,15 @@ from itertools import chain, zip_longest
 
 import numpy as np
 
+from updamp.diagnosis.model.condition import Condition
 from updamp.diagnosis.model.parameters import PRELOAD, Parametrisation
-from updamp.diagnosis.model.predicted_branch import Condition
 from updamp.diagnosis.residual.observations import Plan
 
 RUN, SENSOR, LOAD = 1 / 6, 1 / 2, 2.0  # hours
 _FACTOR = 2.0  # of the force, beyond the levels measured
 _LOADS = (0.7, 1.3)  # times the present damper load
 _HARMONICS = (2, 3, 0)
-_WIDER = 0.25  # share of the measured range added to both sides, since other levels resonate elsewhere
+_WIDER = 0.1  # share of the measured range added to both sides, since other levels resonate elsewhere
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,15 @@ def _of_mode(conditions: Sequence[Condition], parametrisation: Parametrisation) 
     def run(like: Condition, force: float, upwards: bool, what: str, load: float = 1.0) -> CandidateRun:
         name = f"{like.mode} {force:.4g} N {'up' if upwards else 'down'} load {load:g}"
         condition = replace(
-            like, name=name, force=force, upwards=upwards, window=window, sensors=usual, held=None, unit="N"
+            like,
+            name=name,
+            force=force,
+            upwards=upwards,
+            window=window,
+            sensors=usual,
+            held=None,
+            unit="N",
+            control=None,
         )
         hours = RUN + (LOAD if load != 1 else 0)
         return CandidateRun(condition, load, (Recording(usual, hours, what),))
