@@ -12,6 +12,11 @@ from updamp.diagnosis.effects import (
     contact_viscosity,
     edge_gap,
     friction_gradient,
+    joint_cubic,
+    joint_microslip,
+    joint_quadratic,
+    joint_viscoelastic,
+    joint_viscous,
     material_damping,
     pressure_crown,
     pressure_dependent_stiffness,
@@ -27,7 +32,7 @@ from updamp.diagnosis.effects.user_effect import EffectError, checked
 
 GROUP = "updamp.effects"
 
-# In the order in which they are applied where several are.
+# Of bladed rigs with a damper; in the order in which they are applied where several are.
 CATALOGUE: Mapping[str, Effect] = MappingProxyType(
     {
         effect.name: effect
@@ -53,13 +58,28 @@ CATALOGUE: Mapping[str, Effect] = MappingProxyType(
 )
 
 
+# Of models whose modes were identified in a test: they stand for a joint that the modes do not show.
+JOINTS: Mapping[str, Effect] = MappingProxyType(
+    {
+        effect.name: effect
+        for effect in (
+            joint_viscous.EFFECT,
+            joint_viscoelastic.EFFECT,
+            joint_cubic.EFFECT,
+            joint_quadratic.EFFECT,
+            joint_microslip.EFFECT,
+        )
+    }
+)
+
+
 def catalogue() -> Mapping[str, Effect]:
-    """The catalogue, and the effects that installed packages offer under the entry point group "updamp.effects": each
-    names a module that defines EFFECT, or the effect itself.
+    """The catalogue, the effects of joints, and those that installed packages offer under the entry point group
+    "updamp.effects": each names a module that defines EFFECT, or the effect itself.
 
     raises: EffectError for an entry point that cannot be loaded, is no effect or has a name that is taken
     """
-    found = dict(CATALOGUE)
+    found = {**CATALOGUE, **JOINTS}
     for point in entry_points(group=GROUP):
         origin = f'entry point "{point.name}" ({point.value}) of {GROUP}'
         try:

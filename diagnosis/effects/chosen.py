@@ -16,7 +16,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from updamp.diagnosis.effects.catalogue import CATALOGUE, catalogue
+from updamp.diagnosis.effects.catalogue import CATALOGUE, JOINTS, catalogue
 from updamp.diagnosis.effects.effect import Effect, EffectParameter
 from updamp.diagnosis.effects.user_effect import EffectError, effect_from_file
 from updamp.diagnosis.model.rig_model import RigModel
@@ -88,7 +88,7 @@ def _code(one: ChosenEffect) -> str:
     """Changes of updamp's own effects are told by the version of the stage that applies them."""
     if one.file is not None:
         return hashlib.sha256(one.file.read_bytes()).hexdigest()
-    if one.effect is CATALOGUE.get(one.effect.name):
+    if one.effect is {**CATALOGUE, **JOINTS}.get(one.effect.name):
         return ""
     module = inspect.getmodule(one.effect.apply)
     source = module.__file__ if module is not None else None

@@ -75,6 +75,7 @@ def measured_run(
         response=np.array([converted[name].displacement[:, order] for name in names]),
         noise=_noise(where, converted, order),
         level_unit=QUANTITIES[file.channels[run.held_channel].quantity].si if run.held_channel else "N",
+        held_channel=run.held_channel or "",
     )
     return measured, [*notes, *level_notes]
 

@@ -32,7 +32,7 @@ class MeasuredRun:
     name: of the run, repeats excepted: runs of one name are repeats of the same test
     mode: of the study, such as "OOP"; upwards: direction of the sweep
     held: what the controller held constant, "force", "response" or "nothing"; level: at which amplitude, in
-        level_unit, SI: "N", or that of the channel whose response was held
+        level_unit, SI: "N", or that of the channel whose response was held; held_channel: its name, "" if not stated
     repeat: number of the assembly: runs of one number were made without taking the damper out in between
     channels: names, in the order of `response`
     harmonics: in the order of `response`; 1 is among them
@@ -55,6 +55,7 @@ class MeasuredRun:
     response: Complex
     noise: Floats | None = None
     level_unit: str = "N"
+    held_channel: str = ""
 
     def __len__(self) -> int:
         return len(self.frequency)

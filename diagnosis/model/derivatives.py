@@ -66,10 +66,24 @@ class Derivatives:
     w_by_force: float
 
 
-def derivatives(point: BranchPoint, excitation: Excitation, changes: Sequence[Change], rows: Integers) -> Derivatives:
+@dataclass(frozen=True, eq=False)
+class Moves:
+    """How observed motion and relative displacements move, at held frequency and force unless said otherwise.
+
+    value: (n_rows, n_coefficients) observed motion [m]
+    dy: (n_rows, n_coefficients, n + 3) of the observed motion: by the n parameters, by the logarithm of the force, by
+        the angular frequency, and along the branch at held force; dx: (n_relative, n_coefficients, n + 3) likewise
+    """
+
+    value: Floats
+    dy: Floats
+    dx: Floats
+
+
+def moves(point: BranchPoint, excitation: Excitation, changes: Sequence[Change], rows: Integers) -> Moves:
     """raises: RuntimeError where the Jacobian is singular and no correction helps"""
     equation = point.solution.equation
-    receptance, x, w = equation.receptance, point.x, point.w
+    receptance, x = equation.receptance, point.x
     # That of the solution carries the state before the last Newton step, in which a contact may have been stuck.
     jacobian = factorise(receptance, equation.departure)
     system = receptance.system
@@ -89,10 +103,17 @@ def derivatives(point: BranchPoint, excitation: Excitation, changes: Sequence[Ch
     dy[..., -3] += receptance.excitation(excitation, rows)
     dy[..., -2] += by_w
     dy[..., -1] += by_w * point.tangent_w
-    dw = _held(here.observed, dy, point.tangent_w, w)
+    return Moves(here.observed, dy, dx)
+
+
+def derivatives(point: BranchPoint, excitation: Excitation, changes: Sequence[Change], rows: Integers) -> Derivatives:
+    """raises: RuntimeError where the Jacobian is singular and no correction helps"""
+    found = moves(point, excitation, changes, rows)
+    dx, dy = found.dx, found.dy
+    dw = _held(found.value, dy, point.tangent_w, point.w)
     total = dy[..., :-2] + dy[..., -2:-1] * dw
     return Derivatives(
-        value=here.observed,
+        value=found.value,
         along=dy[..., -1],
         w_along=point.tangent_w,
         by_parameter=total[..., :-1].transpose(2, 0, 1),

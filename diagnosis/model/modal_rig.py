@@ -32,7 +32,7 @@ Point = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][\w-]*(\.[A-Za-z][\w
 
 KIND = "modal"
 _NORMALISED = Quantity("kg^-0.5", "0.8 kg^-0.5")
-_BALANCE = HarmonicBalance(harmonics=(1,), time_samples=16, cycles=2)
+_BALANCE = HarmonicBalance(harmonics=(1,), time_samples=128, cycles=2)
 
 
 class Mode(Section):

@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
+from updamp.diagnosis.model.condition import Condition
 from updamp.diagnosis.model.derivatives import Change, Derivatives, derivatives
+from updamp.diagnosis.model.held_branch import HeldPoint, held_state, trace_held
 from updamp.diagnosis.model.model_at import ModelAt
 from updamp.diagnosis.model.numerical_error import NumericalError
 from updamp.diagnosis.model.parameters import Parametrisation
@@ -25,45 +27,10 @@ from updamp.hbm.system import NonlinearSystem
 
 Floats = NDArray[np.float64]
 
-# The branch is followed beyond the measured frequencies by this share of their range.
-_BEYOND = 0.15
 # A branch moved by changes of the parameters has to reach beyond them by this much still.
 _SPARE = 0.04
 # To what share of the largest amplitude a response has to be proportional to the force.
 _LINEAR = 1e-6
-
-
-@dataclass(frozen=True)
-class Condition:
-    """A test as the model sees it: one run without its repeats.
-
-    force: amplitude [N]; window: measured frequencies [Hz]
-    held: amplitude of the response that was held, in `unit`; None where it was not a response that was held
-    sensors: (point of the model, harmonic), in the order of the observations
-    """
-
-    name: str
-    mode: str
-    force: float
-    upwards: bool
-    window: tuple[float, float]
-    sensors: tuple[tuple[str, int], ...]
-    held: float | None = None
-    unit: str = "N"
-
-    @property
-    def level(self) -> float:
-        """What the test is called by: the force, unless a response was held."""
-        return self.force if self.held is None else self.held
-
-    @property
-    def level_name(self) -> str:
-        return f"{self.level:.3g} {self.unit.replace('^2', '²')}"
-
-    @property
-    def wider(self) -> tuple[float, float]:
-        low, high = self.window
-        return low - _BEYOND * (high - low), high + _BEYOND * (high - low)
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +41,8 @@ class PredictedBranch:
     u: (p,) parameters; place: (n,) length along the branch
     state: (n, m) logarithm of the frequency, then real and imaginary part of every sensor's amplitude [m], m = 1 + 2
         n_sensors; along: its derivative by place; slopes: (n, p + 1, m) by the parameters and by the logarithm of the
-        force, across the branch
+        force, across the branch. Where the response was held: amplitudes over the force that it takes, times the
+        condition's, and the last slope by the logarithm of the level held (`held_branch.py`)
     x_by_parameter: for each point (p, n_relative, n_coefficients); w_by_parameter: (n, p)
     visited: (n,) whether a slow sweep in the test's direction sees it
     stopped: why the branch ends inside the window, "" if it does not
@@ -156,6 +124,8 @@ def trace_branch(
     raises: BranchStoppedError where not even its first point is found
     """
     there = ModelAt(parametrisation, u)
+    if condition.control is not None:
+        return observe(there, condition, *trace_held(there, condition))
     excitation, points, stopped = there.model.excited_by(condition.force), [], ""
     try:
         for point in continue_branch(there.model.system, excitation, condition.wider, options, condition.upwards):
@@ -171,8 +141,11 @@ def move_branch(parametrisation: Parametrisation, u: Floats, before: PredictedBr
     """The branch at other parameters, each point corrected across the branch from where its derivatives put it; None
     where one does not converge, or where the branch has moved out of the measured window.
 
-    Its parameters may be fewer than those now: the derivatives are of the first ones.
+    Its parameters may be fewer than those now: the derivatives are of the first ones. A branch with the response held
+    is not moved: it is single-valued in frequency, and soon traced.
     """
+    if before.condition.control is not None:
+        return None
     there = ModelAt(parametrisation, u)
     moved = _moved(there, before)
     if moved is None or not (before.stopped or _covers(moved, before.condition)):
@@ -210,11 +183,41 @@ def observe(
     there: ModelAt, condition: Condition, points: Sequence[BranchPoint], stopped: str, further: Sequence[Change] = ()
 ) -> PredictedBranch:
     """Solved points as a branch; further: changes by parameters that the model does not have yet, after its own."""
+    if condition.control is not None:
+        return _observe_held(there, condition, points, stopped, further)
     system, excitation = there.model.system, there.model.excited_by(condition.force)
     rows = np.array([system.free.row(point) for point, _ in condition.sensors])
     found = [derivatives(p, excitation, (*there.changes, *further), rows) for p in points]
     each = [_state(d, p.w, system, condition) for d, p in zip(found, points, strict=True)]
     state, along, slopes = (np.array(column) for column in zip(*each, strict=True))
+    by_parameter = tuple(d.x_by_parameter for d in found), np.array([d.w_by_parameter for d in found])
+    proportional = _is_proportional(state, along, slopes[:, -1])
+    return _branch(there, condition, points, stopped, (state, along, slopes), by_parameter, proportional, len(further))
+
+
+def _observe_held(
+    there: ModelAt, condition: Condition, points: Sequence[BranchPoint], stopped: str, further: Sequence[Change]
+) -> PredictedBranch:
+    each = [held_state(there, condition, p, further) for p in points if isinstance(p, HeldPoint)]
+    direction = 1.0 if condition.upwards else -1.0
+    state, slopes = np.array([s.state for s in each]), np.array([s.slopes for s in each])
+    along = direction * np.array([s.along for s in each])
+    nothing = tuple(np.zeros(0) for _ in points), np.zeros((len(points), 0))
+    return _branch(there, condition, points, stopped, (state, along, slopes), nothing, False, len(further))
+
+
+def _branch(
+    there: ModelAt,
+    condition: Condition,
+    points: Sequence[BranchPoint],
+    stopped: str,
+    observed: tuple[Floats, Floats, Floats],
+    by_parameter: tuple[tuple[Floats, ...], Floats],
+    proportional: bool,
+    further: int,
+) -> PredictedBranch:
+    """observed: state, its derivative along the branch, and slopes; further: how many of the parameters are new"""
+    state, along, slopes = observed
     length = _length(along, state, condition)
     chords = _length(np.diff(state, axis=0), (state[1:] + state[:-1]) / 2, condition)
     visited = np.zeros(len(points), dtype=bool)
@@ -222,17 +225,16 @@ def observe(
     place = np.concatenate([[0.0], np.cumsum(chords)])
     branch = PredictedBranch(
         condition,
-        np.append(there.u[: there.parametrisation.n_of_model], np.zeros(len(further))),
+        np.append(there.u[: there.parametrisation.n_of_model], np.zeros(further)),
         tuple(points),
         place,
         state,
         along / length[:, None],
         slopes,
-        tuple(d.x_by_parameter for d in found),
-        np.array([d.w_by_parameter for d in found]),
+        *by_parameter,
         visited,
         stopped,
-        _is_proportional(state, along, slopes[:, -1]),
+        proportional,
     )
     return with_patterns(branch, there.parametrisation.numerics)
 

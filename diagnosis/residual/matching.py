@@ -66,9 +66,22 @@ def match(
 
 def _difference(run: Observations, model: Observed, shift: Floats) -> Floats:
     """(n, m) measured less model"""
-    moves = np.broadcast_to(shift, (len(run), len(shift))).copy()
-    moves[:, -1] = run.log_force
-    return to_nearest_turn(run.observed - model.value - np.einsum("npm,np->nm", model.slopes, moves))
+    moved = np.einsum("npm,p->nm", model.slopes, shift) + by_drive(run, model.slopes)
+    return to_nearest_turn(run.observed - model.value - moved)
+
+
+def by_drive(run: Observations, slopes: Floats) -> Floats:
+    """(n, ..., m) what measured force and level do to the observations, being off those of the condition.
+
+    slopes: (n, ..., p + 1, m) of the branch where the points are, or (1, ..., p + 1, m)
+    """
+    drive = slopes[..., -1, :]
+    each = (len(run), *(1 for _ in drive.shape[1:]))
+    if run.log_level is None:
+        return np.asarray(drive * run.log_force.reshape(each))
+    # with the response held amplitudes are those over the force
+    amplitudes = np.append(0.0, np.tile([1.0, 0.0], (drive.shape[-1] - 1) // 2))
+    return np.asarray(drive * run.log_level.reshape(each) + amplitudes * run.log_force.reshape(each))
 
 
 def _weights(branch: PredictedBranch, run: Observations, spread: Floats, misfit: float) -> Floats:
@@ -84,8 +97,7 @@ def _distance(branch: PredictedBranch, run: Observations, tried: Floats, shift: 
     """(n, k) squared, of every point of the run from the places tried for it (n or 1, k)."""
     model = branch.at(tried)
     predicted = model.value + np.einsum("...pm,p->...m", model.slopes, shift)
-    by_force = model.slopes[..., -1, :] * run.log_force[:, None, None]
-    difference = to_nearest_turn(run.observed[:, None] - predicted - by_force)
+    difference = to_nearest_turn(run.observed[:, None] - predicted - by_drive(run, model.slopes))
     return np.asarray(np.sum((weights * difference) ** 2, axis=2))
 
 

@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.diagnosis.model.condition import Condition
 from updamp.diagnosis.model.numerical_error import NumericalError, difference, jaggedness
 from updamp.diagnosis.model.parameters import Parametrisation
-from updamp.diagnosis.model.predicted_branch import Condition, PredictedBranch, trace_branch
+from updamp.diagnosis.model.predicted_branch import PredictedBranch, trace_branch
 from updamp.diagnosis.model.rig_model import RigModel
 from updamp.diagnosis.residual.matching import across
 from updamp.diagnosis.residual.observations import Plan

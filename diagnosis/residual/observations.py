@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.diagnosis.measurement.measurement import MeasuredRun, Measurement
-from updamp.diagnosis.model.predicted_branch import Condition
+from updamp.diagnosis.model.condition import DERIVATIVES, Condition, HeldResponse
 
 Floats = NDArray[np.float64]
 
@@ -25,7 +25,8 @@ class Observations:
 
     test: place of its condition; repeat: number of the assembly
     observed: (n, 1 + 2 n_sensors) as in PredictedBranch; noise: like it, standard deviations of the sensors alone
-    log_force: (n,) logarithm of the measured force over the condition's
+    log_force: (n,) logarithm of the measured force over the condition's; log_level: (n,) of the measured response over
+        the one to be held, None where the force was set
     """
 
     run: str
@@ -34,6 +35,7 @@ class Observations:
     observed: Floats
     noise: Floats
     log_force: Floats
+    log_level: Floats | None = None
 
     def __len__(self) -> int:
         return len(self.observed)
@@ -58,11 +60,7 @@ class Plan:
     def only(self, wanted: Sequence[int]) -> "Plan":
         """With some of the conditions: their places."""
         place = {old: new for new, old in enumerate(wanted)}
-        kept = tuple(
-            Observations(o.run, place[o.test], o.repeat, o.observed, o.noise, o.log_force)
-            for o in self.observations
-            if o.test in place
-        )
+        kept = tuple(replace(o, test=place[o.test]) for o in self.observations if o.test in place)
         return Plan(tuple(self.conditions[i] for i in wanted), kept)
 
 
@@ -93,7 +91,16 @@ def _condition(measurement: Measurement, runs: Sequence[MeasuredRun], harmonics:
     low, high = min(run.frequency.min() for run in runs), max(run.frequency.max() for run in runs)
     held, unit = (first.level, first.level_unit) if first.held == "response" else (None, "N")
     sensors = tuple((measurement.channel(c).point, k) for c in common for k in orders)
-    return Condition(first.name, first.mode, force, first.upwards, (float(low), float(high)), sensors, held, unit)
+    window, control = (float(low), float(high)), _control(measurement, first)
+    return Condition(first.name, first.mode, force, first.upwards, window, sensors, held, unit, control)
+
+
+def _control(measurement: Measurement, run: MeasuredRun) -> HeldResponse | None:
+    """The response that was held; None where none was."""
+    if run.held != "response" or run.level_unit not in DERIVATIVES:
+        return None
+    point = measurement.channel(run.held_channel or run.channels[0]).point
+    return HeldResponse(point, run.level, DERIVATIVES[run.level_unit])
 
 
 def _observations(run: MeasuredRun, test: int, condition: Condition, measurement: Measurement) -> Observations:
@@ -106,7 +113,12 @@ def _observations(run: MeasuredRun, test: int, condition: Condition, measurement
         columns += [np.log(np.abs(amplitude)), np.unwrap(np.angle(amplitude))]
         noise += [deviation, deviation]
     log_force = np.log(np.abs(run.force) / condition.force)
-    return Observations(run.name, test, run.repeat, np.column_stack(columns), np.column_stack(noise), log_force)
+    level = None
+    if condition.control is not None:
+        held = run.amplitude(run.held_channel or run.channels[0])
+        w = 2 * np.pi * run.frequency
+        level = np.log(np.abs(held) * w**condition.control.derivatives / condition.control.level)
+    return Observations(run.name, test, run.repeat, np.column_stack(columns), np.column_stack(noise), log_force, level)
 
 
 def _deviation(run: MeasuredRun, channel: str, k: int) -> Floats:

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import interp1d
 
+from updamp.diagnosis.model.held_branch import force_at
 from updamp.diagnosis.model.predicted_branch import PredictedBranch
-from updamp.diagnosis.residual.matching import Matched
+from updamp.diagnosis.residual.matching import Matched, by_drive
 from updamp.diagnosis.search.modal_expansion import Expansion, MeasuredPoint, expand
 from updamp.diagnosis.search.resonant_mode import ResonantMode, first_harmonics, modal_amplitudes, system_of
 from updamp.hbm.observe import response
@@ -92,8 +93,12 @@ def _added(branch: PredictedBranch, sensors: Integers, excitation: str) -> tuple
     points = branch.points
     system = system_of(points[0])
     rows = np.array([system.free.row(branch.condition.sensors[i][0]) for i in sensors])
-    force = Excitation(system.free.row(excitation), branch.condition.force)
-    solved = [system.harmonics.amplitude(response(p.solution.equation, force, rows), 1) for p in points]
+    excited, condition = system.free.row(excitation), branch.condition
+    solved = []
+    for p in points:
+        force = Excitation(excited, force_at(p, condition))
+        amplitude = system.harmonics.amplitude(response(p.solution.equation, force, rows), 1)
+        solved.append(amplitude * condition.force / force.force)
     of_frequency = branch.state[:, 0] - np.log([point.frequency for point in points])
     return of_frequency, np.log(branch.amplitude[:, sensors] / np.array(solved))
 
@@ -123,7 +128,7 @@ class _Points:
     def of(matched: Matched, branch: PredictedBranch, excitation: str, mode: ResonantMode) -> "_Points":
         at, system = branch.at(matched.place), system_of(branch.points[0])
         # the force is put into the equations as it was measured, so its share of the difference is left in
-        observed = at.value + matched.difference + matched.observations.log_force[:, None] * at.slopes[:, -1]
+        observed = at.value + matched.difference + by_drive(matched.observations, at.slopes)
         sensors = np.array(first_harmonics(branch))
         # what finer numerics are expected to change is in the branch, but not in the equations
         added = _added(branch, sensors, excitation)
@@ -175,6 +180,6 @@ class _Points:
         share = float(np.clip((place - low) / (high - low), 0, 1))
         pair = branch.points[after - 1 : after + 1]
         x = (1 - share) * pair[0].x + share * pair[1].x
-        excitation = Excitation(self.excited, branch.condition.force)
-        q = [modal_amplitudes(p, excitation)[list(self.mode.numbers)] for p in pair]
+        forces = [Excitation(self.excited, force_at(p, branch.condition)) for p in pair]
+        q = [modal_amplitudes(p, f)[list(self.mode.numbers)] for p, f in zip(pair, forces, strict=True)]
         return x, (1 - share) * q[0] + share * q[1]

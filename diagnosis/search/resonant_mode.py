@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.diagnosis.model.held_branch import force_at
 from updamp.diagnosis.model.predicted_branch import PredictedBranch
 from updamp.hbm.branch import BranchPoint
 from updamp.hbm.structure_response import all_loads, respond
@@ -47,7 +48,7 @@ def resonant_mode(branch: PredictedBranch, excitation: str) -> ResonantMode:
     system = system_of(point)
     rows = [system.free.row(branch.condition.sensors[i][0]) for i in first]
     shapes = system.stuck.phi[rows]
-    q = modal_amplitudes(point, Excitation(system.free.row(excitation), branch.condition.force))
+    q = modal_amplitudes(point, Excitation(system.free.row(excitation), force_at(point, branch.condition)))
     number = int(np.argmax(np.abs(shapes[sensor] * q)))
     omega = np.sqrt(np.maximum(system.stuck.omega_squared, 0.0))
     channel = branch.condition.sensors[first[sensor]][0]

@@ -7,11 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.diagnosis.effects.effect import Effect
+from updamp.diagnosis.model.condition import Condition
 from updamp.diagnosis.model.derivatives import Change
 from updamp.diagnosis.model.model_at import ModelAt, change_of_effect
 from updamp.diagnosis.model.numerical_error import difference
 from updamp.diagnosis.model.parameters import Parametrisation
-from updamp.diagnosis.model.predicted_branch import Condition, PredictedBranch, observe, of_state, trace_branch
+from updamp.diagnosis.model.predicted_branch import PredictedBranch, observe, of_state, trace_branch
 from updamp.diagnosis.model.rig_model import RigModel
 from updamp.diagnosis.residual.fit import Compared, Fit, compare_at
 from updamp.diagnosis.residual.numerical_gate import densely, unwrapped, wider

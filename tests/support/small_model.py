@@ -3,8 +3,9 @@
 import jax.numpy as jnp
 import numpy as np
 
+from updamp.diagnosis.model.condition import Condition
 from updamp.diagnosis.model.parameters import FRICTION, LOSS_FACTOR, PRELOAD, YOUNGS_MODULUS, Parametrisation
-from updamp.diagnosis.model.predicted_branch import Condition, trace_branch
+from updamp.diagnosis.model.predicted_branch import trace_branch
 from updamp.diagnosis.model.rig_model import RigModel
 from updamp.diagnosis.residual.observations import Observations, Plan
 from updamp.hbm.contact.friction import FrictionParameters

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from updamp.diagnosis.effects import catalogue as module
-from updamp.diagnosis.effects.catalogue import CATALOGUE, catalogue
+from updamp.diagnosis.effects.catalogue import CATALOGUE, JOINTS, catalogue
 from updamp.diagnosis.effects.chosen import chosen_effects, with_effects
 from updamp.diagnosis.effects.user_effect import EffectError, effect_from_file
 from updamp.rig_errors import RigError
@@ -150,7 +150,7 @@ def test_installed_packages_add_effects(monkeypatch):
         monkeypatch.setattr(module, "entry_points", lambda group: [Installed(name, value, group)])
 
     offer("rounded", "good")
-    assert [*catalogue()] == [*CATALOGUE, "rounded"]
+    assert [*catalogue()] == [*CATALOGUE, *JOINTS, "rounded"]
     offer("edge_gap", "good")
     with pytest.raises(EffectError, match='there is an effect "edge_gap" already; rename it'):
         catalogue()

@@ -1,0 +1,58 @@
+"""A test as the model sees it."""
+
+from dataclasses import dataclass
+
+# The branch is followed beyond the measured frequencies by this share of their range.
+_BEYOND = 0.15
+# SI unit of a response -> how often its displacement has been differentiated.
+DERIVATIVES = {"m": 0, "m/s": 1, "m/s^2": 2}
+
+
+@dataclass(frozen=True)
+class HeldResponse:
+    """A controller held the first harmonic at one point. level: amplitude of its displacement differentiated
+    `derivatives` times with respect to time"""
+
+    point: str
+    level: float
+    derivatives: int
+
+    def amplitude(self, w: float) -> float:
+        """Of the displacement [m] at the angular frequency w [rad/s]"""
+        return self.level / w**self.derivatives
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A test as the model sees it: one run without its repeats.
+
+    force: amplitude [N], of a response-controlled test the median; window: measured frequencies [Hz]
+    held: amplitude of the response that was held, in `unit`; None where it was not a response that was held: what the
+        test is called by
+    sensors: (point of the model, harmonic), in the order of the observations
+    control: the response that a controller held; None where the force is what was set
+    """
+
+    name: str
+    mode: str
+    force: float
+    upwards: bool
+    window: tuple[float, float]
+    sensors: tuple[tuple[str, int], ...]
+    held: float | None = None
+    unit: str = "N"
+    control: HeldResponse | None = None
+
+    @property
+    def level(self) -> float:
+        """What the test is called by: the force, unless a response was held."""
+        return self.force if self.held is None else self.held
+
+    @property
+    def level_name(self) -> str:
+        return f"{self.level:.3g} {self.unit.replace('^2', '²')}"
+
+    @property
+    def wider(self) -> tuple[float, float]:
+        low, high = self.window
+        return low - _BEYOND * (high - low), high + _BEYOND * (high - low)
