@@ -7,7 +7,7 @@ from pathlib import Path
 
 from updamp.diagnosis.search.criteria import Criteria
 from updamp.diagnosis.search.decide import decide
-from updamp.diagnosis.search.evidence import Evidence, Tested
+from updamp.diagnosis.search.evidence import EffectScore, Evidence
 
 Said = tuple[str, tuple[str, ...], tuple[str, ...]]
 # Score above which a test alone would call an effect found.
@@ -26,7 +26,7 @@ def ablations(evidence: Evidence, criteria: Criteria) -> dict[str, Said]:
     }
 
 
-def _by(evidence: Evidence, value: Callable[[Tested], float], found: bool, limit: float = 0.0) -> Said:
+def _by(evidence: Evidence, value: Callable[[EffectScore], float], found: bool, limit: float = 0.0) -> Said:
     best = max(evidence.tested, key=value, default=None)
     if best is None or not found or value(best) < limit:
         return "adequate", (), ()

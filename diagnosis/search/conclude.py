@@ -10,7 +10,7 @@ from updamp.diagnosis.effects.effect import Effect
 from updamp.diagnosis.residual.fit import Fit
 from updamp.diagnosis.search.criteria import Criteria
 from updamp.diagnosis.search.decide import Decision, decide, reason_against
-from updamp.diagnosis.search.evidence import Tested, Trial
+from updamp.diagnosis.search.evidence import EffectScore, Trial
 from updamp.diagnosis.search.refit import Refit
 from updamp.diagnosis.search.score import cosines
 from updamp.diagnosis.search.search import Found
@@ -71,7 +71,7 @@ def _candidates(found: Found, decision: Decision, criteria: Criteria) -> tuple[C
 
 
 def _candidate(
-    found: Found, tested: Tested, trial: Trial | None, fitted: Refit | None, criteria: Criteria
+    found: Found, tested: EffectScore, trial: Trial | None, fitted: Refit | None, criteria: Criteria
 ) -> Candidate:
     effect = next(s.effect for s in found.scored if s.effect.name == tested.effect)
     nan = float("nan")
@@ -97,7 +97,7 @@ def _candidate(
     )
 
 
-def _not_fitted(tested: Tested, criteria: Criteria) -> str:
+def _not_fitted(tested: EffectScore, criteria: Criteria) -> str:
     if tested.visibility < criteria.visibility:
         return "not identifiable with these data: the nuisance parameters can imitate it"
     if tested.score < criteria.score:

@@ -26,7 +26,7 @@ class Trial:
 
 
 @dataclass(frozen=True)
-class Tested:
+class EffectScore:
     """Score test of one effect. score: in standard deviations; alone: that of the residual and the signature alone,
     neither orthogonal to the nuisance parameters; without_scatter: as if repeats did not differ"""
 
@@ -48,12 +48,12 @@ class Evidence:
     excess: float
     held_out: float
     repeatability: float
-    tested: tuple[Tested, ...]
+    tested: tuple[EffectScore, ...]
     trials: tuple[Trial, ...]
     pairs: tuple[Trial, ...]
     alike: tuple[tuple[str, str, float], ...]
 
-    def test_of(self, effect: str) -> Tested | None:
+    def test_of(self, effect: str) -> EffectScore | None:
         return next((t for t in self.tested if t.effect == effect), None)
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.diagnosis.effects.effect import Effect
+from updamp.diagnosis.model.parameters import Parametrisation
 from updamp.diagnosis.model.predicted_branch import PredictedBranch
 from updamp.diagnosis.residual.fit import Fit, FitOptions, compare_at, fit, objective, predict
 from updamp.diagnosis.residual.observations import Plan
@@ -14,6 +15,8 @@ from updamp.diagnosis.search.criteria import Criteria
 from updamp.hbm.continuation import BranchStoppedError
 
 Floats = NDArray[np.float64]
+# chi2 a value from where on a model fails badly.
+_BADLY = 3.0
 _SHORT, _FULL = FitOptions(rounds=2), FitOptions(rounds=6)
 
 
@@ -59,11 +62,9 @@ def refit(
         solved = near.compared.branches or None
         again = fit(near.parametrisation, plan, near.u, base.compared.scatter, solved, _options(full))
         return judged(base, again, effects, criteria)
-    p, n = base.parametrisation, base.parametrisation.n_of_model
-    extended = replace(p, effects=(*p.effects, *effects))
+    extended = replace(base.parametrisation, effects=(*base.parametrisation.effects, *effects))
     best: tuple[float, Floats, tuple[PredictedBranch, ...]] | None = None
-    for start in starts:
-        u = np.clip(np.concatenate([base.u[:n], start, base.u[n:]]), extended.lower, extended.upper)
+    for u in _vectors(base, extended, starts):
         try:
             branches = predict(extended, u, plan, base.compared.branches)
         except BranchStoppedError:
@@ -72,12 +73,28 @@ def refit(
         value = objective(extended, compared)
         if best is None or value < best[0]:
             best = value, u, branches
-        if value < objective(p, base.compared):
+        if not _fails_badly(base) and value < objective(base.parametrisation, base.compared):
             break
     if best is None:
         return None
     found = fit(extended, plan, best[1], base.compared.scatter, best[2], _options(full))
     return judged(base, found, effects, criteria)
+
+
+def _vectors(base: Fit, extended: Parametrisation, starts: Sequence[Floats]) -> list[Floats]:
+    """Starts of all parameters: from the calibrated model and, where that fails badly, from the model as given, since
+    a calibration to data with something else in them leads astray."""
+    n = base.parametrisation.n_of_model
+    found = [np.concatenate([base.u[:n], start, base.u[n:]]) for start in starts]
+    if _fails_badly(base):
+        bare = np.zeros_like(base.u)
+        bare[len(base.parametrisation.nuisances) : n] = base.u[len(base.parametrisation.nuisances) : n]
+        found = [found[0], *(np.concatenate([bare[:n], start, bare[n:]]) for start in starts)]
+    return [np.clip(u, extended.lower, extended.upper) for u in found]
+
+
+def _fails_badly(base: Fit) -> bool:
+    return base.compared.chi2 > _BADLY * base.compared.values
 
 
 def _options(full: bool) -> FitOptions:

@@ -10,7 +10,7 @@ from updamp.diagnosis.effects.effect import Effect
 from updamp.diagnosis.search.attempts import Attempt, Bench, Done, Result, run_here, with_branches
 from updamp.diagnosis.search.baseline import Baseline, error_of
 from updamp.diagnosis.search.criteria import Criteria
-from updamp.diagnosis.search.evidence import Evidence, Tested
+from updamp.diagnosis.search.evidence import EffectScore, Evidence
 from updamp.diagnosis.search.refit import Refit, judged
 from updamp.diagnosis.search.score import Score, cosines, scores
 from updamp.diagnosis.search.signature import Extended, extend
@@ -135,14 +135,15 @@ def _against_parts(start: Baseline, pair: Refit, singles: Results) -> float:
     return (pair.drop - max(alone, default=0.0)) / noise - fewest * float(np.log(values))
 
 
-def _tested(extended: Extended, scored: Sequence[Score]) -> tuple[Tested, ...]:
+def _tested(extended: Extended, scored: Sequence[Score]) -> tuple[EffectScore, ...]:
     still = {name: 1e-9 * size for name, size in extended.compared.scatter.parameters.items()}
     stiff = replace(extended.compared.scatter, parameters=still, drift=1e-12, gain=1e-9)
     without = {
         s.effect.name: s.score for s in scores(replace(extended, compared=replace(extended.compared, scatter=stiff)))
     }
     return tuple(
-        Tested(s.effect.name, s.score, s.visibility, s.drop, s.raw, without.get(s.effect.name, 0.0)) for s in scored
+        EffectScore(s.effect.name, s.score, s.visibility, s.drop, s.raw, without.get(s.effect.name, 0.0))
+        for s in scored
     )
 
 
