@@ -17,6 +17,7 @@ from updamp.diagnosis.comparison_json import write_json as write_comparison
 from updamp.diagnosis.effects.catalogue import catalogue
 from updamp.diagnosis.effects.effect import Effect
 from updamp.diagnosis.effects.user_effect import effect_from_file
+from updamp.diagnosis.model.modal_rig import is_modal
 from updamp.diagnosis.report.write_report import write_report
 from updamp.diagnosis.residual.observations import Plan, plan_of
 from updamp.diagnosis.search.ablations import write_ablations
@@ -25,6 +26,7 @@ from updamp.diagnosis.search.baseline import Baseline, baseline
 from updamp.diagnosis.search.conclude import conclude
 from updamp.diagnosis.search.criteria import Criteria
 from updamp.diagnosis.search.decide import Decision, decide
+from updamp.diagnosis.search.diagnose_stated import diagnose_stated, tables
 from updamp.diagnosis.search.evidence import write_evidence
 from updamp.diagnosis.search.memory import Memory, Remembering, digest_of
 from updamp.diagnosis.search.missing_force import missing_forces
@@ -32,6 +34,7 @@ from updamp.diagnosis.search.search import Found, search
 from updamp.diagnosis.verdict import MissingForce, Verdict
 from updamp.diagnosis.verdict_json import write_json
 from updamp.progress import Display
+from updamp.rig import load_rig
 
 _STAGE = "diagnosis"
 
@@ -57,16 +60,13 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
     """Build the model where it is not there yet, search, write diagnosis.json and report.html.
 
     A diagnosis that was stopped goes on where it was, as long as nothing that it depends on has changed.
-    raises: RigError, MeasurementError and what the stages raise; ValueError where the measurement has no curves, or a
-        run to hold out was not measured
+    raises: RigError, MeasurementError and what the stages raise; ValueError where the measurement has neither curves
+        nor usable stated values, or a run to hold out was not measured
     """
     with Display(console) as display:
         subject = subject_of(files, preset, options.jobs, display, options.finer)
         if not subject.measurement.runs:
-            raise ValueError(
-                f"{files.measurement}: stated features alone do not tell effects apart; `updamp diagnose` needs runs "
-                "(curves) with repeats. `updamp compare` takes features"
-            )
+            return _of_stated(files, preset, options, subject, display, console)
         provenance = {**provenance_of(files, subject, preset), "date": date.today().isoformat()}
         effects = _effects(subject, options)
         files.out.mkdir(parents=True, exist_ok=True)
@@ -86,6 +86,37 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
             _report(files, subject, verdict, told)
         display.done(_STAGE, f"{verdict.verdict}: {', '.join(verdict.effects or verdict.group) or 'no effect'}")
     return verdict
+
+
+def _of_stated(
+    files: CompareFiles, preset: str, options: DiagnoseOptions, subject: Subject, display: Display, console: Console
+) -> Verdict:
+    """Where no curve was measured: diagnosis.json, report.html and two tables."""
+    if not subject.measurement.features or is_modal(files.rig):
+        raise ValueError(
+            f"{files.measurement}: no runs (curves), and no stated features that a rig with contacts could answer to; "
+            "measure curves with repeats"
+        )
+    rig, told = load_rig(files.rig), _telling(display)
+    provenance = {**provenance_of(files, subject, preset), "date": date.today().isoformat()}
+    found = diagnose_stated(
+        subject.before_effects,
+        {name: mode.window for name, mode in rig.study.modes.items()},
+        f"blade_{rig.excitation.blade}",
+        subject.measurement.features,
+        _effects(subject, options),
+        subject.taken,
+        provenance,
+        told,
+    )
+    files.out.mkdir(parents=True, exist_ok=True)
+    write_json(files.out / "diagnosis.json", found.verdict)
+    if options.report:
+        _report(files, subject, found.verdict, told)
+    display.done(_STAGE, found.verdict.verdict)
+    for shown in tables(found):
+        console.print(shown)
+    return found.verdict
 
 
 def _effects(subject: Subject, options: DiagnoseOptions) -> tuple[Effect, ...]:

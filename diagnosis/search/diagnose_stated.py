@@ -80,7 +80,17 @@ def _at_small_force(feature: Feature, model: RigModel, modes: LowForceModes) -> 
     return not np.isfinite(feature.force) or feature.force < linear_up_to(model, found, mode)
 
 
-def table(diagnosis: StatedDiagnosis) -> Table:
+def tables(diagnosis: StatedDiagnosis) -> tuple[Table, ...]:
+    """For the terminal: explanations, what the surviving ones would do elsewhere, what to measure next."""
+    shown = [explanation_table(diagnosis)]
+    if diagnosis.predictions:
+        shown.append(prediction_table(diagnosis))
+    if diagnosis.verdict.next_measurement:
+        shown.append(next_table(diagnosis))
+    return tuple(shown)
+
+
+def explanation_table(diagnosis: StatedDiagnosis) -> Table:
     """One line an explanation: parameters, and how far each stated value is off in per cent."""
     found, problem = diagnosis.found, diagnosis.problem
     shown = Table(title="What could explain the stated frequencies", title_justify="left", header_style="bold")
@@ -114,4 +124,14 @@ def prediction_table(diagnosis: StatedDiagnosis) -> Table:
         shown.add_column(p.rival.name, justify="right", overflow="fold")
     for i, q in enumerate(diagnosis.wanted):
         shown.add_row(q.what, *(f"{p.value[i]:.4g} {q.unit}".strip() for p in diagnosis.predictions))
+    return shown
+
+
+def next_table(diagnosis: StatedDiagnosis) -> Table:
+    """One line a measurement, most separation per hour first."""
+    shown = Table(title="What to measure next", title_justify="left", header_style="bold")
+    for heading in ("measurement", "separates by", "hours"):
+        shown.add_column(heading, justify="left" if heading == "measurement" else "right", overflow="fold")
+    for m in diagnosis.verdict.next_measurement:
+        shown.add_row(m.sentence, f"{m.separation:.3g}", f"{m.hours:.2g}")
     return shown
