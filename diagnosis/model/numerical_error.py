@@ -3,7 +3,8 @@
 The branch of a finer model (mesh, contact patches, harmonics, time samples) is compared with that of the model in use.
 The finer model is nearer the truth, but is not the truth: what it changes is known to within its own size. That
 uncertainty enters the fit as patterns of size 0 with standard deviation 1, so that misfits of that shape and size prove
-nothing: one pattern for the whole difference and, of what calibration cannot make up for, one a test.
+nothing: one pattern for the whole difference and, of what calibration cannot make up for, one a mode and, of half the
+size, one a test.
 
 Where contacts begin to slip one after the other the response is jagged, by how many of them there are, and so is the
 difference. Nothing is said of where the teeth really are: their size is added to the noise of the sensors there.

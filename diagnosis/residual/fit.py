@@ -214,7 +214,8 @@ def fit(
         ahead = _fit_linear(parametrisation, plan, best, scatter, prior, reach)
         now = objective(parametrisation, reweighed(parametrisation, plan, best, ahead.scatter))
         if now - objective(parametrisation, ahead) < max(options.tolerance, _DIGITS * now):
-            return _result(parametrisation, best, True, "settled")
+            # what is still to be gained is, to first order: two standard deviations at most, no need for solving anew
+            return _result(parametrisation, reweighed(parametrisation, plan, ahead, ahead.scatter), True, "settled")
         common = predict(parametrisation, ahead.u, plan, best.branches)
         solved = compare_at(parametrisation, ahead.u, plan, common, ahead.scatter, ahead.offsets)
         progress(f"chi2 {solved.chi2:.0f} for {solved.values} values")

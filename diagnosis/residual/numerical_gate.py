@@ -18,8 +18,8 @@ from updamp.hbm.harmonics import Harmonics
 Floats = NDArray[np.float64]
 
 _MORE_HARMONICS = 2
-# Of what finer numerics change.
-_UNSURE = 1.0
+# Of what finer numerics change: as a whole and in each mode; in each test beyond that.
+_UNSURE, _OF_TEST = 1.0, 0.5
 # A finer model is traced beyond the measured window by this share of it.
 _FURTHER = 0.4
 # Places taken of it for each of its points.
@@ -40,13 +40,14 @@ def with_numerical_error(
     branches: Sequence[PredictedBranch],
     finer: Mapping[str, RigModel],
 ) -> Parametrisation:
-    """The parametrisation with patterns of numerical error for each of the finer models, and for each test.
+    """The parametrisation with patterns of numerical error for each of the finer models, mode and test.
 
     branches: of the parametrisation at u, one a condition; finer: name -> model with the same points
     raises: BranchStoppedError where a finer model has no response at the beginning of a run
     """
     coarse = {b.condition.name: unwrapped(b.at(b.place).value) for b in branches}
     expected = {c: np.zeros_like(observed) for c, observed in coarse.items()}
+    modes = tuple(dict.fromkeys(c.mode for c in plan.conditions))
     names: list[str] = []
     patterns: dict[str, list[Floats]] = {c: [] for c in coarse}
     rough = {c: np.zeros_like(observed) for c, observed in coarse.items()}
@@ -57,11 +58,14 @@ def with_numerical_error(
         there = Parametrisation(replace(parametrisation, base=model).model(u), ())
         changes = {c.name: _change(there, c, coarse[c.name]) for c in plan.conditions}
         left = _beyond_calibration(parametrisation, plan, branches, changes)
-        names += [name, *(f"{name} {c.name}" for c in plan.conditions)]
+        names += [name, *(f"{name} {mode}" for mode in modes), *(f"{name} {c.name}" for c in plan.conditions)]
         for c in plan.conditions:
             expected[c.name] += changes[c.name]
-            of_tests = (left[c.name] * (c.name == test.name) for test in plan.conditions)
-            patterns[c.name] += [_UNSURE * change for change in (changes[c.name], *of_tests)]
+            patterns[c.name] += [
+                _UNSURE * changes[c.name],
+                *(_UNSURE * (c.mode == mode) * left[c.name] for mode in modes),
+                *(_OF_TEST * (c.name == test.name) * left[c.name] for test in plan.conditions),
+            ]
             rough[c.name] = np.hypot(rough[c.name], jaggedness(changes[c.name]))
     numerics = NumericalError(
         tuple(names),
