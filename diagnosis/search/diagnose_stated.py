@@ -123,7 +123,9 @@ def prediction_table(diagnosis: StatedDiagnosis) -> Table:
     for p in diagnosis.predictions:
         shown.add_column(p.rival.name, justify="right", overflow="fold")
     for i, q in enumerate(diagnosis.wanted):
-        shown.add_row(q.what, *(f"{p.value[i]:.4g} {q.unit}".strip() for p in diagnosis.predictions))
+        shown.add_row(
+            q.what, *(f"{p.value[i]:.4g} ± {p.deviation[i]:.1g} {q.unit}".strip() for p in diagnosis.predictions)
+        )
     return shown
 
 

@@ -30,6 +30,7 @@ _STEP, _MOVES = 1e-3, 1e-5
 # Where a search over an effect's bounds looks first: shares of the way to each.
 _SHARES = (0.01, 0.03, 0.1, 0.2, 0.4, 0.7, 1.0)
 _STARTS = 2
+_AS_GOOD = 4.0  # of chi2, above the best
 
 
 def _both(model: RigModel, factor: float) -> RigModel:
@@ -73,6 +74,8 @@ class Explanation:
     """name: of what is changed, in words; u, covariance: of the parametrisation, as fitted
     frequencies: (n_features,) [Hz]; off: (n_features,) from the stated values, in their standard deviations
     chi2: with what the priors of the nuisance parameters add
+    as_good: other places, one parameter of an effect moved, that fit within two standard deviations: contacts open
+        one after the other, so that a derivative does not tell how far a parameter is free
     """
 
     name: str
@@ -82,6 +85,7 @@ class Explanation:
     frequencies: Floats
     off: Floats
     chi2: float
+    as_good: tuple[Floats, ...] = ()
 
     @property
     def met(self) -> bool:
@@ -193,8 +197,25 @@ def _explanation(problem: LowForceProblem, name: str, parametrisation: Parametri
     off = (frequencies - problem.stated) / problem.deviation
     residual = residual_of(problem, parametrisation, u)
     J = _jacobian(lambda v: residual_of(problem, parametrisation, v), u, parametrisation.lower, parametrisation.upper)
-    covariance, chi2 = np.asarray(np.linalg.pinv(J.T @ J)), float(residual @ residual)
-    return Explanation(name, parametrisation, u, covariance, frequencies, off, chi2)
+    # what the values do not determine is free within its bounds
+    loose = np.diag((parametrisation.upper - parametrisation.lower) ** -2.0)
+    covariance, chi2 = np.asarray(np.linalg.inv(J.T @ J + loose)), float(residual @ residual)
+    other = tuple(
+        v for v in _one_moved(parametrisation, u)
+        if np.sum(residual_of(problem, parametrisation, v) ** 2) <= chi2 + _AS_GOOD
+    )  # fmt: skip
+    return Explanation(name, parametrisation, u, covariance, frequencies, off, chi2, other)
+
+
+def _one_moved(parametrisation: Parametrisation, u: Floats) -> list[Floats]:
+    """Each parameter of an effect over its bounds, the others held."""
+    points = []
+    for i in range(len(parametrisation.nuisances), len(u)):
+        for bound, share in product((parametrisation.lower[i], parametrisation.upper[i]), _SHARES):
+            if bound != 0:
+                points.append(u.copy())
+                points[-1][i] = share * bound
+    return points
 
 
 def residual_of(problem: LowForceProblem, parametrisation: Parametrisation, u: Floats) -> Floats:

@@ -150,7 +150,11 @@ def _predicted(rival: Rival, modes: LowForceModes, wanted: Sequence[Quantity]) -
         above[i], below[i] = min(e.u[i] + _STEP, upper[i]), max(e.u[i] - _STEP, lower[i])
         change = _values(rival, above, modes, wanted) - _values(rival, below, modes, wanted)
         slopes[:, i] = change / (above[i] - below[i])
-    return Prediction(rival, value, np.sqrt(np.einsum("qi,ij,qj->q", slopes, e.covariance, slopes)))
+    deviation = np.sqrt(np.einsum("qi,ij,qj->q", slopes, e.covariance, slopes))
+    for u in e.as_good:
+        # two standard deviations off at most
+        deviation = np.maximum(deviation, np.abs(_values(rival, u, modes, wanted) - value) / 2)
+    return Prediction(rival, value, deviation)
 
 
 def _values(rival: Rival, u: Floats, modes: LowForceModes, wanted: Sequence[Quantity]) -> Floats:

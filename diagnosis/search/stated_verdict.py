@@ -158,7 +158,8 @@ def _parameters(fit: Explanation) -> tuple[FittedParameter, ...]:
     for i, p in enumerate(effect.parameters):
         half = _95 * float(np.sqrt(fit.covariance[n + i, n + i])) * abs(p.typical - p.null)
         value = values[p.name]
-        lower, upper = max(value - half, p.lower), min(value + half, p.upper)
+        others = [fit.parametrisation.values(u)[effect.name][p.name] for u in fit.as_good]
+        lower, upper = max(min([value - half, *others]), p.lower), min(max([value + half, *others]), p.upper)
         said.append(FittedParameter(p.name, p.unit, value, lower, upper, p.null, p.lower, p.upper))
     return tuple(said)
 
