@@ -14,7 +14,7 @@ from updamp.diagnosis.model.numerical_error import difference
 from updamp.diagnosis.model.parameters import Parametrisation
 from updamp.diagnosis.model.predicted_branch import PredictedBranch, observe, of_state, trace_branch
 from updamp.diagnosis.model.rig_model import RigModel
-from updamp.diagnosis.residual.fit import Compared, Fit, compare_at
+from updamp.diagnosis.residual.fit import Compared, Fit, compare_at, predict
 from updamp.diagnosis.residual.numerical_gate import densely, unwrapped, wider
 from updamp.diagnosis.residual.observations import Plan
 from updamp.hbm.continuation import BranchStoppedError
@@ -73,7 +73,7 @@ def extend(
     by_step = [e for e in known if e not in by_derivative]
     changes = [change_of_effect(there.model, e, q) for e in by_derivative for q in e.parameters]
     branches = []
-    for branch in fitted.compared.branches:
+    for branch in _solved_at(fitted, plan):
         progress(f"signatures {branch.condition.name}")
         steps = [_by_step_of(there, branch, e) for e in by_step]
         branches.append(_extended(there, branch, changes, steps))
@@ -83,6 +83,15 @@ def extend(
     longer = np.concatenate([u[:n], np.zeros(extended.n_of_model - n), u[n:]])
     compared = compare_at(extended, longer, plan, branches, fitted.compared.scatter, fitted.compared.offsets)
     return Extended(extended, compared, ordered, refused)
+
+
+def _solved_at(fitted: Fit, plan: Plan) -> tuple[PredictedBranch, ...]:
+    """Branches of the fit's parameters: a fit that has settled is a linear step beyond those that it solved last."""
+    p, u, branches = fitted.parametrisation, fitted.u, fitted.compared.branches
+    n = p.n_of_model
+    if all(np.array_equal(branch.u[:n], u[:n]) for branch in branches):
+        return branches
+    return predict(p, u, plan, branches)
 
 
 def _with_a_place(there: ModelAt, effects: Sequence[Effect]) -> tuple[list[Effect], dict[str, str]]:
