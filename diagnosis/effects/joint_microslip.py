@@ -1,4 +1,8 @@
-"""Friction in a bolted joint that slips little by little."""
+"""Friction in a bolted joint that slips little by little.
+
+Gross slip is taken to be out of reach. Then stiffness and slip force of the joint cannot be known: only what the joint
+loses at an amplitude, and how that grows with it.
+"""
 
 from updamp.diagnosis.effects.effect import Effect, EffectParameter, Values
 from updamp.diagnosis.effects.joint import with_joint_element
@@ -15,7 +19,7 @@ def apply(model: RigModel, values: Values) -> RigModel:
         IwanMicroslip(),
         lost=values["stiffness_lost"],
         exponent=values["exponent"],
-        nearness=values["nearness"],
+        nearness=0.0,
     )
 
 
@@ -30,12 +34,8 @@ EFFECT = Effect(
         ),
         EffectParameter(
             "exponent", 0.0, -0.9, 1.0, -0.4, "",
-            "chi of the distribution of slip displacements: damping grows with amplitude to the power 1 + chi; joints "
-            "that were measured had -0.9 to 0 (Segalman 2005)",
-        ),
-        EffectParameter(
-            "nearness", 0.0, 0.0, 10.0, 0.2, "",
-            "0.1 mm over the displacement at which the whole joint slips; beyond that damping falls again",
+            "chi of the distribution of slip displacements: damping grows with amplitude to the power 1 + chi; lap "
+            "joints that were measured had -0.9 to 0 (Segalman 2005)",
         ),
     ),
     apply,

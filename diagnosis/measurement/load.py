@@ -49,6 +49,11 @@ def load_measurement(path: Path, points: Sequence[str] | None = None, rig: str |
     named = {f"channels.{name}.point": channel.model_point for name, channel in file.channels.items()}
     _check_points(path, {"excitation": file.excitation, **named}, points)
     runs, assumptions = _runs(path, file, files)
+    if file.repeatability is not None and len(repeats := {run.repeat for run in runs}) > 1:
+        raise MeasurementError(
+            f"{path}: repeatability = {file.repeatability:g}: there are {len(repeats)} repeats among the runs, which "
+            "tell it; take the line out"
+        )
     return Measurement(
         title=file.title,
         pull=file.damper_load,
@@ -62,6 +67,7 @@ def load_measurement(path: Path, points: Sequence[str] | None = None, rig: str |
         features=_features(file, files),
         assumptions=tuple(dict.fromkeys([*_conventions(file), *assumptions, *_few_repeats(runs)])),
         hashes=files.hashes,
+        repeatability=file.repeatability or 0.0,
     )
 
 

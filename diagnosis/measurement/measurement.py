@@ -98,6 +98,7 @@ class Measurement:
 
     assumptions: what was not stated and how it was read, in sentences
     hashes: file name -> SHA-256 of what was read
+    repeatability: relative standard deviation of a response from test to test as stated, 0 where the repeats tell
     """
 
     title: str
@@ -108,6 +109,7 @@ class Measurement:
     features: tuple[Feature, ...] = ()
     assumptions: tuple[str, ...] = ()
     hashes: Mapping[str, str] | None = None
+    repeatability: float = 0.0
 
     def channel(self, name: str) -> Channel:
         """raises: ValueError naming the channels there are"""

@@ -114,7 +114,11 @@ def _listed_once(value: object) -> object:
 
 
 class MeasurementFile(Section):
-    """All of measurement.toml. rig: name of the rig as in its file; features: file of stated values beside this one."""
+    """All of measurement.toml. rig: name of the rig as in its file; features: file of stated values beside this one
+
+    repeatability: relative standard deviation of a response when the test is repeated, known from elsewhere; only where
+    no repeats are among the runs
+    """
 
     title: Annotated[Text, Field(examples=["Double-beam rig, damper 3, May 2024"])]
     rig: Annotated[Text, Field(examples=["pesaresi2017"])]
@@ -122,6 +126,7 @@ class MeasurementFile(Section):
     excitation: Annotated[Text, Field(examples=["blade_right.excitation.x"])]
     time_convention: Annotated[Literal["exp(+iwt)", "exp(-iwt)"], Field(examples=["exp(+iwt)"])] | None = None
     features: Annotated[Text, Field(examples=["stated.toml"])] | None = None
+    repeatability: Annotated[float, Field(strict=True, gt=0, lt=1, examples=[0.05])] | None = None
     channels: Annotated[Mapping[str, ChannelTable], Field(min_length=1)]
     runs: Annotated[
         tuple[RunTable, ...], BeforeValidator(_listed_once), Field(examples=[[{"name": "OOP 17 N", "mode": "OOP"}]])

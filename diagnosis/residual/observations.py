@@ -78,6 +78,7 @@ def plan_of(measurement: Measurement, harmonics: Sequence[int] = (1,)) -> Plan:
         conditions.append(condition)
     if all(run.noise is None for run in measurement.runs):
         observations = _pooled(observations, conditions)
+    observations = [_no_better_than(o, measurement.repeatability) for o in observations]
     if len({c.unit for c in conditions}) > 1:  # forces are the one thing that all of them have
         conditions = [replace(c, held=None, unit="N") for c in conditions]
     return Plan(tuple(conditions), tuple(observations))
@@ -141,6 +142,13 @@ def roughness(values: Floats) -> float:
     third = np.diff(values, 3) / np.sqrt(20)
     # the median is not drawn up by the few places where the run itself is not smooth
     return max(float(np.median(np.abs(third)) / 0.6745), 1e-4)
+
+
+def _no_better_than(o: Observations, repeatability: float) -> Observations:
+    """With what another test of the same would differ by as noise of every amplitude and phase."""
+    noise = o.noise.copy()
+    noise[:, 1:] = np.hypot(noise[:, 1:], repeatability)
+    return replace(o, noise=noise)
 
 
 def _pooled(observations: Sequence[Observations], conditions: Sequence[Condition]) -> list[Observations]:
