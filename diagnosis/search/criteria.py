@@ -8,6 +8,8 @@ class Criteria:
     """score, visibility: of the score test, below which an effect is not looked for in the data
     short, full: how many effects at most get a short refit, and a full one
     close: chi2 a value after a short refit, over that of the best one, up to which an effect gets a full one
+    nearly: share of the best effect's fall of chi2 from which on another one is fitted in full too, and the next one
+        has second effects looked for beside it
     delta_bic: by which an effect has to improve the information criterion, the misfit that is left taken as noise
     gain: share by which the error on held-out runs has to fall
     at_bound: distance from a bound, as a share of its range, within which a parameter stands at it
@@ -24,6 +26,7 @@ class Criteria:
     short: int = 6
     full: int = 3
     close: float = 1.6
+    nearly: float = 0.8
     delta_bic: float = 10.0
     gain: float = 0.03
     at_bound: float = 0.005

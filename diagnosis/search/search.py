@@ -73,7 +73,11 @@ def _singles(start: Baseline, scored: Sequence[Score], criteria: Criteria, progr
     short = [Attempt((s.effect,), _starts(s.step), full=False) for s in wanted]
     found = _results(bench(start, criteria, short, _telling(progress)))
     best = sorted(found.values(), key=lambda r: -r.refit.drop)[: criteria.full]
-    close = [r for r in best if r.trial.excess < criteria.close * best[0].trial.excess]
+    close = [
+        r
+        for r in best
+        if r.trial.excess < criteria.close * best[0].trial.excess or r.refit.drop > criteria.nearly * best[0].refit.drop
+    ]
     full = [Attempt(r.refit.effects, (), full=True, near=r.refit.fitted) for r in close]
     return {**found, **_results(bench(start, criteria, full, _telling(progress)))}
 
@@ -101,13 +105,37 @@ def _starts(step: Floats) -> tuple[Floats, ...]:
 
 
 def _pairs(
-    start: Baseline, effects: Sequence[Effect], singles: Results, criteria: Criteria, progress: Progress, bench: Bench
+    start: Baseline,
+    effects: Sequence[Effect],
+    singles: Results,
+    criteria: Criteria,
+    progress: Progress,
+    bench: Bench,
 ) -> Results:
-    """Second effects beside the best single one, where that leaves a misfit."""
+    """Second effects beside the best single one, where that leaves a misfit, and beside the next one where it explains
+    nearly as much: with a second effect beside them the two may change places."""
     settled = sorted((r.refit for r in singles.values() if r.trial.full), key=lambda r: -r.drop)
     if not settled or settled[0].drop <= 0 or settled[0].excess < criteria.look_further:
         return {}
-    first = settled[0]
+    found: Results = {}
+    for first in (settled[0], *(r for r in settled[1:2] if r.drop > criteria.nearly * settled[0].drop)):
+        for names, result in _beside(first, start, effects, singles, criteria, progress, bench).items():
+            other_way = found.get(names[::-1])
+            if other_way is None or result.refit.drop > other_way.refit.drop:
+                found.pop(names[::-1], None)
+                found[names] = result
+    return found
+
+
+def _beside(
+    first: Refit,
+    start: Baseline,
+    effects: Sequence[Effect],
+    singles: Results,
+    criteria: Criteria,
+    progress: Progress,
+    bench: Bench,
+) -> Results:
     (one,) = first.effects
     progress(f"second effect beside {one.name}")
     beside = replace(start, fitted=with_branches(first.fitted, start))
