@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 _LOOKED_AT = 8  # lowest modes among which the study's are sought
-_OTHERS = 2  # modes above the study's that are followed too
+_OTHERS, _SEEN = 2, 1e-3  # modes above the study's that are followed too, and least motion of the tip, of theirs
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,11 +68,14 @@ def low_force_modes(model: RigModel, windows: Mapping[str, tuple[float, float]],
         tip = f"{component}.tip.x"
         mode = max((int(i) for i in inside), key=lambda i: found.peak(tip, model.excitation, i))
         shapes[name], near[name] = found.shapes[points, mode], float(found.frequencies[mode])
-    last = max(int(np.searchsorted(found.frequencies, f)) for f in near.values())
-    others = tuple(f"mode {last + 2 + i}" for i in range(_OTHERS))
-    for i, name in enumerate(others, start=last + 1):
-        shapes[name], near[name] = found.shapes[points, i], float(found.frequencies[i])
-    return LowForceModes(windows, shapes, near, component, others)
+    others: list[str] = []
+    seen = min(abs(found.at(f"{component}.tip.x", int(np.argmin(abs(found.frequencies - f))))) for f in near.values())
+    for i in np.flatnonzero(found.frequencies > max(near.values()) * (1 + 1e-9))[: 4 * _OTHERS]:
+        # one that hardly moves the tip is not seen in a test, and has no shape to be told by
+        if len(others) < _OTHERS and abs(found.at(f"{component}.tip.x", int(i))) > _SEEN * seen:
+            others.append(f"mode {i + 1}")
+            shapes[others[-1]], near[others[-1]] = found.shapes[points, i], float(found.frequencies[i])
+    return LowForceModes(windows, shapes, near, component, tuple(others))
 
 
 def _mac(a: Complex, b: Complex) -> float:

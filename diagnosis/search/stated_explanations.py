@@ -30,7 +30,7 @@ _STEP, _MOVES = 1e-3, 1e-5
 # Where a search over an effect's bounds looks first: shares of the way to each.
 _SHARES = (0.01, 0.03, 0.1, 0.2, 0.4, 0.7, 1.0)
 _STARTS = 2
-_AS_GOOD = 4.0  # of chi2, above the best
+_AS_GOOD, _LEVEL = 4.0, 1e-6  # of chi2, above the best
 
 
 def _both(model: RigModel, factor: float) -> RigModel:
@@ -189,7 +189,9 @@ def explained(
         found = least_squares(residual, start, jacobian, (lower, upper), x_scale="jac", max_nfev=40)
         if 2 * found.cost < least:
             best, least = found.x, 2 * float(found.cost)
-    return _explanation(problem, name, parametrisation, best)
+    # contacts open one after the other, and the search ends at the edge of a step: take the smallest effect as good
+    level = [v for v in _one_moved(parametrisation, best) if np.sum(residual(v) ** 2) <= least + _LEVEL]
+    return _explanation(problem, name, parametrisation, min(level, key=lambda v: float(np.sum(v**2)), default=best))
 
 
 def _explanation(problem: LowForceProblem, name: str, parametrisation: Parametrisation, u: Floats) -> Explanation:
