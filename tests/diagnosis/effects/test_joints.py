@@ -127,7 +127,7 @@ def test_resonance_at_a_held_level_is_that_of_the_equivalent_mode(
 
 
 def test_microslip_softens_and_damps_as_masings_loop_does(beam: RigModel) -> None:
-    """Loss of a uniform distribution (chi = 0): C = lost / AT; loop area 4/3 C A^3, stiffness lost to the first harmonic
+    """Of a uniform distribution (chi = 0): C = lost / AT; loop area 4/3 C A^3, stiffness lost to the first harmonic
     C A."""
     values = {"stiffness_lost": 2e3, "exponent": 0.0}
     model = JOINTS["joint_microslip"].apply(beam, values)

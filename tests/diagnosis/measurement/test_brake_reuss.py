@@ -7,6 +7,7 @@ import pytest
 
 from updamp.diagnosis.measurement.load import load_measurement
 from updamp.diagnosis.measurement.measurement_errors import MeasurementError
+from updamp.diagnosis.residual.observations import plan_of
 
 BEAM = Path(__file__).parents[3] / "rigs" / "brake_reuss_measurement.toml"
 DATA = Path(__file__).parents[4] / "shared" / "data" / "brb" / "response_controlled.csv"
@@ -40,3 +41,26 @@ def test_the_trap_is_noticed(tmp_path: Path) -> None:
     path.write_text(text.replace('phase_of = "displacement"', ""))
     with pytest.raises(MeasurementError, match=r"feed the shaker.*phase_of"):
         load_measurement(path)
+
+
+@needs_data
+def test_repeatability_is_stated_where_no_repeats_are(tmp_path: Path) -> None:
+    text = BEAM.read_text().replace("../../shared/data/brb/response_controlled.csv", str(DATA))
+    path = tmp_path / "measurement.toml"
+    path.write_text(text)
+    measurement = load_measurement(path, ["beam.drive.x"], rig="brake_reuss")
+    assert measurement.repeatability == 0.065
+    assert {run.held_channel for run in measurement.runs} == {"accelerometer"}
+    plan = plan_of(measurement)
+    for condition, run in zip(plan.conditions, plan.observations, strict=True):
+        assert np.all(run.noise[:, 1:] >= 0.065)
+        assert condition.control is not None
+        assert (condition.control.point, condition.control.derivatives) == ("beam.drive.x", 2)
+        assert run.log_level is not None
+        assert np.abs(run.log_level).max() < 0.1
+    path.write_text(text.replace('run = "8"', 'run = "8"\nrepeat = 2'))
+    with pytest.raises(MeasurementError, match=r"repeatability = 0\.065: there are 2 repeats"):
+        load_measurement(path, ["beam.drive.x"], rig="brake_reuss")
+    path.write_text(text.replace("repeatability = 0.065", "repeatability = 6.5"))
+    with pytest.raises(MeasurementError, match=r"repeatability = 6\.5"):
+        load_measurement(path, ["beam.drive.x"], rig="brake_reuss")
