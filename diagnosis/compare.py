@@ -20,7 +20,7 @@ from updamp.diagnosis.comparison import (
 )
 from updamp.diagnosis.effects.chosen import ChosenEffect
 from updamp.diagnosis.findings import findings, lack_of_fit, misfits
-from updamp.diagnosis.gross_misfit import gross_misfits, growth
+from updamp.diagnosis.gross_misfit import beyond_first_order, gross_misfits, growth
 from updamp.diagnosis.measurement.measurement import Measurement
 from updamp.diagnosis.model.parameters import LOSS_FACTOR, Parametrisation, nuisances
 from updamp.diagnosis.model.predicted_branch import PredictedBranch, with_patterns
@@ -85,11 +85,12 @@ def compare(
     loss_factor = parametrisation.names.index(LOSS_FACTOR.name)
     names = {channel.point: channel.name for channel in measurement.channels}
     of_tests, of_model = _measured_backbones(plan, names), _model_backbones(plan, names, after)
-    if fails_grossly(parametrisation, calibrated.compared.chi2, calibrated.compared.values):
+    found = misfits(calibrated, plan, [damping_share(b, loss_factor) for b in after])
+    grossly = fails_grossly(parametrisation, calibrated.compared.chi2, calibrated.compared.values)
+    if grossly or (model.contacts is None and beyond_first_order(found)):
         found = gross_misfits(calibrated, plan, of_tests, of_model)
         said = (*growth(calibrated, plan, of_tests, of_model), *findings(calibrated, plan, found))
     else:
-        found = misfits(calibrated, plan, [damping_share(b, loss_factor) for b in after])
         said = findings(calibrated, plan, found)
     comparison = Comparison(
         title=measurement.title,

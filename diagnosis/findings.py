@@ -21,7 +21,7 @@ from updamp.diagnosis.residual.scatter import Assembly, whitened
 
 Floats = NDArray[np.float64]
 
-FREQUENCY, DAMPING, SENSOR = "frequency", "damping", "sensor"
+FREQUENCY, DAMPING, SENSOR, AMPLITUDE = "frequency", "damping", "sensor", "amplitude"
 # Chance that an adequate model is called inadequate by any of the tests.
 _RISK = 0.01
 # Prior size of a misfit, which keeps directions that the data do not tell at zero: relative; of a resonance as a
@@ -34,7 +34,8 @@ _AT_BOUND = 1e-3
 
 @dataclass(frozen=True)
 class Direction:
-    """A kind of misfit: quantity, condition (place in the plan) or sensor (point of the model, harmonic)"""
+    """A kind of misfit: quantity, condition (place in the plan) or sensor (point of the model, harmonic); amplitude is
+    that of all sensors in all tests"""
 
     quantity: str
     test: int = -1
@@ -55,7 +56,8 @@ class Misfit:
 
 
 def misfits(fit: Fit, plan: Plan, damping_share: Sequence[float]) -> tuple[Misfit, ...]:
-    """All directions, estimated together with the fitted parameters.
+    """All directions, estimated together with the fitted parameters, which stay where they are to within their own
+    uncertainty: what all tests have in common is theirs, and what tests differ by is known far better than that.
 
     damping_share: for each condition, the material's share of the damping at its resonance: what turns a factor on
         the material's loss factor into one on all the damping
@@ -71,18 +73,38 @@ def misfits(fit: Fit, plan: Plan, damping_share: Sequence[float]) -> tuple[Misfi
     r, p, d = np.concatenate(residual), np.concatenate(parameters), np.concatenate(columns)
     both = np.concatenate([p, d], axis=1)
     sizes = np.array([_size(x, plan) for x in directions])
-    prior = np.concatenate([1 / fit.parametrisation.deviation**2, 1 / sizes**2])
+    before = 1 / fit.parametrisation.deviation**2
+    prior = np.concatenate([before + 1 / np.maximum(fit.deviations, 1e-12) ** 2, 1 / sizes**2])
     both[:, : -len(directions)] *= ~_held(fit)
     covariance = np.linalg.inv(both.T @ both + np.diag(prior))
     # the parameters stand at their best values: their own gradient is nil, but for the prior's
-    estimate = covariance @ (both.T @ r - np.append(fit.u / fit.parametrisation.deviation**2, np.zeros(len(sizes))))
-    found, n = [], p.shape[1]
-    for i, direction in enumerate(directions):
-        share = damping_share[direction.test] if direction.quantity == DAMPING else 1.0
+    estimate = covariance @ (both.T @ r - np.append(fit.u * before, np.zeros(len(sizes))))
+    n, found = p.shape[1], []
+    for direction, combined in _statements(directions, damping_share):
         # a correction that the model needs upwards is a model that reads low
-        relative, deviation = -share * estimate[n + i], share * np.sqrt(covariance[n + i, n + i])
-        found.append(Misfit(direction, float(relative), float(deviation)))
+        log, deviation = -float(combined @ estimate[n:]), float(np.sqrt(combined @ covariance[n:, n:] @ combined))
+        relative = float(np.expm1(log))
+        # as significant as the logarithm is
+        found.append(Misfit(direction, relative, deviation * (relative / log if log else 1.0)))
     return tuple(found)
+
+
+def _statements(directions: Sequence[Direction], damping_share: Sequence[float]) -> list[tuple[Direction, Floats]]:
+    """What is stated, each with the combination of the directions that it is: of the sensors their mean, and how far
+    each is from the others; of two that is the same but for the sign."""
+    found = []
+    for row, direction in zip(np.eye(len(directions)), directions, strict=True):
+        if direction.quantity != SENSOR:
+            found.append((direction, row * (damping_share[direction.test] if direction.quantity == DAMPING else 1.0)))
+    gains = np.array([float(d.quantity == SENSOR) for d in directions])
+    n = int(gains.sum())
+    if n == 0:
+        return found
+    found.append((Direction(AMPLITUDE), gains / n))
+    sensors = [i for i in range(len(directions)) if gains[i]]
+    for i in sensors[: 1 if n == 2 else n]:
+        found.append((directions[i], np.where(np.arange(len(directions)) == i, 1.0, -gains / (n - 1))))
+    return found
 
 
 def _size(direction: Direction, plan: Plan) -> float:
@@ -145,6 +167,7 @@ def findings(fit: Fit, plan: Plan, found: Sequence[Misfit]) -> tuple[Finding, ..
         for mode in dict.fromkeys(c.mode for c in plan.conditions):
             of_mode = [m for m in found if m.direction.quantity == quantity and _mode(plan, m) == mode]
             said += _of_mode(quantity, mode, of_mode, [m for m in standing if m in of_mode], plan)
+    said += [_of_amplitude(m) for m in standing if m.direction.quantity == AMPLITUDE]
     said += [_of_sensor(m) for m in standing if m.direction.quantity == SENSOR]
     said.sort(key=lambda f: -abs(f.significance))
     if not said and lack_of_fit(fit) < _RISK:
@@ -188,6 +211,11 @@ def _of_mode(
     ]
 
 
+def _of_amplitude(misfit: Misfit) -> Finding:
+    text = f"amplitude {_percent(misfit.relative)} in all runs, at all sensors"
+    return Finding(text, "", None, AMPLITUDE, "", misfit.relative, misfit.significance)
+
+
 def _of_sensor(misfit: Misfit) -> Finding:
     point, k = misfit.direction.sensor
     of_harmonic = f" in harmonic {k}" if k != 1 else ""
@@ -201,7 +229,7 @@ def _of_all(fit: Fit) -> Finding:
         f"the curves differ in shape: chi2 is {share:.2f} a value, with resonances, damping and sensors right within "
         "the scatter"
     )
-    return Finding(text, "", None, "amplitude", "", float(np.sqrt(share) - 1), float(norm.isf(lack_of_fit(fit))))
+    return Finding(text, "", None, AMPLITUDE, "", float(np.sqrt(share) - 1), float(norm.isf(lack_of_fit(fit))))
 
 
 def _percent(relative: float) -> str:

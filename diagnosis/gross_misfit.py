@@ -19,6 +19,13 @@ Floats = NDArray[np.float64]
 
 # Growth of the damping that is worth a sentence: of the logarithm, in standard deviations, and in itself.
 _STANDS_OUT, _WORTH = 5.0, 0.2
+# Misfit of the damping, of its logarithm, up to which an estimate to first order will do.
+_FIRST_ORDER = 0.2
+
+
+def beyond_first_order(found: Sequence[Misfit]) -> bool:
+    """Whether misfits, as estimated to first order, are too large for that."""
+    return any(abs(np.log1p(m.relative)) > _FIRST_ORDER for m in found if m.direction.quantity == DAMPING)
 
 
 def gross_misfits(fit: Fit, plan: Plan, measured: Sequence[Backbone], model: Sequence[Backbone]) -> tuple[Misfit, ...]:

@@ -108,6 +108,7 @@ def _widened(window: tuple[float, float]) -> tuple[float, float]:
 def compare_draw(draw: Draw, prepared: Path, results: Path) -> Result:
     """Compare one measurement and store what is found."""
     started = time.perf_counter()
+    results.mkdir(parents=True, exist_ok=True)
     if not draw.measurement.is_file():
         make_measurement(draw.measurement.parent, seed=draw.seed)
     shared: Prepared = pickle.loads(prepared.read_bytes())
@@ -121,6 +122,7 @@ def compare_draw(draw: Draw, prepared: Path, results: Path) -> Result:
     found = misfits(fitted, plan, shares)
     said = tuple(f.text for f in findings(fitted, plan, found))
     n, c = len(parametrisation.nuisances), fitted.compared
+    (results / f"{draw.name}.pkl").write_bytes(pickle.dumps((fitted, plan, shares)))
     write_whole(
         results / f"{draw.name}.json",
         {
