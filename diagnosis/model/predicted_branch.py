@@ -8,6 +8,7 @@ not, at turning points, and where it changes by multiples, at resonance.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +30,7 @@ Floats = NDArray[np.float64]
 
 # A branch moved by changes of the parameters has to reach beyond them by this much still.
 _SPARE = 0.04
+_STRETCHED = 1.5
 # To what share of the largest amplitude a response has to be proportional to the force.
 _LINEAR = 1e-6
 
@@ -148,9 +150,16 @@ def move_branch(parametrisation: Parametrisation, u: Floats, before: PredictedBr
         return None
     there = ModelAt(parametrisation, u)
     moved = _moved(there, before)
-    if moved is None or not (before.stopped or _covers(moved, before.condition)):
+    if moved is None or not (before.stopped or _covers(moved, before.condition)) or _too_far_apart(moved):
         return None
     return observe(there, before.condition, moved, before.stopped)
+
+
+def _too_far_apart(points: Sequence[BranchPoint]) -> bool:
+    """Whether the moves, which leave some points closer together and others further apart, have left gaps that an
+    interpolation would not follow: half as long again as the longest step of a trace."""
+    longest = _STRETCHED * ContinuationOptions().largest_step
+    return any(a.distance(b) > longest for a, b in pairwise(points) if not b.after_gap)
 
 
 def _covers(points: Sequence[BranchPoint], condition: Condition) -> bool:

@@ -17,6 +17,8 @@ from updamp.diagnosis.search.signature import Extended, extend
 
 Floats = NDArray[np.float64]
 Progress = Callable[[str], None]
+# Of a first guess, in typical sizes of an effect's parameters.
+_FARTHEST = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,8 +101,8 @@ def _results(found: Sequence[Result | None]) -> Results:
 
 
 def _starts(step: Floats) -> tuple[Floats, ...]:
-    """The linear guess, no further than the typical size, and a third of it."""
-    size = max(1.0, float(np.max(np.abs(step))))
+    """The linear guess, no further than some typical sizes, and a part of it."""
+    size = max(1.0, float(np.max(np.abs(step))) / _FARTHEST)
     return step / size, step / size / 3
 
 

@@ -1,0 +1,84 @@
+"""The whole search on two masses with a friction contact: hidden effects are named, nothing is found in nothing."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.small_model import NUISANCES, condition, small_model, synthetic_plan
+
+from updamp.diagnosis.effects.effect import Effect, EffectParameter
+from updamp.diagnosis.model import parameters
+from updamp.diagnosis.model.parameters import Parametrisation
+from updamp.diagnosis.search import baseline as baseline_module
+from updamp.diagnosis.search.baseline import baseline
+from updamp.diagnosis.search.criteria import Criteria
+from updamp.diagnosis.search.decide import decide
+from updamp.diagnosis.search.search import search
+from updamp.hbm.structural_changes import Attachment
+
+SCATTER = np.array([1e-4, 0.02, 0.02, 0.01])
+LEVELS = (10.0, 30.0, 60.0)
+
+
+def attached(model, **entries):
+    return replace(model, attachments=(*model.attachments, Attachment("test", **entries)))
+
+
+def effect(name, parameter, typical, apply):
+    return Effect(
+        name, f"there is a {name}", (EffectParameter(parameter, 0.0, 0.0, 20 * typical, typical, "", "test"),), apply
+    )
+
+
+SPRING = effect("spring", "k", 2e3, lambda m, v: attached(m, points={"b.x": 1.0}, stiffness=v["k"]))
+DASHPOT = effect("dashpot", "c", 2.0, lambda m, v: attached(m, points={"a.x": 1.0}, dashpot=v["c"]))
+TWIN = effect("twin", "k", 1e3, lambda m, v: attached(m, points={"b.x": 1.0}, stiffness=v["k"]))
+WEAKER = effect("weaker", "share", 0.3, lambda m, v: m.with_contacts(n0=m.contacts.parameters.n0 * np.exp(-v["share"])))
+
+
+@pytest.fixture(autouse=True)
+def few_nuisances(monkeypatch):
+    monkeypatch.setattr(baseline_module, "nuisances", lambda _: NUISANCES)
+    assert parameters.nuisances is not baseline_module.nuisances
+
+
+def found(hidden, values, effects, seed=3):
+    model = small_model()
+    truth = Parametrisation(hidden.apply(model, values) if hidden else model, NUISANCES)
+    plan, _ = synthetic_plan(truth, np.zeros(4), tuple(condition(f) for f in LEVELS), SCATTER, seed)
+    return search(baseline(model, (), plan, {}), effects, Criteria())
+
+
+def test_one_level_is_held_out_and_the_hidden_spring_is_named_with_its_size():
+    result = found(SPRING, {"k": 3e3}, (SPRING, DASHPOT, WEAKER))
+    assert [result.baseline.plan.conditions[i].force for i in result.baseline.held_out] == [30.0]
+    decision = decide(result.evidence, Criteria())
+    assert (decision.outcome, decision.effects) == ("identified", ("spring",))
+    fitted = result.refits[("spring",)].fitted
+    k = fitted.parametrisation.values(fitted.u)["spring"]["k"]
+    place = fitted.parametrisation.names.index("spring.k")
+    assert k == pytest.approx(3e3, rel=0.15)
+    assert abs(k - 3e3) < 3 * 2e3 * fitted.deviations[place]
+    assert decision.trial.held_out < result.evidence.held_out / 3
+    assert decision.trial.excess < 1.3
+
+
+def test_nothing_is_found_where_nothing_is_hidden():
+    result = found(None, {}, (SPRING, DASHPOT))
+    assert decide(result.evidence, Criteria()).outcome == "adequate"
+
+
+def test_what_looks_the_same_is_called_inseparable():
+    result = found(SPRING, {"k": 3e3}, (SPRING, TWIN, DASHPOT))
+    decision = decide(result.evidence, Criteria())
+    assert decision.outcome == "inseparable"
+    assert set(decision.group) == {"spring", "twin"}
+    assert any({a, b} == {"spring", "twin"} and cosine > 0.99 for a, b, cosine in result.evidence.alike)
+
+
+def test_an_effect_without_a_place_in_the_model_is_refused_with_its_reason():
+    def apply(_model, _values):
+        raise ValueError("no such thing in this model")
+
+    result = found(None, {}, (SPRING, effect("impossible", "x", 1.0, apply)))
+    assert result.refused == {"impossible": "no such thing in this model"}
