@@ -69,21 +69,29 @@ def _points(
         raise BranchStoppedError(w / (2 * np.pi), last.solution.errors[-1], last.solution.status)
     scale = abs(width)
     yield _point(last, excited, scale, towards, 0.0)
-    step = _FIRST
+    step, before = _FIRST, last
     while w != end:
         following = w + step * width
         following = end if towards * (following - end) > 0 else following
         held = Held(excited, row, control.amplitude(following))
-        found = solve_held(system, held, (last.solution.x, last.force), following)
+        found = solve_held(system, held, _ahead(before, last, following), following)
         turned = _turned(last, found)
         if found.converged and turned < _LONGEST:
             yield _point(found, excited, scale, towards, abs(following - w))
-            w, last = following, found
+            w, before, last = following, last, found
             step = min(step * min(2.0, 0.6 * _LONGEST / max(turned, 1e-12)), _LARGEST)
         elif step < _SMALLEST:
             raise BranchStoppedError(following / (2 * np.pi), found.solution.errors[-1], found.solution.status)
         else:
             step /= 2
+
+
+def _ahead(before: HeldSolution, last: HeldSolution, w: float) -> tuple[Floats, float]:
+    """Displacements and force there, on a straight line through the last two points."""
+    way = last.solution.w - before.solution.w
+    share = (w - last.solution.w) / way if way else 0.0
+    x = last.solution.x + share * (last.solution.x - before.solution.x)
+    return x, last.force * float((last.force / before.force) ** share)
 
 
 def _turned(last: HeldSolution, found: HeldSolution) -> float:
