@@ -79,6 +79,8 @@ def misfits(fit: Fit, plan: Plan, damping_share: Sequence[float]) -> tuple[Misfi
     covariance = np.linalg.inv(both.T @ both + np.diag(prior))
     # the parameters stand at their best values: their own gradient is nil, but for the prior's
     estimate = covariance @ (both.T @ r - np.append(fit.u * before, np.zeros(len(sizes))))
+    # with the noise that the misfit asks for, where it is larger (R. T. Birge, Phys. Rev. 40 (1932) 207)
+    covariance = covariance * max(1.0, fit.compared.chi2 / fit.compared.values)
     n, found = p.shape[1], []
     for direction, combined in _statements(directions, damping_share):
         # a correction that the model needs upwards is a model that reads low

@@ -1,10 +1,9 @@
 """What finer numerics would change: what is added to the model's observations, and how sure that is.
 
 The branch of a finer model (mesh, contact patches, harmonics, time samples) is compared with that of the model in use.
-The finer model is nearer the truth, but is not the truth: what it changes is known to within its own size. That
+The finer model is nearer the truth, but is not the truth: what it changes is known to within half of its size. That
 uncertainty enters the fit as patterns of size 0 with standard deviation 1, so that misfits of that shape and size prove
-nothing: one pattern for the whole difference and, of what calibration cannot make up for, one a mode and, of half the
-size, one a test.
+nothing: one pattern for the whole difference and, of what calibration cannot make up for, one a mode and one a test.
 
 Where contacts begin to slip one after the other the response is jagged, by how many of them there are, and so is the
 difference. Nothing is said of where the teeth really are: their size is added to the noise of the sensors there.

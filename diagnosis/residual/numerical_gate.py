@@ -18,8 +18,8 @@ from updamp.hbm.harmonics import Harmonics
 Floats = NDArray[np.float64]
 
 _MORE_HARMONICS = 2
-# Of what finer numerics change: as a whole and in each mode; in each test beyond that.
-_UNSURE, _OF_TEST = 1.0, 0.5
+# Of what finer numerics change.
+_UNSURE = 0.5
 # A finer model is traced beyond the measured window by this share of it.
 _FURTHER = 0.4
 # Places taken of it for each of its points.
@@ -64,7 +64,7 @@ def with_numerical_error(
             patterns[c.name] += [
                 _UNSURE * changes[c.name],
                 *(_UNSURE * (c.mode == mode) * left[c.name] for mode in modes),
-                *(_OF_TEST * (c.name == test.name) * left[c.name] for test in plan.conditions),
+                *(_UNSURE * (c.name == test.name) * left[c.name] for test in plan.conditions),
             ]
             rough[c.name] = np.hypot(rough[c.name], jaggedness(changes[c.name]))
     numerics = NumericalError(
