@@ -1,5 +1,5 @@
-"""Measurements with nothing hidden: is the model at the true parameters within the scatter, do intervals hold the truth,
-does the comparison say that nothing is amiss? Resumable.
+"""Measurements with nothing hidden: is the model at the true parameters within the scatter, do intervals hold the
+truth, does the comparison say that nothing is amiss? Resumable.
 
 .venv/bin/python benchmarks/virtual_rig/null_draws.py [--out FOLDER] [--draws 40] [--jobs 2]
 """
@@ -130,9 +130,15 @@ def compare_draw(draw: Draw, prepared: Path, results: Path) -> Result:
             "chi2": c.chi2, "values": c.values, "message": fitted.message, "lack_of_fit": lack_of_fit(fitted),
             "truth": {"chi2": truth.chi2, "scatter": truth.scatter.as_numbers()},
             "scatter": c.scatter.as_numbers(),
-            "parameters": dict(zip(parametrisation.names[:n], zip(fitted.u.tolist(), fitted.deviations.tolist()))),
-            "numerics": dict(zip(parametrisation.names[n:], fitted.u[n:].tolist())),
-            "misfits": [[m.direction.quantity, m.direction.test, m.direction.sensor[0], m.relative, m.significance] for m in found],
+            "parameters": {
+                name: (float(u), float(s))
+                for name, u, s in zip(parametrisation.names[:n], fitted.u[:n], fitted.deviations[:n], strict=True)
+            },
+            "numerics": dict(zip(parametrisation.names[n:], fitted.u[n:].tolist(), strict=True)),
+            "misfits": [
+                [m.direction.quantity, m.direction.test, m.direction.sensor[0], m.relative, m.significance]
+                for m in found
+            ],
             "of_runs": [[m.observations.run, m.observations.repeat, float(np.mean(m.residual**2))] for m in c.matched],
             "said": list(said),
             "seconds": time.perf_counter() - started,
@@ -169,49 +175,41 @@ class Summary:
         return {x: np.array([r["parameters"][x][0] / r["parameters"][x][1] for r in self.results]) for x in names}
 
     def lines(self) -> list[str]:
-        n = len(self.results)
-        chi2 = {
-            "calibrated": np.array([r["chi2"] / (r["values"] - len(r["parameters"])) for r in self.results]),
-            "at the true parameters": np.array([r["truth"]["chi2"] / r["values"] for r in self.results]),
-        }
-        noise = {
-            "calibrated": np.array([r["scatter"]["sensor noise"] for r in self.results]),
-            "at the true parameters": np.array([r["truth"]["scatter"]["sensor noise"] for r in self.results]),
-        }
+        """Tables in Markdown."""
+        quiet = sum(not r["said"] for r in self.results)
+        said = [f"- {r['name']}: {'; '.join(r['said'])}" for r in self.results if r["said"]]
+        return [*self._chi2(), "", *self._coverage(), "", f"No misfit: {quiet} of {len(self.results)}", *said]
+
+    def _chi2(self) -> list[str]:
         rows = [
             "| chi2 per degree of freedom | mean | lowest | highest | within 0.8-1.25 | noise factor |",
             "|---|---|---|---|---|---|",
         ]
-        for name, of in chi2.items():
-            inside = np.sum((of > 0.8) & (of < 1.25))
-            rows.append(
-                f"| {name} | {of.mean():.3f} | {of.min():.3f} | {of.max():.3f} | {inside} of {n} | {noise[name].mean():.2f} ({noise[name].min():.2f}-{noise[name].max():.2f}) |"
-            )
-        rows += ["", "| parameter | truth within 95 % | mean z | std z | half-width |", "|---|---|---|---|---|"]
-        held = 0
+        at_truth = [r["truth"] | {"values": r["values"], "parameters": ()} for r in self.results]
+        for name, results in (("calibrated", self.results), ("at the true parameters", at_truth)):
+            of = np.array([r["chi2"] / (r["values"] - len(r["parameters"])) for r in results])
+            noise = np.array([r["scatter"]["sensor noise"] for r in results])
+            inside = f"{np.sum((of > 0.8) & (of < 1.25))} of {len(of)}"
+            span = f"{noise.mean():.2f} ({noise.min():.2f}-{noise.max():.2f})"
+            rows.append(f"| {name} | {of.mean():.3f} | {of.min():.3f} | {of.max():.3f} | {inside} | {span} |")
+        return rows
+
+    def _coverage(self) -> list[str]:
+        rows, held = ["| parameter | truth within 95 % | mean z | std z | half-width |", "|---|---|---|---|---|"], 0
         for name, z in self.z.items():
             inside = int(np.sum(np.abs(z) < 1.96))
             held += inside
-            width = np.median([1.96 * r["parameters"][name][1] for r in self.results])
-            rows.append(
-                f"| {name} | {inside} of {n} | {z.mean():+.2f} | {z.std(ddof=1) if n > 1 else 0:.2f} | {100 * width:.2g} % |"
-            )
-        rows.append(f"| all | {100 * held / (n * len(self.z)):.1f} % | | | |")
-        quiet = sum(not r["said"] for r in self.results)
-        return [
-            *rows,
-            "",
-            f"No misfit beyond repeatability: {quiet} of {n}",
-            *(f"- {r['name']}: {'; '.join(r['said'])}" for r in self.results if r["said"]),
-        ]
+            width = 196 * float(np.median([r["parameters"][name][1] for r in self.results]))
+            rows.append(f"| {name} | {inside} of {len(z)} | {z.mean():+.2f} | {z.std():.2f} | {width:.2g} % |")
+        return [*rows, f"| all | {100 * held / sum(len(z) for z in self.z.values()):.1f} % | | | |"]
 
 
 def main(
-    out: Annotated[Path, typer.Option(help="folder for measurements, models and results")] = Path("results/null_draws"),
+    out: Annotated[Path, typer.Option(help="for measurements, models and results")] = Path("results/null_draws"),
     draws: int = 40,
     jobs: Annotated[int, typer.Option(min=1, help="processes")] = 1,
     known: Annotated[
-        Path | None, typer.Option(help="folder of the blind benchmark: its cases with nothing hidden come first")
+        Path | None, typer.Option(help="folder of the blind benchmark, for its cases without hidden effects")
     ] = None,
 ) -> None:
     """Compare them all and print the tables."""
