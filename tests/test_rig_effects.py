@@ -222,7 +222,8 @@ def test_the_problem_of_a_curve_is_that_of_the_diagnosis_and_without_effects_tha
     built = rig_model(reduced, rest, job.rig).system
     np.testing.assert_array_equal(both.free.omega_squared, built.free.omega_squared)
     np.testing.assert_allclose(both.groups[0].parameters.mu, 0.5 * np.asarray(plain.groups[0].parameters.mu))
-    assert not np.allclose(both.free.omega_squared, plain.free.omega_squared, rtol=1e-6)
+    # the shaker's mass on the residual flexibility brings a mode of its own
+    assert len(both.free.omega_squared) == len(plain.free.omega_squared) + 1
 
 
 def test_a_calibration_is_what_a_fit_applies():

@@ -1,7 +1,7 @@
 """Measurements with nothing hidden: is the model at the true parameters within the scatter, do intervals hold the
 truth, does the comparison say that nothing is amiss? Resumable.
 
-.venv/bin/python benchmarks/virtual_rig/null_draws.py [--out FOLDER] [--draws 40] [--jobs 2]
+.venv/bin/python benchmarks/hidden_effects/null_draws.py [--out FOLDER] [--draws 40] [--jobs 2]
 """
 
 import os
