@@ -22,11 +22,11 @@ from updamp.diagnosis.effects.chosen import ChosenEffect
 from updamp.diagnosis.findings import findings, lack_of_fit, misfits
 from updamp.diagnosis.gross_misfit import beyond_first_order, gross_misfits, growth
 from updamp.diagnosis.measurement.measurement import Measurement
-from updamp.diagnosis.model.parameters import LOSS_FACTOR, Parametrisation, nuisances
+from updamp.diagnosis.model.parameters import LOSS_FACTOR, Parametrisation
 from updamp.diagnosis.model.predicted_branch import PredictedBranch, with_patterns
 from updamp.diagnosis.model.rig_model import RigModel
 from updamp.diagnosis.residual.fit import Fit, FitOptions, compare_at, fails_grossly, fit, predict
-from updamp.diagnosis.residual.numerical_gate import more_harmonics, with_numerical_error
+from updamp.diagnosis.residual.numerical_gate import gated
 from updamp.diagnosis.residual.observations import Observations, Plan, plan_of
 from updamp.diagnosis.stated import feature_findings
 from updamp.hbm.observe import ContactState, contact_states
@@ -68,16 +68,9 @@ def compare(
     if not measurement.runs:
         return _of_features(measurement, features, provenance), None
     plan = plan_of(measurement, options.harmonics)
-    parametrisation = Parametrisation(model, nuisances(model), taken=tuple(taken))
+    parametrisation, plain = gated(model, taken, plan, finer or {}, progress)
     start = np.zeros(len(parametrisation))
-    progress("prediction")
-    before = predict(parametrisation, start, plan)
-    progress("numerical error")
-    parametrisation = with_numerical_error(
-        parametrisation, start, plan, before, {"harmonics": more_harmonics(model), **(finer or {})}
-    )
-    start = np.zeros(len(parametrisation))
-    before = tuple(with_patterns(branch, parametrisation.numerics) for branch in before)
+    before = tuple(with_patterns(branch, parametrisation.numerics) for branch in plain)
     calibrated = fit(parametrisation, plan, start, None, before, options.fit, progress)
     progress("curves")
     after = predict(parametrisation, calibrated.u, plan, calibrated.compared.branches)

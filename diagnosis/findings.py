@@ -80,7 +80,7 @@ def misfits(fit: Fit, plan: Plan, damping_share: Sequence[float]) -> tuple[Misfi
     # the parameters stand at their best values: their own gradient is nil, but for the prior's
     estimate = covariance @ (both.T @ r - np.append(fit.u * before, np.zeros(len(sizes))))
     # with the noise that the misfit asks for, where it is larger (R. T. Birge, Phys. Rev. 40 (1932) 207)
-    covariance = covariance * max(1.0, fit.compared.chi2 / fit.compared.values)
+    covariance = covariance * max(1.0, fit.compared.excess)
     n, found = p.shape[1], []
     for direction, combined in _statements(directions, damping_share):
         # a correction that the model needs upwards is a model that reads low
@@ -226,7 +226,7 @@ def _of_sensor(misfit: Misfit) -> Finding:
 
 
 def _of_all(fit: Fit) -> Finding:
-    share = fit.compared.chi2 / fit.compared.values
+    share = fit.compared.excess
     text = (
         f"the curves differ in shape: chi2 is {share:.2f} a value, with resonances, damping and sensors right within "
         "the scatter"

@@ -30,10 +30,10 @@ from updamp.diagnosis.compare import damping_share  # noqa: E402
 from updamp.diagnosis.compare_run import CompareFiles, subject_of  # noqa: E402
 from updamp.diagnosis.findings import findings, lack_of_fit, misfits  # noqa: E402
 from updamp.diagnosis.measurement.load import load_measurement  # noqa: E402
-from updamp.diagnosis.model.parameters import LOSS_FACTOR, Parametrisation, nuisances  # noqa: E402
+from updamp.diagnosis.model.parameters import LOSS_FACTOR, Parametrisation  # noqa: E402
 from updamp.diagnosis.model.predicted_branch import PredictedBranch, move_branch, with_patterns  # noqa: E402
-from updamp.diagnosis.residual.fit import Compared, compare_at, fit, predict  # noqa: E402
-from updamp.diagnosis.residual.numerical_gate import more_harmonics, with_numerical_error  # noqa: E402
+from updamp.diagnosis.residual.fit import Compared, compare_at, fit  # noqa: E402
+from updamp.diagnosis.residual.numerical_gate import gated  # noqa: E402
 from updamp.diagnosis.residual.observations import Plan, plan_of  # noqa: E402
 from updamp.diagnosis.residual.scatter import Scatter, learn  # noqa: E402
 from updamp.progress import Display  # noqa: E402
@@ -93,11 +93,7 @@ def prepare(measurement: Path, models: Path) -> Prepared:
     model, plan = subject.before_effects, plan_of(subject.measurement)
     wide = tuple(replace(c, window=_widened(c.window)) for c in plan.conditions)
     plan = replace(plan, conditions=wide)
-    parametrisation = Parametrisation(model, nuisances(model))
-    start = np.zeros(len(parametrisation))
-    branches = predict(parametrisation, start, plan)
-    finer = {"harmonics": more_harmonics(model), **subject.finer}
-    return Prepared(with_numerical_error(parametrisation, start, plan, branches, finer), branches)
+    return Prepared(*gated(model, subject.taken, plan, subject.finer))
 
 
 def _widened(window: tuple[float, float]) -> tuple[float, float]:

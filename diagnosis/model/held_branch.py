@@ -152,10 +152,11 @@ def _with_place_held(value: Complex, change: Complex, w: float) -> HeldState:
     shift = np.append(parts[:, -1] * w, 1.0)
     log_w = -(shift[:-1] @ parts[:, :-1]) / (shift @ shift)
     moved = change[:, :-1] + change[:, -1:] * w * log_w
-    state = np.append(np.log(w / (2 * np.pi)), _pairs(value))
-    along = np.append(1 / w, _pairs(change[:, -1]))
-    return HeldState(state, along, np.column_stack([log_w, _pairs(moved.T)]))
+    state = np.append(np.log(w / (2 * np.pi)), pairs(value))
+    along = np.append(1 / w, pairs(change[:, -1]))
+    return HeldState(state, along, np.column_stack([log_w, pairs(moved.T)]))
 
 
-def _pairs(values: Complex) -> Floats:
+def pairs(values: Complex) -> Floats:
+    """Real and imaginary parts side by side: (..., n) -> (..., 2 n)"""
     return np.stack([values.real, values.imag], axis=-1).reshape(*values.shape[:-1], 2 * values.shape[-1])

@@ -37,19 +37,18 @@ class NumericalError:
     patterns: Mapping[str, Floats] | None = None
     rough: Mapping[str, Floats] | None = None
 
-    def at(self, condition: str, observed: Floats, window: tuple[float, float]) -> tuple[Floats, Floats]:
-        """Expected change (k, m) and patterns (k, n_patterns, m) where a branch of other parameters shows `observed`
-        (k, m): those of the most similar place."""
-        if self.coarse is None or self.expected is None or self.patterns is None:
-            return np.zeros_like(observed), np.zeros((len(observed), 0, observed.shape[1]))
-        place = most_similar(observed, self.coarse[condition], window)
-        return _between(place, self.expected[condition]), _between(place, self.patterns[condition])
+    def at(self, condition: str, observed: Floats, window: tuple[float, float]) -> tuple[Floats, Floats, Floats]:
+        """Expected change (k, m), patterns (k, n_patterns, m) and roughness (k, m).
 
-    def rough_at(self, condition: str, observed: Floats, window: tuple[float, float]) -> Floats:
-        """(k, m) of the most similar places."""
-        if self.coarse is None or self.rough is None:
-            return np.zeros_like(observed)
-        return _between(most_similar(observed, self.coarse[condition], window), self.rough[condition])
+        Those of the most similar place, where a branch of other parameters shows `observed` (k, m)."""
+        if self.coarse is None or self.expected is None or self.patterns is None or self.rough is None:
+            none = np.zeros_like(observed)
+            return none, none[:, None][:, :0], none
+        place = most_similar(observed, self.coarse[condition], window)
+        expected, patterns, rough = (
+            _between(place, one[condition]) for one in (self.expected, self.patterns, self.rough)
+        )
+        return expected, patterns, rough
 
 
 def _between(place: Floats, values: Floats) -> Floats:

@@ -145,6 +145,19 @@ class Parametrisation:
             for p in e.parameters
         ]
 
+    def columns(self, effect: str) -> slice:
+        """Where the parameters of one of the effects stand in u.
+
+        raises: KeyError for an effect that it does not have
+        """
+        place = len(self.nuisances)
+        for other in self.effects:
+            n = len(other.parameters)
+            if other.name == effect:
+                return slice(place, place + n)
+            place += n
+        raise KeyError(effect)
+
     def values(self, u: Floats) -> dict[str, dict[str, float]]:
         """Effect -> parameter -> value at u, in the parameter's own unit."""
         values: dict[str, dict[str, float]] = {}

@@ -16,7 +16,7 @@ from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 from updamp.diagnosis.model.condition import Condition
 from updamp.diagnosis.model.derivatives import Change, Derivatives, derivatives
-from updamp.diagnosis.model.held_branch import HeldPoint, held_state, trace_held
+from updamp.diagnosis.model.held_branch import HeldPoint, held_state, pairs, trace_held
 from updamp.diagnosis.model.model_at import ModelAt
 from updamp.diagnosis.model.numerical_error import NumericalError
 from updamp.diagnosis.model.parameters import Parametrisation
@@ -83,9 +83,9 @@ class PredictedBranch:
         def relative(change: Floats) -> Floats:
             """Of the logarithms of frequency and amplitudes."""
             ratio = (change[..., 1::2] + 1j * change[..., 2::2]) / amplitude[..., None, :]
-            return np.concatenate([change[..., :1], _pairs(np.asarray(ratio))], axis=-1)
+            return np.concatenate([change[..., :1], pairs(np.asarray(ratio))], axis=-1)
 
-        value = np.concatenate([state[..., :1], _pairs(np.log(amplitude))], axis=-1)
+        value = np.concatenate([state[..., :1], pairs(np.log(amplitude))], axis=-1)
         slopes = relative(self._slopes(place))
         if self.proportional:
             slopes[..., -1, :] = np.append(0.0, np.tile([1.0, 0.0], amplitude.shape[-1]))
@@ -251,24 +251,24 @@ def _branch(
 def with_patterns(branch: PredictedBranch, numerics: NumericalError) -> PredictedBranch:
     """The branch with the expected numerical error added, and with its patterns as further parameters, at 0; it has
     none yet."""
-    where = branch.condition.name, branch.at(branch.place).value, branch.condition.wider
-    expected, patterns = numerics.at(*where)
+    condition = branch.condition
+    expected, patterns, rough = numerics.at(condition.name, branch.at(branch.place).value, condition.wider)
     turn = np.exp(expected[:, 1::2] + 1j * expected[:, 2::2])
     state, along = branch.state.copy(), _turned(branch.along, turn)
     state[:, 0] += expected[:, 0]
-    state[:, 1:] = _pairs((branch.state[:, 1::2] + 1j * branch.state[:, 2::2]) * turn)
+    state[:, 1:] = pairs((branch.state[:, 1::2] + 1j * branch.state[:, 2::2]) * turn)
     if numerics.names:
         along += of_state(np.gradient(expected, branch.place, axis=0)[:, None], state)[:, 0]
     slopes = _turned(branch.slopes, turn[:, None])
     slopes = np.concatenate([slopes[:, :-1], of_state(patterns, state), slopes[:, -1:]], axis=1)
     u = np.append(branch.u, np.zeros(patterns.shape[1]))
-    return replace(branch, u=u, state=state, along=along, slopes=slopes, rough=numerics.rough_at(*where))
+    return replace(branch, u=u, state=state, along=along, slopes=slopes, rough=rough)
 
 
 def _turned(change: Floats, turn: NDArray[np.complex128]) -> Floats:
     """Changes of the state whose amplitudes are multiplied by `turn`."""
     amplitude = (change[..., 1::2] + 1j * change[..., 2::2]) * turn
-    return np.concatenate([change[..., :1], _pairs(amplitude)], axis=-1)
+    return np.concatenate([change[..., :1], pairs(amplitude)], axis=-1)
 
 
 def _is_proportional(state: Floats, along: Floats, by_force: Floats) -> bool:
@@ -283,7 +283,7 @@ def of_state(patterns: Floats, state: Floats) -> Floats:
     """Changes of the logarithms (n, k, m) as those of the state."""
     amplitude = state[:, None, 1::2] + 1j * state[:, None, 2::2]
     change = (patterns[..., 1::2] + 1j * patterns[..., 2::2]) * amplitude
-    return np.concatenate([patterns[..., :1], _pairs(change)], axis=-1)
+    return np.concatenate([patterns[..., :1], pairs(change)], axis=-1)
 
 
 def _length(change: Floats, state: Floats, condition: Condition) -> Floats:
@@ -300,7 +300,7 @@ def _state(d: Derivatives, w: float, system: NonlinearSystem, condition: Conditi
 
     def amplitudes(values: Floats) -> Floats:
         each = [system.harmonics.amplitude(values[..., i, :], k) for i, k in enumerate(orders)]
-        return _pairs(np.stack(each, axis=-1))
+        return pairs(np.stack(each, axis=-1))
 
     slopes = amplitudes(np.concatenate([d.by_parameter, d.by_force[None]]))
     by_w = np.append(d.w_by_parameter, d.w_by_force) / w
@@ -309,8 +309,3 @@ def _state(d: Derivatives, w: float, system: NonlinearSystem, condition: Conditi
         np.append(d.w_along / w, amplitudes(d.along)),
         np.column_stack([by_w, slopes]),
     )
-
-
-def _pairs(values: NDArray[np.complex128]) -> Floats:
-    """Real and imaginary parts side by side: (..., n) -> (..., 2 n)"""
-    return np.stack([values.real, values.imag], axis=-1).reshape(*values.shape[:-1], 2 * values.shape[-1])

@@ -75,6 +75,11 @@ class Compared:
     def values(self) -> int:
         return sum(len(a.residual) for a in self.assemblies)
 
+    @property
+    def excess(self) -> float:
+        """chi2 a value"""
+        return self.chi2 / self.values
+
     def equations(self) -> tuple[Floats, Floats]:
         """Whitened residual (n,) and its derivative by the parameters (n, p), negative: residual = columns du."""
         pairs = [whitened(a, self.scatter) for a in self.assemblies]
@@ -299,7 +304,7 @@ def _covariance(parametrisation: Parametrisation, compared: Compared) -> Floats:
     _, columns = compared.equations()
     # where the model fails grossly, with the noise that its misfit asks for (R. T. Birge, Phys. Rev. 40 (1932) 207)
     if fails_grossly(parametrisation, compared.chi2, compared.values):
-        columns = columns / np.sqrt(compared.chi2 / compared.values)
+        columns = columns / np.sqrt(compared.excess)
     information = columns.T @ columns + np.diag(1 / parametrisation.deviation**2)
     return np.asarray(np.linalg.pinv(information), dtype=np.float64)
 

@@ -1,16 +1,18 @@
 """The first question to a misfit: would finer numerics make it go away?"""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.diagnosis.effects.chosen import ChosenEffect
 from updamp.diagnosis.model.condition import Condition
 from updamp.diagnosis.model.numerical_error import NumericalError, difference, jaggedness
-from updamp.diagnosis.model.parameters import Parametrisation
+from updamp.diagnosis.model.parameters import Parametrisation, nuisances
 from updamp.diagnosis.model.predicted_branch import PredictedBranch, trace_branch
 from updamp.diagnosis.model.rig_model import RigModel
+from updamp.diagnosis.residual.fit import predict
 from updamp.diagnosis.residual.matching import across
 from updamp.diagnosis.residual.observations import Plan
 from updamp.hbm.harmonics import Harmonics
@@ -31,6 +33,29 @@ def more_harmonics(model: RigModel) -> RigModel:
     orders = model.harmonics.orders
     further = tuple(range(orders[-1] + 1, orders[-1] + 1 + _MORE_HARMONICS))
     return replace(model, harmonics=Harmonics((*orders, *further)), time_samples=2 * model.time_samples)
+
+
+def gated(
+    model: RigModel,
+    taken: Sequence[ChosenEffect],
+    plan: Plan,
+    finer: Mapping[str, RigModel],
+    progress: Callable[[str], None] = lambda _: None,
+) -> tuple[Parametrisation, tuple[PredictedBranch, ...]]:
+    """The nuisance parameters of a model with its numerical error, and its branches at their nominal values, one a
+    condition and without that error.
+
+    taken: effects of the rig file, which neither model has yet; finer: name -> model with finer numerics; that of more
+        harmonics and time samples is made here
+    raises: BranchStoppedError where a model has no response at the beginning of a run
+    """
+    parametrisation = Parametrisation(model, nuisances(model), taken=tuple(taken))
+    nominal = np.zeros(len(parametrisation))
+    progress("prediction")
+    branches = predict(parametrisation, nominal, plan)
+    progress("numerical error")
+    all_finer = {"harmonics": more_harmonics(model), **finer}
+    return with_numerical_error(parametrisation, nominal, plan, branches, all_finer), branches
 
 
 def with_numerical_error(
@@ -55,8 +80,8 @@ def with_numerical_error(
         if _is_the_same(model, parametrisation.base):
             continue  # what the two branches are apart is how they are interpolated
         # at u, and with nothing left to differentiate by: the pattern needs the branch alone
-        there = Parametrisation(replace(parametrisation, base=model).model(u), ())
-        changes = {c.name: _change(there, c, coarse[c.name]) for c in plan.conditions}
+        there = replace(parametrisation, base=model).model(u)
+        changes = {c.name: change_of_branch(there, c, coarse[c.name]) for c in plan.conditions}
         left = _beyond_calibration(parametrisation, plan, branches, changes)
         names += [name, *(f"{name} {mode}" for mode in modes), *(f"{name} {c.name}" for c in plan.conditions)]
         for c in plan.conditions:
@@ -85,9 +110,13 @@ def _is_the_same(model: RigModel, base: RigModel) -> bool:
     return model.components is base.components and not model.groups and not base.groups
 
 
-def _change(finer: Parametrisation, condition: Condition, coarse: Floats) -> Floats:
-    traced = trace_branch(finer, np.zeros(0), wider(condition))
-    return difference(coarse, densely(traced), condition.wider)
+def change_of_branch(model: RigModel, condition: Condition, observed: Floats) -> Floats:
+    """(n, m) what another model changes of the observations (n, m) along a branch.
+
+    raises: BranchStoppedError where it has no response at the beginning of the run
+    """
+    traced = trace_branch(Parametrisation(model, ()), np.zeros(0), _wider(condition))
+    return difference(observed, _densely(traced), condition.wider)
 
 
 def _beyond_calibration(
@@ -111,13 +140,13 @@ def _beyond_calibration(
     return {name: change - made_up_for @ slopes[name] for name, change in changes.items()}
 
 
-def wider(condition: Condition) -> Condition:
+def _wider(condition: Condition) -> Condition:
     """Finer numerics may shift the resonance by more than its width."""
     low, high = condition.window
     return replace(condition, window=(low - _FURTHER * (high - low), high + _FURTHER * (high - low)))
 
 
-def densely(branch: PredictedBranch) -> Floats:
+def _densely(branch: PredictedBranch) -> Floats:
     return unwrapped(branch.at(np.linspace(branch.place[0], branch.place[-1], _DENSELY * len(branch.place))).value)
 
 

@@ -38,6 +38,11 @@ class Result:
     refit: Refit
     trial: Trial
 
+    @property
+    def slim(self) -> "Result":
+        """Without the fit's branches."""
+        return replace(self, refit=replace(self.refit, fitted=slim(self.refit.fitted)))
+
 
 # Told which attempt is done, and its result: None where the model with the effects has no response.
 Done = Callable[[Attempt, Result | None], None]
@@ -91,7 +96,7 @@ def _run(start: Baseline, criteria: Criteria, attempt: Attempt) -> Result | None
 
 def _run_shared(shared: bytes, criteria: Criteria, attempt: Attempt) -> Result | None:
     found = _run(_start(shared), criteria, attempt)
-    return found and replace(found, refit=replace(found.refit, fitted=slim(found.refit.fitted)))
+    return found and found.slim
 
 
 @lru_cache(maxsize=2)

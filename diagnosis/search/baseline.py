@@ -7,12 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.diagnosis.effects.chosen import ChosenEffect
-from updamp.diagnosis.model.parameters import LOSS_FACTOR, Parametrisation, nuisances
+from updamp.diagnosis.model.parameters import LOSS_FACTOR
 from updamp.diagnosis.model.predicted_branch import with_patterns
 from updamp.diagnosis.model.rig_model import RigModel
 from updamp.diagnosis.residual.fit import Fit, FitOptions, compare_at, fit, predict
 from updamp.diagnosis.residual.matching import Matched
-from updamp.diagnosis.residual.numerical_gate import more_harmonics, with_numerical_error
+from updamp.diagnosis.residual.numerical_gate import gated
 from updamp.diagnosis.residual.observations import Plan
 from updamp.diagnosis.residual.scatter import Scatter, learn
 
@@ -61,13 +61,7 @@ def baseline(
     """
     kept = _held_out(plan, held_out)
     training = tuple(i for i in range(len(plan.conditions)) if i not in kept)
-    parametrisation = Parametrisation(model, nuisances(model), taken=taken)
-    start = np.zeros(len(parametrisation))
-    progress("prediction")
-    before = predict(parametrisation, start, plan)
-    progress("numerical error")
-    all_finer = {"harmonics": more_harmonics(model), **finer}
-    parametrisation = with_numerical_error(parametrisation, start, plan, before, all_finer)
+    parametrisation, before = gated(model, taken, plan, finer, progress)
     train = plan.only(training)
     at_start = tuple(with_patterns(before[i], parametrisation.numerics) for i in training)
     start = np.zeros(len(parametrisation))
@@ -132,4 +126,4 @@ def error_of(fitted: Fit, plan: Plan) -> float:
         return float("nan")
     branches = predict(fitted.parametrisation, fitted.u, plan)
     compared = compare_at(fitted.parametrisation, fitted.u, plan, branches, fitted.compared.scatter)
-    return float(np.sqrt(compared.chi2 / compared.values))
+    return float(np.sqrt(compared.excess))

@@ -9,7 +9,7 @@ from updamp.diagnosis.compare import calibration
 from updamp.diagnosis.effects.effect import Effect
 from updamp.diagnosis.residual.fit import Fit
 from updamp.diagnosis.search.criteria import Criteria
-from updamp.diagnosis.search.decide import Decision, decide, reason_against
+from updamp.diagnosis.search.decide import Decision, reason_against
 from updamp.diagnosis.search.evidence import EffectScore, Trial
 from updamp.diagnosis.search.refit import Refit
 from updamp.diagnosis.search.score import cosines
@@ -21,7 +21,6 @@ from updamp.diagnosis.verdict import (
     ErrorReached,
     FittedParameter,
     MissingForce,
-    NextMeasurement,
     Step,
     Verdict,
 )
@@ -32,14 +31,13 @@ _95 = 1.96
 
 def conclude(
     found: Found,
+    decision: Decision,
     criteria: Criteria,
     names: Mapping[str, str],
     forces: Sequence[MissingForce] = (),
-    further: Sequence[NextMeasurement] = (),
     provenance: Mapping[str, str] | None = None,
 ) -> Verdict:
     """names: point of the model -> its channel"""
-    decision = decide(found.evidence, criteria)
     chosen = found.refits.get(decision.trial.effects) if decision.trial is not None else None
     candidates = _candidates(found, decision, criteria)
     return Verdict(
@@ -49,7 +47,7 @@ def conclude(
         group=decision.group,
         candidates=candidates,
         error=_error(found, decision.trial),
-        next_measurement=tuple(further),
+        next_measurement=(),
         signatures=signatures(found, names),
         confounding=_confounding(found, criteria),
         missing_forces=tuple(forces),
@@ -60,13 +58,12 @@ def conclude(
 
 
 def _candidates(found: Found, decision: Decision, criteria: Criteria) -> tuple[Candidate, ...]:
-    trials = {t.effects: t for t in (*found.evidence.trials, *found.evidence.pairs)}
     listed = []
     for tested in found.evidence.tested:
         name = tested.effect
         # parameters of effects that are missing together are those of the fit with both
         joint = decision.trial.effects if decision.trial is not None and name in decision.trial.effects else (name,)
-        listed.append(_candidate(found, tested, trials.get(joint), found.refits.get(joint), criteria))
+        listed.append(_candidate(found, tested, found.evidence.trial_of(joint), found.refits.get(joint), criteria))
     return tuple(sorted(listed, key=lambda c: -c.obtained_drop if np.isfinite(c.obtained_drop) else -c.predicted_drop))
 
 
@@ -108,13 +105,9 @@ def _not_fitted(tested: EffectScore, criteria: Criteria) -> str:
 def parameters(fitted: Fit, effect: Effect) -> tuple[FittedParameter, ...]:
     """Of an effect in the fit, with 95 % intervals cut off at the bounds."""
     p = fitted.parametrisation
-    place = len(p.nuisances)
-    for other in p.effects:
-        if other.name == effect.name:
-            break
-        place += len(other.parameters)
+    place = p.columns(effect.name).start
     # where the model leaves more than the scatter, intervals are wider by as much (Birge 1932)
-    excess = max(1.0, fitted.compared.chi2 / fitted.compared.values)
+    excess = max(1.0, fitted.compared.excess)
     values, said = p.values(fitted.u)[effect.name], []
     for i, q in enumerate(effect.parameters):
         half = _95 * float(fitted.deviations[place + i]) * abs(q.typical - q.null) * float(np.sqrt(excess))
@@ -133,9 +126,8 @@ def _error(found: Found, trial: Trial | None) -> ErrorReached:
 def _history(found: Found, decision: Decision) -> tuple[Step, ...]:
     steps = [Step((), float(np.sqrt(found.evidence.excess)), found.evidence.held_out)]
     if decision.trial is not None and decision.effects:
-        trials = {t.effects: t for t in (*found.evidence.trials, *found.evidence.pairs)}
         for n in range(1, len(decision.effects) + 1):
-            trial = trials.get(decision.trial.effects[:n])
+            trial = found.evidence.trial_of(decision.trial.effects[:n])
             if trial is not None:
                 steps.append(Step(trial.effects, float(np.sqrt(trial.excess)), trial.held_out))
     return tuple(steps)

@@ -43,8 +43,8 @@ _STAGE = "diagnosis"
 class DiagnoseOptions:
     """finer: presets of finer meshes; held_out: names of runs that no fit sees, None for one level of each mode
     own: files of the user's own effects, looked for too; jobs: fits at the same time; scheduler: address of a Dask
-    scheduler whose workers run the fits, "" for this machine; report: whether to write report.html, with comparison,
-    missing force and next measurements
+    scheduler whose workers run the fits, "" for this machine; report: whether to write report.html, with comparison
+    and missing force
     """
 
     finer: tuple[str, ...] = ()
@@ -78,7 +78,7 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
         names = {channel.point: channel.name for channel in subject.measurement.channels}
         decision = decide(found.evidence, options.criteria)
         forces = _forces(found, decision) if options.report else ()
-        verdict = conclude(found, options.criteria, names, forces, (), provenance)
+        verdict = conclude(found, decision, options.criteria, names, forces, provenance)
         write_json(files.out / "diagnosis.json", verdict)
         write_evidence(files.out / "evidence.json", found.evidence)
         write_ablations(files.out / "ablations.json", found.evidence, options.criteria)

@@ -53,6 +53,9 @@ class Evidence:
     pairs: tuple[Trial, ...]
     alike: tuple[tuple[str, str, float], ...]
 
+    def trial_of(self, effects: tuple[str, ...]) -> Trial | None:
+        return next((t for t in (*self.trials, *self.pairs) if t.effects == effects), None)
+
     def test_of(self, effect: str) -> EffectScore | None:
         return next((t for t in self.tested if t.effect == effect), None)
 

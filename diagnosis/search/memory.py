@@ -3,11 +3,11 @@
 import hashlib
 import pickle
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from updamp.diagnosis.search.attempts import Attempt, Bench, Done, Result, slim
+from updamp.diagnosis.search.attempts import Attempt, Bench, Done, Result
 from updamp.diagnosis.search.baseline import Baseline
 from updamp.diagnosis.search.criteria import Criteria
 
@@ -59,7 +59,7 @@ class Remembering:
 
         def kept(attempt: Attempt, result: Result | None) -> None:
             if result is not None:
-                self.memory.keep(beside + attempt.name, _light(result))
+                self.memory.keep(beside + attempt.name, result.slim)
             done(attempt, result)
 
         missing = [i for i, result in enumerate(known) if result is None]
@@ -67,7 +67,3 @@ class Remembering:
         for i, result in zip(missing, made, strict=True):
             known[i] = result
         return known
-
-
-def _light(result: Result) -> Result:
-    return replace(result, refit=replace(result.refit, fitted=slim(result.refit.fitted)))

@@ -34,14 +34,9 @@ class Refit:
     at_bound: str
 
     @property
-    def error(self) -> float:
-        """Weighted residual RMS."""
-        return float(np.sqrt(self.fitted.compared.chi2 / self.fitted.compared.values))
-
-    @property
     def excess(self) -> float:
         """chi2 a value"""
-        return self.fitted.compared.chi2 / self.fitted.compared.values
+        return self.fitted.compared.excess
 
 
 def refit(
@@ -94,7 +89,7 @@ def _vectors(base: Fit, extended: Parametrisation, starts: Sequence[Floats]) -> 
 
 
 def _fails_badly(base: Fit) -> bool:
-    return base.compared.chi2 > _BADLY * base.compared.values
+    return base.compared.excess > _BADLY
 
 
 def _options(full: bool) -> FitOptions:
@@ -106,7 +101,7 @@ def judged(base: Fit, found: Fit, effects: Sequence[Effect], criteria: Criteria)
     drop = before - objective(found.parametrisation, found.compared)
     parameters = sum(len(e.parameters) for e in effects)
     # what a better model leaves is noise to the worse one (R. T. Birge, Phys. Rev. 40 (1932) 207)
-    noise = max(1.0, found.compared.chi2 / found.compared.values)
+    noise = max(1.0, found.compared.excess)
     delta_bic = drop / noise - parameters * float(np.log(found.compared.values))
     return Refit(tuple(effects), found, drop, delta_bic, _at_bound(found, effects, criteria))
 

@@ -47,7 +47,7 @@ def scores(extended: Extended) -> tuple[Score, ...]:
     p = extended.parametrisation
     of_effects = np.zeros(len(p), dtype=bool)
     for effect in extended.effects:
-        of_effects[extended.columns(effect)] = True
+        of_effects[p.columns(effect.name)] = True
     nuisance = columns[:, ~of_effects]
     # the prior as further rows, so that what it holds cannot imitate anything
     prior = np.diag(1 / p.deviation[~of_effects])
@@ -56,7 +56,7 @@ def scores(extended: Extended) -> tuple[Score, ...]:
     left = rows - basis @ (basis.T @ rows)
     found = []
     for effect in extended.effects:
-        place = extended.columns(effect)
+        place = p.columns(effect.name)
         raw = np.vstack([columns[:, place], np.zeros((len(prior), place.stop - place.start))])
         bounds = p.lower[place], p.upper[place]
         found.append(_score(effect, raw, raw - basis @ (basis.T @ raw), left, rows, bounds))

@@ -25,7 +25,7 @@ _FARTHEST = 3.0
 class Found:
     """extended: the calibrated model with all effects at null; scored: about the model without effects
 
-    refits: by the names of their effects; refused: effects that the model has no place for, and why
+    refits: by the names of their effects
     """
 
     baseline: Baseline
@@ -33,7 +33,6 @@ class Found:
     scored: tuple[Score, ...]
     refits: Mapping[tuple[str, ...], Refit]
     evidence: Evidence
-    refused: Mapping[str, str]
 
 
 def search(
@@ -63,7 +62,7 @@ def search(
         _alike(scored, criteria),
     )
     refits = {names: r.refit for names, r in {**singles, **pairs}.items()}
-    return Found(start, extended, scored, refits, evidence, extended.refused)
+    return Found(start, extended, scored, refits, evidence)
 
 
 Results = dict[tuple[str, ...], Result]

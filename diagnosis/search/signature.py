@@ -7,15 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.diagnosis.effects.effect import Effect
-from updamp.diagnosis.model.condition import Condition
 from updamp.diagnosis.model.derivatives import Change
 from updamp.diagnosis.model.model_at import ModelAt, change_of_effect
-from updamp.diagnosis.model.numerical_error import difference
 from updamp.diagnosis.model.parameters import Parametrisation
-from updamp.diagnosis.model.predicted_branch import PredictedBranch, observe, of_state, trace_branch
-from updamp.diagnosis.model.rig_model import RigModel
+from updamp.diagnosis.model.predicted_branch import PredictedBranch, observe, of_state
 from updamp.diagnosis.residual.fit import Compared, Fit, compare_at, predict
-from updamp.diagnosis.residual.numerical_gate import densely, unwrapped, wider
+from updamp.diagnosis.residual.numerical_gate import change_of_branch, unwrapped
 from updamp.diagnosis.residual.observations import Plan
 from updamp.hbm.continuation import BranchStoppedError
 
@@ -35,19 +32,10 @@ class Extended:
     effects: tuple[Effect, ...]
     refused: dict[str, str]
 
-    def columns(self, effect: Effect) -> slice:
-        place = len(self.parametrisation.nuisances)
-        for other in self.parametrisation.effects:
-            n = len(other.parameters)
-            if other.name == effect.name:
-                return slice(place, place + n)
-            place += n
-        raise KeyError(effect.name)
-
     def answer(self, effect: Effect, step: Floats) -> Floats:
         """(p,) the effect's step, and what the nuisance parameters do to make up for it as far as they can."""
         _, columns = self.compared.equations()
-        p, place = self.parametrisation, self.columns(effect)
+        p, place = self.parametrisation, self.parametrisation.columns(effect.name)
         first, n = len(p.nuisances), p.n_of_model
         free = np.r_[0:first, n : len(p)]
         prior = np.diag(1 / p.deviation[free])
@@ -69,8 +57,8 @@ def extend(
     p, u = fitted.parametrisation, fitted.u
     there = ModelAt(p, u)
     known, refused = _with_a_place(there, effects)
-    by_derivative = [e for e in known if e.name not in _by_step(there, known)]
-    by_step = [e for e in known if e not in by_derivative]
+    by_step = [e for e in known if _needs_step(there, e)]
+    by_derivative = [e for e in known if e not in by_step]
     changes = [change_of_effect(there.model, e, q) for e in by_derivative for q in e.parameters]
     branches = []
     for branch in _solved_at(fitted, plan):
@@ -106,10 +94,9 @@ def _with_a_place(there: ModelAt, effects: Sequence[Effect]) -> tuple[list[Effec
     return known, refused
 
 
-def _by_step(there: ModelAt, effects: Sequence[Effect]) -> set[str]:
-    """Those that have no derivative at their null value, or other harmonics beside it."""
-    orders = there.model.harmonics.orders
-    return {e.name for e in effects if e.finite_step or e.apply(there.model, e.at_typical()).harmonics.orders != orders}
+def _needs_step(there: ModelAt, effect: Effect) -> bool:
+    """Whether it has no derivative at its null value, or other harmonics beside it."""
+    return effect.finite_step or effect.apply(there.model, effect.at_typical()).harmonics != there.model.harmonics
 
 
 def _by_step_of(there: ModelAt, branch: PredictedBranch, effect: Effect) -> Floats:
@@ -121,17 +108,12 @@ def _by_step_of(there: ModelAt, branch: PredictedBranch, effect: Effect) -> Floa
     for share in (1.0, 0.5, 0.25):
         values = {q.name: q.null + share * (q.typical - q.null) for q in effect.parameters}
         try:
-            found = _traced(effect.apply(there.model, values), branch.condition)
+            change = change_of_branch(effect.apply(there.model, values), branch.condition, observed) / share
         except BranchStoppedError:
             continue
-        change = difference(observed, found, branch.condition.wider) / share
         rest = np.zeros((len(change), len(effect.parameters) - 1, change.shape[1]))
         return np.concatenate([change[:, None], rest], axis=1)
     return np.zeros((len(observed), len(effect.parameters), observed.shape[1]))
-
-
-def _traced(model: RigModel, condition: Condition) -> Floats:
-    return densely(trace_branch(Parametrisation(model, ()), np.zeros(0), wider(condition)))
 
 
 def _extended(

@@ -11,6 +11,7 @@ from updamp.diagnosis.residual.observations import plan_of
 from updamp.diagnosis.search.baseline import baseline
 from updamp.diagnosis.search.conclude import conclude
 from updamp.diagnosis.search.criteria import Criteria
+from updamp.diagnosis.search.decide import decide
 from updamp.diagnosis.search.search import Found, search
 from updamp.diagnosis.verdict import Verdict
 
@@ -33,7 +34,7 @@ def found() -> Found:
 
 @pytest.fixture(scope="module")
 def verdict(found: Found) -> Verdict:
-    return conclude(found, Criteria(), {"beam.drive.x": "accelerometer"})
+    return conclude(found, decide(found.evidence, Criteria()), Criteria(), {"beam.drive.x": "accelerometer"})
 
 
 def test_microslip_is_named_beside_a_stiffening(verdict: Verdict) -> None:
@@ -69,5 +70,5 @@ def test_microslips_parameters(verdict: Verdict) -> None:
 
 
 def test_effects_of_contacts_are_refused(found: Found) -> None:
-    assert "no contacts" in found.refused["sub_patch_microslip"]
-    assert "blade_left.tip.x" in found.refused["material_damping"]
+    assert "no contacts" in found.extended.refused["sub_patch_microslip"]
+    assert "blade_left.tip.x" in found.extended.refused["material_damping"]

@@ -10,7 +10,7 @@ from support.small_model import NUISANCES, condition, small_model, synthetic_pla
 from updamp.diagnosis.effects.effect import Effect, EffectParameter
 from updamp.diagnosis.model import parameters
 from updamp.diagnosis.model.parameters import Parametrisation
-from updamp.diagnosis.search import baseline as baseline_module
+from updamp.diagnosis.residual import numerical_gate
 from updamp.diagnosis.search.baseline import baseline
 from updamp.diagnosis.search.criteria import Criteria
 from updamp.diagnosis.search.decide import decide
@@ -40,8 +40,8 @@ WEAKER = effect("weaker", "share", 0.3, lambda m, v: m.with_contacts(n0=m.contac
 
 @pytest.fixture(autouse=True)
 def few_nuisances(monkeypatch):
-    monkeypatch.setattr(baseline_module, "nuisances", lambda _: NUISANCES)
-    assert parameters.nuisances is not baseline_module.nuisances
+    monkeypatch.setattr(numerical_gate, "nuisances", lambda _: NUISANCES)
+    assert parameters.nuisances is not numerical_gate.nuisances
 
 
 @lru_cache
