@@ -8,12 +8,17 @@ from updamp.hbm.contact.pressure_stiffness import PressureStiffness
 
 
 def apply(model: RigModel, values: Values) -> RigModel:
-    """k = k0 (p/p0)^m for kt and kn, p the momentary pressure and p0 the mean of that at rest over both faces."""
+    """k = k0 (p/p0)^m for kt and kn, p the momentary pressure and p0 the mean of that at rest over both faces.
+
+    p0 is that of the rig file: kt and kn are stated at it, and another preload is another stiffness. Where it is not
+    known, p0 is that of the model given.
+    """
     if values["exponent"] == 0:
         return model
-    area = patches_of(model).area
-    mean_force = entry(model, "n0").sum() / area.sum() * area
-    return put_around(model, PressureStiffness, pressure_exponent=values["exponent"], mean_force=mean_force)
+    area, p0 = patches_of(model).area, model.stated_pressure
+    if p0 is None:
+        p0 = float(entry(model, "n0").sum() / area.sum())
+    return put_around(model, PressureStiffness, pressure_exponent=values["exponent"], mean_force=p0 * area)
 
 
 EFFECT = Effect(

@@ -42,6 +42,7 @@ def _as_built(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> RigModel:
         harmonics=Harmonics(rig.harmonic_balance.harmonics),
         time_samples=rig.harmonic_balance.time_samples,
         places=_places(rig),
+        stated_pressure=float(rest.normal_force.sum() / reduced.contacts.area.sum()),
     )
 
 

@@ -48,6 +48,8 @@ class RigModel:
     places: where points and the clamps ("blade_left.root", "blade_right.root") are, name without axis -> (x, y, z)
         at rest [m]; empty where that is not known
     identified: whether the modes were identified in a test rather than computed: modal masses are known roughly then
+    stated_pressure: mean over the contacts at rest, as the rig file has it, whatever calibration and effects do to it
+        [Pa]; None where that is not known
     """
 
     components: LinearModel
@@ -62,6 +64,7 @@ class RigModel:
     notes: Mapping[str, float] = field(default_factory=dict)
     places: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     identified: bool = False
+    stated_pressure: float | None = None
 
     @cached_property
     def system(self) -> NonlinearSystem:

@@ -10,6 +10,7 @@ from updamp.diagnosis.effects.edge_gap import approach, profile
 from updamp.diagnosis.effects.faces import along_damper, up_the_face
 from updamp.diagnosis.effects.material_damping import PER, bending_modes
 from updamp.diagnosis.effects.tips import TIPS
+from updamp.diagnosis.model.parameters import PRELOAD
 from updamp.geometry.contact_elements import LEFT, RIGHT
 from updamp.hbm.elements import over_period
 
@@ -100,6 +101,13 @@ def test_stiffness_at_rest_follows_the_pressure(model):
     mean = entry(crowned, "n0").sum() / model.patches.area.sum()
     expected = entry(model, "kt") * (pressure / mean) ** m
     np.testing.assert_allclose(both.contacts.reference_stiffness()[:, 0], expected)
+
+
+def test_more_preload_is_more_stiffness(model):
+    """kt and kn are stated at the pressure of the rig file, to which a changed preload makes no difference."""
+    m, load = 0.4, 1.3
+    loaded = changed(PRELOAD.apply(model, load), "pressure_dependent_stiffness", exponent=m)
+    np.testing.assert_allclose(loaded.contacts.reference_stiffness()[:, 0], entry(model, "kt") * load**m)
 
 
 def test_mistuning_moves_the_blades_apart_and_keeps_their_loss_factor(model):
