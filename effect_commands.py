@@ -39,6 +39,14 @@ def diagnose(
             show_default="the second highest level of each mode with three or more",
         ),
     ] = None,
+    hold_out_mode: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="MODE",
+            help="Mode of which no fit is to see a run: the verdict is judged on it. May be repeated, and besides "
+            "--hold-out.",
+        ),
+    ] = None,
     effect: Annotated[
         list[Path] | None, typer.Option(help="Python file of an effect of your own to look for; may be repeated.")
     ] = None,
@@ -46,6 +54,9 @@ def diagnose(
     scheduler: Annotated[
         str, typer.Option(metavar="ADDRESS", help="Of a Dask scheduler whose workers run the fits.")
     ] = "",
+    next_measurement: Annotated[
+        bool, typer.Option(help="Look for the measurement that would tell apart what is left; takes a minute or two.")
+    ] = True,
     debug: Debug = False,
 ) -> None:
     """Say which physical effect the model lacks: diagnosis.json and report.html.
@@ -62,7 +73,13 @@ def diagnose(
 
         keep_compiled()
         options = DiagnoseOptions(
-            tuple(finer or ()), tuple(hold_out) if hold_out else None, tuple(effect or ()), jobs, scheduler
+            finer=tuple(finer or ()),
+            held_out=tuple(hold_out) if hold_out else None,
+            held_out_modes=tuple(hold_out_mode or ()),
+            own=tuple(effect or ()),
+            jobs=jobs,
+            scheduler=scheduler,
+            next_measurement=next_measurement,
         )
         files, console = CompareFiles(rig, measurement, out), Console()
         verdict = search_effects(files, mesh, options, console)

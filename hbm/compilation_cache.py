@@ -33,6 +33,11 @@ def keep_compiled(folder: Path | None = None) -> Path | None:
     return place
 
 
+def keeps_compiled() -> bool:
+    """Whether this process does."""
+    return jax.config.values["jax_compilation_cache_dir"] is not None
+
+
 def _cache_folder() -> Path:
     stated = os.environ.get("XDG_CACHE_HOME", "")
     return (Path(stated) if stated else Path.home() / ".cache") / "updamp" / "compiled"

@@ -66,7 +66,7 @@ def taken_effects(tables: object, folder: Path) -> tuple[TakenEffect, ...]:
         TakenEffect(
             name=one.effect.name,
             values=dict(one.values),
-            code=_code(one),
+            code=code_of(one.effect, one.file),
             units={p.name: p.unit for p in one.effect.parameters},
             origin=one.origin,
             file=one.file,
@@ -84,13 +84,16 @@ def _restored(name: str, file: Path | None, values: Mapping[str, float], origin:
     return ChosenEffect(_effect(name, file, "effects"), MappingProxyType(dict(values)), origin, file)
 
 
-def _code(one: ChosenEffect) -> str:
-    """Changes of updamp's own effects are told by the version of the stage that applies them."""
-    if one.file is not None:
-        return hashlib.sha256(one.file.read_bytes()).hexdigest()
-    if one.effect is {**CATALOGUE, **JOINTS}.get(one.effect.name):
+def code_of(effect: Effect, file: Path | None) -> str:
+    """Hash of the file that defines an effect, "" for one of updamp's own: what they do is told by a version.
+
+    file: that the effect was read from, None where it comes from the catalogue
+    """
+    if file is not None:
+        return hashlib.sha256(file.read_bytes()).hexdigest()
+    if effect is {**CATALOGUE, **JOINTS}.get(effect.name):
         return ""
-    module = inspect.getmodule(one.effect.apply)
+    module = inspect.getmodule(effect.apply)
     source = module.__file__ if module is not None else None
     return hashlib.sha256(Path(source).read_bytes()).hexdigest() if source else ""
 

@@ -12,7 +12,7 @@ from updamp.diagnosis.model.condition import DERIVATIVES, Condition, HeldRespons
 Floats = NDArray[np.float64]
 
 # Relative standard deviation of a frequency as the generator sets it.
-_FREQUENCY = 2e-6
+FREQUENCY_NOISE = 2e-6
 # Standard deviation of the logarithm of a run's roughness, of some forty points.
 _ROUGHNESS_KNOWN = 0.25
 # Of an amplitude where nothing is stated and too little is measured to tell.
@@ -107,7 +107,7 @@ def _control(measurement: Measurement, run: MeasuredRun) -> HeldResponse | None:
 def _observations(run: MeasuredRun, test: int, condition: Condition, measurement: Measurement) -> Observations:
     points = {channel.point: channel.name for channel in measurement.channels}
     turn = run.force / np.abs(run.force)
-    columns, noise = [np.log(run.frequency)], [np.full(len(run), _FREQUENCY)]
+    columns, noise = [np.log(run.frequency)], [np.full(len(run), FREQUENCY_NOISE)]
     for point, k in condition.sensors:
         amplitude = run.amplitude(points[point], k) / turn**k
         deviation = _deviation(run, points[point], k)

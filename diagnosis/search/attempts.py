@@ -5,16 +5,19 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, as_completed
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from updamp.diagnosis.effects.effect import Effect
+from updamp.diagnosis.effects.user_effect import effect_from_file
 from updamp.diagnosis.residual.fit import Fit, predict
 from updamp.diagnosis.search.baseline import Baseline, error_of
 from updamp.diagnosis.search.criteria import Criteria
 from updamp.diagnosis.search.evidence import Trial
 from updamp.diagnosis.search.refit import Refit, refit
+from updamp.hbm.compilation_cache import keep_compiled
 
 Floats = NDArray[np.float64]
 
@@ -60,23 +63,31 @@ def run_here(start: Baseline, criteria: Criteria, attempts: Sequence[Attempt], d
 
 @dataclass(frozen=True)
 class RunElsewhere:
-    """By an executor of processes, such as `concurrent.futures.ProcessPoolExecutor` or that of a Dask client."""
+    """By an executor of processes, such as `concurrent.futures.ProcessPoolExecutor` or that of a Dask client.
+
+    own: files of the user's own effects, which the other processes read too
+    keep_compiled: whether they keep compiled contact laws, and use what is kept
+    """
 
     executor: Executor
+    own: tuple[Path, ...] = ()
+    keep_compiled: bool = False
 
     def __call__(
         self, start: Baseline, criteria: Criteria, attempts: Sequence[Attempt], done: Done
     ) -> list[Result | None]:
-        shared = pickle.dumps(replace(start, fitted=slim(start.fitted)))
-        futures = {
-            self.executor.submit(_run_shared, shared, criteria, replace(a, near=a.near and slim(a.near))): i
-            for i, a in enumerate(attempts)
-        }
+        shared = _Task(self.own, self.keep_compiled, pickle.dumps(replace(start, fitted=slim(start.fitted))), criteria)
+        slimmed = (replace(a, near=a.near and slim(a.near)) for a in attempts)
+        futures = {self.executor.submit(shared, pickle.dumps(a)): i for i, a in enumerate(slimmed)}
         found: list[Result | None] = [None] * len(attempts)
-        for future in as_completed(futures):
-            place = futures[future]
-            found[place] = future.result()
-            done(attempts[place], found[place])
+        try:
+            for future in as_completed(futures):
+                place = futures[future]
+                found[place] = future.result()
+                done(attempts[place], found[place])
+        finally:  # an interruption does not wait for what has not begun
+            for future in futures:
+                future.cancel()
         return found
 
 
@@ -94,9 +105,29 @@ def _run(start: Baseline, criteria: Criteria, attempt: Attempt) -> Result | None
     return Result(r, Trial(names, r.excess, r.drop, r.delta_bic, held_out, r.at_bound, attempt.full))
 
 
-def _run_shared(shared: bytes, criteria: Criteria, attempt: Attempt) -> Result | None:
-    found = _run(_start(shared), criteria, attempt)
-    return found and found.slim
+@dataclass(frozen=True)
+class _Task:
+    """What another process does. start: a pickled baseline. A user's effect can be unpickled only where its file has
+    been read, so attempts come as bytes too."""
+
+    own: tuple[Path, ...]
+    keep_compiled: bool
+    start: bytes
+    criteria: Criteria
+
+    def __call__(self, attempt: bytes) -> Result | None:
+        _prepared(self.own, self.keep_compiled)
+        found = _run(_start(self.start), self.criteria, pickle.loads(attempt))
+        return found and found.slim
+
+
+@lru_cache(maxsize=1)
+def _prepared(own: tuple[Path, ...], kept: bool) -> None:
+    """Once a process."""
+    if kept:
+        keep_compiled()
+    for path in own:
+        effect_from_file(path)
 
 
 @lru_cache(maxsize=2)

@@ -16,7 +16,7 @@ from updamp.diagnosis.residual.observations import Plan
 
 RUN, SENSOR, LOAD = 1 / 6, 1 / 2, 2.0  # hours
 _FACTOR = 2.0  # of the force, beyond the levels measured
-_LOADS = (0.7, 1.3)  # times the present damper load
+_LOADS = {1.3: "load the damper 30 % more", 0.7: "load the damper 30 % less"}  # times the present damper load
 _HARMONICS = (2, 3, 0)
 _WIDER = 0.1  # share of the measured range added to both sides, since other levels resonate elsewhere
 
@@ -50,7 +50,8 @@ def candidate_runs(plan: Plan, parametrisation: Parametrisation, most: int) -> t
     return tuple(run for run in in_turn if run is not None)[:most]
 
 
-def _of_mode(conditions: Sequence[Condition], parametrisation: Parametrisation) -> Iterator[CandidateRun]:
+def _of_mode(conditions: Sequence[Condition], parametrisation: Parametrisation) -> Iterator[CandidateRun | None]:
+    """First what is likely to tell most: a higher level, other harmonics and sensors, another load."""
     lowest, highest = (pick(conditions, key=lambda c: c.force) for pick in (min, max))
     usual = tuple(dict.fromkeys(sensor for c in conditions for sensor in c.sensors if sensor[1] == 1))
     if not usual:
@@ -79,17 +80,19 @@ def _of_mode(conditions: Sequence[Condition], parametrisation: Parametrisation) 
     mode, way = lowest.mode, {True: "upwards", False: "downwards"}
     above, below = highest.force * _FACTOR, lowest.force / _FACTOR
     yield run(highest, above, highest.upwards, f"sweep {mode} at {above:.3g} N, twice the highest level so far")
-    yield run(lowest, below, lowest.upwards, f"sweep {mode} at {below:.3g} N, half the lowest level so far")
     again = run(highest, highest.force, highest.upwards, "")
     yield _with_more(again, parametrisation, conditions)
+    loaded = (
+        run(highest, highest.force, highest.upwards, f"{how} and sweep {mode} at {highest.force:.3g} N", load)
+        for load, how in _LOADS.items()
+        if PRELOAD.name in parametrisation.names
+    )
+    yield next(loaded, None)
     if not any(c.upwards != highest.upwards and np.isclose(c.force, highest.force, rtol=0.05) for c in conditions):
         what = f"sweep {mode} at {highest.force:.3g} N {way[not highest.upwards]} too"
         yield run(highest, highest.force, not highest.upwards, what)
-    if PRELOAD.name in parametrisation.names:
-        for load in _LOADS:
-            how = f"{abs(100 * (load - 1)):.0f} % {'more' if load > 1 else 'less'}"
-            what = f"load the damper {how} and sweep {mode} at {highest.force:.3g} N"
-            yield run(highest, highest.force, highest.upwards, what, load)
+    yield run(lowest, below, lowest.upwards, f"sweep {mode} at {below:.3g} N, half the lowest level so far")
+    yield from loaded
 
 
 def _window(conditions: Sequence[Condition]) -> tuple[float, float]:

@@ -11,6 +11,7 @@ from updamp.diagnosis.residual.fit import Fit
 from updamp.diagnosis.search.criteria import Criteria
 from updamp.diagnosis.search.decide import Decision, reason_against
 from updamp.diagnosis.search.evidence import EffectScore, Trial
+from updamp.diagnosis.search.held_out import unseen
 from updamp.diagnosis.search.refit import Refit
 from updamp.diagnosis.search.score import cosines
 from updamp.diagnosis.search.search import Found
@@ -21,6 +22,7 @@ from updamp.diagnosis.verdict import (
     ErrorReached,
     FittedParameter,
     MissingForce,
+    NextMeasurement,
     Step,
     Verdict,
 )
@@ -36,6 +38,7 @@ def conclude(
     names: Mapping[str, str],
     forces: Sequence[MissingForce] = (),
     provenance: Mapping[str, str] | None = None,
+    next_measurement: Sequence[NextMeasurement] = (),
 ) -> Verdict:
     """names: point of the model -> its channel"""
     chosen = found.refits.get(decision.trial.effects) if decision.trial is not None else None
@@ -47,7 +50,7 @@ def conclude(
         group=decision.group,
         candidates=candidates,
         error=_error(found, decision.trial),
-        next_measurement=(),
+        next_measurement=tuple(next_measurement),
         signatures=signatures(found, names),
         confounding=_confounding(found, criteria),
         missing_forces=tuple(forces),
@@ -157,7 +160,7 @@ def sentence(decision: Decision, found: Found, candidates: Sequence[Candidate]) 
     assert trial is not None, "an effect has been chosen by its fit"
     fall = f"the error falls from {before:.1f} to {trial.excess**0.5:.2f} times the scatter"
     if np.isfinite(trial.held_out):
-        fall += f", on runs that the fit never saw from {found.evidence.held_out:.1f} to {trial.held_out:.2f}"
+        fall += f", on {unseen(found.baseline)} from {found.evidence.held_out:.1f} to {trial.held_out:.2f}"
     if decision.outcome == "inseparable":
         return f"one of {', '.join(decision.group)} is missing, and these data do not tell which: {fall}"
     return f"{' and '.join(said[e] for e in decision.effects)} ({', '.join(decision.effects)}): {fall}"

@@ -1,7 +1,7 @@
 """`updamp diagnose`: from a rig file and a measurement to the effect that is missing."""
 
 import hashlib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -15,6 +15,7 @@ from updamp.diagnosis.compare import compare
 from updamp.diagnosis.compare_run import CompareFiles, Subject, pictures_of, provenance_of, subject_of
 from updamp.diagnosis.comparison_json import write_json as write_comparison
 from updamp.diagnosis.effects.catalogue import catalogue
+from updamp.diagnosis.effects.chosen import code_of
 from updamp.diagnosis.effects.effect import Effect
 from updamp.diagnosis.effects.user_effect import effect_from_file
 from updamp.diagnosis.model.modal_rig import is_modal
@@ -28,31 +29,40 @@ from updamp.diagnosis.search.criteria import Criteria
 from updamp.diagnosis.search.decide import Decision, decide
 from updamp.diagnosis.search.diagnose_stated import diagnose_stated, tables
 from updamp.diagnosis.search.evidence import write_evidence
+from updamp.diagnosis.search.held_out import held_out_runs
 from updamp.diagnosis.search.memory import Memory, Remembering, digest_of
 from updamp.diagnosis.search.missing_force import missing_forces
+from updamp.diagnosis.search.next_measurement import next_measurements
+from updamp.diagnosis.search.rivals import rivals
 from updamp.diagnosis.search.search import Found, search
-from updamp.diagnosis.verdict import MissingForce, Verdict
+from updamp.diagnosis.verdict import MissingForce, NextMeasurement, Verdict
 from updamp.diagnosis.verdict_json import write_json
+from updamp.hbm.compilation_cache import keeps_compiled
 from updamp.progress import Display
 from updamp.rig import load_rig
 
 _STAGE = "diagnosis"
+# Predicted with each explanation, to find the next measurement: some 6 s of one core with 36 patches.
+_RUNS = 6
 
 
 @dataclass(frozen=True)
 class DiagnoseOptions:
     """finer: presets of finer meshes; held_out: names of runs that no fit sees, None for one level of each mode
+    held_out_modes: modes of which no fit sees a run; with any, only the levels in `held_out` are held out besides
     own: files of the user's own effects, looked for too; jobs: fits at the same time; scheduler: address of a Dask
     scheduler whose workers run the fits, "" for this machine; report: whether to write report.html, with comparison
-    and missing force
+    and missing force; next_measurement: whether to look for the run that tells explanations apart, for the report
     """
 
     finer: tuple[str, ...] = ()
     held_out: tuple[str, ...] | None = None
+    held_out_modes: tuple[str, ...] = ()
     own: tuple[Path, ...] = ()
     jobs: int = 1
     scheduler: str = ""
     report: bool = True
+    next_measurement: bool = True
     criteria: Criteria = field(default_factory=Criteria)
 
 
@@ -65,9 +75,9 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
     """
     with Display(console) as display:
         subject = subject_of(files, preset, options.jobs, display, options.finer)
-        if not subject.measurement.runs:
-            return _of_stated(files, preset, options, subject, display, console)
         provenance = {**provenance_of(files, subject, preset), "date": date.today().isoformat()}
+        if not subject.measurement.runs:
+            return _of_stated(files, options, subject, provenance, display, console)
         effects = _effects(subject, options)
         files.out.mkdir(parents=True, exist_ok=True)
         plan, told = plan_of(subject.measurement), _telling(display)
@@ -78,7 +88,8 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
         names = {channel.point: channel.name for channel in subject.measurement.channels}
         decision = decide(found.evidence, options.criteria)
         forces = _forces(found, decision) if options.report else ()
-        verdict = conclude(found, decision, options.criteria, names, forces, provenance)
+        following = _following(memory, found, decision, options, told) if options.report else ()
+        verdict = conclude(found, decision, options.criteria, names, forces, provenance, following)
         write_json(files.out / "diagnosis.json", verdict)
         write_evidence(files.out / "evidence.json", found.evidence)
         write_ablations(files.out / "ablations.json", found.evidence, options.criteria)
@@ -89,7 +100,12 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
 
 
 def _of_stated(
-    files: CompareFiles, preset: str, options: DiagnoseOptions, subject: Subject, display: Display, console: Console
+    files: CompareFiles,
+    options: DiagnoseOptions,
+    subject: Subject,
+    provenance: Mapping[str, str],
+    display: Display,
+    console: Console,
 ) -> Verdict:
     """Where no curve was measured: diagnosis.json, report.html and two tables."""
     if not subject.measurement.features or is_modal(files.rig):
@@ -98,7 +114,6 @@ def _of_stated(
             "measure curves with repeats"
         )
     rig, told = load_rig(files.rig), _telling(display)
-    provenance = {**provenance_of(files, subject, preset), "date": date.today().isoformat()}
     found = diagnose_stated(
         subject.before_effects,
         {name: mode.window for name, mode in rig.study.modes.items()},
@@ -131,11 +146,13 @@ def _digest(
 ) -> str:
     from importlib.metadata import version
 
-    own = [hashlib.sha256(path.read_bytes()).hexdigest() for path in options.own]
+    code = [code_of(one.effect, one.file) for one in subject.taken]
+    code += [hashlib.sha256(path.read_bytes()).hexdigest() for path in options.own]
+    code += [code_of(effect, None) for effect in effects]
     data = [f"{name} {value}" for name, value in sorted((subject.measurement.hashes or {}).items())]
     rig = hashlib.sha256(files.rig.read_bytes()).hexdigest()
-    decisive = replace(options, jobs=1, scheduler="", report=True, own=())
-    return digest_of([rig, preset, repr(decisive), version("updamp"), *own, *data, *(e.name for e in effects)])
+    decisive = replace(options, jobs=1, scheduler="", report=True, next_measurement=True, own=())
+    return digest_of([rig, preset, repr(decisive), version("updamp"), *code, *data, *(e.name for e in effects)])
 
 
 def _baseline(
@@ -143,7 +160,8 @@ def _baseline(
 ) -> Baseline:
     start: Baseline | None = memory.recall("baseline")
     if start is None:
-        start = baseline(subject.before_effects, subject.taken, plan, subject.finer, options.held_out, told)
+        held_out = held_out_runs(plan, options.held_out, options.held_out_modes)
+        start = baseline(subject.before_effects, subject.taken, plan, subject.finer, held_out, told)
         memory.keep("baseline", replace(start, fitted=slim(start.fitted)))
     return replace(start, fitted=with_branches(start.fitted, start))
 
@@ -151,6 +169,7 @@ def _baseline(
 @contextmanager
 def _bench(options: DiagnoseOptions) -> Iterator[Bench]:
     """Where the fits are run."""
+    own, kept = tuple(path.resolve() for path in options.own), keeps_compiled()
     if options.scheduler:
         try:
             from distributed import Client
@@ -159,11 +178,11 @@ def _bench(options: DiagnoseOptions) -> Iterator[Bench]:
                 "--scheduler needs Dask: install it with `pip install 'updamp[cluster]'`, on the workers too"
             ) from error
         with Client(options.scheduler) as client:
-            yield RunElsewhere(client.get_executor(pure=False))
+            yield RunElsewhere(client.get_executor(pure=False), own, kept)
     elif options.jobs > 1:
         # threads of the parent's libraries do not survive a fork
         with ProcessPoolExecutor(options.jobs, get_context("spawn")) as pool:
-            yield RunElsewhere(pool)
+            yield RunElsewhere(pool, own, kept)
     else:
         yield run_here
 
@@ -173,6 +192,21 @@ def _forces(found: Found, decision: Decision) -> tuple[MissingForce, ...]:
         return ()
     fitted = found.baseline.fitted
     return missing_forces(fitted.compared, fitted.parametrisation, found.baseline.train_plan)
+
+
+def _following(
+    memory: Memory, found: Found, decision: Decision, options: DiagnoseOptions, told: Callable[[str], None]
+) -> tuple[NextMeasurement, ...]:
+    """The next measurements worth making, where explanations are left to be told apart."""
+    explanations = rivals(found, decision, options.criteria) if options.next_measurement else {}
+    if not explanations:
+        return ()
+    name = f"next measurement {', '.join(explanations)}"
+    proposed: tuple[NextMeasurement, ...] | None = memory.recall(name)
+    if proposed is None:
+        proposed = next_measurements(explanations, found.baseline.plan, told, _RUNS)
+        memory.keep(name, proposed)
+    return proposed
 
 
 def _report(files: CompareFiles, subject: Subject, verdict: Verdict, told: Callable[[str], None]) -> None:

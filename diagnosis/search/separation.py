@@ -24,7 +24,7 @@ from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 from updamp.diagnosis.model.predicted_branch import PredictedBranch
 from updamp.diagnosis.residual.matching import across, match
-from updamp.diagnosis.residual.observations import Observations
+from updamp.diagnosis.residual.observations import FREQUENCY_NOISE, Observations
 from updamp.diagnosis.residual.scatter import Scatter
 
 Floats = NDArray[np.float64]
@@ -34,7 +34,6 @@ Sensor = tuple[str, int]
 Project = Callable[[Floats], Floats]
 
 _POINTS = 40  # of the run
-_FREQUENCY = 2e-6  # relative standard deviation of a frequency as the generator sets it
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +71,7 @@ def _one_way(truth: Prediction, model: Prediction, sensors: Sequence[Sensor]) ->
     a, b = _Local.of(truth.branch, place, sensors), _Local.of(model.branch, there, sensors)
     scale = _scale(a, sensors, truth)
     noise = np.array([truth.noise.get(point, truth.noise[""]) for point, _ in sensors]) * truth.scatter.noise
-    deviation = np.append(_FREQUENCY, np.repeat(noise, 2))
+    deviation = np.append(FREQUENCY_NOISE, np.repeat(noise, 2))
     basis = across(b.scaled(b.along, scale), np.broadcast_to(deviation, (len(place), len(deviation))))
 
     def project(changes: Floats) -> Floats:
@@ -161,7 +160,7 @@ def _matched(truth: Prediction, model: Prediction, place: Floats, sensors: Seque
     first = [s for s in sensors if s[1] == 1 and s[0] in truth.noise]
     a, b = _restricted(truth.branch, first), _restricted(model.branch, first)
     noise = np.array([truth.noise[point] for point, _ in first]) * truth.scatter.noise
-    deviation = np.broadcast_to(np.append(_FREQUENCY, np.repeat(noise, 2)), (len(place), 1 + 2 * len(first)))
+    deviation = np.broadcast_to(np.append(FREQUENCY_NOISE, np.repeat(noise, 2)), (len(place), 1 + 2 * len(first)))
     run = Observations("", 0, 0, a.at(place).value, deviation, np.zeros(len(place)))
     sizes = np.sqrt(np.diag(model.covariance))
     return match(b, run, b.u, sizes).place
