@@ -101,11 +101,11 @@ def _window(conditions: Sequence[Condition]) -> tuple[float, float]:
 
 
 def _with_more(again: CandidateRun, parametrisation: Parametrisation, conditions: Sequence[Condition]) -> CandidateRun:
-    """The same run once more with other harmonics, or with a further sensor."""
+    """The same run once more: as it was, with other harmonics, or with a further sensor."""
     usual, recorded = again.condition.sensors, {sensor for c in conditions for sensor in c.sensors}
     points = dict.fromkeys(point for point, _ in usual)
     where = f"in the sweep of {again.condition.mode} at {again.condition.force:.3g} N"
-    recordings = []
+    recordings = [Recording(usual, RUN, f"sweep {again.condition.mode} at {again.condition.force:.3g} N once more")]
     for k in _HARMONICS:
         new = tuple((point, k) for point in points if (point, k) not in recorded)
         if new and k in parametrisation.base.harmonics.orders:
@@ -114,5 +114,5 @@ def _with_more(again: CandidateRun, parametrisation: Parametrisation, conditions
     for point in parametrisation.base.components.points:
         if point not in points:
             recordings.append(Recording((*usual, (point, 1)), RUN + SENSOR, f"put a sensor at {point} {where}"))
-    sensors = tuple(dict.fromkeys(sensor for recording in recordings for sensor in recording.sensors)) or usual
+    sensors = tuple(dict.fromkeys(sensor for recording in recordings for sensor in recording.sensors))
     return replace(again, condition=replace(again.condition, sensors=sensors), recordings=tuple(recordings))

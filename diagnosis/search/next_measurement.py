@@ -31,6 +31,8 @@ DECIDES, _NOTHING = 3.0, 1.0
 # Half the usual step: between its points a branch is interpolated, and at a noise of half a per cent what that does to
 # places where contacts begin to slip would pass for a separation of five.
 _FINE = ContinuationOptions(largest_step=0.1)
+# Separation by which further harmonics or sensors have to exceed that of the run without them.
+_MORE = 1.1
 # Measurements kept for every pair of explanations.
 _KEPT = 3
 
@@ -50,16 +52,21 @@ def next_measurements(
     noise = _noise(plan)
     found: dict[tuple[str, str], list[NextMeasurement]] = {}
     for run in candidate_runs(plan, first, most_runs):
-        if not run.recordings:
-            continue
         progress(f"predicting {run.condition.name}")
         predictions = {name: _prediction(fit, run, noise) for name, fit in explanations.items()}
         for a, b in combinations(explanations, 2):
             one, other = predictions[a], predictions[b]
             if one is not None and other is not None:
-                found.setdefault((a, b), []).extend(_measurement((a, b), one, other, r) for r in run.recordings)
+                measurements = [_measurement((a, b), one, other, r) for r in run.recordings]
+                found.setdefault((a, b), []).extend(_worth_recording(measurements))
     best = [measurement for pair in found.values() for measurement in _best(pair)]
     return tuple(sorted(best, key=_rate, reverse=True))
+
+
+def _worth_recording(measurements: list[NextMeasurement]) -> list[NextMeasurement]:
+    """Of one run, read off in several ways: the first, and others that tell more."""
+    first, *others = measurements
+    return [first, *(m for m in others if m.separation > _MORE * first.separation)]
 
 
 def _rate(measurement: NextMeasurement) -> float:

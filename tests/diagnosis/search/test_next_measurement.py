@@ -13,8 +13,9 @@ from updamp.diagnosis.model.predicted_branch import trace_branch
 from updamp.diagnosis.model.rig_model import PointElement
 from updamp.diagnosis.residual.fit import compare_at, fit, predict
 from updamp.diagnosis.search.candidate_runs import candidate_runs
-from updamp.diagnosis.search.next_measurement import next_measurements
+from updamp.diagnosis.search.next_measurement import _worth_recording, next_measurements
 from updamp.diagnosis.search.separation import Prediction, distance, separation
+from updamp.diagnosis.verdict import NextMeasurement
 from updamp.hbm.contact.amplitude_damper import AmplitudeDamper, AmplitudeDamperParameters
 from updamp.hbm.continuation import ContinuationOptions
 from updamp.hbm.structural_changes import Attachment
@@ -80,12 +81,19 @@ def test_a_run_that_tells_them_apart_comes_first(proposed, measured):
     assert len(names) == 2
 
 
+def test_what_tells_no_more_than_the_run_without_it_is_not_recorded(proposed):
+    """The dampers differ by the first harmonic already at this level; the third one's is below the noise."""
+    assert not [m for m in proposed if "harmonic 3" in m.sentence]
+    made = [NextMeasurement(what, ("a", "b"), apart, 0.5) for what, apart in (("run", 5.0), ("2", 5.4), ("3", 5.6))]
+    assert [m.sentence for m in _worth_recording(made)] == ["run", "3"]
+
+
 def test_candidate_runs_are_those_that_the_rig_can_make(measured):
     runs = candidate_runs(measured, MODEL, 12)
     made = [(run.condition.force, run.condition.upwards, run.load) for run in runs]
     assert made == [(20, True, 1), (10, True, 1), (10, True, 1.3), (10, False, 1), (5, True, 1), (10, True, 0.7)]
     again = runs[1].recordings
-    assert [r.sensors for r in again] == [(*FIRST, ("a.x", 3), ("b.x", 3))]
+    assert [r.sensors for r in again] == [FIRST, (*FIRST, ("a.x", 3), ("b.x", 3))]
     assert [round(60 * run.recordings[0].hours) for run in runs] == [10, 10, 130, 10, 10, 130]
 
 
