@@ -79,7 +79,7 @@ STATIC_CONTACT = Stage(
 )
 CURVE = Stage(
     name="curve",
-    version=4,
+    version=5,
     sections=(
         "damper_model",
         "material.loss_factor",

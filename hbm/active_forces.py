@@ -1,6 +1,7 @@
 """Three ways to solve y + T G y = b, the equations of the elements that depart from stuck."""
 
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -27,6 +28,11 @@ class DirectForces:
         active = b[self._rows]
         y[self._rows] = scipy.linalg.lu_solve(self._factors, active.ravel(), check_finite=False).reshape(active.shape)
         return y
+
+    @property
+    def determinant_sign(self) -> float:
+        """That of det(I + T G) = det J."""
+        return _determinant_sign(self._factors)
 
 
 class KrylovForces:
@@ -68,6 +74,11 @@ class KrylovForces:
         forces[self._rows] = active.reshape(len(self._rows), -1)
         return forces
 
+    @property
+    def determinant_sign(self) -> float:
+        """As of `DirectForces`, which it needs: dear."""
+        return self._direct.determinant_sign
+
     @cached_property
     def _direct(self) -> DirectForces:
         return DirectForces(self._receptance, self._departure, self._rows)
@@ -85,6 +96,13 @@ class ModalForces:
         modal = scipy.linalg.lu_solve(self._factors, (phi.T @ b).ravel(), check_finite=False)
         motion = phi @ modal.reshape(phi.shape[1], -1)
         return b - apply_tangent(self._receptance.system, self._departure, motion)
+
+    @property
+    def determinant_sign(self) -> float:
+        """det J = det(D + phi^T T phi) / det D, and det D > 0: of each harmonic's real form it is |det D_k|^2, and the
+        static stiffness of modes is positive.
+        """
+        return _determinant_sign(self._factors)
 
     @property
     def _phi(self) -> Floats:
@@ -106,6 +124,12 @@ class ModalForces:
             stiffness = system.stuck.modal_dynamic_stiffness(k * self._receptance.w)
             matrix[:, part, :, part] += real_form(stiffness, k)
         return matrix.reshape(m * c, m * c)
+
+
+def _determinant_sign(factors: tuple[Floats, NDArray[np.signedinteger[Any]]]) -> float:
+    lu, pivots = factors
+    swaps = np.count_nonzero(pivots != np.arange(len(pivots)))
+    return float(np.prod(np.sign(np.diagonal(lu))) * (-1) ** swaps)
 
 
 def _active_matrix(receptance: Receptance, departure: Departure, rows: Integers) -> Floats:

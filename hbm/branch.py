@@ -1,6 +1,6 @@
 """A solved point of a branch, with its direction."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +43,14 @@ class BranchPoint:
     def tangent(self) -> Move:
         return self.tangent_x, self.tangent_w
 
+    @property
+    def orientation(self) -> float | None:
+        """Sign of det J times that of dw/ds, which stays along a branch; None where J was not factorised."""
+        jacobian = self.solution.jacobian
+        if jacobian is None or not jacobian.factorised:
+            return None
+        return jacobian.determinant_sign * float(np.sign(self.tangent_w))
+
     def to(self, other: "BranchPoint | Solution") -> Move:
         return other.x - self.x, other.w - self.w
 
@@ -65,21 +73,9 @@ def point_at(
 
 
 def point_after(last: BranchPoint, solution: Solution, excitation: Excitation) -> BranchPoint:
-    """The solution an ordinary step from the last point, with the direction in which the branch goes on.
-
-    That is the tangent where it agrees with the move that led here, and else the move itself: between two corners
-    close to each other the tangent is that of a tiny piece, and says little about where the branch leads.
-    """
+    """The solution a step from the last point, with the tangent on the side of the move that led here."""
     move = last.to(solution)
-    point = point_at(solution, excitation, last.metric.scale_w, move, last.metric.length(move))
-    length = point.metric.length(move)
-    if point.metric.product(point.tangent, move) > _SMOOTH * length:
-        return point
-    return replace(point, tangent_x=move[0] / length, tangent_w=move[1] / length)
-
-
-# Cosine of the angle between tangent and move above which the tangent is trusted.
-_SMOOTH = 0.7
+    return point_at(solution, excitation, last.metric.scale_w, move, last.metric.length(move))
 
 
 def branch_point(

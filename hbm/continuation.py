@@ -1,15 +1,17 @@
 """Pseudo-arclength continuation of a response branch in frequency, as an iterator over solved points."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.branch import BranchPoint, point_after, point_at
+from updamp.hbm.corner import Way, leads_back, ways_on
 from updamp.hbm.jump import land_beyond, towards_the_gap
 from updamp.hbm.metric import Move
-from updamp.hbm.newton import Arc, NewtonOptions, Solution, Status, linear_solution, solve
+from updamp.hbm.newton import Arc, NewtonOptions, Solution, Status, linear_solution, open_solution, solve
+from updamp.hbm.succession import goes_on
 from updamp.hbm.system import Excitation, NonlinearSystem
 from updamp.hbm.traversed import Traversed, traversed
 
@@ -20,8 +22,8 @@ Floats = NDArray[np.float64]
 class ContinuationOptions:
     """Steps are lengths of arc in the relative metric (hbm/metric.py).
 
-    first_step, smallest_step, largest_step: the corrector's failures halve the step down to the smallest
-    leap_below: below this step, points `leaps` ahead are tried: over a place where the response jumps
+    first_step, smallest_step, largest_step: the corrector's failures shorten the step down to the smallest
+    steps_over, leaps: where no smaller step helps and no way round a corner is found, points so far ahead are tried
     wanted_iterations: steps grow where Newton needs fewer and shrink where it needs more
     frequency_scale: share of the window that counts as one unit of arc
     max_points: at most this many points a branch
@@ -31,14 +33,14 @@ class ContinuationOptions:
     """
 
     first_step: float = 0.05
-    smallest_step: float = 1e-3
+    smallest_step: float = 1e-4
     largest_step: float = 0.2
-    leap_below: float = 0.01
-    leaps: tuple[float, ...] = (0.05, 0.1, 0.2, 0.4)
+    steps_over: tuple[float, ...] = (3e-4, 1e-3, 3e-3, 0.01)
+    leaps: tuple[float, ...] = (0.03, 0.1, 0.2, 0.4)
     wanted_iterations: int = 4
     frequency_scale: float = 0.5
-    max_points: int = 800
-    newton: NewtonOptions = field(default_factory=lambda: NewtonOptions(smallest_damping=1 / 8))
+    max_points: int = 2000
+    newton: NewtonOptions = field(default_factory=lambda: NewtonOptions(iterations=8, damped=False))
     persistent: NewtonOptions = field(default_factory=lambda: NewtonOptions(iterations=20))
 
     def scale_w(self, window: tuple[float, float]) -> float:
@@ -69,26 +71,38 @@ class BranchStoppedError(Exception):
 def first_point(
     system: NonlinearSystem, excitation: Excitation, w: float, options: NewtonOptions | None = None
 ) -> Solution:
-    """Solve at w from the stuck response; where that is too far, the force is raised in steps, halved as needed.
+    """Solve at w from the stuck response; where that is too far, the force is raised in steps, halved as needed; and
+    where these become too small, from the response without any contact.
 
-    raises: BranchStoppedError where no step of the force is small enough
+    raises: BranchStoppedError where none of them converges
     """
     options = options or NewtonOptions()
     solution = solve(system, excitation, linear_solution(system, w, excitation), w, options)
     if solution.converged:
         return solution
-    share, step, x = 0.0, 0.25, np.zeros_like(solution.x)
-    while share < 1.0:
+    raised = _by_force(system, excitation, w, options)
+    if raised.converged:
+        return raised
+    solution = solve(system, excitation, open_solution(system, w, excitation), w, options)
+    if solution.converged:
+        return solution
+    raise BranchStoppedError(w / (2 * np.pi), raised.errors[-1], raised.status)
+
+
+def _by_force(system: NonlinearSystem, excitation: Excitation, w: float, options: NewtonOptions) -> Solution:
+    """From no force to all of it; the last attempt where the steps become too small."""
+    share, step = 0.0, 0.25
+    x = np.zeros_like(linear_solution(system, w, excitation))
+    while True:
         share_next = min(1.0, share + step)
         guess = x * (share_next / share) if share else share_next * linear_solution(system, w, excitation)
         ramped = solve(system, Excitation(excitation.row, share_next * excitation.force), guess, w, options)
         if ramped.converged:
-            share, x, solution, step = share_next, ramped.x, ramped, 1.5 * step
-        elif step < 1e-3:
-            raise BranchStoppedError(w / (2 * np.pi), ramped.errors[-1], ramped.status)
+            share, x, step = share_next, ramped.x, 1.5 * step
         else:
             step /= 2
-    return solution
+        if share >= 1.0 or step < 5e-4:
+            return ramped
 
 
 def continue_branch(
@@ -140,64 +154,90 @@ class Walk:
 
         raises: BranchStoppedError
         """
-        options, last, leapt = self.options, behind.last, False
+        options, last = self.options, behind.last
         while True:
-            solution = self.forward(behind, step)
-            if solution.converged:
-                return self._accepted(last, solution, step)
-            if step < options.leap_below and not leapt:
-                leapt = True
-                beyond = self._leap(behind)
-                if beyond:
-                    return beyond, options.first_step
-            if step / 2 < options.smallest_step:
-                solution = self.forward(behind, step, around_corner=True)
-                if solution.converged:
-                    return self._accepted(last, solution, step)
-                raise BranchStoppedError(last.frequency, solution.errors[-1], solution.status)
-            step /= 2
+            point, solution = self.forward(behind, step)
+            if point is not None:
+                return [point], self._next_step(point, step)
+            if step <= options.smallest_step:
+                break
+            step = max(step / (2 if step > _SHORT else 4), options.smallest_step)
+        for further in (self._round_the_corner, self._over_a_step, self._other_way, self._leap):
+            beyond = further(behind) if step < _SHORT else ()
+            if beyond:
+                return beyond, max(min(beyond[-1].step, options.first_step), 8 * options.smallest_step)
+        raise BranchStoppedError(last.frequency, solution.errors[-1], solution.status)
 
-    def forward(self, behind: Traversed, step: float, around_corner: bool = False) -> Solution:
-        """The corrector from a step along the tangent; one that strays from there, or back, counts as stalled.
-
-        around_corner: the branch may turn away from the tangent so sharply that it meets the plane of even the
-        smallest step some way off
-        """
+    def forward(self, behind: Traversed, step: float) -> tuple[BranchPoint | None, Solution]:
+        """The corrector from a step along the tangent; no point where it fails, strays from there, or leads back."""
         last = behind.last
         arc = Arc(*_predict(behind.points, step), last.tangent, last.metric)
         solution = solve(self.system, self.excitation, arc.x0, arc.w0, self.options.newton, arc)
-        farthest = self.options.leap_below if around_corner else 1.6 * step
-        near = 0.5 * step < last.distance(solution) < farthest
-        if solution.converged and (not near or behind.meets(solution)):
-            return replace(solution, status=Status.STALLED)
-        return solution
+        if not solution.converged:
+            return None, solution
+        point = point_after(last, solution, self.excitation)
+        near = 0.5 * step < point.step < 1.6 * step
+        if near and goes_on(last, point) and not behind.meets(point):
+            return point, solution
+        return None, replace(solution, status=Status.STALLED)
 
-    def _accepted(self, last: BranchPoint, solution: Solution, step: float) -> tuple[Sequence[BranchPoint], float]:
-        point, moved = point_after(last, solution, self.excitation), last.distance(solution)
-        growth = np.clip(2.0 ** ((self.options.wanted_iterations - solution.iterations) / 2), 0.5, 2.0)
-        return [point], float(np.clip(max(step, moved) * growth, self.options.smallest_step, self.options.largest_step))
+    def _round_the_corner(self, behind: Traversed) -> Sequence[BranchPoint]:
+        """A point in the direction in which the branch goes on beyond a kink; none if there is none."""
+        return self._first_of(ways_on(self.system, self.excitation, behind.last), behind)
+
+    def _other_way(self, behind: Traversed) -> Sequence[BranchPoint]:
+        """As `_round_the_corner`, with the orientation changed."""
+        ways = ways_on(self.system, self.excitation, behind.last)
+        return self._first_of((way.reversed() for way in ways), behind)
+
+    def _first_of(self, ways: Iterable[Way], behind: Traversed) -> Sequence[BranchPoint]:
+        last = behind.last
+        for way in ways:
+            (x, w), (dx, dw) = way.start, way.along
+            for step in way.steps:
+                arc = Arc(x + step * dx, w + step * dw, way.along, last.metric)
+                solution = solve(self.system, self.excitation, arc.x0, arc.w0, self.options.newton, arc)
+                if not solution.converged:
+                    continue
+                point = point_after(last, solution, self.excitation)
+                straight = last.metric.product(way.along, last.to(solution)) > 0.7 * point.step
+                if straight and point.step < 3 * step and not leads_back(behind.points, solution):
+                    return [point]
+        return []
+
+    def _over_a_step(self, behind: Traversed) -> Sequence[BranchPoint]:
+        """A point a little ahead, with the orientation kept: where the law, sampled in time, has a step."""
+        point = land_beyond(self.system, self.excitation, behind, self.options.steps_over, self.options.newton)
+        return [point] if point is not None and point.orientation == behind.last.orientation else []
+
+    def _next_step(self, point: BranchPoint, step: float) -> float:
+        growth = np.clip(2.0 ** ((self.options.wanted_iterations - point.solution.iterations) / 2), 0.5, 2.0)
+        return float(np.clip(max(step, point.step) * growth, self.options.smallest_step, self.options.largest_step))
 
     def _leap(self, behind: Traversed) -> Sequence[BranchPoint]:
         """The points beyond a jump: from where its far side begins to where the leap landed; none if none is found."""
-        landed = land_beyond(self.system, self.excitation, behind, self.options.leaps, self.options.persistent)
-        if landed is None:
-            return []
-        last = behind.last
-        point = point_at(landed, self.excitation, self.scale_w, last.to(landed), last.distance(landed), after_gap=True)
-        return towards_the_gap(self._backwards(point), point, last)
+        for newton in (self.options.newton, self.options.persistent):
+            landed = land_beyond(self.system, self.excitation, behind, self.options.leaps, newton)
+            if landed is not None:
+                return towards_the_gap(self._backwards(landed), landed, behind.last)
+        return []
 
     def _backwards(self, start: BranchPoint) -> Iterator[BranchPoint]:
         """From `start` the other way, until the branch cannot be followed any further."""
         turned = replace(start, tangent_x=-start.tangent_x, tangent_w=-start.tangent_w)
         behind, step = Traversed([turned]), self.options.first_step
-        while step >= self.options.leap_below:
-            solution = self.forward(behind, step)
-            if not solution.converged:
+        while step >= _SHORT:
+            point, _ = self.forward(behind, step)
+            if point is None:
                 step /= 2
                 continue
-            (point,), step = self._accepted(behind.last, solution, step)
+            step = self._next_step(point, step)
             behind = behind.then([point])
             yield point
+
+
+# Steps below this are shortened faster: what stops them is a kink.
+_SHORT = 0.01
 
 
 def _predict(points: Sequence[BranchPoint], step: float) -> Move:
@@ -207,6 +247,9 @@ def _predict(points: Sequence[BranchPoint], step: float) -> Move:
     if len(points) > 1 and last.step > 0 and not last.after_gap:
         before = points[-2]
         bend, length = step**2 / (2 * last.step), last.metric.length(before.tangent)
+        # across a corner, and far beyond what it was found from, the change of the tangent says nothing
+        if step > 4 * last.step or last.metric.product(before.tangent, last.tangent) < 0.9 * length:
+            return x, w
         x = x + bend * (last.tangent_x - before.tangent_x / length)
         w = w + bend * (last.tangent_w - before.tangent_w / length)
     return x, w

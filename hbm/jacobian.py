@@ -30,6 +30,11 @@ class ForceSolver(Protocol):
         """(n_relative, n_coefficients) -> same; start: a first guess, for those that iterate"""
         ...
 
+    @property
+    def determinant_sign(self) -> float:
+        """Of the Jacobian: 1, -1, or 0 where it is singular."""
+        ...
+
 
 @dataclass(frozen=True, eq=False)
 class Jacobian:
@@ -43,6 +48,16 @@ class Jacobian:
     @property
     def n_active(self) -> int:
         return len(self.rows)
+
+    @property
+    def determinant_sign(self) -> float:
+        """1, -1, or 0 where singular"""
+        return 1.0 if self.forces is None else self.forces.determinant_sign
+
+    @property
+    def factorised(self) -> bool:
+        """Whether the sign of the determinant is at hand."""
+        return not isinstance(self.forces, KrylovForces)
 
     def solve(self, right: Floats) -> Floats:
         """J^-1 right: (n_relative, n_coefficients) -> same"""

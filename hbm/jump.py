@@ -6,13 +6,13 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
-from updamp.hbm.branch import BranchPoint
+from updamp.hbm.branch import BranchPoint, point_at
 from updamp.hbm.metric import Move
-from updamp.hbm.newton import Arc, NewtonOptions, Solution, solve
+from updamp.hbm.newton import Arc, NewtonOptions, solve
 from updamp.hbm.system import Excitation, NonlinearSystem
 from updamp.hbm.traversed import Traversed
 
-# Gaps shorter than this are no jump: two ordinary steps of half the largest size.
+# The far side is followed back no nearer than this: two ordinary steps of half the largest size.
 _NO_GAP = 0.1
 
 
@@ -22,22 +22,29 @@ def land_beyond(
     behind: Traversed,
     lengths: Sequence[float],
     options: NewtonOptions,
-) -> Solution | None:
-    """A solution about one of `lengths` beyond the last point, not on what was traversed."""
-    last = behind.last
+) -> BranchPoint | None:
+    """A point about one of `lengths` beyond the last one, not on what was traversed; one with the branch's orientation
+    (hbm/corner.py) rather than a nearer one without.
+    """
+    last, other = behind.last, None
     for length in lengths:
         for x, w in _guesses(behind.points, length):
             way = (x - last.x, w - last.w)
             size = last.metric.length(way)
             plane = Arc(x, w, (way[0] / size, way[1] / size), last.metric)
             solution = solve(system, excitation, x, w, options, plane)
-            if not solution.converged or behind.meets(solution):
+            if not solution.converged:
                 continue
+            onwards, away = last.to(solution), last.distance(solution)
+            point = point_at(solution, excitation, last.metric.scale_w, onwards, away, after_gap=True)
             # beyond the last point, and about as far as was leapt: elsewhere it is some other branch
-            near = 0.5 * length < last.distance(solution) < 1.6 * length
-            if near and last.metric.product(last.to(solution), way) > 0:
-                return solution
-    return None
+            near = 0.5 * length < away < 1.6 * length and last.metric.product(onwards, way) > 0
+            if not near or behind.meets(point):
+                continue
+            if point.orientation == last.orientation:
+                return point
+            other = other or point
+    return other
 
 
 def towards_the_gap(backwards: Iterable[BranchPoint], landed: BranchPoint, last: BranchPoint) -> Sequence[BranchPoint]:
@@ -54,8 +61,7 @@ def towards_the_gap(backwards: Iterable[BranchPoint], landed: BranchPoint, last:
     found.reverse()
     steps = [last.distance(found[0]), *(a.distance(b) for a, b in pairwise(found))]
     return [
-        replace(point, step=step, after_gap=i == 0 and step > _NO_GAP)
-        for i, (point, step) in enumerate(zip(found, steps, strict=True))
+        replace(point, step=step, after_gap=i == 0) for i, (point, step) in enumerate(zip(found, steps, strict=True))
     ]
 
 

@@ -40,6 +40,8 @@ class NewtonOptions:
     """tolerance: largest residual over largest displacement; iterations: at most this many.
     smallest_damping: shortest part of a step that is tried
     memory: a residual may exceed the last one, but not all of this many
+    damped: whether steps are shortened at all. Across a kink the full step solves the far side's equations, however
+        much the residual rises on the way; shortened, it stays at the kink. For starts close to a solution.
 
     raises: ValueError naming the option that is out of range
     """
@@ -48,6 +50,7 @@ class NewtonOptions:
     iterations: int = 12
     smallest_damping: float = 1 / 64
     memory: int = 4
+    damped: bool = True
 
     def __post_init__(self) -> None:
         if not 1e-14 < self.tolerance < 1e-2:
@@ -137,6 +140,15 @@ def linear_solution(system: NonlinearSystem, w: float, excitation: Excitation) -
     return Receptance(system, w).excitation(excitation)
 
 
+def open_solution(system: NonlinearSystem, w: float, excitation: Excitation) -> Floats:
+    """No contact at all, about the position at rest: a guess where the force is large."""
+    n = system.free.n_relative
+    amplitude = excitation.force * system.free.receptance(w, slice(n), np.array([excitation.row]))[:, 0]
+    response = np.zeros((n, system.harmonics.n_coefficients))
+    system.harmonics.set_amplitude(response, 1, amplitude)
+    return response
+
+
 def solve(
     system: NonlinearSystem,
     excitation: Excitation,
@@ -166,7 +178,8 @@ def solve(
         except scipy.linalg.LinAlgError:
             status = Status.DIVERGED
             break
-        candidate = _damped(system, excitation, equation, (step.dx, step.dw), options, max(sizes[-options.memory :]))
+        bound = max(sizes[-options.memory :]) if options.damped else np.inf
+        candidate = _damped(system, excitation, equation, (step.dx, step.dw), options, bound)
         if candidate is None:
             status = Status.STALLED
             break

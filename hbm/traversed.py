@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.branch import BranchPoint
-from updamp.hbm.newton import Solution
 
 Floats = NDArray[np.float64]
 
@@ -19,10 +18,11 @@ _SAME_MEAN = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """Of the branch, between two neighbouring points (x, w)."""
+    """Of the branch, between two neighbouring points (x, w); orientation: that of its end, None where not known."""
 
     start: tuple[Floats, float]
     end: tuple[Floats, float]
+    orientation: float | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,21 +40,23 @@ class Traversed:
         added, before = [], self.last
         for point in following:
             if not point.after_gap:
-                added.append(Piece((before.x, before.w), (point.x, point.w)))
+                added.append(Piece((before.x, before.w), (point.x, point.w), point.orientation))
             before = point
         return Traversed([*self.points, *following][-_WHOLE:], [*self.pieces, *added])
 
-    def meets(self, solution: Solution) -> bool:
-        """Whether the solution lies on a piece that was traversed, not beyond the last point.
+    def meets(self, point: BranchPoint) -> bool:
+        """Whether the point lies on a piece that was traversed, not beyond the last point.
 
-        The metric hardly sees the mean position; the same vibration about another mean position is another branch.
+        The metric hardly sees the mean position; the same vibration about another mean position is another branch. So
+        is the other leg of a narrow hairpin: whoever goes back along a branch has the other orientation
+        (hbm/corner.py), and whoever goes back with the same one is on another leg.
         """
-        step = self.last.distance(solution)
-        return any(self._on(piece, solution, step) for piece in self.pieces)
+        step = self.last.distance(point)
+        return any(self._on(piece, point, step) for piece in self.pieces)
 
-    def _on(self, piece: Piece, solution: Solution, step: float) -> bool:
+    def _on(self, piece: Piece, point: BranchPoint, step: float) -> bool:
         (x, w), metric = piece.start, self.last.metric
-        along, off = (piece.end[0] - x, piece.end[1] - w), (solution.x - x, solution.w - w)
+        along, off = (piece.end[0] - x, piece.end[1] - w), (point.x - x, point.w - w)
         length = metric.length(along)
         share = metric.product(along, off) / length**2
         if not -0.05 < share < 0.95:
@@ -62,7 +64,12 @@ class Traversed:
         rest = (off[0] - share * along[0], off[1] - share * along[1])
         if metric.length(rest) > 0.1 * min(length, step):
             return False
-        return float(np.linalg.norm(rest[0])) < _SAME_MEAN * float(np.linalg.norm(solution.x))
+        if float(np.linalg.norm(rest[0])) > _SAME_MEAN * float(np.linalg.norm(point.x)):
+            return False
+        if piece.orientation is None or point.orientation is None:
+            return True
+        back = metric.product(along, point.tangent) < 0
+        return (piece.orientation == point.orientation) != back
 
 
 def traversed(points: Sequence[BranchPoint]) -> Traversed:

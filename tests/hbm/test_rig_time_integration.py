@@ -31,6 +31,10 @@ CASES = {
 }
 
 
+# Where many contacts stick and others open, the sliders of those that stick may rest at a range of places: motions
+# marched from the harmonic balance with 0-3 and with 0-7, on one plane and to round-off periodic, are not the same.
+UNDETERMINED = {"slip and separation"}
+RESOLVED = 0.005  # half-widths
 STEPS = 512  # a period; four times as many change the amplitude by less than 0.05 %
 
 
@@ -47,19 +51,25 @@ def rig_with(friction: float) -> Rig:
 @pytest.mark.parametrize("name", CASES)
 def test_peak_is_that_of_marching_in_time(name):
     """Harmonics 0-7 within 1 % of the amplitude; 0-3 within the change to them, which estimates their error. It is no
-    bound: it falls short of it by up to 2 % here."""
+    bound: it falls short of it by up to 2 % here.
+
+    0-7 are within 0.005 half-widths too, or no further away than two marched motions are from each other.
+    """
     case, friction, states = CASES[name]
     problem = Problem.of(reduced(), rig_with(friction), case)
     peak = max(problem.branch(), key=lambda point: abs(problem.amplitude(point)))
     assert dict(enumerate(problem.states(peak))) == {state: states.get(state, 0) for state in ContactState}
     finer = problem.finer(peak)
     assert finer is not None
-    marched = problem.march(peak, finer, STEPS)
-    assert marched.misfit < 1e-8
-    assert abs(marched.multipliers[0]) < 1  # it is where marching alone would settle
+    marched, other = problem.march(peak, finer, STEPS), problem.march(peak, peak, STEPS)
+    for motion in (marched, other):
+        assert motion.misfit < 1e-8
+        assert abs(motion.multipliers[0]) < 1  # it is where marching alone would settle
     coarse, fine = problem.difference(peak, marched), problem.difference(finer, marched)
+    undetermined = problem.apart(marched, other)
+    assert (undetermined > RESOLVED) is (name in UNDETERMINED)
     assert abs(fine.percent) < 1.0
-    assert fine.widths < 0.005
+    assert fine.widths < max(RESOLVED, undetermined)
     assert coarse.widths <= 1.05 * problem.change(peak, finer) + 1e-6
 
 

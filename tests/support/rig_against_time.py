@@ -96,6 +96,11 @@ class Problem:
         shift = (point.w - marched.w) / marched.w
         return Difference(100 * share, point.frequency * shift, float(np.hypot(share, 2 * shift / self.loss)))
 
+    def apart(self, one: Periodic, other: Periodic) -> float:
+        """Two marched motions on one plane, in half-widths as in Difference."""
+        share = abs(one.amplitude) / abs(other.amplitude) - 1
+        return float(np.hypot(share, 2 * (one.w / other.w - 1) / self.loss))
+
     def change(self, point: BranchPoint, finer: BranchPoint) -> float:
         """From one setting to another, in half-widths as in Difference: the error estimate of hbm/accuracy.py."""
         share = abs(self.amplitude(finer)) / abs(self.amplitude(point)) - 1
