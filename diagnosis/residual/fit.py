@@ -40,6 +40,10 @@ _LINEAR = 0.2
 _ALONE = 1e-3
 # chi2 a value from where on the model fails grossly: by ten times the scatter on average.
 GROSS = 100.0
+# chi2 a value up to which a misfit is weighed as it is.
+_TOLERATED = 3.0
+# Points along a curve that count as one where a model fails badly: its misfit there is the same.
+_AS_MANY = 10.0
 
 
 @dataclass(frozen=True)
@@ -216,23 +220,49 @@ def fit(
     best = compare_at(parametrisation, start, plan, common, scatter or prior, None, spread)
     reach, message = options.largest_step, f"not settled in {options.rounds} rounds"
     for _ in range(options.rounds):
-        ahead = _fit_linear(parametrisation, plan, best, scatter, prior, reach)
-        now = objective(parametrisation, reweighed(parametrisation, plan, best, ahead.scatter))
+        given = scatter or replace(best.scatter, noise=prior.noise)
+        loose = looseness(parametrisation, reweighed(parametrisation, plan, best, given))
+        about = best if loose == 1 else reweighed(parametrisation, plan, best, _loosened(given, loose))
+        ahead = _fit_linear(parametrisation, plan, about, scatter, _loosened(prior, loose), reach)
+        here = reweighed(parametrisation, plan, best, ahead.scatter)
+        now = objective(parametrisation, here)
         if now - objective(parametrisation, ahead) < max(options.tolerance, _DIGITS * now):
             # what is still to be gained is, to first order: two standard deviations at most, no need for solving anew
-            return _result(parametrisation, reweighed(parametrisation, plan, ahead, ahead.scatter), True, "settled")
+            return _result(parametrisation, _weighed(parametrisation, plan, ahead, scatter, prior), True, "settled")
         common = predict(parametrisation, ahead.u, plan, best.branches)
         solved = compare_at(parametrisation, ahead.u, plan, common, ahead.scatter, ahead.offsets)
-        progress(f"chi2 {solved.chi2:.0f} for {solved.values} values")
-        gross = fails_grossly(parametrisation, best.chi2, best.values)
-        if objective(parametrisation, solved) - now > (_DIGITS if gross else _ROUGH) * best.chi2:
+        progress(f"error {np.sqrt(here.excess):.2f} to {np.sqrt(solved.excess):.2f} times the scatter allowed")
+        gross = fails_grossly(parametrisation, here.chi2, here.values)
+        if objective(parametrisation, solved) - now > (_DIGITS if gross else _ROUGH) * here.chi2:
             reach /= 3
             if reach < 0.01 * options.largest_step:
                 message = "no step lowers chi2 any more"
                 break
             continue
         best, reach = solved, min(1.5 * reach, options.largest_step)
-    return _result(parametrisation, best, False, message)
+    return _result(parametrisation, _weighed(parametrisation, plan, best, scatter, prior), False, message)
+
+
+def looseness(parametrisation: Parametrisation, compared: Compared) -> float:
+    """Factor on the noise where a model fails.
+
+    What is missing in a model is wrong all along a curve in the same way. Weighed as if every point told it anew, a
+    large misfit would outweigh whatever is known of the parameters, and they would go wherever they lessen it a little.
+    """
+    if parametrisation.base.contacts is None:
+        return 1.0
+    return max(1.0, min(compared.excess / _TOLERATED, float(np.sqrt(_AS_MANY * compared.excess))))
+
+
+def _loosened(scatter: Scatter, factor: float) -> Scatter:
+    return replace(scatter, noise=factor * scatter.noise)
+
+
+def _weighed(
+    parametrisation: Parametrisation, plan: Plan, found: Compared, scatter: Scatter | None, prior: Scatter
+) -> Compared:
+    """By the scatter that is given, or learnt, whatever it was loosened to on the way."""
+    return reweighed(parametrisation, plan, found, scatter or learn(found.assemblies, prior))
 
 
 def reweighed(parametrisation: Parametrisation, plan: Plan, compared: Compared, scatter: Scatter) -> Compared:
@@ -250,7 +280,8 @@ def _fit_linear(
 ) -> Compared:
     """Parameters, offsets and scatter with the branches linear about where they were solved."""
     deviation = parametrisation.deviation
-    limits = reach * np.where(np.isfinite(deviation), np.maximum(deviation, _LINEAR), 1.0)
+    # effects, of which nothing is known beforehand, may grow by as much as they are
+    limits = reach * np.where(np.isfinite(deviation), np.maximum(deviation, _LINEAR), np.maximum(1.0, np.abs(about.u)))
     limits[parametrisation.n_of_model :] = 2 * parametrisation.upper[parametrisation.n_of_model :]  # exactly linear
     lower = np.maximum(parametrisation.lower, about.u - limits)
     upper = np.minimum(parametrisation.upper, about.u + limits)
@@ -296,7 +327,16 @@ class _Equations:
         return np.vstack([-self.at(u).equations()[1], np.diag(1 / self._parametrisation.deviation)])
 
 
+def misfit(parametrisation: Parametrisation, compared: Compared) -> float:
+    """Minus twice the logarithm of the posterior probability, the best noise of the sensors' and more taken: what
+    models that fail are compared by. For one that does not it is chi2 with the priors' share."""
+    excess, n = compared.excess, compared.values
+    of_data = n * excess if excess < 1 else n * (1 + float(np.log(excess)))
+    return of_data + float(np.sum((compared.u / parametrisation.deviation) ** 2))
+
+
 def objective(parametrisation: Parametrisation, compared: Compared) -> float:
+    """What a fit lowers: chi2 and the priors' share."""
     return compared.chi2 + float(np.sum((compared.u / parametrisation.deviation) ** 2))
 
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from updamp.diagnosis.compare import calibration
 from updamp.diagnosis.effects.effect import Effect
 from updamp.diagnosis.residual.fit import Fit
+from updamp.diagnosis.search.baseline import scatter_of_repeats
 from updamp.diagnosis.search.criteria import Criteria
 from updamp.diagnosis.search.decide import Decision, reason_against
 from updamp.diagnosis.search.evidence import EffectScore, Trial
@@ -122,8 +123,11 @@ def parameters(fitted: Fit, effect: Effect) -> tuple[FittedParameter, ...]:
 
 def _error(found: Found, trial: Trial | None) -> ErrorReached:
     before, held = float(np.sqrt(found.evidence.excess)), found.evidence.held_out
-    after, held_after = (before, held) if trial is None else (float(np.sqrt(trial.excess)), trial.held_out)
-    return ErrorReached(before, after, held, held_after, found.evidence.repeatability)
+    if trial is None:
+        return ErrorReached(before, before, held, held, found.evidence.repeatability)
+    # what a misfit leaves in the differences between repeats is gone with it
+    _, repeatability = scatter_of_repeats(found.refits[trial.effects].fitted, found.baseline.train_plan)
+    return ErrorReached(before, float(np.sqrt(trial.excess)), held, trial.held_out, repeatability)
 
 
 def _history(found: Found, decision: Decision) -> tuple[Step, ...]:

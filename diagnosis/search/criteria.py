@@ -8,13 +8,16 @@ class Criteria:
     """score, visibility: of the score test, below which an effect is not looked for in the data
     short, full: how many effects at most get a short refit, and a full one
     close: chi2 a value after a short refit, over that of the best one, up to which an effect gets a full one
-    nearly: share of the best effect's fall of chi2 from which on another one is fitted in full too, and the next one
-        has second effects looked for beside it
+    nearly: share of the best effect's fall of chi2 a value from which on another one is fitted in full too, and the
+        next one has second effects looked for beside it
+    comparable: chi2 a value, over that of the best one, beyond which it does not count as nearly as good
+    promising: share of chi2 a value left by a short refit from where on the full one is done before others are tried
     delta_bic: by which an effect has to improve the information criterion, the misfit that is left taken as noise
     gain: share by which the error on held-out runs has to fall
     at_bound: distance from a bound, as a share of its range, within which a parameter stands at it
     rival: an effect explains the data as well as the best one where chi2 a value is no more than this share above it
     cosine: of two signatures above which the effects look alike
+    cosine_of_rivals: to the signature of one that explains the data, from where on another one is fitted too
     lack: chi2 a value from where on a model fails that no effect has improved
     excess: chi2 a value above which a model with effects still fails
     look_further: chi2 a value above which a second effect is looked for
@@ -27,11 +30,14 @@ class Criteria:
     full: int = 3
     close: float = 1.6
     nearly: float = 0.8
+    comparable: float = 4.0
+    promising: float = 0.2
     delta_bic: float = 10.0
     gain: float = 0.03
     at_bound: float = 0.005
     rival: float = 0.1
     cosine: float = 0.9
+    cosine_of_rivals: float = 0.5
     lack: float = 1.6
     excess: float = 1.7
     look_further: float = 1.25

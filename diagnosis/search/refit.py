@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from updamp.diagnosis.effects.effect import Effect
 from updamp.diagnosis.model.parameters import Parametrisation
 from updamp.diagnosis.model.predicted_branch import PredictedBranch
-from updamp.diagnosis.residual.fit import Fit, FitOptions, compare_at, fit, objective, predict
+from updamp.diagnosis.residual.fit import Fit, FitOptions, compare_at, fit, misfit, predict
 from updamp.diagnosis.residual.observations import Plan
 from updamp.diagnosis.search.criteria import Criteria
 from updamp.hbm.continuation import BranchStoppedError
@@ -17,12 +17,14 @@ from updamp.hbm.continuation import BranchStoppedError
 Floats = NDArray[np.float64]
 # chi2 a value from where on a model fails badly.
 _BADLY = 3.0
+# Share of it that a start has to bring it down to.
+_FAR = 0.1
 _SHORT, _FULL = FitOptions(rounds=2), FitOptions(rounds=6)
 
 
 @dataclass(frozen=True, eq=False)
 class Refit:
-    """drop: of the objective (chi2 and priors) from the baseline; delta_bic: with what is left taken as noise
+    """drop: of the misfit from the baseline (`fit.misfit`); delta_bic: of the information criterion by it
 
     at_bound: parameter that stands at a bound beyond which it makes no sense, "" if none
     """
@@ -65,10 +67,10 @@ def refit(
         except BranchStoppedError:
             continue
         compared = compare_at(extended, u, plan, branches, base.compared.scatter, base.compared.offsets)
-        value = objective(extended, compared)
+        value = misfit(extended, compared)
         if best is None or value < best[0]:
             best = value, u, branches
-        if not _fails_badly(base) and value < objective(base.parametrisation, base.compared):
+        if value < misfit(base.parametrisation, base.compared) and _far_better(base, compared.excess):
             break
     if best is None:
         return None
@@ -92,17 +94,19 @@ def _fails_badly(base: Fit) -> bool:
     return base.compared.excess > _BADLY
 
 
+def _far_better(base: Fit, excess: float) -> bool:
+    """Whether other starts need not be tried: where the model fails badly, the first that is better is not enough."""
+    return not _fails_badly(base) or excess < max(_BADLY, _FAR * base.compared.excess)
+
+
 def _options(full: bool) -> FitOptions:
     return _FULL if full else _SHORT
 
 
 def judged(base: Fit, found: Fit, effects: Sequence[Effect], criteria: Criteria) -> Refit:
-    before = objective(base.parametrisation, base.compared)
-    drop = before - objective(found.parametrisation, found.compared)
+    drop = misfit(base.parametrisation, base.compared) - misfit(found.parametrisation, found.compared)
     parameters = sum(len(e.parameters) for e in effects)
-    # what a better model leaves is noise to the worse one (R. T. Birge, Phys. Rev. 40 (1932) 207)
-    noise = max(1.0, found.compared.excess)
-    delta_bic = drop / noise - parameters * float(np.log(found.compared.values))
+    delta_bic = drop - parameters * float(np.log(found.compared.values))
     return Refit(tuple(effects), found, drop, delta_bic, _at_bound(found, effects, criteria))
 
 

@@ -6,7 +6,7 @@ their priors let them.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.linalg
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from updamp.diagnosis.effects.effect import Effect
+from updamp.diagnosis.residual.fit import Compared, looseness
 from updamp.diagnosis.search.signature import Extended
 
 Floats = NDArray[np.float64]
@@ -21,7 +22,8 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Score:
-    """drop: of chi2, to first order and within the bounds; step: (p,) that brings it, in typical sizes
+    """drop: of chi2, the sensors' noise as large as the misfit asks for, to first order and within the bounds
+    step: (p,) that brings it, in typical sizes
 
     visibility: share of the signature that nuisance parameters cannot imitate, 0 to 1
     raw: cosine between residual and signature without orthogonalisation
@@ -43,7 +45,16 @@ class Score:
 
 def scores(extended: Extended) -> tuple[Score, ...]:
     """Of all further effects, the largest drop first."""
-    residual, columns = extended.compared.equations()
+    loose, factor = as_loose_as_it_fails(extended)
+    found = _scores(extended, loose)
+    # what the nuisance parameters can imitate is a matter of the sensors, not of what the model lacks
+    visible = {s.effect.name: s.visibility for s in (found if factor == 1 else _scores(extended, extended.compared))}
+    scaled = (replace(s, drop=factor * s.drop, visibility=visible[s.effect.name]) for s in found)
+    return tuple(sorted(scaled, key=lambda s: -s.drop))
+
+
+def _scores(extended: Extended, compared: Compared) -> list[Score]:
+    residual, columns = compared.equations()
     p = extended.parametrisation
     of_effects = np.zeros(len(p), dtype=bool)
     for effect in extended.effects:
@@ -51,7 +62,7 @@ def scores(extended: Extended) -> tuple[Score, ...]:
     nuisance = columns[:, ~of_effects]
     # the prior as further rows, so that what it holds cannot imitate anything
     prior = np.diag(1 / p.deviation[~of_effects])
-    rows = np.concatenate([residual, -extended.compared.u[~of_effects] * np.diag(prior)])
+    rows = np.concatenate([residual, -compared.u[~of_effects] * np.diag(prior)])
     basis = scipy.linalg.orth(np.vstack([nuisance, prior]))
     left = rows - basis @ (basis.T @ rows)
     found = []
@@ -60,7 +71,16 @@ def scores(extended: Extended) -> tuple[Score, ...]:
         raw = np.vstack([columns[:, place], np.zeros((len(prior), place.stop - place.start))])
         bounds = p.lower[place], p.upper[place]
         found.append(_score(effect, raw, raw - basis @ (basis.T @ raw), left, rows, bounds))
-    return tuple(sorted(found, key=lambda s: -s.drop))
+    return found
+
+
+def as_loose_as_it_fails(extended: Extended) -> tuple[Compared, float]:
+    """Weighed as in a fit, or nuisance parameters could imitate any effect; and the factor that brings its chi2 to what
+    it is with the noise that the misfit asks for (R. T. Birge, Phys. Rev. 40 (1932) 207)."""
+    compared = extended.compared
+    loose = looseness(extended.parametrisation, compared)
+    scatter = replace(compared.scatter, noise=loose * compared.scatter.noise)
+    return replace(compared, scatter=scatter), loose**2 / max(1.0, compared.excess)
 
 
 def _score(

@@ -70,17 +70,45 @@ Results = dict[tuple[str, ...], Result]
 
 def _singles(start: Baseline, scored: Sequence[Score], criteria: Criteria, progress: Progress, bench: Bench) -> Results:
     """Short refits of those that the score test does not rule out, full ones of the best."""
+
+    def short(some: Sequence[Score]) -> Results:
+        attempts = [Attempt((s.effect,), _starts(s.step), full=False) for s in some]
+        return _results(bench(start, criteria, attempts, _telling(progress)))
+
+    def full(some: Sequence[Result]) -> Results:
+        attempts = [Attempt(r.refit.effects, (), full=True, near=r.refit.fitted) for r in some]
+        # a gigabyte for each that keeps its branches
+        return _results([r and r.slim for r in bench(start, criteria, attempts, _telling(progress))])
+
     wanted = _worth_trying(scored, criteria)[: criteria.short]
-    short = [Attempt((s.effect,), _starts(s.step), full=False) for s in wanted]
-    found = _results(bench(start, criteria, short, _telling(progress)))
-    best = sorted(found.values(), key=lambda r: -r.refit.drop)[: criteria.full]
-    close = [
-        r
-        for r in best
-        if r.trial.excess < criteria.close * best[0].trial.excess or r.refit.drop > criteria.nearly * best[0].refit.drop
-    ]
-    full = [Attempt(r.refit.effects, (), full=True, near=r.refit.fitted) for r in close]
-    return {**found, **_results(bench(start, criteria, full, _telling(progress)))}
+    half = (len(wanted) + 1) // 2
+    found = short(wanted[:half])
+    found |= full([r for r in _best(found)[:1] if r.trial.excess < criteria.promising * start.fitted.compared.excess])
+    found |= short(_unless_explained(wanted[half:], found, scored, criteria))
+    best = _best(found)[: criteria.full]
+    close = [r for r in best if not r.trial.full and _comes_close(r.refit, best[0].refit, start, criteria)]
+    return {**{names: r.slim for names, r in found.items()}, **full(close)}
+
+
+def _best(found: Results) -> list[Result]:
+    return sorted(found.values(), key=lambda r: -r.refit.drop)
+
+
+def _comes_close(one: Refit, best: Refit, start: Baseline, criteria: Criteria) -> bool:
+    return one.excess < criteria.close * best.excess or _nearly(one, best, start, criteria)
+
+
+def _unless_explained(
+    some: Sequence[Score], found: Results, scored: Sequence[Score], criteria: Criteria
+) -> Sequence[Score]:
+    """All of them as long as none before explains a misfit; then only those that look like it."""
+    best = min(found.values(), key=lambda r: r.trial.excess, default=None)
+    if best is None or best.trial.excess > criteria.look_further or best.refit.delta_bic < criteria.delta_bic:
+        return some
+    (name,) = best.trial.effects
+    matrix, names = np.abs(cosines(scored)), [s.effect.name for s in scored]
+    alike = matrix[names.index(name)]
+    return [s for s in some if alike[names.index(s.effect.name)] > criteria.cosine_of_rivals]
 
 
 def _telling(progress: Progress) -> Done:
@@ -119,13 +147,20 @@ def _pairs(
     if not settled or settled[0].drop <= 0 or settled[0].excess < criteria.look_further:
         return {}
     found: Results = {}
-    for first in (settled[0], *(r for r in settled[1:2] if r.drop > criteria.nearly * settled[0].drop)):
+    for first in (settled[0], *(r for r in settled[1:2] if _nearly(r, settled[0], start, criteria))):
         for names, result in _beside(first, start, effects, singles, criteria, progress, bench).items():
             other_way = found.get(names[::-1])
             if other_way is None or result.refit.drop > other_way.refit.drop:
                 found.pop(names[::-1], None)
                 found[names] = result
     return found
+
+
+def _nearly(one: Refit, best: Refit, start: Baseline, criteria: Criteria) -> bool:
+    """Whether it takes off nearly as much of chi2 as the best one."""
+    before = start.fitted.compared.excess
+    comparable = one.excess < criteria.comparable * best.excess
+    return comparable and before - one.excess > criteria.nearly * (before - best.excess)
 
 
 def _beside(
@@ -159,9 +194,8 @@ def _beside(
 def _against_parts(start: Baseline, pair: Refit, singles: Results) -> float:
     """BIC gained over the better one of its two effects."""
     alone = [singles[(e.name,)].refit.drop for e in pair.effects if (e.name,) in singles]
-    noise, fewest = max(1.0, pair.excess), min(len(e.parameters) for e in pair.effects)
-    values = start.fitted.compared.values
-    return (pair.drop - max(alone, default=0.0)) / noise - fewest * float(np.log(values))
+    fewest, values = min(len(e.parameters) for e in pair.effects), start.fitted.compared.values
+    return pair.drop - max(alone, default=0.0) - fewest * float(np.log(values))
 
 
 def _tested(extended: Extended, scored: Sequence[Score]) -> tuple[EffectScore, ...]:

@@ -71,6 +71,20 @@ def test_one_level_is_held_out_and_the_hidden_spring_is_named_with_its_size():
     assert decision.trial.excess < 1.3
 
 
+def test_a_gross_misfit_leads_neither_the_calibration_nor_the_search_astray():
+    """A spring ten times as stiff: nuisance parameters must not go to their limits to lessen it a little."""
+    gross = start(3e4)
+    assert gross.fitted.compared.excess > 30
+    deviations = gross.fitted.parametrisation.deviation
+    assert np.max(np.abs(gross.fitted.u / deviations)) < 3
+    result = found(3e4, (DASHPOT, SPRING, WEAKER))
+    decision = decide(result.evidence, Criteria())
+    assert (decision.outcome, decision.effects) == ("identified", ("spring",))
+    assert decision.trial.excess < 1.3
+    fitted = result.refits[("spring",)].fitted
+    assert fitted.parametrisation.values(fitted.u)["spring"]["k"] == pytest.approx(3e4, rel=0.1)
+
+
 def test_nothing_is_found_where_nothing_is_hidden():
     result = found(0.0, (SPRING, DASHPOT))
     assert decide(result.evidence, Criteria()).outcome == "adequate"
