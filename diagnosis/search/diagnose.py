@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from datetime import date
 from multiprocessing import get_context
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 
@@ -44,6 +45,7 @@ from updamp.rig import load_rig
 _STAGE = "diagnosis"
 # Predicted with each explanation, to find the next measurement: some 6 s of one core with 36 patches.
 _RUNS = 6
+_PATIENCE = 30  # s, with a Dask scheduler that has no workers yet
 
 
 @dataclass(frozen=True)
@@ -83,6 +85,7 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
         plan, told = plan_of(subject.measurement), _telling(display)
         memory = Memory(files.out / "search", _digest(files, preset, options, subject, effects))
         start = _baseline(memory, subject, plan, options, told)
+        provenance["held out"] = ", ".join(plan.conditions[i].name for i in start.held_out) or "nothing"
         with _bench(options) as bench:
             found = search(start, effects, options.criteria, told, Remembering(memory, bench))
         names = {channel.point: channel.name for channel in subject.measurement.channels}
@@ -178,6 +181,7 @@ def _bench(options: DiagnoseOptions) -> Iterator[Bench]:
                 "--scheduler needs Dask: install it with `pip install 'updamp[cluster]'`, on the workers too"
             ) from error
         with Client(options.scheduler) as client:
+            _wait_for_workers(client, options.scheduler)
             yield RunElsewhere(client.get_executor(pure=False), own, kept)
     elif options.jobs > 1:
         # threads of the parent's libraries do not survive a fork
@@ -185,6 +189,15 @@ def _bench(options: DiagnoseOptions) -> Iterator[Bench]:
             yield RunElsewhere(pool, own, kept)
     else:
         yield run_here
+
+
+def _wait_for_workers(client: Any, address: str) -> None:
+    try:
+        client.wait_for_workers(1, timeout=_PATIENCE)
+    except TimeoutError as error:
+        raise ValueError(
+            f"--scheduler {address}: no worker has come in {_PATIENCE} s; start one: dask worker {address}"
+        ) from error
 
 
 def _forces(found: Found, decision: Decision) -> tuple[MissingForce, ...]:

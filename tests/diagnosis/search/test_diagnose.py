@@ -67,6 +67,7 @@ def test_a_mode_that_no_fit_has_seen_is_predicted(verdict: Verdict) -> None:
     assert "on second, of which the fit saw no run, from 6.0 to 0.5" in verdict.sentence
     assert parameters(verdict)["coefficient"] == pytest.approx(measured_beam.DAMPING, rel=0.02)
     assert {s.mode for s in verdict.signatures} == {"first"}
+    assert verdict.provenance["held out"] == "second 1 N, second 4 N"
 
 
 def test_the_next_measurement_is_looked_for_and_shown(verdict: Verdict, folder: Path) -> None:
@@ -123,6 +124,19 @@ def test_a_dask_cluster_finds_the_same(verdict: Verdict, folder: Path) -> None:
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
         found = diagnosis(folder, "dask", scheduler=cluster.scheduler_address, report=False)
     same(found, verdict)
+
+
+def test_a_scheduler_without_workers_is_not_waited_for_for_ever(
+    verdict: Verdict, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    distributed = pytest.importorskip("distributed", reason="Dask is optional: pip install 'updamp[cluster]'")
+    assert verdict.verdict == "inseparable", "what is known up to the fits is read back"
+    monkeypatch.setattr(module, "_PATIENCE", 0.5)
+    with (
+        distributed.LocalCluster(n_workers=0, dashboard_address=None) as cluster,
+        pytest.raises(ValueError, match=r"no worker has come in 0.5 s; start one: dask worker tcp://"),
+    ):
+        diagnosis(folder, "one", scheduler=cluster.scheduler_address)
 
 
 @pytest.mark.parametrize(
