@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from updamp.diagnosis.search.attempts import Attempt, Bench, Done, Result
+from updamp.diagnosis.search.attempts import Attempt, Bench, Done, Result, without_branches
 from updamp.diagnosis.search.baseline import Baseline
 from updamp.diagnosis.search.criteria import Criteria
 
@@ -59,7 +59,7 @@ class Remembering:
 
         def kept(attempt: Attempt, result: Result | None) -> None:
             if result is not None:
-                self.memory.keep(beside + attempt.name, result.slim)
+                self.memory.keep(beside + attempt.name, result.with_fit(without_branches(result.refit.fitted)))
             done(attempt, result)
 
         missing = [i for i, result in enumerate(known) if result is None]
