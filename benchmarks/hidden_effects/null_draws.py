@@ -40,8 +40,8 @@ from updamp.progress import Display  # noqa: E402
 
 Floats = NDArray[np.float64]
 
-FITTED, FINER = "diagnosis", "diagnosis_fine"
-SEEDS = 9100  # beyond those of the blind benchmark
+FITTED, FINER = "diagnosis", ("diagnosis_fine", "diagnosis_contacts")
+SEEDS = 9300  # beyond those of the blind benchmark
 _WIDER = 0.25  # the windows of all draws lie within the first one's by this share of it to either side
 _ROUNDS = 5
 
@@ -89,7 +89,7 @@ class Result:
 
 def prepare(measurement: Path, models: Path) -> Prepared:
     with Display() as display:
-        subject = subject_of(CompareFiles(RIG, measurement, models), FITTED, 1, display, (FINER,))
+        subject = subject_of(CompareFiles(RIG, measurement, models), FITTED, 1, display, FINER)
     model, plan = subject.before_effects, plan_of(subject.measurement)
     wide = tuple(replace(c, window=_widened(c.window)) for c in plan.conditions)
     plan = replace(plan, conditions=wide)

@@ -86,7 +86,7 @@ def _vectors(base: Fit, extended: Parametrisation, starts: Sequence[Floats]) -> 
     if _fails_badly(base):
         bare = np.zeros_like(base.u)
         bare[len(base.parametrisation.nuisances) : n] = base.u[len(base.parametrisation.nuisances) : n]
-        found = [found[0], *(np.concatenate([bare[:n], start, bare[n:]]) for start in starts)]
+        found.append(np.concatenate([bare[:n], starts[0], bare[n:]]))
     return [np.clip(u, extended.lower, extended.upper) for u in found]
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.diagnosis.effects.effect import Effect
-from updamp.diagnosis.search.attempts import Attempt, Bench, Done, Result, run_here, with_branches
+from updamp.diagnosis.search.attempts import Attempt, Bench, Done, Result, run_here, slim, with_branches
 from updamp.diagnosis.search.baseline import Baseline, error_of
 from updamp.diagnosis.search.criteria import Criteria
 from updamp.diagnosis.search.evidence import EffectScore, Evidence
@@ -77,8 +77,7 @@ def _singles(start: Baseline, scored: Sequence[Score], criteria: Criteria, progr
 
     def full(some: Sequence[Result]) -> Results:
         attempts = [Attempt(r.refit.effects, (), full=True, near=r.refit.fitted) for r in some]
-        # a gigabyte for each that keeps its branches
-        return _results([r and r.slim for r in bench(start, criteria, attempts, _telling(progress))])
+        return _results(bench(start, criteria, attempts, _telling(progress)))
 
     wanted = _worth_trying(scored, criteria)[: criteria.short]
     half = (len(wanted) + 1) // 2
@@ -87,7 +86,7 @@ def _singles(start: Baseline, scored: Sequence[Score], criteria: Criteria, progr
     found |= short(_unless_explained(wanted[half:], found, scored, criteria))
     best = _best(found)[: criteria.full]
     close = [r for r in best if not r.trial.full and _comes_close(r.refit, best[0].refit, start, criteria)]
-    return {**{names: r.slim for names, r in found.items()}, **full(close)}
+    return {**found, **full(close)}
 
 
 def _best(found: Results) -> list[Result]:
@@ -124,13 +123,14 @@ def _worth_trying(scored: Sequence[Score], criteria: Criteria) -> list[Score]:
 
 
 def _results(found: Sequence[Result | None]) -> Results:
-    return {r.trial.effects: r for r in found if r is not None}
+    """Slim ones: whole, each would keep a gigabyte."""
+    return {r.trial.effects: r.with_fit(slim(r.refit.fitted)) for r in found if r is not None}
 
 
 def _starts(step: Floats) -> tuple[Floats, ...]:
-    """The linear guess, no further than some typical sizes, and a part of it."""
+    """The linear guess, no further than some typical sizes, and where it is further that far too, else a part of it."""
     size = max(1.0, float(np.max(np.abs(step))) / _FARTHEST)
-    return step / size, step / size / 3
+    return step / size, (step if size > 1 else step / 3)
 
 
 def _pairs(
@@ -185,7 +185,7 @@ def _beside(
             both = judged(start.fitted, r.refit.fitted, (one, second), criteria)
             names = (one.name, second.name)
             found[names] = Result(
-                both,
+                replace(both, fitted=slim(both.fitted)),
                 replace(r.trial, effects=names, drop=both.drop, delta_bic=_against_parts(start, both, singles)),
             )
     return found
