@@ -32,7 +32,7 @@ class ChosenEffect:
     """values: of all its parameters, in their units; origin: where they come from, "" if not stated
     file: that the effect was read from, None for one of the catalogue
 
-    Another process that gets one reads the file itself.
+    Another process that gets one reads the file itself, wherever that process has been started.
     """
 
     effect: Effect
@@ -41,7 +41,8 @@ class ChosenEffect:
     file: Path | None = None
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, (self.effect.name, self.file, dict(self.values), self.origin)
+        file = self.file.resolve() if self.file is not None else None
+        return _restored, (self.effect.name, file, dict(self.values), self.origin)
 
     def apply(self, model: RigModel) -> RigModel:
         """raises: ValueError naming the effect where the model has no place for it"""

@@ -140,6 +140,15 @@ def test_a_user_s_effect_goes_to_another_process_that_has_read_the_file(own, tmp
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
+def test_a_user_s_effect_of_a_rig_file_goes_to_a_process_that_was_started_elsewhere(own, tmp_path, monkeypatch):
+    monkeypatch.chdir(own.parent)
+    sent = pickle.dumps(read('[[effects]]\nname = "oily"\nfile = "oily.py"\nvalues = { factor = 0.5 }'))
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    (found,) = pickle.loads(sent)
+    assert (found.effect.name, found.values, found.file) == ("oily", {"factor": 0.5}, own.resolve())
+
+
 class Installed(EntryPoint):
     def load(self):
         return replace(CATALOGUE["edge_gap"], name=self.name) if self.value == "good" else 1 / 0
