@@ -47,6 +47,11 @@ class Result:
     refit: Refit
     trial: Trial
 
+    @property
+    def slim(self) -> "Result":
+        """Without the matrices of its branches' points."""
+        return self.with_fit(slim(self.refit.fitted))
+
     def with_fit(self, fitted: Fit) -> "Result":
         return replace(self, refit=replace(self.refit, fitted=fitted))
 
@@ -155,7 +160,7 @@ class _Task:
     def __call__(self, attempt: bytes) -> Result | None:
         _prepared(self.own, self.keep_compiled)
         found = _run(_start(self.start), self.criteria, pickle.loads(attempt))
-        return found and found.with_fit(slim(found.refit.fitted))
+        return found and found.slim
 
 
 @lru_cache(maxsize=1)
