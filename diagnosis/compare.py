@@ -19,13 +19,13 @@ from updamp.diagnosis.comparison import (
     PointResidual,
 )
 from updamp.diagnosis.effects.chosen import ChosenEffect
-from updamp.diagnosis.findings import findings, lack_of_fit, misfits
-from updamp.diagnosis.gross_misfit import beyond_first_order, gross_misfits, growth
+from updamp.diagnosis.findings import lack_of_fit, misfits
+from updamp.diagnosis.gross_misfit import all_findings
 from updamp.diagnosis.measurement.measurement import Measurement
 from updamp.diagnosis.model.parameters import LOSS_FACTOR, Parametrisation
 from updamp.diagnosis.model.predicted_branch import PredictedBranch, with_patterns
 from updamp.diagnosis.model.rig_model import RigModel
-from updamp.diagnosis.residual.fit import Fit, FitOptions, compare_at, fails_grossly, fit, predict
+from updamp.diagnosis.residual.fit import Fit, FitOptions, compare_at, fit, predict
 from updamp.diagnosis.residual.numerical_gate import gated
 from updamp.diagnosis.residual.observations import Observations, Plan, plan_of
 from updamp.diagnosis.stated import feature_findings
@@ -78,13 +78,8 @@ def compare(
     loss_factor = parametrisation.names.index(LOSS_FACTOR.name)
     names = {channel.point: channel.name for channel in measurement.channels}
     of_tests, of_model = _measured_backbones(plan, names), _model_backbones(plan, names, after)
-    found = misfits(calibrated, plan, [damping_share(b, loss_factor) for b in after])
-    grossly = fails_grossly(parametrisation, calibrated.compared.chi2, calibrated.compared.values)
-    if grossly or (model.contacts is None and beyond_first_order(found)):
-        found = gross_misfits(calibrated, plan, of_tests, of_model)
-        said = (*growth(calibrated, plan, of_tests, of_model), *findings(calibrated, plan, found))
-    else:
-        said = findings(calibrated, plan, found)
+    first_order = misfits(calibrated, plan, [damping_share(b, loss_factor) for b in after])
+    said = all_findings(calibrated, plan, first_order, of_tests, of_model)
     comparison = Comparison(
         title=measurement.title,
         adequate=not said,
@@ -287,7 +282,11 @@ def _model_backbones(plan: Plan, names: Mapping[str, str], branches: Sequence[Pr
 
     def curve(o: Observations, sensor: int) -> tuple[int, Floats, Complex, Floats]:
         whole = _model_curve(branches[o.test], sensor)
-        f, z = whole.frequency[whole.visited], whole.receptance[whole.visited]
+        # beyond the window that was measured the branch may climb to another mode's resonance
+        low, high = plan.conditions[o.test].window
+        measured = whole.visited & (whole.frequency >= low) & (whole.frequency <= high)
+        shown = measured if measured.any() else whole.visited
+        f, z = whole.frequency[shown], whole.receptance[shown]
         return 0, f, z, np.full(len(f), plan.conditions[o.test].force)
 
     return _backbones(plan, names, curve, first)

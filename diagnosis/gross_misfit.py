@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.diagnosis.comparison import Backbone, Finding
-from updamp.diagnosis.findings import DAMPING, FREQUENCY, Direction, Misfit
+from updamp.diagnosis.findings import DAMPING, FREQUENCY, Direction, Misfit, findings
 from updamp.diagnosis.model.parameters import LOSS_FACTOR
-from updamp.diagnosis.residual.fit import Fit
+from updamp.diagnosis.residual.fit import Fit, fails_grossly
 from updamp.diagnosis.residual.observations import Plan
 
 Floats = NDArray[np.float64]
@@ -21,11 +21,31 @@ Floats = NDArray[np.float64]
 _STANDS_OUT, _WORTH = 5.0, 0.2
 # Misfit of the damping, of its logarithm, up to which an estimate to first order will do.
 _FIRST_ORDER = 0.2
+# chi2 a value from where on a model with contacts fails badly.
+_BADLY = 10.0
 
 
-def beyond_first_order(found: Sequence[Misfit]) -> bool:
-    """Whether misfits, as estimated to first order, are too large for that."""
-    return any(abs(np.log1p(m.relative)) > _FIRST_ORDER for m in found if m.direction.quantity == DAMPING)
+def all_findings(
+    fit: Fit, plan: Plan, first_order: Sequence[Misfit], measured: Sequence[Backbone], model: Sequence[Backbone]
+) -> tuple[Finding, ...]:
+    """Sentences on misfits as estimated to first order or, where they are too large for that, as read off the curves.
+
+    measured, model: as for `gross_misfits`
+    """
+    if not _too_large(fit, first_order):
+        return findings(fit, plan, first_order)
+    gains = [m for m in first_order if m.direction.quantity not in (FREQUENCY, DAMPING)]
+    read = gross_misfits(fit, plan, measured, model)
+    return (*growth(fit, plan, measured, model), *findings(fit, plan, (*read, *gains)))
+
+
+def _too_large(fit: Fit, first_order: Sequence[Misfit]) -> bool:
+    """Models without contacts have no other damping than what is estimated; the others fail in many ways."""
+    if fit.parametrisation.base.contacts is not None:
+        return fit.compared.excess > _BADLY
+    gross = fails_grossly(fit.parametrisation, fit.compared.chi2, fit.compared.values)
+    dampings = [m.relative for m in first_order if m.direction.quantity == DAMPING]
+    return gross or any(abs(np.log1p(relative)) > _FIRST_ORDER for relative in dampings)
 
 
 def gross_misfits(fit: Fit, plan: Plan, measured: Sequence[Backbone], model: Sequence[Backbone]) -> tuple[Misfit, ...]:
