@@ -79,7 +79,7 @@ STATIC_CONTACT = Stage(
 )
 CURVE = Stage(
     name="curve",
-    version=5,
+    version=6,
     sections=(
         "damper_model",
         "material.loss_factor",

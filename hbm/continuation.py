@@ -26,6 +26,7 @@ class ContinuationOptions:
     steps_over, leaps: where no smaller step helps and no way round a corner is found, points so far ahead are tried
     wanted_iterations: steps grow where Newton needs fewer and shrink where it needs more
     frequency_scale: share of the window that counts as one unit of arc
+    outside: where no first point is found at the end of the window, so far beyond it, in shares of its width
     max_points: at most this many points a branch
     newton: of the corrector; persistent: of a leap, which has no smaller step to fall back on
 
@@ -39,6 +40,7 @@ class ContinuationOptions:
     leaps: tuple[float, ...] = (0.03, 0.1, 0.2, 0.4)
     wanted_iterations: int = 4
     frequency_scale: float = 0.5
+    outside: tuple[float, ...] = (0.1, 0.2, 0.35, 0.5, 0.8)
     max_points: int = 2000
     newton: NewtonOptions = field(default_factory=lambda: NewtonOptions(iterations=8, damped=False))
     persistent: NewtonOptions = field(default_factory=lambda: NewtonOptions(iterations=20))
@@ -121,16 +123,14 @@ def continue_branch(
     """
     options = options or ContinuationOptions()
     scale_w = options.scale_w(window)
-    points = list(resume_from)
-    if not points:
-        w = 2 * np.pi * (window[0] if upwards else window[1])
-        solution = first_point(system, excitation, w, options.persistent)
-        points = [point_at(solution, excitation, scale_w, (0 * solution.x, 1.0 if upwards else -1.0), 0.0)]
-        yield points[0]
-    walk, behind = Walk(system, excitation, options, scale_w), traversed(points)
-    step = max(points[-1].step, options.first_step) if len(points) > 1 else options.first_step
+    walk, points = Walk(system, excitation, options, scale_w), list(resume_from)
     low, high = (2 * np.pi * f for f in window)
+    behind = traversed(points or walk.into(low, high, upwards))
     handed_out = len(points)
+    if not points:
+        yield from behind.points[-2:]
+        handed_out += len(behind.points[-2:])
+    step = max(behind.last.step, options.first_step) if len(behind.points) > 1 else options.first_step
     while handed_out < options.max_points:
         following, step = walk.following(behind, min(step, options.largest_step))
         yield from following
@@ -148,6 +148,41 @@ class Walk:
     excitation: Excitation
     options: ContinuationOptions
     scale_w: float
+
+    def into(self, low: float, high: float, upwards: bool) -> Sequence[BranchPoint]:
+        """Points up to the first one in the window [rad/s]: that at its end, or those of a branch that begins outside
+        and leads in. Off resonance the contacts bear less, and a first point is found where it is not at the end.
+
+        raises: BranchStoppedError that says what stopped the attempt at the end itself
+        """
+        end, sign = (low, 1.0) if upwards else (high, -1.0)
+        stopped: BranchStoppedError | None = None
+        for share in (0.0, *self.options.outside):
+            w = end - sign * share * (high - low)
+            try:
+                solution = first_point(self.system, self.excitation, w, self.options.persistent)
+                start = point_at(solution, self.excitation, self.scale_w, (0 * solution.x, sign), 0.0)
+                if not share:
+                    return [start]
+                if inside := self._as_far_as(start, low, high):
+                    return inside
+            except BranchStoppedError as stop:
+                stopped = stopped or stop
+        assert stopped is not None, "the attempt at the end has returned or stopped"
+        raise stopped
+
+    def _as_far_as(self, start: BranchPoint, low: float, high: float) -> Sequence[BranchPoint]:
+        """From `start` into the window; none where the branch turns away from it."""
+        behind, step = traversed([start]), self.options.first_step
+        away = max(low - start.w, start.w - high)
+        for _ in range(self.options.max_points):
+            following, step = self.following(behind, min(step, self.options.largest_step))
+            behind, last = behind.then(following), following[-1]
+            if low <= last.w <= high:
+                return behind.points
+            if max(low - last.w, last.w - high) > away:
+                break
+        return []
 
     def following(self, behind: Traversed, step: float) -> tuple[Sequence[BranchPoint], float]:
         """The next point, or those beyond a jump, and the step to try after them.

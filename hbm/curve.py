@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from updamp.hbm import energy, observe
 from updamp.hbm.branch import BranchPoint, branch_point
+from updamp.hbm.bridge import Bridge
 from updamp.hbm.continuation import BranchStoppedError, ContinuationOptions, continue_branch
 from updamp.hbm.response_curve import ResponseCurve
 from updamp.hbm.system import Excitation, NonlinearSystem
@@ -47,17 +48,20 @@ def trace(
         return
     resume = _last_points(system, request, earlier) if earlier is not None and len(earlier) >= 2 else ()
     records = _Records(system, request, earlier if resume else None, started)
-    last: BranchPoint | None = resume[-1] if resume else None
+    first = _Ends(1.0 if request.upwards else -1.0, resume)
     try:
-        for last in continue_branch(
+        for point in continue_branch(
             system, request.excitation, request.window, request.options, request.upwards, resume
         ):
-            records.add(last)
+            records.add(first.seen(point))
             yield records.curve()
+        reason = _unfinished(request, records.curve())
     except BranchStoppedError as stop:
-        yield from _from_the_other_end(system, request, records, last, str(stop))
-        return
-    yield records.curve(complete=not (reason := _unfinished(request, records.curve())), stopped=reason)
+        reason = str(stop)
+    if reason and len(records.curve()) < request.options.max_points:
+        yield from _from_the_other_end(system, request, records, first, reason)
+    else:
+        yield records.curve(complete=not reason, stopped=reason)
 
 
 # Arc between the ends of two pieces up to which they count as one branch: about two ordinary steps.
@@ -66,32 +70,78 @@ _JOINT = 0.4
 _MET = 0.03
 
 
+class _Ends:
+    """The last point of a piece that runs in the direction `sign`, and the one that came furthest; None at first."""
+
+    def __init__(self, sign: float, points: Sequence[BranchPoint] = ()) -> None:
+        self.sign = sign
+        self.last: BranchPoint | None = None
+        self.furthest: BranchPoint | None = None
+        for point in points:
+            self.seen(point)
+
+    def seen(self, point: BranchPoint) -> BranchPoint:
+        self.last = point
+        if self.furthest is None or self.sign * (point.w - self.furthest.w) > 0:
+            self.furthest = point
+        return point
+
+
 def _from_the_other_end(
-    system: NonlinearSystem, request: CurveRequest, records: "_Records", stuck: BranchPoint | None, reason: str
+    system: NonlinearSystem, request: CurveRequest, records: "_Records", first: _Ends, reason: str
 ) -> Iterator[ResponseCurve]:
     """Where the branch cannot go on, it is traced backwards from the far end of the window until both pieces meet.
 
-    The second piece is handed out when it is joined to the first; if the two do not meet, it is kept too and the
-    curve says why it stopped.
+    The second piece is handed out when it is joined to the first. Where both stop with frequencies between them that
+    neither came to, these are crossed by new starts (hbm/bridge.py); where even that fails, the curve says why.
     """
-    if stuck is None:
-        yield records.curve(stopped=reason)
-        return
-    second, nearest = _Records(system, request, None, records.started), np.inf
+    second, backwards = _Records(system, request, None, records.started), _Ends(-first.sign)
+    nearest = np.inf
     try:
         for point in continue_branch(system, request.excitation, request.window, request.options, not request.upwards):
-            apart = stuck.distance(point)
+            apart = first.last.distance(point) if first.last is not None else np.inf
             if nearest < _JOINT and apart > nearest:
                 break
-            second.add(point)
+            second.add(backwards.seen(point))
             nearest = apart
             if nearest < _MET:
                 break
             yield records.curve()
+        reason = f"{reason}. From the other end it ended at {point.frequency:.2f} Hz"
     except BranchStoppedError as stop:
         reason = f"{reason}. From the other end: {stop}"
-    joined = nearest < _JOINT
-    yield records.joined(second, complete=joined, stopped="" if joined else reason)
+    complete = nearest < _JOINT
+    if not complete:
+        yield from _across(system, request, records, second, (first, backwards))
+        complete = _covered(request, first, backwards)
+    yield records.joined(second, complete=complete, stopped="" if complete else reason)
+
+
+def _across(
+    system: NonlinearSystem, request: CurveRequest, records: "_Records", second: "_Records", ends: tuple[_Ends, _Ends]
+) -> Iterator[ResponseCurve]:
+    """New starts between two pieces, from the first one's end on; from the second one's where there is no first."""
+    (growing, other), of = (ends, records) if ends[0].furthest is not None else (ends[::-1], second)
+    if growing.furthest is None or _covered(request, *ends):
+        return
+    until = other.furthest.w if other.furthest is not None else 2 * np.pi * _limit(request, growing.sign)
+    bridge = Bridge(system, request.excitation, request.window, request.options, growing.sign, until)
+    for point in bridge.points(growing.furthest):
+        of.add(growing.seen(point))
+        yield records.curve()
+
+
+def _limit(request: CurveRequest, sign: float) -> float:
+    """End of the window in that direction [Hz]"""
+    return request.window[1] if sign > 0 else request.window[0]
+
+
+def _covered(request: CurveRequest, first: _Ends, second: _Ends) -> bool:
+    """Whether the pieces leave out no frequency of the window between them."""
+    places = [
+        2 * np.pi * _limit(request, -end.sign) if end.furthest is None else end.furthest.w for end in (first, second)
+    ]
+    return first.sign * (places[0] - places[1]) >= 0
 
 
 def _unfinished(request: CurveRequest, curve: ResponseCurve) -> str:
@@ -148,8 +198,10 @@ class _Records:
 
     def joined(self, second: "_Records", complete: bool, stopped: str = "") -> ResponseCurve:
         """This piece, and after it the second one the other way round."""
+        if not second.columns["after_gap"]:
+            return self.curve(complete, stopped)
         # A gap of the second piece comes before the point that follows it in its own direction.
-        second.columns["after_gap"] = [True, *second.columns["after_gap"][1:]]
+        second.columns["after_gap"] = [bool(self.columns["after_gap"]), *second.columns["after_gap"][1:]]
         gaps = np.roll(second.columns["after_gap"], -1)
         for name in COLUMNS:
             self.columns[name].extend(reversed(second.columns[name]) if name != "after_gap" else gaps[::-1])

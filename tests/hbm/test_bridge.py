@@ -1,0 +1,105 @@
+"""Starts elsewhere: beyond a place where a branch stops from both ends, from the other end, and outside the window."""
+
+import numpy as np
+import pytest
+from support.peers import one_degree_of_freedom, solved
+
+from updamp.hbm import continuation
+from updamp.hbm import curve as curve_module
+from updamp.hbm.contact.springs import CubicParameters, CubicSpring
+from updamp.hbm.continuation import BranchStoppedError, continue_branch, first_point
+from updamp.hbm.curve import CurveRequest, trace
+from updamp.hbm.elements import ElementGroup
+from updamp.hbm.newton import Status
+from updamp.hbm.system import Excitation
+
+WINDOW = (0.5 / 2 / np.pi, 2.0 / 2 / np.pi)
+
+
+def linear_oscillator():
+    d = solved("a_duffing_1dof")["definition"]
+    group = ElementGroup(CubicSpring(), CubicParameters(np.array([0.0])), np.array([[0]]))
+    system = one_degree_of_freedom(d["c"], group, (0, 1), 16)
+    return system, CurveRequest("1", Excitation(system.free.row("mass"), d["P"]), WINDOW, ("mass",))
+
+
+def test_new_starts_cross_what_both_pieces_leave_out(monkeypatch):
+    """Both pieces are stopped on their ways, with a tenth of the window between them."""
+    system, request = linear_oscillator()
+    *_, whole = trace(system, request)
+    left_out = np.quantile(WINDOW, (0.5, 0.6))
+
+    def stopped(system, excitation, window, options, upwards, resume=()):
+        for point in continue_branch(system, excitation, window, options, upwards, resume):
+            if left_out[0] < point.frequency < left_out[1]:
+                raise BranchStoppedError(point.frequency, 1.0, Status.STALLED)
+            yield point
+
+    monkeypatch.setattr(curve_module, "continue_branch", stopped)
+    *_, crossed = trace(system, request)
+    assert crossed.complete
+    assert not crossed.stopped
+    widths = np.abs(np.diff(crossed.gaps(), axis=1))
+    assert 1 <= len(widths) <= 3
+    assert widths.max() < 0.05 * (WINDOW[1] - WINDOW[0])
+    assert abs(crossed.peak("mass")[1] / whole.peak("mass")[1] - 1) < 1e-3
+    assert abs(crossed.frequency[0] / whole.frequency[0] - 1) < 1e-12
+
+
+def test_a_branch_that_comes_back_is_traced_from_the_other_end(monkeypatch):
+    """A branch that turns round and leaves the window where it began is not the one that leads through it."""
+    system, request = linear_oscillator()
+    *_, whole = trace(system, request)
+    turn = np.quantile(WINDOW, 0.2)
+
+    def turning(system, excitation, window, options, upwards, resume=()):
+        points = []
+        for point in continue_branch(system, excitation, window, options, upwards, resume):
+            points.append(point)
+            yield point
+            if upwards and point.frequency > turn:
+                below = next(continue_branch(system, excitation, (0.99 * window[0], window[1]), options))
+                yield from (*points[-2::-1], below)
+                return
+
+    monkeypatch.setattr(curve_module, "continue_branch", turning)
+    *_, curve = trace(system, request)
+    assert curve.complete
+    assert curve.frequency.max() >= WINDOW[1]
+    assert curve.after_gap.sum() == 1
+    assert abs(curve.peak("mass")[1] / whole.peak("mass")[1] - 1) < 1e-3
+
+
+@pytest.mark.parametrize("upwards", [True, False])
+def test_a_branch_is_led_into_the_window_where_its_end_has_no_first_point(monkeypatch, upwards):
+    """First points are found only 0.15 of the window's width outside: the branch is handed out from the end on."""
+    system, request = linear_oscillator()
+    *_, whole = trace(system, request)
+    width = WINDOW[1] - WINDOW[0]
+
+    def far_out(system, excitation, w, options=None):
+        if WINDOW[0] - 0.15 * width < w / 2 / np.pi < WINDOW[1] + 0.15 * width:
+            raise BranchStoppedError(w / 2 / np.pi, 1.0, Status.STALLED)
+        return first_point(system, excitation, w, options)
+
+    monkeypatch.setattr(continuation, "first_point", far_out)
+    points = list(continue_branch(system, request.excitation, WINDOW, upwards=upwards))
+    frequency = np.array([point.frequency for point in points])[:: 1 if upwards else -1]
+    assert (np.diff(frequency) > 0).all()
+    assert WINDOW[0] - 0.1 * width < frequency[0] < WINDOW[0] or not upwards
+    assert WINDOW[1] < frequency[-1] < WINDOW[1] + 0.1 * width
+    *_, curve = trace(system, request)
+    assert curve.complete
+    assert abs(curve.peak("mass")[1] / whole.peak("mass")[1] - 1) < 1e-3
+
+
+def test_where_no_start_is_found_the_end_of_the_window_is_named(monkeypatch):
+    system, request = linear_oscillator()
+
+    def nowhere(_system, _excitation, w, _options=None):
+        raise BranchStoppedError(w / 2 / np.pi, 1.0, Status.STALLED)
+
+    monkeypatch.setattr(continuation, "first_point", nowhere)
+    with pytest.raises(BranchStoppedError) as stop:
+        next(iter(continue_branch(system, request.excitation, WINDOW)))
+    assert stop.value.frequency == pytest.approx(WINDOW[0])
