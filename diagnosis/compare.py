@@ -131,7 +131,7 @@ def damping_share(branch: PredictedBranch, loss_factor: int) -> float:
 def calibration(fitted: Fit) -> tuple[Calibrated, ...]:
     """As factors on the rig file's values."""
     entries = []
-    for n, u, s in zip(fitted.parametrisation.nuisances, fitted.u, fitted.deviations, strict=False):
+    for n, u, s in zip(fitted.parametrisation.nuisances, fitted.u, fitted.uncertainty, strict=False):
         after, lower, upper = (float(np.exp(u + z * s)) for z in (0.0, -1.96, 1.96))
         entries.append(Calibrated(n.name, "", 1.0, n.deviation, after, lower, upper))
     return tuple(entries)

@@ -128,7 +128,7 @@ def compare_draw(draw: Draw, prepared: Path, results: Path) -> Result:
             "scatter": c.scatter.as_numbers(),
             "parameters": {
                 name: (float(u), float(s))
-                for name, u, s in zip(parametrisation.names[:n], fitted.u[:n], fitted.deviations[:n], strict=True)
+                for name, u, s in zip(parametrisation.names[:n], fitted.u[:n], fitted.uncertainty[:n], strict=True)
             },
             "numerics": dict(zip(parametrisation.names[n:], fitted.u[n:].tolist(), strict=True)),
             "misfits": [

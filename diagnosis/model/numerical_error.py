@@ -18,6 +18,8 @@ from scipy.ndimage import uniform_filter1d
 
 Floats = NDArray[np.float64]
 
+# Of what finer numerics change.
+UNSURE = 0.5
 _FREQUENCY = 0.02  # of a turn of phase: what the whole window counts
 
 
@@ -29,6 +31,8 @@ class NumericalError:
     expected: condition's name -> (n, m) to be added to the observations
     patterns: condition's name -> (n, n_patterns, m) standard deviations of what that is off by
     rough: condition's name -> (n, m) standard deviations of what is left of place to place
+    taken_up: (n_models, p) what calibration would move the model's parameters by, to make up for what each finer one
+        changes
     """
 
     names: tuple[str, ...] = ()
@@ -36,6 +40,15 @@ class NumericalError:
     expected: Mapping[str, Floats] | None = None
     patterns: Mapping[str, Floats] | None = None
     rough: Mapping[str, Floats] | None = None
+    taken_up: Floats | None = None
+
+    def uncertainty(self, n: int) -> Floats:
+        """(n,) standard deviations of parameters, of which the model's come first: as unsure as the change is, of which
+        calibration takes up this much without a trace in the residual."""
+        found = np.zeros(n)
+        if self.taken_up is not None:
+            found[: self.taken_up.shape[1]] = UNSURE * np.linalg.norm(self.taken_up, axis=0)
+        return found
 
     def at(self, condition: str, observed: Floats, window: tuple[float, float]) -> tuple[Floats, Floats, Floats]:
         """Expected change (k, m), patterns (k, n_patterns, m) and roughness (k, m).

@@ -106,7 +106,13 @@ class Fit:
 
     @property
     def deviations(self) -> Floats:
+        """(p,) as the data tell u, the numerics taken as they are"""
         return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def uncertainty(self) -> Floats:
+        """(p,) deviations of u with those that finer numerics may move it by: what intervals are made of"""
+        return np.hypot(self.deviations, self.parametrisation.numerics.uncertainty(len(self.u)))
 
 
 def predict(

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from updamp.diagnosis.effects.chosen import ChosenEffect
 from updamp.diagnosis.model.condition import Condition
-from updamp.diagnosis.model.numerical_error import NumericalError, difference, jaggedness
+from updamp.diagnosis.model.numerical_error import UNSURE, NumericalError, difference, jaggedness
 from updamp.diagnosis.model.parameters import Parametrisation, nuisances
 from updamp.diagnosis.model.predicted_branch import PredictedBranch, trace_branch
 from updamp.diagnosis.model.rig_model import RigModel
@@ -20,8 +20,6 @@ from updamp.hbm.harmonics import Harmonics
 Floats = NDArray[np.float64]
 
 _MORE_HARMONICS = 2
-# Of what finer numerics change.
-_UNSURE = 0.5
 # A finer model is traced beyond the measured window by this share of it.
 _FURTHER = 0.4
 # Places taken of it for each of its points.
@@ -76,20 +74,22 @@ def with_numerical_error(
     names: list[str] = []
     patterns: dict[str, list[Floats]] = {c: [] for c in coarse}
     rough = {c: np.zeros_like(observed) for c, observed in coarse.items()}
+    taken_up: list[Floats] = []
     for name, model in finer.items():
         if _is_the_same(model, parametrisation.base):
             continue  # what the two branches are apart is how they are interpolated
         # at u, and with nothing left to differentiate by: the pattern needs the branch alone
         there = replace(parametrisation, base=model).model(u)
         changes = {c.name: change_of_branch(there, c, coarse[c.name]) for c in plan.conditions}
-        left = _beyond_calibration(parametrisation, plan, branches, changes)
+        left, made_up_for = _beyond_calibration(parametrisation, plan, branches, changes)
+        taken_up.append(made_up_for)
         names += [name, *(f"{name} {mode}" for mode in modes), *(f"{name} {c.name}" for c in plan.conditions)]
         for c in plan.conditions:
             expected[c.name] += changes[c.name]
             patterns[c.name] += [
-                _UNSURE * changes[c.name],
-                *(_UNSURE * (c.mode == mode) * left[c.name] for mode in modes),
-                *(_UNSURE * (c.name == test.name) * left[c.name] for test in plan.conditions),
+                UNSURE * changes[c.name],
+                *(UNSURE * (c.mode == mode) * left[c.name] for mode in modes),
+                *(UNSURE * (c.name == test.name) * left[c.name] for test in plan.conditions),
             ]
             rough[c.name] = np.hypot(rough[c.name], jaggedness(changes[c.name]))
     numerics = NumericalError(
@@ -101,6 +101,7 @@ def with_numerical_error(
             for c, each in patterns.items()
         },
         rough,
+        np.array(taken_up) if taken_up else None,
     )
     return replace(parametrisation, numerics=numerics)
 
@@ -121,8 +122,9 @@ def change_of_branch(model: RigModel, condition: Condition, observed: Floats) ->
 
 def _beyond_calibration(
     parametrisation: Parametrisation, plan: Plan, branches: Sequence[PredictedBranch], changes: Mapping[str, Floats]
-) -> dict[str, Floats]:
-    """Changes of all branches (n, m) less what the parameters make up for, within their prior deviations.
+) -> tuple[dict[str, Floats], Floats]:
+    """Changes of all branches (n, m) less what the parameters make up for, within their prior deviations; and the
+    parameters' changes (p,) that do.
 
     What calibration takes up is no error of the calibrated model, whatever it does to the parameters.
     """
@@ -137,7 +139,7 @@ def _beyond_calibration(
         columns.append(np.einsum("nrm,npm->nrp", basis, observed.slopes[:, :n]).reshape(-1, n))
         wanted.append(np.einsum("nrm,nm->nr", basis, changes[branch.condition.name]).ravel())
     made_up_for = np.linalg.lstsq(np.concatenate(columns), np.concatenate(wanted), rcond=None)[0]
-    return {name: change - made_up_for @ slopes[name] for name, change in changes.items()}
+    return {name: change - made_up_for @ slopes[name] for name, change in changes.items()}, made_up_for
 
 
 def _wider(condition: Condition) -> Condition:

@@ -89,3 +89,14 @@ def test_noise_is_told_from_the_roughness_of_a_run():
     rng = np.random.default_rng(0)
     x = np.linspace(0, 3, 400)
     assert roughness(np.sin(x) + 0.01 * rng.standard_normal(400)) == pytest.approx(0.01, rel=0.15)
+
+
+def test_intervals_know_what_finer_numerics_would_move_the_parameters_by(fitted):
+    """Calibration takes a change up without a trace in the residual; half of it counts, of several models in quadrature."""
+    p = fitted.parametrisation
+    moved = np.array([[0.003, 0.0, 0.0, 0.04], [0.004, 0.0, 0.1, 0.0]])
+    known = replace(fitted, parametrisation=replace(p, numerics=replace(p.numerics, taken_up=moved)))
+    np.testing.assert_allclose(
+        known.uncertainty**2 - fitted.deviations**2, np.array([0.0025, 0.0, 0.05, 0.02]) ** 2, atol=1e-15
+    )
+    np.testing.assert_array_equal(fitted.uncertainty, fitted.deviations)
