@@ -92,7 +92,7 @@ def test_noise_is_told_from_the_roughness_of_a_run():
 
 
 def test_intervals_know_what_finer_numerics_would_move_the_parameters_by(fitted):
-    """Calibration takes a change up without a trace in the residual; half of it counts, of several models in quadrature."""
+    """Calibration takes a change up without a trace in the residual; half of it counts, models in quadrature."""
     p = fitted.parametrisation
     moved = np.array([[0.003, 0.0, 0.0, 0.04], [0.004, 0.0, 0.1, 0.0]])
     known = replace(fitted, parametrisation=replace(p, numerics=replace(p.numerics, taken_up=moved)))
