@@ -36,7 +36,8 @@ class Candidate:
 
     sentence: what an engineer would say is missing; score: of the score test, in standard deviations
     visibility: share of its signature that the nuisance parameters cannot imitate, 0 to 1
-    predicted_drop, obtained_drop: of chi2, by the score test and by the refit; delta_bic: BIC without less BIC with it
+    predicted_drop: of chi2, by the score test, with as much noise as the misfit asks for; obtained_drop: of the misfit
+        (`residual.fit.misfit`), by the refit; delta_bic: BIC without less BIC with it
     held_out_gain: relative fall of the weighted residual RMS on force levels and mode that the fit never saw
     obtained_drop, delta_bic and held_out_gain are nan and `parameters` is empty where it was not refitted
     accepted: passed every test; reason: why not, "" where accepted

@@ -228,8 +228,8 @@ def fit(
     for _ in range(options.rounds):
         given = scatter or replace(best.scatter, noise=prior.noise)
         loose = looseness(parametrisation, reweighed(parametrisation, plan, best, given))
-        about = best if loose == 1 else reweighed(parametrisation, plan, best, _loosened(given, loose))
-        ahead = _fit_linear(parametrisation, plan, about, scatter, _loosened(prior, loose), reach)
+        about = best if loose == 1 else reweighed(parametrisation, plan, best, loosened(given, loose))
+        ahead = _fit_linear(parametrisation, plan, about, scatter, loosened(prior, loose), reach)
         here = reweighed(parametrisation, plan, best, ahead.scatter)
         now = objective(parametrisation, here)
         if now - objective(parametrisation, ahead) < max(options.tolerance, _DIGITS * now):
@@ -260,7 +260,8 @@ def looseness(parametrisation: Parametrisation, compared: Compared) -> float:
     return max(1.0, min(compared.excess / _TOLERATED, float(np.sqrt(_AS_MANY * compared.excess))))
 
 
-def _loosened(scatter: Scatter, factor: float) -> Scatter:
+def loosened(scatter: Scatter, factor: float) -> Scatter:
+    """With so many times the noise."""
     return replace(scatter, noise=factor * scatter.noise)
 
 

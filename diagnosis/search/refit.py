@@ -60,6 +60,7 @@ def refit(
         again = fit(near.parametrisation, plan, near.u, base.compared.scatter, solved, _options(full))
         return judged(base, again, effects, criteria)
     extended = replace(base.parametrisation, effects=(*base.parametrisation.effects, *effects))
+    before = misfit(base.parametrisation, base.compared)
     best: tuple[float, Floats, tuple[PredictedBranch, ...]] | None = None
     for u in _vectors(base, extended, starts):
         try:
@@ -70,7 +71,7 @@ def refit(
         value = misfit(extended, compared)
         if best is None or value < best[0]:
             best = value, u, branches
-        if value < misfit(base.parametrisation, base.compared) and _far_better(base, compared.excess):
+        if value < before and _far_better(base, compared.excess):
             break
     if best is None:
         return None

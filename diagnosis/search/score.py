@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from updamp.diagnosis.effects.effect import Effect
-from updamp.diagnosis.residual.fit import Compared, looseness
+from updamp.diagnosis.residual.fit import Compared, loosened, looseness
 from updamp.diagnosis.search.signature import Extended
 
 Floats = NDArray[np.float64]
@@ -79,8 +79,7 @@ def as_loose_as_it_fails(extended: Extended) -> tuple[Compared, float]:
     it is with the noise that the misfit asks for (R. T. Birge, Phys. Rev. 40 (1932) 207)."""
     compared = extended.compared
     loose = looseness(extended.parametrisation, compared)
-    scatter = replace(compared.scatter, noise=loose * compared.scatter.noise)
-    return replace(compared, scatter=scatter), loose**2 / max(1.0, compared.excess)
+    return replace(compared, scatter=loosened(compared.scatter, loose)), loose**2 / max(1.0, compared.excess)
 
 
 def _score(

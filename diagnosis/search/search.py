@@ -50,10 +50,11 @@ def search(
     extended = extend(base, plan, effects, progress)
     scored = scores(extended)
     held_out = error_of(base, start.held_out_plan)
-    singles = _singles(start, scored, criteria, progress, bench)
-    pairs = _pairs(start, effects, singles, criteria, progress, bench)
+    fits = _Fits(start, criteria, progress, bench)
+    singles = _singles(fits, scored)
+    pairs = _pairs(fits, effects, singles)
     evidence = Evidence(
-        base.compared.chi2 / base.compared.values,
+        base.compared.excess,
         held_out,
         start.repeatability,
         _tested(extended, scored),
@@ -68,25 +69,39 @@ def search(
 Results = dict[tuple[str, ...], Result]
 
 
-def _singles(start: Baseline, scored: Sequence[Score], criteria: Criteria, progress: Progress, bench: Bench) -> Results:
+@dataclass(frozen=True, eq=False)
+class _Fits:
+    """Of a search: where they start, what they are judged by, who is told, and where they are run."""
+
+    start: Baseline
+    criteria: Criteria
+    progress: Progress
+    bench: Bench
+
+    def results(self, attempts: Sequence[Attempt]) -> Results:
+        """Slim ones: whole, each would keep a gigabyte."""
+        found = self.bench(self.start, self.criteria, attempts, _telling(self.progress))
+        return {r.trial.effects: r.with_fit(slim(r.refit.fitted)) for r in found if r is not None}
+
+    def short(self, some: Sequence[Score]) -> Results:
+        return self.results([Attempt((s.effect,), _starts(s.step), full=False) for s in some])
+
+    def full(self, some: Sequence[Result]) -> Results:
+        return self.results([Attempt(r.refit.effects, (), full=True, near=r.refit.fitted) for r in some])
+
+
+def _singles(fits: _Fits, scored: Sequence[Score]) -> Results:
     """Short refits of those that the score test does not rule out, full ones of the best."""
-
-    def short(some: Sequence[Score]) -> Results:
-        attempts = [Attempt((s.effect,), _starts(s.step), full=False) for s in some]
-        return _results(bench(start, criteria, attempts, _telling(progress)))
-
-    def full(some: Sequence[Result]) -> Results:
-        attempts = [Attempt(r.refit.effects, (), full=True, near=r.refit.fitted) for r in some]
-        return _results(bench(start, criteria, attempts, _telling(progress)))
-
+    start, criteria = fits.start, fits.criteria
     wanted = _worth_trying(scored, criteria)[: criteria.short]
     half = (len(wanted) + 1) // 2
-    found = short(wanted[:half])
-    found |= full([r for r in _best(found)[:1] if r.trial.excess < criteria.promising * start.fitted.compared.excess])
-    found |= short(_unless_explained(wanted[half:], found, scored, criteria))
+    found = fits.short(wanted[:half])
+    enough = criteria.promising * start.fitted.compared.excess
+    found |= fits.full([r for r in _best(found)[:1] if r.trial.excess < enough])
+    found |= fits.short(_unless_explained(wanted[half:], found, scored, criteria))
     best = _best(found)[: criteria.full]
     close = [r for r in best if not r.trial.full and _comes_close(r.refit, best[0].refit, start, criteria)]
-    return {**found, **full(close)}
+    return {**found, **fits.full(close)}
 
 
 def _best(found: Results) -> list[Result]:
@@ -122,33 +137,22 @@ def _worth_trying(scored: Sequence[Score], criteria: Criteria) -> list[Score]:
     return [s for s in scored if s.score >= criteria.score and s.visibility >= criteria.visibility]
 
 
-def _results(found: Sequence[Result | None]) -> Results:
-    """Slim ones: whole, each would keep a gigabyte."""
-    return {r.trial.effects: r.with_fit(slim(r.refit.fitted)) for r in found if r is not None}
-
-
 def _starts(step: Floats) -> tuple[Floats, ...]:
     """The linear guess, no further than some typical sizes, and where it is further that far too, else a part of it."""
     size = max(1.0, float(np.max(np.abs(step))) / _FARTHEST)
     return step / size, (step if size > 1 else step / 3)
 
 
-def _pairs(
-    start: Baseline,
-    effects: Sequence[Effect],
-    singles: Results,
-    criteria: Criteria,
-    progress: Progress,
-    bench: Bench,
-) -> Results:
+def _pairs(fits: _Fits, effects: Sequence[Effect], singles: Results) -> Results:
     """Second effects beside the best single one, where that leaves a misfit, and beside the next one where it explains
     nearly as much: with a second effect beside them the two may change places."""
+    start, criteria = fits.start, fits.criteria
     settled = sorted((r.refit for r in singles.values() if r.trial.full), key=lambda r: -r.drop)
     if not settled or settled[0].drop <= 0 or settled[0].excess < criteria.look_further:
         return {}
     found: Results = {}
     for first in (settled[0], *(r for r in settled[1:2] if _nearly(r, settled[0], start, criteria))):
-        for names, result in _beside(first, start, effects, singles, criteria, progress, bench).items():
+        for names, result in _beside(fits, first, effects, singles).items():
             other_way = found.get(names[::-1])
             if other_way is None or result.refit.drop > other_way.refit.drop:
                 found.pop(names[::-1], None)
@@ -163,31 +167,21 @@ def _nearly(one: Refit, best: Refit, start: Baseline, criteria: Criteria) -> boo
     return comparable and before - one.excess > criteria.nearly * (before - best.excess)
 
 
-def _beside(
-    first: Refit,
-    start: Baseline,
-    effects: Sequence[Effect],
-    singles: Results,
-    criteria: Criteria,
-    progress: Progress,
-    bench: Bench,
-) -> Results:
-    (one,) = first.effects
-    progress(f"second effect beside {one.name}")
+def _beside(fits: _Fits, first: Refit, effects: Sequence[Effect], singles: Results) -> Results:
+    (one,), start, criteria = first.effects, fits.start, fits.criteria
+    fits.progress(f"second effect beside {one.name}")
     beside = replace(start, fitted=with_branches(first.fitted, start))
-    again = scores(extend(beside.fitted, start.train_plan, [e for e in effects if e.name != one.name], progress))
+    others = [e for e in effects if e.name != one.name]
+    again = scores(extend(beside.fitted, start.train_plan, others, fits.progress))
     seconds = _worth_trying(again, criteria)[: criteria.full]
     attempts = [Attempt((s.effect,), _starts(s.step), full=True) for s in seconds]
     found: Results = {}
-    for r in bench(beside, criteria, attempts, _telling(progress)):
-        if r is not None:
-            second = r.refit.effects[0]
-            both = judged(start.fitted, r.refit.fitted, (one, second), criteria)
-            names = (one.name, second.name)
-            found[names] = Result(
-                replace(both, fitted=slim(both.fitted)),
-                replace(r.trial, effects=names, drop=both.drop, delta_bic=_against_parts(start, both, singles)),
-            )
+    for r in replace(fits, start=beside).results(attempts).values():
+        (second,) = r.refit.effects
+        both = judged(start.fitted, r.refit.fitted, (one, second), criteria)
+        names = (one.name, second.name)
+        trial = replace(r.trial, effects=names, drop=both.drop, delta_bic=_against_parts(start, both, singles))
+        found[names] = Result(both, trial)
     return found
 
 

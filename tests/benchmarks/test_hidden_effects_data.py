@@ -11,6 +11,7 @@ from hidden_effects.cases import NULLS, PAIRS, Case, by_name, cases
 from hidden_effects.in_turn import in_turn
 from hidden_effects.layout import Layout, read
 from hidden_effects.make_data import is_made, make_case
+from support.tiny_mesh import TINY
 from virtual_rig.bodies import bodies_of
 from virtual_rig.hidden_effect import STRENGTHS
 from virtual_rig.hidden_registry import HIDDEN, hidden
@@ -20,11 +21,6 @@ from updamp.diagnosis.effects.catalogue import CATALOGUE
 from updamp.diagnosis.measurement.load import load_measurement
 from updamp.rig import Rig, load_rig
 
-TINY = {
-    "width": 4, "face": 2, "platform_outer": 1, "platform_inner": 1, "platform_height": 2, "stem_thickness": 1,
-    "stem_below_excitation": 2, "stem_below_platform": 1, "stem_above_platform": 4, "stem_top": 1,
-    "damper_across": 2, "damper_apex": 1, "damper_base": 1, "contact_elements": 36,
-}  # fmt: skip
 PLAN = TestPlan((PlannedRun("IP", 0.5), PlannedRun("OOP", 2.0)), 2, 8)
 RIG = Path(__file__).parents[2] / "rigs" / "virtual_rig.toml"
 

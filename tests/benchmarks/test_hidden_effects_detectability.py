@@ -7,6 +7,7 @@ import pytest
 from hidden_effects import detectability
 from hidden_effects.cases import NOISE, PLAN
 from hidden_effects.detectability import FACTORS, as_real, covariances, difference, expected, like, log_receptance
+from support.tiny_mesh import TINY
 from virtual_rig.assembled import assembled
 from virtual_rig.bench import Bench, bench_of
 from virtual_rig.bodies import bodies_of
@@ -17,11 +18,6 @@ from virtual_rig.plan import PlannedRun, TestPlan
 from updamp.diagnosis.model.parameters import OF_CONTACTS, OF_STRUCTURE
 from updamp.rig import Rig, load_rig
 
-TINY = {
-    "width": 4, "face": 2, "platform_outer": 1, "platform_inner": 1, "platform_height": 2, "stem_thickness": 1,
-    "stem_below_excitation": 2, "stem_below_platform": 1, "stem_above_platform": 4, "stem_top": 1,
-    "damper_across": 2, "damper_apex": 1, "damper_base": 1, "contact_elements": 36,
-}  # fmt: skip
 RIG = Path(__file__).parents[2] / "rigs" / "virtual_rig.toml"
 QUICK = SolverOptions(3, 128, 1e-6)
 

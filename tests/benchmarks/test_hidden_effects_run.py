@@ -13,28 +13,12 @@ from hidden_effects.diagnose_case import FINER
 from hidden_effects.layout import Layout, write_whole
 from hidden_effects.run import Task, diagnose, tasks
 from hidden_effects.shared_model import build, place
+from support.tiny_mesh import TINY_PRESET
 
 from updamp.diagnosis.verdict import Confounding, ErrorReached, Verdict
 from updamp.diagnosis.verdict_json import read_json
 
 RIG = Path(__file__).parents[2] / "rigs" / "virtual_rig.toml"
-TINY = """
-[mesh.tiny]
-width = 4
-face = 2
-platform_outer = 1
-platform_inner = 1
-platform_height = 2
-stem_thickness = 1
-stem_below_excitation = 2
-stem_below_platform = 1
-stem_above_platform = 4
-stem_top = 1
-damper_across = 2
-damper_apex = 1
-damper_base = 1
-contact_elements = 36
-"""
 ADEQUATE = Verdict(
     "adequate", "", (), (), (), ErrorReached(1.0, 1.0, 1.0, 1.0, 1.0), (), (),
     Confounding((), np.zeros((0, 0)), 0.9, ()), (), (), {},
@@ -106,7 +90,7 @@ def test_a_failed_diagnosis_leaves_no_result(layout: Layout, monkeypatch: pytest
 
 def test_model_is_built_once_and_copied(tmp_path: Path) -> None:
     rig = tmp_path / "rig.toml"
-    rig.write_text(RIG.read_text().replace("modes = 24 ", "modes = 8 ") + TINY)
+    rig.write_text(RIG.read_text().replace("modes = 24 ", "modes = 8 ") + TINY_PRESET)
     model = build(rig, "tiny", tmp_path / "models")
     built = {path.name: path.stat().st_mtime_ns for path in (model / "stages").iterdir()}
     assert {"mesh.h5", "finite_elements.h5", "static_contact.h5"} <= set(built)

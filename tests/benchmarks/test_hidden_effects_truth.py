@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.tiny_mesh import TINY
 from virtual_rig.assembled import assembled
 from virtual_rig.bench import Bench, bench_of
 from virtual_rig.bodies import bodies_of
@@ -27,11 +28,6 @@ from updamp.hbm.newton import linear_solution, solve
 from updamp.rig import Rig, load_rig
 
 RIG = Path(__file__).parents[2] / "rigs" / "virtual_rig.toml"
-TINY = {
-    "width": 4, "face": 2, "platform_outer": 1, "platform_inner": 1, "platform_height": 2, "stem_thickness": 1,
-    "stem_below_excitation": 2, "stem_below_platform": 1, "stem_above_platform": 4, "stem_top": 1,
-    "damper_across": 2, "damper_apex": 1, "damper_base": 1, "contact_elements": 36,
-}  # fmt: skip
 # The law that takes its events at the samples, as the laboratory does.
 CHANGES = {"mesh.tiny": TINY, "contact.law": "jenkins_box_sampled", "harmonic_balance.time_samples": 256}
 OPTIONS = SolverOptions(3, 256, 1e-9)

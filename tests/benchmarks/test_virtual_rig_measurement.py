@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.tiny_mesh import TINY
 from virtual_rig.assembled import assembled
 from virtual_rig.bench import Bench, bench_of
 from virtual_rig.bodies import bodies_of
@@ -24,11 +25,6 @@ from updamp.diagnosis.measurement.load import load_measurement
 from updamp.diagnosis.measurement.readers.uff import read_uff
 from updamp.rig import Rig, load_rig
 
-TINY = {
-    "width": 4, "face": 2, "platform_outer": 1, "platform_inner": 1, "platform_height": 2, "stem_thickness": 1,
-    "stem_below_excitation": 2, "stem_below_platform": 1, "stem_above_platform": 4, "stem_top": 1,
-    "damper_across": 2, "damper_apex": 1, "damper_base": 1, "contact_elements": 36,
-}  # fmt: skip
 QUICK = SolverOptions(harmonics=3, n_time=128, tolerance=1e-6)
 PLAN = TestPlan((PlannedRun("IP", 1.0), PlannedRun("OOP", 20.0, upwards=True)), 2, 10, corners=True, harmonics=(1, 3))
 SOURCES = Path(RIG).parents[1] / "benchmarks" / "virtual_rig"

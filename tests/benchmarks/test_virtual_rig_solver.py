@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.tiny_mesh import TINY
 from virtual_rig.assembled import Assembled, assembled
 from virtual_rig.basis import Basis
 from virtual_rig.bench import Bench, Patches, bench_of
@@ -20,18 +21,14 @@ from updamp.fem.springs import ContactStiffness
 from updamp.geometry.build_mesh import build_mesh
 from updamp.rig import Rig, load_rig
 
-TINY = {
-    "width": 4, "face": 2, "platform_outer": 1, "platform_inner": 1, "platform_height": 2, "stem_thickness": 1,
-    "stem_below_excitation": 2, "stem_below_platform": 1, "stem_above_platform": 4, "stem_top": 1,
-    "damper_across": 2, "damper_apex": 1, "damper_base": 1, "contact_elements": 8,
-}  # fmt: skip
+EIGHT = {**TINY, "contact_elements": 8}
 TIP = "blade_right.tip.x"
 MANY = SolverOptions(harmonics=15, n_time=1024, tolerance=1e-5)
 
 
 @pytest.fixture(scope="module")
 def rig() -> Rig:
-    return load_rig(RIG, {"mesh.tiny": TINY, "reduction.modes": 10})
+    return load_rig(RIG, {"mesh.tiny": EIGHT, "reduction.modes": 10})
 
 
 @pytest.fixture(scope="module")
