@@ -111,12 +111,16 @@ def _is_the_same(model: RigModel, base: RigModel) -> bool:
     return model.components is base.components and not model.groups and not base.groups
 
 
-def change_of_branch(model: RigModel, condition: Condition, observed: Floats) -> Floats:
+def change_of_branch(
+    model: RigModel, condition: Condition, observed: Floats, numerics: NumericalError | None = None
+) -> Floats:
     """(n, m) what another model changes of the observations (n, m) along a branch.
 
+    numerics: error that the observations have been freed of, which is then taken off the other model's too
     raises: BranchStoppedError where it has no response at the beginning of the run
     """
-    traced = trace_branch(Parametrisation(model, ()), np.zeros(0), _wider(condition))
+    of_model = Parametrisation(model, (), numerics=numerics or NumericalError())
+    traced = trace_branch(of_model, np.zeros(len(of_model)), _wider(condition))
     return difference(observed, _densely(traced), condition.wider)
 
 

@@ -104,11 +104,12 @@ def _by_step_of(there: ModelAt, branch: PredictedBranch, effect: Effect) -> Floa
 
     Parameters beyond the first have no column of their own: the refit moves them.
     """
-    observed = unwrapped(branch.at(branch.place).value)
+    observed, numerics = unwrapped(branch.at(branch.place).value), there.parametrisation.numerics
     for share in (1.0, 0.5, 0.25):
         values = {q.name: q.null + share * (q.typical - q.null) for q in effect.parameters}
         try:
-            change = change_of_branch(effect.apply(there.model, values), branch.condition, observed) / share
+            changed = effect.apply(there.model, values)
+            change = change_of_branch(changed, branch.condition, observed, numerics) / share
         except BranchStoppedError:
             continue
         rest = np.zeros((len(change), len(effect.parameters) - 1, change.shape[1]))
