@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from updamp.diagnosis.compare import calibration
 from updamp.diagnosis.effects.effect import Effect
 from updamp.diagnosis.residual.fit import Fit
+from updamp.diagnosis.residual.unsure_numerics import moved_by_numerics
 from updamp.diagnosis.search.baseline import scatter_of_repeats
 from updamp.diagnosis.search.criteria import Criteria
 from updamp.diagnosis.search.decide import Decision, reason_against
@@ -107,14 +108,16 @@ def _not_fitted(tested: EffectScore, criteria: Criteria) -> str:
 
 
 def parameters(fitted: Fit, effect: Effect) -> tuple[FittedParameter, ...]:
-    """Of an effect in the fit, with 95 % intervals cut off at the bounds."""
-    p = fitted.parametrisation
+    """Of an effect in the fit, with 95 % intervals cut off at the bounds: what the data leave open, and how far the
+    numerics may have moved it."""
+    p, moved = fitted.parametrisation, moved_by_numerics(fitted)
     place = p.columns(effect.name).start
     # where the model leaves more than the scatter, intervals are wider by as much (Birge 1932)
     excess = max(1.0, fitted.compared.excess)
     values, said = p.values(fitted.u)[effect.name], []
     for i, q in enumerate(effect.parameters):
-        half = _95 * float(fitted.deviations[place + i]) * abs(q.typical - q.null) * float(np.sqrt(excess))
+        deviation = np.hypot(fitted.deviations[place + i] * np.sqrt(excess), moved[place + i])
+        half = _95 * float(deviation) * abs(q.typical - q.null)
         value = values[q.name]
         lower, upper = max(value - half, q.lower), min(value + half, q.upper)
         said.append(FittedParameter(q.name, q.unit, value, lower, upper, q.null, q.lower, q.upper))
