@@ -226,10 +226,7 @@ def fit(
     best = compare_at(parametrisation, start, plan, common, scatter or prior, None, spread)
     reach, message = options.largest_step, f"not settled in {options.rounds} rounds"
     for _ in range(options.rounds):
-        given = scatter or replace(best.scatter, noise=prior.noise)
-        loose = looseness(parametrisation, reweighed(parametrisation, plan, best, given))
-        about = best if loose == 1 else reweighed(parametrisation, plan, best, loosened(given, loose))
-        ahead = _fit_linear(parametrisation, plan, about, scatter, loosened(prior, loose), reach)
+        ahead = _round(parametrisation, plan, best, scatter, prior, reach)
         here = reweighed(parametrisation, plan, best, ahead.scatter)
         now = objective(parametrisation, here)
         if now - objective(parametrisation, ahead) < max(options.tolerance, _DIGITS * now):
@@ -247,6 +244,26 @@ def fit(
             continue
         best, reach = solved, min(1.5 * reach, options.largest_step)
     return _result(parametrisation, _weighed(parametrisation, plan, best, scatter, prior), False, message)
+
+
+def fit_linear(
+    parametrisation: Parametrisation, plan: Plan, compared: Compared, scatter: Scatter, reach: float
+) -> Compared:
+    """Where a fit with a given scatter would go in one round: the branches linear in the parameters, which may change
+    by `reach` of their scale."""
+    prior = Scatter({n.name: n.scatter for n in parametrisation.nuisances})
+    ahead = _round(parametrisation, plan, compared, scatter, prior, reach)
+    return reweighed(parametrisation, plan, ahead, scatter)
+
+
+def _round(
+    parametrisation: Parametrisation, plan: Plan, best: Compared, scatter: Scatter | None, prior: Scatter, reach: float
+) -> Compared:
+    """One round, weighed by noise as loose as the model fails."""
+    given = scatter or replace(best.scatter, noise=prior.noise)
+    loose = looseness(parametrisation, reweighed(parametrisation, plan, best, given))
+    about = best if loose == 1 else reweighed(parametrisation, plan, best, loosened(given, loose))
+    return _fit_linear(parametrisation, plan, about, scatter, loosened(prior, loose), reach)
 
 
 def looseness(parametrisation: Parametrisation, compared: Compared) -> float:

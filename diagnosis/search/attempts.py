@@ -20,7 +20,7 @@ from updamp.diagnosis.residual.fit import Fit, predict
 from updamp.diagnosis.search.baseline import Baseline, error_of
 from updamp.diagnosis.search.criteria import Criteria
 from updamp.diagnosis.search.evidence import Trial
-from updamp.diagnosis.search.refit import Refit, refit
+from updamp.diagnosis.search.refit import Refit, Starts, refit
 from updamp.hbm.branch import BranchPoint
 from updamp.hbm.compilation_cache import keep_compiled
 from updamp.hbm.newton import evaluate
@@ -30,12 +30,15 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
-    """effects: further ones; starts: of their parameters in typical sizes; near: a fit of the same to go on from"""
+    """effects: further ones; starts: of their parameters in typical sizes, beside the calibrated model's
+    as_given: likewise, beside the model's as it was before calibration; near: a fit of the same to go on from
+    """
 
     effects: tuple[Effect, ...]
     starts: tuple[Floats, ...]
     full: bool
     near: Fit | None = None
+    as_given: tuple[Floats, ...] = ()
 
     @property
     def name(self) -> str:
@@ -139,7 +142,8 @@ def _whole(parametrisation: Parametrisation, branch: PredictedBranch) -> Predict
 
 
 def _run(start: Baseline, criteria: Criteria, attempt: Attempt) -> Result | None:
-    r = refit(start.fitted, start.train_plan, attempt.effects, attempt.starts, criteria, attempt.full, attempt.near)
+    base, a = start.fitted, attempt
+    r = refit(base, start.train_plan, a.effects, Starts(a.as_given, a.starts), criteria, a.full, a.near)
     if r is None:
         return None
     held_out = error_of(r.fitted, start.held_out_plan) if attempt.full else float("nan")

@@ -20,6 +20,7 @@ class Criteria:
     cosine_of_rivals: to the signature of one that explains the data, from where on another one is fitted too
     lack: chi2 a value from where on a model fails that no effect has improved
     excess: chi2 a value above which a model with effects still fails
+    unseen: weighted residual RMS on held-out runs above which a model with effects still fails
     look_further: chi2 a value above which a second effect is looked for
     second: share that a second effect has to bring chi2 a value down to
     """
@@ -40,5 +41,6 @@ class Criteria:
     cosine_of_rivals: float = 0.5
     lack: float = 1.6
     excess: float = 1.7
+    unseen: float = 1.5
     look_further: float = 1.25
     second: float = 0.85

@@ -30,7 +30,7 @@ def decide(evidence: Evidence, criteria: Criteria) -> Decision:
     pair = _best_pair(evidence, criteria, best)
     if pair is not None:
         return Decision("identified", pair.effects, (), pair)
-    if best.excess > criteria.excess:
+    if _still_fails(best, criteria):
         return Decision("unknown", (), (), best)
     rivals = [t for t in accepted if t is not best and t.excess < (1 + criteria.rival) * best.excess]
     if rivals:
@@ -63,12 +63,16 @@ def _best_pair(evidence: Evidence, criteria: Criteria, single: Trial | None) -> 
         for p in evidence.pairs
         if not reason_against(p, evidence, criteria)
         and not _alike(evidence, p.effects, criteria)
-        and p.excess < criteria.excess
+        and not _still_fails(p, criteria)
     ]
     if single is not None:
         # a second effect has to make up for a misfit that stands out, not for the last tenths of it
         good = [p for p in good if single.excess > criteria.look_further and p.excess < criteria.second * single.excess]
     return min(good, key=lambda p: p.excess, default=None)
+
+
+def _still_fails(trial: Trial, criteria: Criteria) -> bool:
+    return trial.excess > criteria.excess or trial.held_out > criteria.unseen  # nan: nothing was held out
 
 
 def _alike(evidence: Evidence, effects: tuple[str, ...], criteria: Criteria) -> bool:

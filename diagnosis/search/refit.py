@@ -19,7 +19,16 @@ Floats = NDArray[np.float64]
 _BADLY = 3.0
 # Share of it that a start has to bring it down to.
 _FAR = 0.1
-_SHORT, _FULL = FitOptions(rounds=2), FitOptions(rounds=6)
+_SHORT, _FULL = FitOptions(rounds=2), FitOptions(rounds=8)
+
+
+@dataclass(frozen=True, eq=False)
+class Starts:
+    """Of the effects' parameters, (p,) each, in typical sizes: beside the model as given, which are tried first, and
+    beside the calibrated one."""
+
+    as_given: tuple[Floats, ...]
+    calibrated: tuple[Floats, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +54,7 @@ def refit(
     base: Fit,
     plan: Plan,
     effects: Sequence[Effect],
-    starts: Sequence[Floats],
+    starts: Starts,
     criteria: Criteria,
     full: bool,
     near: Fit | None = None,
@@ -53,7 +62,7 @@ def refit(
     """The fit with further effects, from the first start that is better than none, else from the best; None where the
     model has no response at any.
 
-    starts: (p,) of the effects' parameters each, in typical sizes; near: a fit of the same to go on from
+    near: a fit of the same to go on from
     """
     if near is not None:
         solved = near.compared.branches or None
@@ -79,25 +88,30 @@ def refit(
     return judged(base, found, effects, criteria)
 
 
-def _vectors(base: Fit, extended: Parametrisation, starts: Sequence[Floats]) -> list[Floats]:
-    """Starts of all parameters: from the calibrated model and, where that fails badly, from the model as given, since
-    a calibration to data with something else in them leads astray."""
-    n = base.parametrisation.n_of_model
-    found = [np.concatenate([base.u[:n], start, base.u[n:]]) for start in starts]
-    if _fails_badly(base):
-        bare = np.zeros_like(base.u)
-        bare[len(base.parametrisation.nuisances) : n] = base.u[len(base.parametrisation.nuisances) : n]
-        found.append(np.concatenate([bare[:n], starts[0], bare[n:]]))
+def _vectors(base: Fit, extended: Parametrisation, starts: Starts) -> list[Floats]:
+    """Starts of all parameters."""
+    n, given = base.parametrisation.n_of_model, as_given(base)
+    found = [np.concatenate([given[:n], start, given[n:]]) for start in starts.as_given]
+    found += [np.concatenate([base.u[:n], start, base.u[n:]]) for start in starts.calibrated]
     return [np.clip(u, extended.lower, extended.upper) for u in found]
 
 
-def _fails_badly(base: Fit) -> bool:
+def as_given(fitted: Fit) -> Floats:
+    """The fit's parameters with nuisance parameters and numerical error back at what they were before calibration: a
+    calibration to data with something else in them leads astray."""
+    p, u = fitted.parametrisation, np.zeros_like(fitted.u)
+    effects = slice(len(p.nuisances), p.n_of_model)
+    u[effects] = fitted.u[effects]
+    return u
+
+
+def fails_badly(base: Fit) -> bool:
     return base.compared.excess > _BADLY
 
 
 def _far_better(base: Fit, excess: float) -> bool:
     """Whether other starts need not be tried: where the model fails badly, the first that is better is not enough."""
-    return not _fails_badly(base) or excess < max(_BADLY, _FAR * base.compared.excess)
+    return not fails_badly(base) or excess < max(_BADLY, _FAR * base.compared.excess)
 
 
 def _options(full: bool) -> FitOptions:

@@ -9,16 +9,15 @@ from numpy.typing import NDArray
 from updamp.diagnosis.effects.effect import Effect
 from updamp.diagnosis.search.attempts import Attempt, Bench, Done, Result, run_here, slim, with_branches
 from updamp.diagnosis.search.baseline import Baseline, error_of
+from updamp.diagnosis.search.candidates import attempts
 from updamp.diagnosis.search.criteria import Criteria
-from updamp.diagnosis.search.evidence import EffectScore, Evidence
+from updamp.diagnosis.search.evidence import EffectScore, Evidence, Trial
 from updamp.diagnosis.search.refit import Refit, judged
 from updamp.diagnosis.search.score import Score, cosines, scores
 from updamp.diagnosis.search.signature import Extended, extend
 
 Floats = NDArray[np.float64]
 Progress = Callable[[str], None]
-# Of a first guess, in typical sizes of an effect's parameters.
-_FARTHEST = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +50,7 @@ def search(
     scored = scores(extended)
     held_out = error_of(base, start.held_out_plan)
     fits = _Fits(start, criteria, progress, bench)
-    singles = _singles(fits, scored)
+    singles = _singles(fits, effects, scored)
     pairs = _pairs(fits, effects, singles)
     evidence = Evidence(
         base.compared.excess,
@@ -83,22 +82,19 @@ class _Fits:
         found = self.bench(self.start, self.criteria, attempts, _telling(self.progress))
         return {r.trial.effects: r.with_fit(slim(r.refit.fitted)) for r in found if r is not None}
 
-    def short(self, some: Sequence[Score]) -> Results:
-        return self.results([Attempt((s.effect,), _starts(s.step), full=False) for s in some])
-
     def full(self, some: Sequence[Result]) -> Results:
         return self.results([Attempt(r.refit.effects, (), full=True, near=r.refit.fitted) for r in some])
 
 
-def _singles(fits: _Fits, scored: Sequence[Score]) -> Results:
-    """Short refits of those that the score test does not rule out, full ones of the best."""
+def _singles(fits: _Fits, effects: Sequence[Effect], scored: Sequence[Score]) -> Results:
+    """Short refits of those that look most likely, full ones of the best."""
     start, criteria = fits.start, fits.criteria
-    wanted = _worth_trying(scored, criteria)[: criteria.short]
+    wanted = attempts(start, effects, scored, criteria, fits.progress)[: criteria.short]
     half = (len(wanted) + 1) // 2
-    found = fits.short(wanted[:half])
+    found = fits.results(wanted[:half])
     enough = criteria.promising * start.fitted.compared.excess
     found |= fits.full([r for r in _best(found)[:1] if r.trial.excess < enough])
-    found |= fits.short(_unless_explained(wanted[half:], found, scored, criteria))
+    found |= fits.results(_unless_explained(wanted[half:], found, scored, criteria))
     best = _best(found)[: criteria.full]
     close = [r for r in best if not r.trial.full and _comes_close(r.refit, best[0].refit, start, criteria)]
     return {**found, **fits.full(close)}
@@ -113,16 +109,21 @@ def _comes_close(one: Refit, best: Refit, start: Baseline, criteria: Criteria) -
 
 
 def _unless_explained(
-    some: Sequence[Score], found: Results, scored: Sequence[Score], criteria: Criteria
-) -> Sequence[Score]:
-    """All of them as long as none before explains a misfit; then only those that look like it."""
+    some: Sequence[Attempt], found: Results, scored: Sequence[Score], criteria: Criteria
+) -> Sequence[Attempt]:
+    """All of them as long as none before explains a misfit, on runs that no fit saw too; then only those that look like
+    it."""
     best = min(found.values(), key=lambda r: r.trial.excess, default=None)
-    if best is None or best.trial.excess > criteria.look_further or best.refit.delta_bic < criteria.delta_bic:
+    if best is None or best.refit.delta_bic < criteria.delta_bic or not _explains(best.trial, criteria):
         return some
-    (name,) = best.trial.effects
     matrix, names = np.abs(cosines(scored)), [s.effect.name for s in scored]
-    alike = matrix[names.index(name)]
-    return [s for s in some if alike[names.index(s.effect.name)] > criteria.cosine_of_rivals]
+    alike = matrix[names.index(best.trial.effects[0])]
+    return [a for a in some if alike[names.index(a.effects[0].name)] > criteria.cosine_of_rivals]
+
+
+def _explains(trial: Trial, criteria: Criteria) -> bool:
+    fails_elsewhere = trial.held_out**2 > criteria.look_further  # nan: there are none
+    return trial.excess <= criteria.look_further and not fails_elsewhere
 
 
 def _telling(progress: Progress) -> Done:
@@ -131,16 +132,6 @@ def _telling(progress: Progress) -> Done:
         progress(f"{attempt.name}: {left}")
 
     return done
-
-
-def _worth_trying(scored: Sequence[Score], criteria: Criteria) -> list[Score]:
-    return [s for s in scored if s.score >= criteria.score and s.visibility >= criteria.visibility]
-
-
-def _starts(step: Floats) -> tuple[Floats, ...]:
-    """The linear guess, no further than some typical sizes, and where it is further that far too, else a part of it."""
-    size = max(1.0, float(np.max(np.abs(step))) / _FARTHEST)
-    return step / size, (step if size > 1 else step / 3)
 
 
 def _pairs(fits: _Fits, effects: Sequence[Effect], singles: Results) -> Results:
@@ -173,10 +164,9 @@ def _beside(fits: _Fits, first: Refit, effects: Sequence[Effect], singles: Resul
     beside = replace(start, fitted=with_branches(first.fitted, start))
     others = [e for e in effects if e.name != one.name]
     again = scores(extend(beside.fitted, start.train_plan, others, fits.progress))
-    seconds = _worth_trying(again, criteria)[: criteria.full]
-    attempts = [Attempt((s.effect,), _starts(s.step), full=True) for s in seconds]
+    seconds = attempts(beside, others, again, criteria, fits.progress)[: criteria.full]
     found: Results = {}
-    for r in replace(fits, start=beside).results(attempts).values():
+    for r in replace(fits, start=beside).results([replace(a, full=True) for a in seconds]).values():
         (second,) = r.refit.effects
         both = judged(start.fitted, r.refit.fitted, (one, second), criteria)
         names = (one.name, second.name)

@@ -53,6 +53,7 @@ def test_what_nuisance_parameters_can_imitate_is_not_identifiable():
 
 def test_an_effect_that_leaves_a_misfit_is_not_the_answer():
     assert outcome(trials=(replace(RIGHT, excess=2.5),)) == ("unknown", ())
+    assert outcome(trials=(replace(RIGHT, held_out=1.7),)) == ("unknown", ())
 
 
 def test_rivals_are_named_as_a_group():
