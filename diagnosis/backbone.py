@@ -2,7 +2,8 @@
 
 Frequency and height at the largest receptance; the equivalent loss factor from how fast the tangent of the phase falls
 there, eta = 2 / (f |d tan(phase - phase of the peak) / d f|): for a linear oscillator with light damping it follows a
-straight line (D. J. Ewins, Modal Testing, 2000, ch. 4).
+straight line (D. J. Ewins, Modal Testing, 2000, ch. 4). Where many contacts slip at the top, or another mode is near,
+it does not: what the phase tells is taken where the width at 1/sqrt(2) of the height tells the same, on either side.
 """
 
 from collections.abc import Sequence
@@ -18,6 +19,8 @@ Complex = NDArray[np.complex128]
 
 # Points whose phase is within this of that at the peak tell the damping [rad].
 _NEAR = np.pi / 4
+# Logarithm of the ratio of both loss factors, by phase and by width, up to which the phase turns as an oscillator's.
+_LIKE_OSCILLATOR = 0.15
 
 
 @dataclass(frozen=True)
@@ -34,11 +37,28 @@ def resonance(frequency: Floats, receptance: Complex, force: Floats) -> Resonanc
     """Of one sweep, in its own order. frequency: (n,) [Hz]; receptance: (n,) [m/N]; force: (n,) [N]"""
     size = np.abs(receptance)
     i = int(np.argmax(size))
-    top, at = _parabola(frequency, np.log(size), i)
-    return Resonance(at, float(np.exp(top)), float(np.exp(top) * force[i]), _loss_factor(frequency, receptance, i, at))
+    top, at = summit(frequency, np.log(size), i)
+    by_phase = _loss_factor(frequency, receptance, i, at)
+    widths = np.array([half_power(frequency, size, i, side) for side in (-1, 1)])
+    # as an oscillator's: both halves together, which another mode nearby makes unlike each other
+    by_width = 2 * float(np.mean(np.abs(widths - at))) / at
+    told = abs(np.log(by_phase / by_width)) < _LIKE_OSCILLATOR
+    return Resonance(at, float(np.exp(top)), float(np.exp(top) * force[i]), by_phase if told else float("nan"))
 
 
-def _parabola(f: Floats, log_size: Floats, i: int) -> tuple[float, float]:
+def half_power(f: Floats, size: Floats, i: int, side: int) -> float:
+    """Where the receptance has fallen to 1/sqrt(2) of its largest value, on one side of it in the order of the points;
+    nan where it does not."""
+    wanted, k = size[i] / np.sqrt(2), i
+    while 0 <= k + side < len(f):
+        if size[k + side] < wanted:
+            share = (size[k] - wanted) / (size[k] - size[k + side])
+            return float(f[k] + share * (f[k + side] - f[k]))
+        k += side
+    return float("nan")
+
+
+def summit(f: Floats, log_size: Floats, i: int) -> tuple[float, float]:
     """Top and its place of the parabola through the largest value and its neighbours."""
     near = slice(max(i - 2, 0), i + 3)
     x, y = f[near] - f[i], log_size[near]

@@ -20,7 +20,7 @@ from updamp.diagnosis.comparison import (
 )
 from updamp.diagnosis.effects.chosen import ChosenEffect
 from updamp.diagnosis.findings import lack_of_fit, misfits
-from updamp.diagnosis.gross_misfit import all_findings
+from updamp.diagnosis.fitted_branch import at_sizes
 from updamp.diagnosis.measurement.measurement import Measurement
 from updamp.diagnosis.model.parameters import LOSS_FACTOR, Parametrisation
 from updamp.diagnosis.model.predicted_branch import PredictedBranch, with_patterns
@@ -28,6 +28,7 @@ from updamp.diagnosis.model.rig_model import RigModel
 from updamp.diagnosis.residual.fit import Fit, FitOptions, compare_at, fit, predict
 from updamp.diagnosis.residual.numerical_gate import gated
 from updamp.diagnosis.residual.observations import Observations, Plan, plan_of
+from updamp.diagnosis.said import all_findings
 from updamp.diagnosis.stated import feature_findings
 from updamp.hbm.observe import ContactState, contact_states
 
@@ -46,6 +47,19 @@ class CompareOptions:
     fit: FitOptions = field(default_factory=FitOptions)
 
 
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """What a comparison rests on, and all of it that takes long.
+
+    before, after: branches as the rig file has the model and as calibrated, one a condition
+    """
+
+    plan: Plan
+    before: tuple[PredictedBranch, ...]
+    fit: Fit
+    after: tuple[PredictedBranch, ...]
+
+
 def compare(
     model: RigModel,
     measurement: Measurement,
@@ -59,56 +73,81 @@ def compare(
     """The comparison, and the calibration it rests on (None where only features were measured).
 
     finer: name -> model with finer numerics; what it changes counts as numerical error, not as misfit. That of more
-        harmonics and time samples is made here.
+        harmonics and time samples is made here
     taken: effects of the rig file, which `model` and `finer` do not have yet
 
     raises: BranchStoppedError where the model has no response at the beginning of a run
     """
-    options, provenance = options or CompareOptions(), provenance or {}
     if not measurement.runs:
-        return _of_features(measurement, features, provenance), None
+        return _of_features(measurement, features, provenance or {}), None
+    calibrated = calibrate(model, measurement, options, progress, finer, taken)
+    return comparison_of(calibrated, measurement, features, provenance), calibrated.fit
+
+
+def calibrate(
+    model: RigModel,
+    measurement: Measurement,
+    options: CompareOptions | None = None,
+    progress: Progress = lambda _: None,
+    finer: Mapping[str, RigModel] | None = None,
+    taken: Sequence[ChosenEffect] = (),
+) -> Calibration:
+    """As for `compare`, of a measurement with runs."""
+    options = options or CompareOptions()
     plan = plan_of(measurement, options.harmonics)
     parametrisation, plain = gated(model, taken, plan, finer or {}, progress)
     start = np.zeros(len(parametrisation))
     before = tuple(with_patterns(branch, parametrisation.numerics) for branch in plain)
-    calibrated = fit(parametrisation, plan, start, None, before, options.fit, progress)
+    fitted = fit(parametrisation, plan, start, None, before, options.fit, progress)
     progress("curves")
-    after = predict(parametrisation, calibrated.u, plan, calibrated.compared.branches)
-    as_given = compare_at(parametrisation, start, plan, before, calibrated.compared.scatter)
+    after = predict(parametrisation, fitted.u, plan, fitted.compared.branches)
+    return Calibration(plan, before, fitted, tuple(at_sizes(branch, fitted.u) for branch in after))
+
+
+def comparison_of(
+    calibrated: Calibration,
+    measurement: Measurement,
+    features: Sequence[FeatureComparison] = (),
+    provenance: Mapping[str, str] | None = None,
+) -> Comparison:
+    """What is said of a calibrated model."""
+    plan, before, fitted, after = calibrated.plan, calibrated.before, calibrated.fit, calibrated.after
+    parametrisation = fitted.parametrisation
+    start = np.zeros(len(parametrisation))
+    as_given = compare_at(parametrisation, start, plan, before, fitted.compared.scatter)
     loss_factor = parametrisation.names.index(LOSS_FACTOR.name)
     names = {channel.point: channel.name for channel in measurement.channels}
     of_tests, of_model = _measured_backbones(plan, names), _model_backbones(plan, names, after)
-    first_order = misfits(calibrated, plan, [damping_share(b, loss_factor) for b in after])
-    said = all_findings(calibrated, plan, first_order, of_tests, of_model)
-    comparison = Comparison(
+    first_order = misfits(fitted, plan, [damping_share(b, loss_factor) for b in after])
+    said = all_findings(fitted, plan, after, first_order, names, of_tests, of_model)
+    return Comparison(
         title=measurement.title,
         adequate=not said,
         findings=said,
-        calibration=calibration(calibrated),
+        calibration=calibration(fitted),
         curves=tuple(
             _pair(plan, i, j, names, before[i], after[i])
             for i, condition in enumerate(plan.conditions)
             for j in range(len(condition.sensors))
         ),
-        residuals=tuple(_point_residuals(calibrated, plan, names)),
+        residuals=tuple(_point_residuals(fitted, plan, names)),
         measured_backbones=of_tests,
         model_backbones=of_model,
         features=tuple(features),
-        scatter=calibrated.compared.scatter.as_numbers(),
+        scatter=fitted.compared.scatter.as_numbers(),
         chi2_before=as_given.chi2,
-        chi2_after=calibrated.compared.chi2,
-        values=calibrated.compared.values,
-        parameters=len(calibrated.u),
+        chi2_after=fitted.compared.chi2,
+        values=fitted.compared.values,
+        parameters=len(fitted.u),
         contact_states={
-            f"{c.mode} {c.level_name} {'up' if c.upwards else 'down'}": _states(parametrisation, calibrated.u, b)
+            f"{c.mode} {c.level_name} {'up' if c.upwards else 'down'}": _states(parametrisation, fitted.u, b)
             for c, b in zip(plan.conditions, after, strict=True)
-            if model.contacts is not None
+            if parametrisation.base.contacts is not None
         },
         assumptions=measurement.assumptions,
-        provenance={**provenance, "calibration": calibrated.message, "lack of fit": f"{lack_of_fit(calibrated):.3g}"},
+        provenance={**(provenance or {}), "calibration": fitted.message, "lack of fit": f"{lack_of_fit(fitted):.3g}"},
         level_unit=plan.conditions[0].unit,
     )
-    return comparison, calibrated
 
 
 def _of_features(

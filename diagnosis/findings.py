@@ -173,7 +173,7 @@ def findings(fit: Fit, plan: Plan, found: Sequence[Misfit]) -> tuple[Finding, ..
     said += [_of_sensor(m) for m in standing if m.direction.quantity == SENSOR]
     said.sort(key=lambda f: -abs(f.significance))
     if not said and lack_of_fit(fit) < _RISK:
-        said.append(_of_all(fit))
+        said.append(_of_all(fit, plan))
     return tuple(said)
 
 
@@ -195,13 +195,13 @@ def _of_mode(
     alike = all(abs(m.relative - mean) < 3 * m.deviation + 0.2 * abs(mean) for m in all_levels)
     if len(all_levels) > 1 and alike and np.all(np.sign(values) == np.sign(mean)):
         kind = "force level" if plan.conditions[0].unit == "N" else "level"
-        text = f"{mode}: {thing} {_percent(mean)} at every {kind}"
+        text = f"{mode}: {thing} {in_percent(mean)} at every {kind}"
         return [Finding(text, mode, None, quantity, "", mean, mean / deviation)]
     right = [m for m in all_levels if m not in standing]
     rest = f", right at {_levels(right, plan)}" if right else ""
     return [
         Finding(
-            f"{mode}: {thing} {_percent(m.relative)} at {_levels([m], plan)}{rest}",
+            f"{mode}: {thing} {in_percent(m.relative)} at {_levels([m], plan)}{rest}",
             mode,
             plan.conditions[m.direction.test].level,
             quantity,
@@ -214,37 +214,47 @@ def _of_mode(
 
 
 def _of_amplitude(misfit: Misfit) -> Finding:
-    text = f"amplitude {_percent(misfit.relative)} in all runs, at all sensors"
+    text = f"amplitude {in_percent(misfit.relative)} in all runs, at all sensors"
     return Finding(text, "", None, AMPLITUDE, "", misfit.relative, misfit.significance)
 
 
 def _of_sensor(misfit: Misfit) -> Finding:
     point, k = misfit.direction.sensor
     of_harmonic = f" in harmonic {k}" if k != 1 else ""
-    text = f"{point}: the model reads {_percent(misfit.relative)}{of_harmonic}, against the other sensors, in all runs"
+    text = (
+        f"{point}: the model reads {in_percent(misfit.relative)}{of_harmonic}, against the other sensors, in all runs"
+    )
     return Finding(text, "", None, SENSOR, point, misfit.relative, misfit.significance)
 
 
-def _of_all(fit: Fit) -> Finding:
+def _of_all(fit: Fit, plan: Plan) -> Finding:
     share = fit.compared.excess
+    errors = np.array([[m.observations.test, np.mean(m.residual**2)] for m in fit.compared.matched])
+    of_test = {int(i): float(np.mean(errors[errors[:, 0] == i, 1])) for i in np.unique(errors[:, 0])}
+    worst = max(of_test, key=lambda i: of_test[i])
+    condition, size = plan.conditions[worst], float(np.sqrt(of_test[worst])) / fit.compared.scatter.noise
     text = (
-        f"the curves differ in shape: chi2 is {share:.2f} a value, with resonances, damping and sensors right within "
-        "the scatter"
+        f"the curves differ in shape, most of all {condition.mode} at {level_of(plan, worst)} ({size:.1f} times the "
+        f"scatter): chi2 is {share:.2f} a value, with resonances, peaks and sensors right within the scatter"
     )
-    return Finding(text, "", None, AMPLITUDE, "", float(np.sqrt(share) - 1), float(norm.isf(lack_of_fit(fit))))
+    significance = float(norm.isf(lack_of_fit(fit)))
+    return Finding(text, condition.mode, condition.level, AMPLITUDE, "", float(np.sqrt(share) - 1), significance)
 
 
-def _percent(relative: float) -> str:
+def in_percent(relative: float) -> str:
+    """Such as "0.15 % high"."""
     size = 100 * abs(relative)
-    digits = 2 if size < 0.095 else 1 if size < 9.95 else 0
+    digits = 2 if size < 0.995 else 1 if size < 9.95 else 0
     return f"{size:.{digits}f} % {'high' if relative > 0 else 'low'}"
 
 
 def _levels(misfits_there: Sequence[Misfit], plan: Plan) -> str:
-    levels = dict.fromkeys(
-        f"{plan.conditions[m.direction.test].level_name}{_sweep(plan, m.direction.test)}" for m in misfits_there
-    )
-    return ", ".join(levels)
+    return ", ".join(dict.fromkeys(level_of(plan, m.direction.test) for m in misfits_there))
+
+
+def level_of(plan: Plan, test: int) -> str:
+    """A test's level with its unit, and the sweep's direction where both were swept."""
+    return f"{plan.conditions[test].level_name}{_sweep(plan, test)}"
 
 
 def _sweep(plan: Plan, test: int) -> str:

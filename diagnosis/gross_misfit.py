@@ -1,4 +1,5 @@
-"""What is said of a model that fails grossly: its resonances against the measured ones, read off both in the same way.
+"""What is said of a model without contacts, also where it fails grossly: its resonances against the measured ones, read
+off both in the same way.
 
 To first order, as misfits are estimated elsewhere, a resonance that is wrong by its own width is not described; and
 curves that the model cannot follow at all would be followed by impossible parameters that nearly cancel.
@@ -21,14 +22,13 @@ Floats = NDArray[np.float64]
 _STANDS_OUT, _WORTH = 5.0, 0.2
 # Misfit of the damping, of its logarithm, up to which an estimate to first order will do.
 _FIRST_ORDER = 0.2
-# chi2 a value from where on a model with contacts fails badly.
-_BADLY = 10.0
 
 
-def all_findings(
+def linear_findings(
     fit: Fit, plan: Plan, first_order: Sequence[Misfit], measured: Sequence[Backbone], model: Sequence[Backbone]
 ) -> tuple[Finding, ...]:
-    """Sentences on misfits as estimated to first order or, where they are too large for that, as read off the curves.
+    """Of a model without contacts: sentences on misfits as estimated to first order or, where they are too large for
+    that, as read off the resonances, whose damping its phase tells.
 
     measured, model: as for `gross_misfits`
     """
@@ -40,9 +40,6 @@ def all_findings(
 
 
 def _too_large(fit: Fit, first_order: Sequence[Misfit]) -> bool:
-    """Models without contacts have no other damping than what is estimated; the others fail in many ways."""
-    if fit.parametrisation.base.contacts is not None:
-        return fit.compared.excess > _BADLY
     gross = fails_grossly(fit.parametrisation, fit.compared.chi2, fit.compared.values)
     dampings = [m.relative for m in first_order if m.direction.quantity == DAMPING]
     return gross or any(abs(np.log1p(relative)) > _FIRST_ORDER for relative in dampings)

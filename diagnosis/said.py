@@ -1,0 +1,39 @@
+"""What a comparison says: which reading of the misfit it goes by."""
+
+from collections.abc import Mapping, Sequence
+
+from updamp.diagnosis.comparison import Backbone, Finding
+from updamp.diagnosis.findings import SENSOR, Misfit, findings
+from updamp.diagnosis.gross_misfit import linear_findings
+from updamp.diagnosis.model.predicted_branch import PredictedBranch
+from updamp.diagnosis.peak_misfit import peak_misfits
+from updamp.diagnosis.peak_sentences import peak_findings
+from updamp.diagnosis.residual.fit import Fit
+from updamp.diagnosis.residual.observations import Plan
+
+
+def all_findings(
+    fit: Fit,
+    plan: Plan,
+    branches: Sequence[PredictedBranch],
+    first_order: Sequence[Misfit],
+    names: Mapping[str, str],
+    measured: Sequence[Backbone],
+    model: Sequence[Backbone],
+) -> tuple[Finding, ...]:
+    """Sentences on what stands out of the scatter, none where the model is adequate.
+
+    With contacts, the peaks are read: frequency, height, sensors against each other. What they do not show is looked
+    for along the whole curves, to first order, and then in chi2 alone. Without contacts there is no damping but the
+    material's, and the phase tells it.
+
+    branches: calibrated, one a condition; first_order: `misfits`; names: of the channels, by point
+    measured, model: backbones, as for `linear_findings`
+    """
+    if fit.parametrisation.base.contacts is None:
+        return linear_findings(fit, plan, first_order, measured, model)
+    peaks = peak_findings(peak_misfits(fit, plan, branches), plan, names)
+    if not peaks:
+        return findings(fit, plan, first_order)
+    of_harmonics = [m for m in first_order if m.direction.quantity == SENSOR and m.direction.sensor[1] != 1]
+    return (*peaks, *(findings(fit, plan, of_harmonics) if of_harmonics else ()))
