@@ -1,9 +1,9 @@
 """Resonance against amplitude, read off measured and predicted receptances in the same way.
 
-Frequency and height at the largest receptance; the equivalent loss factor from how fast the tangent of the phase falls
-there, eta = 2 / (f |d tan(phase - phase of the peak) / d f|): for a linear oscillator with light damping it follows a
-straight line (D. J. Ewins, Modal Testing, 2000, ch. 4). Where many contacts slip at the top, or another mode is near,
-it does not: what the phase tells is taken where the width at 1/sqrt(2) of the height tells the same, on either side.
+Frequency and height at the highest top of the receptance; the equivalent loss factor from how fast the tangent of the
+phase falls there, eta = 2 / (f |d tan(phase - phase of the peak) / d f|): for a linear oscillator with light damping it
+follows a straight line (D. J. Ewins, Modal Testing, 2000, ch. 4). Where many contacts slip at the top, or another mode
+is near, it does not: what the phase tells is taken where the width at 1/sqrt(2) of the height tells the same.
 """
 
 from collections.abc import Sequence
@@ -36,7 +36,7 @@ class Resonance:
 def resonance(frequency: Floats, receptance: Complex, force: Floats) -> Resonance:
     """Of one sweep, in its own order. frequency: (n,) [Hz]; receptance: (n,) [m/N]; force: (n,) [N]"""
     size = np.abs(receptance)
-    i = int(np.argmax(size))
+    i = highest(size)
     top, at = summit(frequency, np.log(size), i)
     by_phase = _loss_factor(frequency, receptance, i, at)
     widths = np.array([half_power(frequency, size, i, side) for side in (-1, 1)])
@@ -44,6 +44,13 @@ def resonance(frequency: Floats, receptance: Complex, force: Floats) -> Resonanc
     by_width = 2 * float(np.mean(np.abs(widths - at))) / at
     told = abs(np.log(by_phase / by_width)) < _LIKE_OSCILLATOR
     return Resonance(at, float(np.exp(top)), float(np.exp(top) * force[i]), by_phase if told else float("nan"))
+
+
+def highest(size: Floats) -> int:
+    """Place of the highest top, at the ends only where there is none inside: there a curve may climb to another mode's
+    resonance."""
+    tops = np.flatnonzero((size[1:-1] >= size[:-2]) & (size[1:-1] >= size[2:])) + 1
+    return int(tops[np.argmax(size[tops])]) if len(tops) else int(np.argmax(size))
 
 
 def half_power(f: Floats, size: Floats, i: int, side: int) -> float:

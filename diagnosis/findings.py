@@ -30,6 +30,8 @@ _RISK = 0.01
 _SIZES = {FREQUENCY: 0.1, DAMPING: 1.0, SENSOR: 0.1}
 # Distance from a bound at which a parameter counts as held by it, in prior deviations.
 _AT_BOUND = 1e-3
+# Share of a level by which it may be off what it is called.
+_AS_MEANT = 0.003
 
 
 @dataclass(frozen=True)
@@ -237,8 +239,13 @@ def _of_all(fit: Fit, plan: Plan) -> Finding:
         f"the curves differ in shape, most of all {condition.mode} at {level_of(plan, worst)} ({size:.1f} times the "
         f"scatter): chi2 is {share:.2f} a value, with resonances, peaks and sensors right within the scatter"
     )
-    significance = float(norm.isf(lack_of_fit(fit)))
-    return Finding(text, condition.mode, condition.level, AMPLITUDE, "", float(np.sqrt(share) - 1), significance)
+    return Finding(text, condition.mode, condition.level, AMPLITUDE, "", float(np.sqrt(share) - 1), _deviations(fit))
+
+
+def _deviations(fit: Fit) -> float:
+    """How many standard deviations chi2 is too large by (E. B. Wilson and M. M. Hilferty, PNAS 17 (1931) 684)."""
+    k = fit.compared.values - len(fit.u)
+    return float((np.cbrt(fit.compared.chi2 / k) - (1 - 2 / (9 * k))) / np.sqrt(2 / (9 * k)))
 
 
 def in_percent(relative: float) -> str:
@@ -254,7 +261,12 @@ def _levels(misfits_there: Sequence[Misfit], plan: Plan) -> str:
 
 def level_of(plan: Plan, test: int) -> str:
     """A test's level with its unit, and the sweep's direction where both were swept."""
-    return f"{plan.conditions[test].level_name}{_sweep(plan, test)}"
+    condition = plan.conditions[test]
+    unit = condition.level_name.split(" ", 1)[1]
+    # as it was meant: a force is the mean of what was measured
+    short = (f"{condition.level:.{digits}g}" for digits in (1, 2, 3))
+    name = next((s for s in short if abs(float(s) / condition.level - 1) < _AS_MEANT), f"{condition.level:.3g}")
+    return f"{name} {unit}{_sweep(plan, test)}"
 
 
 def _sweep(plan: Plan, test: int) -> str:

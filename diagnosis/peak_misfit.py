@@ -22,13 +22,16 @@ Floats = NDArray[np.float64]
 
 # No top is placed better than to this share of the half-width: steps are a fifth of it.
 _PLACED = 0.02
+# Steepest slope of an oscillator's amplitude, of its peak's height by the half-width.
+_STEEPEST = 2 / (3 * np.sqrt(3))
 _LEAST_STEP = 1e-6  # of a parameter, for derivatives
 
 
 @dataclass(frozen=True)
 class PeakMisfit:
-    """relative: model over measurement less 1; significance: in standard deviations of the scatter, with its sign;
-    severity: how much of the response at the peak is wrong: the logarithm, or of a frequency the half-widths
+    """relative: model over measurement less 1; significance: in standard deviations of the scatter, with its sign
+    severity: by how much of the peak's height amplitudes are wrong where they are most so: the logarithm; of a
+        frequency what a shift does on the flank; of a sensor against the others its own part of it
     """
 
     direction: Direction
@@ -147,7 +150,9 @@ def _of_test(
             damping[i] = np.log(model.loss_factor / measured.loss_factor)
     half_width = seen.half_width(sensors[int(np.argmax(model.value[len(sensors) :]))])
     common, by_parameter, own = _scatter(fit, seen, sensors, made, half_width)
-    units = np.array([half_width if d.quantity == FREQUENCY else 1.0 for d in directions])
+    of_one = len(sensors) / max(len(sensors) - 1, 1)
+    unit = {FREQUENCY: half_width / _STEEPEST, AMPLITUDE: 1.0, SENSOR: of_one}
+    units = np.array([unit[d.quantity] for d in directions])
     return _Test(directions, logs, damping, common @ rows.T, by_parameter @ rows.T, rows @ own @ rows.T, units)
 
 

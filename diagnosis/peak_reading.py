@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.diagnosis.backbone import half_power, resonance, summit
+from updamp.diagnosis.backbone import half_power, highest, resonance, summit
 from updamp.diagnosis.model.predicted_branch import PredictedBranch
 from updamp.diagnosis.residual.matching import by_drive
 from updamp.diagnosis.residual.observations import Observations
@@ -34,7 +34,7 @@ def tops_of_run(o: Observations, sensors: Sequence[int]) -> Tops:
     tops, loss = [], []
     for j in sensors:
         log_size = o.observed[:, 1 + 2 * j] - o.log_force
-        height, at = summit(o.frequency, log_size, int(np.argmax(log_size)))
+        height, at = summit(o.frequency, log_size, highest(log_size))
         tops.append((np.log(at), height))
         loss.append(_loss_factor(o.frequency, log_size + 1j * o.observed[:, 2 + 2 * j]))
     return Tops(np.array(tops).T.ravel(), np.array(loss))
@@ -56,7 +56,7 @@ def reading_noise(o: Observations, sensors: Sequence[int]) -> Floats:
 
 def _top_and_step(o: Observations, sensor: int) -> tuple[int, float]:
     """Place of the largest point (two off the ends at least), and the spacing of log f there."""
-    top = int(np.argmax(o.observed[:, 1 + 2 * sensor] - o.log_force))
+    top = highest(o.observed[:, 1 + 2 * sensor] - o.log_force)
     i = int(np.clip(top, 2, max(len(o) - 3, 2)))
     around = o.observed[max(i - 2, 0) : i + 3, 0]
     return min(i, len(o) - 1), float(np.ptp(around)) / max(len(around) - 1, 1)
@@ -101,7 +101,7 @@ class SeenBranch:
         slopes = self.branch.at(self.places(sensors)).slopes
         frequency, height = [], []
         for j, of_place in zip(sensors, slopes, strict=True):
-            i = int(np.argmax(o.observed[:, 1 + 2 * j] - o.log_force))
+            i = highest(o.observed[:, 1 + 2 * j] - o.log_force)
             change = by_drive(o, of_place[None])[i]
             frequency.append(change[0])
             height.append(change[1 + 2 * j] - o.log_force[i])
@@ -139,12 +139,8 @@ class SeenBranch:
         has none inside, from its highest place uphill to the nearest."""
         log_size, n = observed[:, 1 + 2 * sensor], len(observed)
         low, high = np.log(self.branch.condition.window)
-        inside = (observed[:, 0] >= low) & (observed[:, 0] <= high)
-        is_top = np.zeros(n, dtype=bool)
-        is_top[1:-1] = (log_size[1:-1] >= log_size[:-2]) & (log_size[1:-1] >= log_size[2:])
-        if np.any(is_top & inside):
-            return int(np.argmax(np.where(is_top & inside, log_size, -np.inf)))
-        i = int(np.argmax(np.where(inside, log_size, -np.inf))) if inside.any() else int(np.argmax(log_size))
+        inside = np.flatnonzero((observed[:, 0] >= low) & (observed[:, 0] <= high))
+        i = int(inside[highest(log_size[inside])]) if len(inside) else int(np.argmax(log_size))
         while True:
             best = max(range(max(i - 1, 0), min(i + 2, n)), key=lambda k: log_size[k])
             if best == i:

@@ -1,7 +1,7 @@
 """Misfits of the peaks in words: one sentence for each mode and quantity, levels that agree taken together.
 
-Sentences come by how much of the response is wrong, the worst first; that it stands out of the scatter is what lets
-them be said at all.
+Sentences come by how much of the misfit they account for, as sum of squares over the tests that they name, the largest
+first; that it stands out of the scatter is what lets them be said at all.
 """
 
 from collections.abc import Mapping, Sequence
@@ -92,7 +92,7 @@ def _of_group(
     relative = float(np.expm1(np.mean(np.log1p([m.relative for m in group])))) if together else worst.relative
     significance = float(np.copysign(significance, relative))
     finding = Finding(text, mode, level, worst.direction.quantity, channel, relative, significance)
-    return [_Sentence(finding, worst.severity)]
+    return [_Sentence(finding, float(np.linalg.norm([m.severity for m in named])))]
 
 
 def _subject(misfit: PeakMisfit, plan: Plan, names: Mapping[str, str], plural: bool) -> tuple[str, str]:

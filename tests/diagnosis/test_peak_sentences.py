@@ -17,12 +17,13 @@ PLAN = Plan(
     (),
 )
 HALF_WIDTH = 0.002
+UNIT = HALF_WIDTH * 3 * np.sqrt(3) / 2  # of a shift that is as bad as a height of 1
 
 
 def of(quantity: str, *relative: float, deviation: float = 0.01, first: int = 0) -> list[PeakMisfit]:
     """One a test, from the given one on."""
     sensor = TIPS[0] if quantity == SENSOR else ("", 1)
-    unit = HALF_WIDTH if quantity == FREQUENCY else 1.0
+    unit = UNIT if quantity == FREQUENCY else 1.0
     return [
         PeakMisfit(Direction(quantity, first + i, sensor), r, np.log1p(r) / deviation, abs(np.log1p(r)) / unit)
         for i, r in enumerate(relative)
@@ -57,10 +58,14 @@ def test_what_all_runs_share_is_one_sentence_and_what_modes_do_not_is_two() -> N
     )
 
 
-def test_what_is_wrong_by_most_of_the_response_comes_first() -> None:
-    """0.1 % of frequency is half of a half-width: more than 20 % of height."""
-    said = texts(of(AMPLITUDE, 0.2, 0.2, 0.2), of(FREQUENCY, 0.001, 0.001, deviation=1e-4, first=3))
-    assert said == ["OOP: resonance 0.10 % high at every force level", "IP: peak 20 % high at every force level"]
+def test_what_amplitudes_are_wrong_by_most_comes_first() -> None:
+    """0.15 % of frequency, three quarters of a half-width, is as bad as 29 % of height, 0.05 % as 10 %."""
+    height = of(AMPLITUDE, 0.2, 0.2, 0.2)
+    said = "IP: peak 20 % high at every force level"
+    for relative, place in ((0.0015, 0), (0.0005, 1)):
+        both = texts(height, of(FREQUENCY, relative, relative, deviation=1e-4, first=3))
+        assert both[1 - place] == said
+        assert both[place] == f"OOP: resonance {100 * relative:.2f} % high at every force level"
 
 
 def test_nothing_is_said_within_the_scatter() -> None:

@@ -1,0 +1,60 @@
+"""Calibrations behind the sentences, kept: `updamp compare` but for what is said in the end."""
+
+import pickle
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from hidden_effects.cases import Case
+from hidden_effects.layout import RIG, Layout
+from hidden_effects.shared_model import place
+
+from updamp.diagnosis.compare import Calibration, calibrate
+from updamp.diagnosis.compare_run import CompareFiles, provenance_of, subject_of
+from updamp.diagnosis.measurement.measurement import Measurement
+from updamp.diagnosis.model.predicted_branch import PredictedBranch
+from updamp.progress import Display
+
+FITTED, FINER = "diagnosis", ("diagnosis_fine",)
+
+
+@dataclass(frozen=True, eq=False)
+class Kept:
+    """A finished calibration. seconds: that it took, on the clock"""
+
+    calibration: Calibration
+    measurement: Measurement
+    provenance: Mapping[str, str]
+    seconds: float
+
+
+def calibrated(case: Case, data: Layout, folder: Path, models: Path) -> Kept:
+    """As `updamp compare` does it, from the folder where it is there already."""
+    store = folder / "calibration.pkl"
+    if store.is_file():
+        found: Kept = pickle.loads(store.read_bytes())
+        return found
+    place(models / FITTED, folder, FINER)
+    started = time.perf_counter()
+    files = CompareFiles(RIG, data.measurement(case.name), folder)
+    with Display() as display:
+        subject = subject_of(files, FITTED, 1, display, FINER)
+    done = calibrate(subject.before_effects, subject.measurement, finer=subject.finer, taken=subject.taken)
+    seconds = time.perf_counter() - started
+    kept = Kept(_slim(done), subject.measurement, provenance_of(files, subject, FITTED), seconds)
+    partial = store.with_suffix(".partial")
+    partial.write_bytes(pickle.dumps(kept))
+    partial.replace(store)
+    return kept
+
+
+def _slim(done: Calibration) -> Calibration:
+    """Without what only moving a branch needs."""
+
+    def slim(branches: Sequence[PredictedBranch]) -> tuple[PredictedBranch, ...]:
+        return tuple(replace(b, x_by_parameter=()) for b in branches)
+
+    compared = replace(done.fit.compared, branches=slim(done.fit.compared.branches))
+    fit = replace(done.fit, compared=compared)
+    return replace(done, before=slim(done.before), after=slim(done.after), fit=fit)
