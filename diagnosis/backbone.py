@@ -40,8 +40,8 @@ def resonance(frequency: Floats, receptance: Complex, force: Floats) -> Resonanc
     top, at = summit(frequency, np.log(size), i)
     by_phase = _loss_factor(frequency, receptance, i, at)
     widths = np.array([half_power(frequency, size, i, side) for side in (-1, 1)])
-    # as an oscillator's: both halves together, which another mode nearby makes unlike each other
-    by_width = 2 * float(np.mean(np.abs(widths - at))) / at
+    # both halves together, which another mode nearby makes unlike each other; a window narrower than them tells neither
+    by_width = by_phase if np.isnan(widths).all() else 2 * float(np.mean(np.abs(widths - at))) / at
     told = abs(np.log(by_phase / by_width)) < _LIKE_OSCILLATOR
     return Resonance(at, float(np.exp(top)), float(np.exp(top) * force[i]), by_phase if told else float("nan"))
 

@@ -264,9 +264,9 @@ def level_of(plan: Plan, test: int) -> str:
     condition = plan.conditions[test]
     unit = condition.level_name.split(" ", 1)[1]
     # as it was meant: a force is the mean of what was measured
-    short = (f"{condition.level:.{digits}g}" for digits in (1, 2, 3))
-    name = next((s for s in short if abs(float(s) / condition.level - 1) < _AS_MEANT), f"{condition.level:.3g}")
-    return f"{name} {unit}{_sweep(plan, test)}"
+    short = [float(f"{condition.level:.{digits}g}") for digits in (1, 2, 3)]
+    name = next((s for s in short if abs(s / condition.level - 1) < _AS_MEANT), short[-1])
+    return f"{name:g} {unit}{_sweep(plan, test)}"
 
 
 def _sweep(plan: Plan, test: int) -> str:

@@ -77,6 +77,8 @@ def growth(fit: Fit, plan: Plan, measured: Sequence[Backbone], model: Sequence[B
             continue
         ends = [_logs(measured, plan, t, True) for t in (tests[0], tests[-1])]
         of_model = [_logs(model, plan, t, False) for t in (tests[0], tests[-1])]
+        if any(np.isnan(logs).all() for logs in (*ends, *of_model)):
+            continue
         grown, models = (float(np.nanmean(b) - np.nanmean(a)) for a, b in (ends, of_model))
         deviation = np.sqrt(2) * _scatter(DAMPING, fit)
         significance = (models - grown) / deviation
