@@ -28,14 +28,16 @@ from virtual_rig.measurement import RIG, make_measurement  # noqa: E402
 
 from updamp.diagnosis.compare import damping_share  # noqa: E402
 from updamp.diagnosis.compare_run import CompareFiles, subject_of  # noqa: E402
-from updamp.diagnosis.findings import findings, lack_of_fit, misfits  # noqa: E402
+from updamp.diagnosis.findings import lack_of_fit, misfits  # noqa: E402
+from updamp.diagnosis.fitted_branch import at_sizes  # noqa: E402
 from updamp.diagnosis.measurement.load import load_measurement  # noqa: E402
 from updamp.diagnosis.model.parameters import LOSS_FACTOR, Parametrisation  # noqa: E402
 from updamp.diagnosis.model.predicted_branch import PredictedBranch, move_branch, with_patterns  # noqa: E402
-from updamp.diagnosis.residual.fit import Compared, compare_at, fit  # noqa: E402
+from updamp.diagnosis.residual.fit import Compared, compare_at, fit, predict  # noqa: E402
 from updamp.diagnosis.residual.numerical_gate import gated  # noqa: E402
 from updamp.diagnosis.residual.observations import Plan, plan_of  # noqa: E402
 from updamp.diagnosis.residual.scatter import Scatter, learn  # noqa: E402
+from updamp.diagnosis.said import all_findings  # noqa: E402
 from updamp.progress import Display  # noqa: E402
 
 Floats = NDArray[np.float64]
@@ -109,14 +111,18 @@ def compare_draw(draw: Draw, prepared: Path, results: Path) -> Result:
         make_measurement(draw.measurement.parent, seed=draw.seed)
     shared: Prepared = pickle.loads(prepared.read_bytes())
     parametrisation = shared.parametrisation
-    plan = plan_of(load_measurement(draw.measurement, parametrisation.base.components.points, "virtual_rig"))
+    measurement = load_measurement(draw.measurement, parametrisation.base.components.points, "virtual_rig")
+    plan = plan_of(measurement)
     branches = tuple(with_patterns(b, parametrisation.numerics) for b in shared.moved_to(plan))
     truth = at_truth(parametrisation, plan, branches)
     fitted = fit(parametrisation, plan, np.zeros(len(parametrisation)), at_start=branches)
     loss_factor = parametrisation.names.index(LOSS_FACTOR.name)
-    shares = [damping_share(b, loss_factor) for b in fitted.compared.branches]
+    after = predict(parametrisation, fitted.u, plan, fitted.compared.branches)
+    after = tuple(at_sizes(branch, fitted.u) for branch in after)
+    shares = [damping_share(b, loss_factor) for b in after]
     found = misfits(fitted, plan, shares)
-    said = tuple(f.text for f in findings(fitted, plan, found))
+    names = {channel.point: channel.name for channel in measurement.channels}
+    said = tuple(f.text for f in all_findings(fitted, plan, after, found, names, (), ()))
     n, c = len(parametrisation.nuisances), fitted.compared
     (results / f"{draw.name}.pkl").write_bytes(pickle.dumps((fitted, plan, shares)))
     write_whole(
