@@ -85,12 +85,14 @@ def _high_water_mark() -> float:
 def thread_limits(threads: int) -> Mapping[str, str]:
     """Environment that holds numpy's BLAS, MKL and JAX to so many threads; read when they are loaded.
 
-    PJRT_NPROC is the size of XLA's own pool: without it XLA takes all processors, whatever XLA_FLAGS says.
+    PJRT_NPROC is the size of XLA's own pool: without it XLA takes all processors, whatever XLA_FLAGS says. With one
+    thread a computation runs where it is called: handed to another thread, it waits for its turn on a busy machine.
     """
     names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "PJRT_NPROC")
     values = {name: str(threads) for name in names}
     if threads == 1:
         values["XLA_FLAGS"] = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
+        values["JAX_CPU_ENABLE_ASYNC_DISPATCH"] = "0"
     return values
 
 

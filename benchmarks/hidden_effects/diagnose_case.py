@@ -7,7 +7,7 @@ from rich.console import Console
 from updamp.diagnosis.verdict import Verdict
 
 # Fitted model -> meshes whose difference from it counts as numerical error.
-FINER = {"diagnosis": ("diagnosis_fine",), "diagnosis_146": ("diagnosis_146_fine",)}
+FINER = {"diagnosis": ("diagnosis_fine", "diagnosis_contacts"), "diagnosis_146": ("diagnosis_146_fine",)}
 
 
 def diagnose_case(rig: Path, preset: str, measurement: Path, out: Path) -> Verdict:

@@ -33,6 +33,11 @@ def more_harmonics(model: RigModel) -> RigModel:
     return replace(model, harmonics=Harmonics((*orders, *further)), time_samples=2 * model.time_samples)
 
 
+def finer_than(model: RigModel, finer: Mapping[str, RigModel]) -> dict[str, RigModel]:
+    """The models of finer meshes, and the same with more harmonics and time samples."""
+    return {"harmonics": more_harmonics(model), **finer}
+
+
 def gated(
     model: RigModel,
     taken: Sequence[ChosenEffect],
@@ -52,8 +57,7 @@ def gated(
     progress("prediction")
     branches = predict(parametrisation, nominal, plan)
     progress("numerical error")
-    all_finer = {"harmonics": more_harmonics(model), **finer}
-    return with_numerical_error(parametrisation, nominal, plan, branches, all_finer), branches
+    return with_numerical_error(parametrisation, nominal, plan, branches, finer_than(model, finer)), branches
 
 
 def with_numerical_error(

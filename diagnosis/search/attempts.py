@@ -20,9 +20,11 @@ from updamp.diagnosis.residual.fit import Fit, predict
 from updamp.diagnosis.search.baseline import Baseline, error_of
 from updamp.diagnosis.search.criteria import Criteria
 from updamp.diagnosis.search.evidence import Trial
-from updamp.diagnosis.search.refit import Refit, Starts, refit
+from updamp.diagnosis.search.refit import FULL, Refit, Starts, judged, refit
+from updamp.diagnosis.search.regate import gated_again
 from updamp.hbm.branch import BranchPoint
 from updamp.hbm.compilation_cache import keep_compiled
+from updamp.hbm.continuation import BranchStoppedError
 from updamp.hbm.newton import evaluate
 
 Floats = NDArray[np.float64]
@@ -31,7 +33,8 @@ Floats = NDArray[np.float64]
 @dataclass(frozen=True, eq=False)
 class Attempt:
     """effects: further ones; starts: of their parameters in typical sizes, beside the calibrated model's
-    as_given: likewise, beside the model's as it was before calibration; near: a fit of the same to go on from
+    as_given: likewise, beside the model's as it was before calibration
+    near: a fit of the same to go on from; gated_again: whether its numerical error is found anew (`regate.py`)
     """
 
     effects: tuple[Effect, ...]
@@ -39,10 +42,12 @@ class Attempt:
     full: bool
     near: Fit | None = None
     as_given: tuple[Floats, ...] = ()
+    gated_again: bool = False
 
     @property
     def name(self) -> str:
-        return ", ".join(e.name for e in self.effects) + (", until settled" if self.near is not None else "")
+        how = ", numerics anew" if self.gated_again else ", until settled" if self.near is not None else ""
+        return ", ".join(e.name for e in self.effects) + how
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,13 +147,23 @@ def _whole(parametrisation: Parametrisation, branch: PredictedBranch) -> Predict
 
 
 def _run(start: Baseline, criteria: Criteria, attempt: Attempt) -> Result | None:
-    base, a = start.fitted, attempt
-    r = refit(base, start.train_plan, a.effects, Starts(a.as_given, a.starts), criteria, a.full, a.near)
+    r = _refit(start, criteria, attempt)
     if r is None:
         return None
     held_out = error_of(r.fitted, start.held_out_plan) if attempt.full else float("nan")
     names = tuple(e.name for e in attempt.effects)
     return Result(r, Trial(names, r.excess, r.drop, r.delta_bic, held_out, r.at_bound, attempt.full))
+
+
+def _refit(start: Baseline, criteria: Criteria, a: Attempt) -> Refit | None:
+    if a.near is None or not a.gated_again:
+        starts = Starts(a.as_given, a.starts)
+        return refit(start.fitted, start.train_plan, a.effects, starts, criteria, a.full, a.near)
+    try:
+        found = judged(start.fitted, gated_again(a.near, start, FULL), a.effects, criteria)
+    except BranchStoppedError:
+        return None
+    return replace(found, gated_again=True)
 
 
 @dataclass(frozen=True)

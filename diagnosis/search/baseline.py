@@ -1,7 +1,7 @@
 """Where the search starts: the model without further effects, calibrated to some runs, others kept for judging."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import scipy.linalg
@@ -34,6 +34,7 @@ class Baseline:
 
     fitted: to the training runs, with the scatter that the repeats alone show
     repeatability: weighted residual RMS of what differs between the repeats
+    finer: models of finer meshes, without effects, by name
     """
 
     plan: Plan
@@ -41,6 +42,7 @@ class Baseline:
     held_out: tuple[int, ...]
     fitted: Fit
     repeatability: float
+    finer: Mapping[str, RigModel] = field(default_factory=dict)
 
     @property
     def train_plan(self) -> Plan:
@@ -75,7 +77,7 @@ def baseline(
     first = fit(parametrisation, train, start, None, at_start, _ROUNDS, progress)
     scatter, repeatability = scatter_of_repeats(first, train)
     found = fit(parametrisation, train, first.u, scatter, first.compared.branches, _ROUNDS, progress)
-    return Baseline(plan, training, kept, found, repeatability)
+    return Baseline(plan, training, kept, found, repeatability, finer)
 
 
 def _held_out(plan: Plan, names: Sequence[str] | None) -> tuple[int, ...]:

@@ -9,17 +9,15 @@ from numpy.typing import NDArray
 from updamp.diagnosis.effects.effect import Effect
 from updamp.diagnosis.model.parameters import Parametrisation
 from updamp.diagnosis.model.predicted_branch import PredictedBranch
-from updamp.diagnosis.residual.fit import Fit, FitOptions, compare_at, fit, misfit, predict
+from updamp.diagnosis.residual.fit import TOLERATED, Fit, FitOptions, compare_at, fit, misfit, predict
 from updamp.diagnosis.residual.observations import Plan
 from updamp.diagnosis.search.criteria import Criteria
 from updamp.hbm.continuation import BranchStoppedError
 
 Floats = NDArray[np.float64]
-# chi2 a value from where on a model fails badly.
-_BADLY = 3.0
 # Share of it that a start has to bring it down to.
 _FAR = 0.1
-_SHORT, _FULL = FitOptions(rounds=2), FitOptions(rounds=8)
+_SHORT, FULL = FitOptions(rounds=2), FitOptions(rounds=8)
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +34,7 @@ class Refit:
     """drop: of the misfit from the baseline (`fit.misfit`); delta_bic: of the information criterion by it
 
     at_bound: parameter that stands at a bound beyond which it makes no sense, "" if none
+    gated_again: whether the numerical error is that of the model with the effects (`regate.py`)
     """
 
     effects: tuple[Effect, ...]
@@ -43,6 +42,7 @@ class Refit:
     drop: float
     delta_bic: float
     at_bound: str
+    gated_again: bool = False
 
     @property
     def excess(self) -> float:
@@ -106,16 +106,16 @@ def as_given(fitted: Fit) -> Floats:
 
 
 def fails_badly(base: Fit) -> bool:
-    return base.compared.excess > _BADLY
+    return base.compared.excess > TOLERATED
 
 
 def _far_better(base: Fit, excess: float) -> bool:
     """Whether other starts need not be tried: where the model fails badly, the first that is better is not enough."""
-    return not fails_badly(base) or excess < max(_BADLY, _FAR * base.compared.excess)
+    return not fails_badly(base) or excess < max(TOLERATED, _FAR * base.compared.excess)
 
 
 def _options(full: bool) -> FitOptions:
-    return _FULL if full else _SHORT
+    return FULL if full else _SHORT
 
 
 def judged(base: Fit, found: Fit, effects: Sequence[Effect], criteria: Criteria) -> Refit:

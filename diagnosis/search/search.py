@@ -82,8 +82,10 @@ class _Fits:
         found = self.bench(self.start, self.criteria, attempts, _telling(self.progress))
         return {r.trial.effects: r.with_fit(slim(r.refit.fitted)) for r in found if r is not None}
 
-    def full(self, some: Sequence[Result]) -> Results:
-        return self.results([Attempt(r.refit.effects, (), full=True, near=r.refit.fitted) for r in some])
+    def full(self, some: Sequence[Result], gated_again: bool = False) -> Results:
+        return self.results(
+            [Attempt(r.refit.effects, (), True, near=r.refit.fitted, gated_again=gated_again) for r in some]
+        )
 
 
 def _singles(fits: _Fits, effects: Sequence[Effect], scored: Sequence[Score]) -> Results:
@@ -94,10 +96,25 @@ def _singles(fits: _Fits, effects: Sequence[Effect], scored: Sequence[Score]) ->
     found = fits.results(wanted[:half])
     enough = criteria.promising * start.fitted.compared.excess
     found |= fits.full([r for r in _best(found)[:1] if r.trial.excess < enough])
+    found |= _gated_again(fits, found)
     found |= fits.results(_unless_explained(wanted[half:], found, scored, criteria))
     best = _best(found)[: criteria.full]
     close = [r for r in best if not r.trial.full and _comes_close(r.refit, best[0].refit, start, criteria)]
-    return {**found, **fits.full(close)}
+    found |= fits.full(close)
+    return found | _gated_again(fits, found)
+
+
+def _gated_again(fits: _Fits, found: Results) -> Results:
+    """Full fits that take off most of a misfit, and yet leave some: with the numerical error of their own models."""
+    start, criteria = fits.start, fits.criteria
+    if not start.fitted.parametrisation.numerics.names:
+        return {}
+    settled = [r for r in _best(found) if r.trial.full]
+    most = (1 - criteria.nearly) * start.fitted.compared.excess
+    least = min((r.trial.excess for r in settled), default=0.0)
+    close = [r for r in settled if r.trial.excess < min(most, criteria.comparable * least)]
+    left = [r for r in close if not r.refit.gated_again and not _explains(r.trial, criteria)]
+    return fits.full(left, gated_again=True)
 
 
 def _best(found: Results) -> list[Result]:
