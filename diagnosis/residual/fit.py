@@ -106,13 +106,23 @@ class Fit:
 
     @property
     def deviations(self) -> Floats:
-        """(p,) as the data tell u, the numerics taken as they are"""
+        """(p,) as the data tell u, the numerical error told by them too"""
         return np.sqrt(np.diag(self.covariance))
 
     @property
+    def given_numerics(self) -> Floats:
+        """(p,) deviations with the numerical error taken as it was found, 0 for that error itself"""
+        n, found = self.parametrisation.n_of_model, np.zeros(len(self.u))
+        own, crossed, of_numerics = self.covariance[:n, :n], self.covariance[:n, n:], self.covariance[n:, n:]
+        left = own - crossed @ np.linalg.pinv(of_numerics) @ crossed.T
+        found[:n] = np.sqrt(np.maximum(np.diag(left), 0.0))
+        return found
+
+    @property
     def uncertainty(self) -> Floats:
-        """(p,) deviations of u with those that finer numerics may move it by: what intervals are made of"""
-        return np.hypot(self.deviations, self.parametrisation.numerics.uncertainty(len(self.u)))
+        """(p,) deviations of u with those that finer numerics may move it by, counted once: what intervals are made
+        of"""
+        return np.hypot(self.given_numerics, self.parametrisation.numerics.uncertainty(len(self.u)))
 
 
 def predict(

@@ -116,7 +116,7 @@ def parameters(fitted: Fit, effect: Effect) -> tuple[FittedParameter, ...]:
     excess = max(1.0, fitted.compared.excess)
     values, said = p.values(fitted.u)[effect.name], []
     for i, q in enumerate(effect.parameters):
-        deviation = np.hypot(fitted.deviations[place + i] * np.sqrt(excess), moved[place + i])
+        deviation = np.hypot(fitted.given_numerics[place + i] * np.sqrt(excess), moved[place + i])
         half = _95 * float(deviation) * abs(q.typical - q.null)
         value = values[q.name]
         lower, upper = max(value - half, q.lower), min(value + half, q.upper)

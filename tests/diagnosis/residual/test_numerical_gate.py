@@ -35,6 +35,11 @@ def test_the_change_by_another_model_is_free_of_the_error_that_was_taken_off(gat
 def test_a_parameter_is_as_open_as_it_makes_up_for_half_of_what_finer_numerics_change(gated):
     plan, p = gated
     found = fit(p, plan, np.zeros(len(p)), options=FitOptions(rounds=2))
+    # given the numerics, the data tell more
+    n = p.n_of_model
+    assert np.all(found.given_numerics[:n] <= found.deviations[:n] * (1 + 1e-9))
+    information = np.linalg.inv(found.covariance)[:n, :n]
+    np.testing.assert_allclose(found.given_numerics[:n], np.sqrt(np.diag(np.linalg.inv(information))), rtol=1e-6)
     moved = moved_by_numerics(found)
     assert moved[p.names.index("youngs_modulus")] == pytest.approx(STIFFER / 2, rel=0.05)
     assert np.all(moved[p.n_of_model :] == 0)
