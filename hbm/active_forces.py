@@ -16,18 +16,28 @@ Integers = NDArray[np.int64]
 
 
 class DirectForces:
-    """The matrix I + T_S: G_:S on the active rows S, formed and factorised."""
+    """The matrix I + T_S: G_:S on the active rows S, formed and factorised.
+
+    The unknowns are ordered by harmonic, then row, so that what belongs to a harmonic lies together. Factorised is the
+    transpose: in memory it is what LAPACK asks for.
+    """
 
     def __init__(self, receptance: Receptance, departure: Departure, rows: Integers) -> None:
-        self._rows = rows
-        matrix = _active_matrix(receptance, departure, rows)
-        self._factors = scipy.linalg.lu_factor(matrix, overwrite_a=True, check_finite=False)
+        self._rows, self._place = rows, _places(receptance, len(rows))
+        matrix = _active_matrix(receptance, departure, rows, self._place)
+        self._factors = scipy.linalg.lu_factor(matrix.T, overwrite_a=True, check_finite=False)
 
     def __call__(self, b: Floats, start: Floats | None = None) -> Floats:  # noqa: ARG002  a direct solver needs none
         y = np.zeros_like(b)
-        active = b[self._rows]
-        y[self._rows] = scipy.linalg.lu_solve(self._factors, active.ravel(), check_finite=False).reshape(active.shape)
+        y[self._rows] = self.solve(b[self._rows])
         return y
+
+    def solve(self, right: Floats) -> Floats:
+        """On the active rows: (n_active, n_coefficients, ...) -> same"""
+        ordered = np.empty((self._place.size, *right.shape[2:]))
+        ordered[self._place] = right
+        solution = scipy.linalg.lu_solve(self._factors, ordered, trans=1, overwrite_b=True, check_finite=False)
+        return np.asarray(solution[self._place])
 
     @property
     def determinant_sign(self) -> float:
@@ -132,32 +142,41 @@ def _determinant_sign(factors: tuple[Floats, NDArray[np.signedinteger[Any]]]) ->
     return float(np.prod(np.sign(np.diagonal(lu))) * (-1) ** swaps)
 
 
-def _active_matrix(receptance: Receptance, departure: Departure, rows: Integers) -> Floats:
-    """I + T_S: G_:S, ordered (row, coefficient)."""
-    system = receptance.system
-    n_coefficients, n_active = system.harmonics.n_coefficients, len(rows)
-    matrix = np.zeros((n_active, n_coefficients, n_active, n_coefficients))
-    place = np.full(system.free.n_relative, -1)
-    place[rows] = np.arange(n_active)
+def _places(receptance: Receptance, n_active: int) -> Integers:
+    """(n_active, n_coefficients) where the unknowns stand: by harmonic, then row, then cosine and sine."""
+    slices = receptance.system.harmonics.slices.values()
+    parts = [n_active * p.start + np.arange(n_active * (p.stop - p.start)).reshape(n_active, -1) for p in slices]
+    return np.concatenate(parts, axis=1)
+
+
+def _active_matrix(receptance: Receptance, departure: Departure, rows: Integers, places: Integers) -> Floats:
+    """I + T_S: G_:S, ordered as `places` says."""
+    system, n_active = receptance.system, len(rows)
+    matrix = np.empty((places.size, places.size))
+    number = np.full(system.free.n_relative, -1)
+    number[rows] = np.arange(n_active)
     for group, tangent in zip(system.groups, departure.tangents, strict=True):
-        chosen = np.flatnonzero((place[group.rows] >= 0).any(axis=1))
+        wanted = number[group.rows] >= 0
+        chosen = np.flatnonzero(wanted.any(axis=1))
         if not len(chosen):
             continue
-        element_rows = group.rows[chosen]
+        rows_seen, wanted = group.rows[chosen], wanted[chosen]
+        targets = places[number[rows_seen[wanted]]]
         for k, part in system.harmonics.slices.items():
-            product = _tangent_times_receptance(receptance, tangent[chosen][..., part], k, element_rows, rows)
-            wanted = place[element_rows] >= 0
-            matrix[place[element_rows][wanted], :, :, part] = product[wanted]
-    square = matrix.reshape(n_active * n_coefficients, -1)
-    square[np.diag_indices_from(square)] += 1
-    return square
+            G = receptance.block(k, rows_seen.ravel(), rows).reshape(*rows_seen.shape, n_active)
+            product = _times(tangent[chosen][..., part], G, k)[wanted]
+            matrix[targets, n_active * part.start : n_active * part.stop] = product
+    matrix[np.diag_indices_from(matrix)] += 1
+    return matrix
 
 
-def _tangent_times_receptance(
-    receptance: Receptance, tangent: Floats, k: int, element_rows: Integers, columns: Integers
-) -> Floats:
-    """T G_k: tangent (n, d, n_coefficients, d, width of k) -> (n, d, n_coefficients, n_columns, width of k)."""
-    n, d, c, _, width = tangent.shape
-    G = real_form(receptance.block(k, element_rows.ravel(), columns), k)  # (n d, width, n_columns, width)
-    product = tangent.reshape(n, d * c, d * width) @ G.reshape(n, d * width, -1)
-    return product.reshape(n, d, c, len(columns), width)
+def _times(tangent: Floats, G: NDArray[np.complex128], k: int) -> Floats:
+    """T G_k: tangent (n, d, n_coefficients, d, width), G (n, d, n_columns) -> (n, d, n_coefficients, n_columns width).
+
+    width: of k, 1 or 2. With T_cos + i T_sin one complex product gives cosine and sine, as tangent.real_form has them.
+    """
+    n, d, c = tangent.shape[:3]
+    if k == 0:
+        return np.asarray(tangent[..., 0].reshape(n, d * c, d) @ G.real).reshape(n, d, c, -1)
+    product = (tangent[..., 0] + 1j * tangent[..., 1]).reshape(n, d * c, d) @ G
+    return product.view(np.float64).reshape(n, d, c, -1)

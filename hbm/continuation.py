@@ -42,7 +42,7 @@ class ContinuationOptions:
     frequency_scale: float = 0.5
     outside: tuple[float, ...] = (0.1, 0.2, 0.35, 0.5, 0.8)
     max_points: int = 2000
-    newton: NewtonOptions = field(default_factory=lambda: NewtonOptions(iterations=8, damped=False))
+    newton: NewtonOptions = field(default_factory=lambda: NewtonOptions(iterations=8, damped=False, patience=5))
     persistent: NewtonOptions = field(default_factory=lambda: NewtonOptions(iterations=20))
 
     def scale_w(self, window: tuple[float, float]) -> float:
@@ -207,7 +207,9 @@ class Walk:
         """The corrector from a step along the tangent; no point where it fails, strays from there, or leads back."""
         last = behind.last
         arc = Arc(*_predict(behind.points, step), last.tangent, last.metric)
-        solution = solve(self.system, self.excitation, arc.x0, arc.w0, self.options.newton, arc)
+        # a long step that was given up too early costs a shorter one, a short one perhaps the branch
+        newton = replace(self.options.newton, patience=_LESS_PATIENCE) if step > _SHORT else self.options.newton
+        solution = solve(self.system, self.excitation, arc.x0, arc.w0, newton, arc)
         if not solution.converged:
             return None, solution
         point = point_after(last, solution, self.excitation)
@@ -273,6 +275,8 @@ class Walk:
 
 # Steps below this are shortened faster: what stops them is a kink.
 _SHORT = 0.01
+# Iterations after which a longer step is given up unless the residual has fallen.
+_LESS_PATIENCE = 4
 
 
 def _predict(points: Sequence[BranchPoint], step: float) -> Move:

@@ -79,9 +79,7 @@ def _solve_forces(forces: Any, jacobian: Jacobian, b: Floats) -> Floats:  # noqa
 @_solve_forces.register
 def _(forces: DirectForces, jacobian: Jacobian, b: Floats) -> Floats:
     y = np.zeros_like(b)
-    active = b[jacobian.rows]
-    unknowns = active.reshape(-1, b.shape[2])
-    y[jacobian.rows] = scipy.linalg.lu_solve(forces._factors, unknowns, check_finite=False).reshape(active.shape)
+    y[jacobian.rows] = forces.solve(b[jacobian.rows])
     return y
 
 

@@ -1,5 +1,6 @@
 """Newton's method on the harmonic balance residual, at fixed frequency or along an arc."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
@@ -42,6 +43,7 @@ class NewtonOptions:
     memory: a residual may exceed the last one, but not all of this many
     damped: whether steps are shortened at all. Across a kink the full step solves the far side's equations, however
         much the residual rises on the way; shortened, it stays at the kink. For starts close to a solution.
+    patience: given up where after so many iterations the residual is not below `PROGRESS` of the first; None: never
 
     raises: ValueError naming the option that is out of range
     """
@@ -51,12 +53,24 @@ class NewtonOptions:
     smallest_damping: float = 1 / 64
     memory: int = 4
     damped: bool = True
+    patience: int | None = None
 
     def __post_init__(self) -> None:
         if not 1e-14 < self.tolerance < 1e-2:
             raise ValueError(f"tolerance = {self.tolerance}: allowed between 1e-14 and 1e-2")
         if self.iterations < 1:
             raise ValueError(f"iterations = {self.iterations}: at least 1")
+        if self.patience is not None and self.patience < 1:
+            raise ValueError(f"patience = {self.patience}: at least 1, or None")
+
+    def hopeless(self, errors: Sequence[float]) -> bool:
+        """errors: of all iterates so far"""
+        return len(errors) - 1 == self.patience and errors[-1] > PROGRESS * errors[0]
+
+
+# What a corrector that will converge leaves of the first residual after its patience. Of 2,228 that did converge on the
+# stress grid 17 had not come so far after four iterations and 2 after five; of 872 that did not, all but 87 and 105.
+PROGRESS = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,6 +200,9 @@ def solve(
         equation = candidate
         errors.append(equation.error)
         sizes.append(float(np.linalg.norm(equation.residual)))
+        if options.hopeless(errors):
+            status = Status.STALLED
+            break
     if errors[-1] < options.tolerance and step is not None:
         status = Status.CONVERGED
     jacobian, slope = (None, None) if step is None else (step.jacobian, step.by_frequency)

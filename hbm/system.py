@@ -82,6 +82,13 @@ class NonlinearSystem:
         """The structure with every element on its reference springs."""
         return stuck_on(self.free, self.reference_stiffness)
 
+    @cached_property
+    def static_modal(self) -> Complex:
+        """(m, m) inverse of the stuck modes' static stiffness, the same at all frequencies; diagonal, as damping is not
+        felt at rest
+        """
+        return np.diag(1 / self.stuck.omega_squared).astype(np.complex128)
+
     def departure(self, x: Floats, w: float) -> Departure:
         """g and its tangent at the relative displacements x: (n_relative, n_coefficients) [m]."""
         value, rate = np.empty_like(x), np.zeros_like(x)
@@ -129,7 +136,10 @@ class Receptance:
     @cached_property
     def modal(self) -> Mapping[int, Complex]:
         stuck = self.system.stuck
-        return {k: scipy.linalg.inv(stuck.modal_dynamic_stiffness(k * self.w)) for k in self.system.harmonics.orders}
+        moving = {
+            k: scipy.linalg.inv(stuck.modal_dynamic_stiffness(k * self.w)) for k in self.system.harmonics.orders if k
+        }
+        return {0: self.system.static_modal, **moving} if 0 in self.system.harmonics.orders else moving
 
     @cached_property
     def modal_rate(self) -> Mapping[int, Complex]:
@@ -179,6 +189,8 @@ class Receptance:
         return response
 
     def block(self, k: int, rows: Integers, columns: Integers) -> Complex:
-        """G_k between some of the relative rows."""
+        """G_k between some of the relative rows, by products of real matrices, which cost half of mixed ones."""
         stuck = self.system.stuck
-        return stuck.phi[rows] @ self.modal[k] @ stuck.phi[columns].T + stuck.residual[np.ix_(rows, columns)]
+        left = (stuck.phi[rows] @ np.ascontiguousarray(self.modal[k]).view(np.float64)).view(np.complex128)
+        through_modes = (stuck.phi[columns] @ np.ascontiguousarray(left.T).view(np.float64)).view(np.complex128).T
+        return through_modes + stuck.residual[np.ix_(rows, columns)]
