@@ -26,6 +26,7 @@ class SampledJenkinsBox:
     cycles: int = 2
     parameters: ClassVar[type] = FrictionParameters
     directions: ClassVar[int] = 3
+    acting_alone: ClassVar[tuple[int, ...]] = (0, 1)
     rate_dependent: ClassVar[bool] = False
 
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:

@@ -53,6 +53,16 @@ class AveragedLaw(ContactLaw, Protocol):
 
 
 @runtime_checkable
+class DecoupledLaw(ContactLaw, Protocol):
+    """A law in which a motion in some directions acts on the force in that direction alone, though its force may depend
+    on others: their derivatives are taken together.
+    """
+
+    @property
+    def acting_alone(self) -> tuple[int, ...]: ...
+
+
+@runtime_checkable
 class FrictionLaw(ContactLaw, Protocol):
     """A law with stick, slip and separation in (t1, t2, n)."""
 

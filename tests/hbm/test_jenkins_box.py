@@ -1,5 +1,8 @@
 """The box law with its events between the samples: accuracy, smoothness, the cone, settling."""
 
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -8,7 +11,7 @@ import pytest
 from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
-from updamp.hbm.elements import ElementGroup, element_forces, over_period
+from updamp.hbm.elements import ElementGroup, element_forces, for_analysis, over_period
 from updamp.hbm.harmonics import Harmonics
 
 HARMONICS = Harmonics((0, 1, 2, 3))
@@ -68,6 +71,26 @@ def test_tangent_is_that_of_differences(motions):
     tangent = np.einsum("edabc,ebc->eda", forces(JenkinsBox(2), motion, 128).tangent, direction)
     ahead, behind = (forces(JenkinsBox(2), motion + s * direction, 128).force for s in (step, -step))
     np.testing.assert_allclose((ahead - behind) / (2 * step), tangent, atol=1e-7)
+
+
+@dataclass(frozen=True)
+class AllAtOnce:
+    """The same law without saying which directions act alone."""
+
+    law: Any
+    directions: ClassVar[int] = 3
+    rate_dependent: ClassVar[bool] = False
+
+    def force(self, displacement, velocity, parameters):
+        return for_analysis(self.law)(displacement, velocity, parameters)
+
+
+@pytest.mark.parametrize("law", [JenkinsBox(2), SampledJenkinsBox(2)])
+def test_tangent_is_the_same_where_directions_that_act_alone_are_differentiated_together(motions, law):
+    together, apart = (forces(each, motions[0], 128) for each in (law, AllAtOnce(law)))
+    np.testing.assert_array_equal(together.force, apart.force)
+    np.testing.assert_allclose(together.tangent, apart.tangent, rtol=0, atol=1e-13)
+    assert np.abs(together.tangent[:, 0, :, 2]).max() > 0.1  # of friction by the normal motion
 
 
 def test_force_stays_within_the_friction_limit_and_vanishes_when_open(motions):
