@@ -91,4 +91,4 @@ def _solver(receptance: Receptance, departure: Departure, rows: Integers) -> For
 
 
 def _without_residual(system: NonlinearSystem) -> bool:
-    return not system.stuck.residual.any()
+    return not system.stuck.has_residual

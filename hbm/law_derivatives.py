@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.contact.law import ContactLaw
-from updamp.hbm.elements import ElementGroup, for_analysis, samples
+from updamp.hbm.elements import TOGETHER, ElementGroup, a_few_at_a_time, for_analysis, samples
 from updamp.hbm.harmonics import Harmonics
 
 Floats = NDArray[np.float64]
@@ -41,4 +41,4 @@ def _compiled(law: ContactLaw, entries: tuple[str, ...], harmonics: Harmonics, n
 
         return jax.jacfwd(force)(tuple(getattr(parameters, entry) for entry in entries))
 
-    return jax.jit(jax.vmap(one, in_axes=(0, None, 0)))
+    return jax.jit(a_few_at_a_time(one, TOGETHER // len(entries)))

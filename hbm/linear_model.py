@@ -5,6 +5,7 @@ platform, in t1, t2, n), then named points.
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import scipy.linalg
@@ -49,6 +50,11 @@ class LinearModel:
     def frequencies(self) -> Floats:
         """(m,) [Hz]"""
         return np.sqrt(np.maximum(self.omega_squared, 0.0)) / (2 * np.pi)
+
+    @cached_property
+    def has_residual(self) -> bool:
+        """Whether there is residual flexibility at all"""
+        return bool(self.residual.any())
 
     def row(self, point: str) -> int:
         """raises: KeyError naming the points there are"""

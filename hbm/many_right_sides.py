@@ -13,37 +13,44 @@ from numpy.typing import NDArray
 
 from updamp.hbm.active_forces import DirectForces, KrylovForces, ModalForces
 from updamp.hbm.jacobian import Jacobian
-from updamp.hbm.structure_response import Loads, respond
+from updamp.hbm.structure_response import through
 from updamp.hbm.system import Departure, NonlinearSystem, Receptance
+from updamp.hbm.tangent import active_rows
 
 Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
 CORRECTIONS = 4
 
 
 def solve_many(jacobian: Jacobian, departure: Departure, right: Floats, tolerance: float = 1e-8) -> Floats:
-    """J^-1 right for the tangents of `departure`: (n_relative, n_coefficients, n_right) -> same.
+    """As `solve_with_forces`, without the forces."""
+    return solve_with_forces(jacobian, departure, right, tolerance)[0]
+
+
+def solve_with_forces(
+    jacobian: Jacobian, departure: Departure, right: Floats, tolerance: float = 1e-8
+) -> tuple[Floats, Floats]:
+    """x = J^-1 right for the tangents T of `departure`, and T x: (n_relative, n_coefficients, n_right) -> same, each
 
     jacobian: the same or one nearby
     tolerance: of what is left of each right-hand side, over its size
     raises: RuntimeError where corrections do not bring it there
     """
+    system, rows = jacobian.receptance.system, active_rows(jacobian.receptance.system, departure)
     size = np.maximum(np.abs(right).max(axis=(0, 1)), np.finfo(float).tiny)
     solution, left = np.zeros_like(right), right
     for _ in range(CORRECTIONS):
         solution = solution + _once(jacobian, left)
-        left = right - apply_jacobian(jacobian.receptance, departure, solution)
+        forces = apply_tangents(system, departure, solution)
+        left = right - solution - _apply_receptance(jacobian.receptance, forces[rows], rows)
         share = float((np.abs(left).max(axis=(0, 1)) / size).max())
         if share < tolerance:
-            return solution
+            return solution, forces
     raise RuntimeError(
         f"the sensitivities' equations keep a residual of {share:.1e} after {CORRECTIONS} corrections: the point is "
         "a fold or the Jacobian is not that of this solution; solve the point again with a tighter tolerance"
     )
-
-
-def apply_jacobian(receptance: Receptance, departure: Departure, x: Floats) -> Floats:
-    return x + _apply_receptance(receptance, apply_tangents(receptance.system, departure, x))
 
 
 def apply_tangents(system: NonlinearSystem, departure: Departure, x: Floats) -> Floats:
@@ -56,45 +63,52 @@ def apply_tangents(system: NonlinearSystem, departure: Departure, x: Floats) -> 
     return forces
 
 
-def _apply_receptance(receptance: Receptance, forces: Floats) -> Floats:
-    """G forces between the relative rows"""
-    loads = Loads.none(receptance, forces.shape[2])
-    loads.forces[: len(forces)] = forces
-    return respond(receptance, loads).at(slice(len(forces)))
+def _apply_receptance(receptance: Receptance, forces: Floats, rows: Integers) -> Floats:
+    """G forces: from those on `rows`, (len(rows), n_coefficients, n_right), to all relative rows"""
+    stuck, (n, c, p) = receptance.system.stuck, forces.shape
+    given = forces.reshape(n, c * p)
+    generalised = (stuck.phi[rows].T @ given).reshape(-1, c, p)
+    modal = through(receptance, receptance.modal, generalised)
+    moved = stuck.phi[: stuck.n_relative] @ modal.reshape(-1, c * p)
+    if stuck.has_residual:
+        moved += stuck.residual[: stuck.n_relative, rows] @ given
+    return moved.reshape(-1, c, p)
 
 
 def _once(jacobian: Jacobian, right: Floats) -> Floats:
     if jacobian.forces is None:
         return right
     b = apply_tangents(jacobian.receptance.system, jacobian.departure, right)
-    return right - _apply_receptance(jacobian.receptance, _solve_forces(jacobian.forces, jacobian, b))
+    return right - _moved_by_forces(jacobian.forces, jacobian, b)
 
 
 @singledispatch
-def _solve_forces(forces: Any, jacobian: Jacobian, b: Floats) -> Floats:  # noqa: ARG001 - others need it
-    """y + T G y = b: (n_relative, n_coefficients, n_right) -> same, one after the other for a solver not known here"""
-    return np.stack([forces(b[..., i]) for i in range(b.shape[2])], axis=2)
+def _moved_by_forces(forces: Any, jacobian: Jacobian, b: Floats) -> Floats:
+    """G y of the forces y + T G y = b: (n_relative, n_coefficients, n_right) -> same
+
+    One after the other for a solver not known here.
+    """
+    y = np.stack([forces(b[..., i])[jacobian.rows] for i in range(b.shape[2])], axis=2)
+    return _apply_receptance(jacobian.receptance, y, jacobian.rows)
 
 
-@_solve_forces.register
+@_moved_by_forces.register
 def _(forces: DirectForces, jacobian: Jacobian, b: Floats) -> Floats:
-    y = np.zeros_like(b)
-    y[jacobian.rows] = forces.solve(b[jacobian.rows])
-    return y
+    return _apply_receptance(jacobian.receptance, forces.solve(b[jacobian.rows]), jacobian.rows)
 
 
-@_solve_forces.register
-def _(forces: ModalForces, jacobian: Jacobian, b: Floats) -> Floats:
+@_moved_by_forces.register
+def _(forces: ModalForces, jacobian: Jacobian, b: Floats) -> Floats:  # noqa: ARG001 - others need it
+    """The modes' motion is what the equations in the modes are solved for."""
     phi, (n, c, p) = forces._phi, b.shape
     loads = (phi.T @ b.reshape(n, c * p)).reshape(-1, p)
     modal = scipy.linalg.lu_solve(forces._factors, loads, check_finite=False)
-    motion = (phi @ modal.reshape(phi.shape[1], c * p)).reshape(b.shape)
-    return b - apply_tangents(jacobian.receptance.system, jacobian.departure, motion)
+    return np.asarray(phi @ modal.reshape(phi.shape[1], c * p)).reshape(b.shape)
 
 
-@_solve_forces.register
+@_moved_by_forces.register
 def _(forces: KrylovForces, jacobian: Jacobian, b: Floats) -> Floats:
     """Directly: from about ten right-hand sides on, one factorisation costs less than as many Krylov spaces, and a
     space shared by all (block GMRES) was not smaller by enough to pay for its orthogonalisation.
     """
-    return _solve_forces(forces._direct, jacobian, b)
+    return _moved_by_forces(forces._direct, jacobian, b)

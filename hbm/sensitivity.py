@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.many_right_sides import apply_tangents, solve_many
+from updamp.hbm.many_right_sides import solve_with_forces
 from updamp.hbm.newton import Solution
 from updamp.hbm.sensitivity_conditions import Condition, FixedFrequency
 from updamp.hbm.sensitivity_parameters import Parameter, SolvedPoint
@@ -78,9 +78,10 @@ def sensitivities(
         raise ValueError(f"the point is not solved ({solution.status.value}): {solution.status.advice}")
     point = SolvedPoint(equation, excitation, tuple(entry for p in parameters for entry in p.law_entries))
     motion = _motion_at_held_displacement(point, parameters)
-    dx = solve_many(jacobian, equation.departure, motion.at(slice(point.system.free.n_relative)))
+    held_motion = motion.at(slice(point.system.free.n_relative))
+    dx, forces = solve_with_forces(jacobian, equation.departure, held_motion)
     rows = np.array([*held.rows, *(point.system.free.row(name) for name in points)], dtype=np.int64)
-    dy = _response(point, motion, dx, rows)
+    dy = _response(point, motion, forces, rows)
     dw = _frequency_shift(held, dx, dy[: len(held.rows)])
     observed = dy[len(held.rows) :]
     return Sensitivities(
@@ -104,11 +105,11 @@ def _motion_at_held_displacement(point: SolvedPoint, parameters: Sequence[Parame
     return motion
 
 
-def _response(point: SolvedPoint, motion: Motion, dx: Floats, rows: NDArray[np.int64]) -> Floats:
-    """(len(rows), n_coefficients, n) change of the rows: directly, and through the elements' forces."""
+def _response(point: SolvedPoint, motion: Motion, forces: Floats, rows: NDArray[np.int64]) -> Floats:
+    """(len(rows), n_coefficients, n) change of the rows: directly, and through the change of the elements' forces."""
     receptance = point.equation.receptance
-    through_elements = Loads.none(receptance, dx.shape[2])
-    through_elements.forces[: len(dx)] = -apply_tangents(point.system, point.equation.departure, dx)
+    through_elements = Loads.none(receptance, forces.shape[2])
+    through_elements.forces[: len(forces)] = -forces
     return motion.at(rows) + respond(receptance, through_elements).at(rows)
 
 

@@ -58,7 +58,7 @@ class Motion:
         stuck = self.receptance.system.stuck
         n, c, p = self.forces.shape
         by_modes = stuck.phi[rows] @ self.modal.reshape(-1, c * p)
-        if stuck.residual.any():
+        if stuck.has_residual:
             by_modes += stuck.residual[rows] @ self.forces.reshape(n, c * p)
         return by_modes.reshape(-1, c, p)
 
