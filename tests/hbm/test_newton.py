@@ -73,11 +73,29 @@ def test_status_says_what_to_try(slipping):
     assert "wire" in broken.status.advice
 
 
+def test_without_progress_it_is_given_up_after_its_patience(slipping):
+    """Undamped from the motion turned over, where the residual goes up and down: with each patience the same iterates,
+    ended where the residual then is above 0.3 of the first.
+    """
+    system, excitation, solution = slipping
+    start = -solution.x
+    never = solve(system, excitation, start, solution.w, NewtonOptions(damped=False))
+    ended = []
+    for patience in range(1, never.iterations):
+        given = solve(system, excitation, start, solution.w, NewtonOptions(damped=False, patience=patience))
+        ended.append(never.errors[patience] > 0.3 * never.errors[0])
+        assert given.errors == never.errors[: patience + 1 if ended[-1] else None]
+        assert given.status is (Status.STALLED if ended[-1] else never.status)
+    assert any(ended)
+    assert not all(ended)
+
+
 @pytest.mark.parametrize(
     ("options", "name"),
     [
         (lambda: NewtonOptions(tolerance=1.0), "tolerance"),
         (lambda: NewtonOptions(iterations=0), "iterations"),
+        (lambda: NewtonOptions(patience=0), "patience"),
         (lambda: ContinuationOptions(smallest_step=1.0), "smallest_step"),
         (lambda: ContinuationOptions(max_points=1), "max_points"),
     ],
