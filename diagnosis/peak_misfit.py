@@ -66,13 +66,13 @@ def peak_misfits(fit: Fit, plan: Plan, branches: Sequence[PredictedBranch]) -> t
     Each is held against the scatter by itself and against the mean over the levels of its mode, which is known far
     better: assemblies differ from each other in all levels alike. The larger significance counts.
 
-    branches: calibrated, one a condition
+    branches: calibrated, one a condition; those of `without_peak` are left out
     """
-    tests = []
+    tests, without = [], without_peak(plan, branches)
     for i, branch in enumerate(branches):
         sensors = [j for j, (_, k) in enumerate(branch.condition.sensors) if k == 1]
         runs = {o.repeat: o for o in plan.observations if o.test == i}
-        if sensors and runs:
+        if sensors and runs and i not in without:
             tests.append(_of_test(fit, i, branch, sensors, [runs.get(r) for r in plan.repeats]))
     if not tests:
         return ()
@@ -86,6 +86,19 @@ def peak_misfits(fit: Fit, plan: Plan, branches: Sequence[PredictedBranch]) -> t
         signed = float(np.copysign(significance, mean))
         found.append(PeakMisfit(direction, float(np.expm1(mean)), signed, abs(mean) / float(units[i])))
     return (*found, *(m for t in tests for m in _of_damping(t, directions, covariance)))
+
+
+def without_peak(plan: Plan, branches: Sequence[PredictedBranch]) -> tuple[int, ...]:
+    """Conditions whose branch has no top where there was measured, at one of the sensors: it is another resonance's, or
+    another branch than the sweep was on."""
+    found = []
+    for i, branch in enumerate(branches):
+        sensors = [j for j, (_, k) in enumerate(branch.condition.sensors) if k == 1]
+        runs = [o for o in plan.observations if o.test == i]
+        if sensors and runs:
+            seen = seen_branch(branch, runs, sensors[0])
+            found += [] if all(seen.has_top(j) for j in sensors) else [i]
+    return tuple(found)
 
 
 def _held_against(i: int, directions: Sequence[Direction], plan: Plan) -> list[Floats]:

@@ -107,6 +107,11 @@ class SeenBranch:
             height.append(change[1 + 2 * j] - o.log_force[i])
         return np.array(frequency + height)
 
+    def has_top(self, sensor: int) -> bool:
+        """Whether there is one in the measured window, or just beyond it; no end of what the sweep sees."""
+        i = self._highest(sensor, self.observed)
+        return 0 < i < len(self.observed) - 1
+
     def half_width(self, sensor: int) -> float:
         """Over the frequency, by how narrow the peak is at 1/sqrt(2) of its height; a tenth of the window where that
         is not seen."""

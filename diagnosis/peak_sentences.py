@@ -53,6 +53,17 @@ def peak_findings(
     return tuple(s.finding for s in said)
 
 
+def without_peak_findings(tests: Sequence[int], plan: Plan) -> tuple[Finding, ...]:
+    """A sentence for each mode that has conditions (places in the plan) at which the model has no peak to read."""
+    said = []
+    for mode in dict.fromkeys(plan.conditions[i].mode for i in tests):
+        levels = [level_of(plan, i) for i in tests if plan.conditions[i].mode == mode]
+        text = f"{mode}: the model has no peak where it was measured, at {_listed(levels)}"
+        level = next(plan.conditions[i].level for i in tests if plan.conditions[i].mode == mode)
+        said.append(Finding(text, mode, level, FREQUENCY, "", float("nan"), float("nan")))
+    return tuple(said)
+
+
 def _are_alike(group: Sequence[PeakMisfit]) -> bool:
     logs = np.log1p([m.relative for m in group])
     return bool(np.all(np.abs(logs - logs.mean()) <= _ALIKE * abs(logs.mean())))

@@ -6,8 +6,8 @@ from updamp.diagnosis.comparison import Backbone, Finding
 from updamp.diagnosis.findings import SENSOR, Misfit, findings
 from updamp.diagnosis.gross_misfit import linear_findings
 from updamp.diagnosis.model.predicted_branch import PredictedBranch
-from updamp.diagnosis.peak_misfit import peak_misfits
-from updamp.diagnosis.peak_sentences import peak_findings
+from updamp.diagnosis.peak_misfit import peak_misfits, without_peak
+from updamp.diagnosis.peak_sentences import peak_findings, without_peak_findings
 from updamp.diagnosis.residual.fit import Fit
 from updamp.diagnosis.residual.observations import Plan
 
@@ -32,7 +32,8 @@ def all_findings(
     """
     if fit.parametrisation.base.contacts is None:
         return linear_findings(fit, plan, first_order, measured, model)
-    peaks = peak_findings(peak_misfits(fit, plan, branches), plan, names)
+    missing = without_peak_findings(without_peak(plan, branches), plan)
+    peaks = (*missing, *peak_findings(peak_misfits(fit, plan, branches), plan, names))
     if not peaks:
         return findings(fit, plan, first_order)
     of_harmonics = [m for m in first_order if m.direction.quantity == SENSOR and m.direction.sensor[1] != 1]

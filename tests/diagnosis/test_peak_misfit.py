@@ -8,9 +8,10 @@ import pytest
 from support.small_model import FINE, NUISANCES, condition, parametrisation, synthetic_plan
 
 from updamp.diagnosis.findings import AMPLITUDE, DAMPING, FREQUENCY, SENSOR
+from updamp.diagnosis.fitted_branch import light
 from updamp.diagnosis.model.predicted_branch import PredictedBranch, trace_branch
-from updamp.diagnosis.peak_misfit import PeakMisfit, peak_misfits
-from updamp.diagnosis.peak_sentences import peak_findings
+from updamp.diagnosis.peak_misfit import PeakMisfit, peak_misfits, without_peak
+from updamp.diagnosis.peak_sentences import peak_findings, without_peak_findings
 from updamp.diagnosis.residual.fit import Fit, compare_at
 from updamp.diagnosis.residual.observations import Observations, Plan
 from updamp.diagnosis.residual.scatter import Scatter
@@ -104,3 +105,20 @@ def test_force_as_measured_is_what_the_model_is_held_at(plans, branches) -> None
     for a, b in zip(lower, usual, strict=True):
         if a.direction.quantity != DAMPING:
             assert np.log1p(a.relative) - np.log1p(b.relative) == pytest.approx(0, abs=4e-3)
+
+
+def test_a_model_without_a_peak_in_the_window_is_said_to_have_none(plans, branches) -> None:
+    """Runs as if measured on the upper flank alone: there is nothing to read at that level, but at the others."""
+    flank = (42.6, 43.2)
+    high = trace_branch(parametrisation(), NONE, replace(CONDITIONS[2], window=flank), FINE)
+    plan = replace(plans[0], conditions=(*CONDITIONS[:2], high.condition))
+    there = (*branches[:2], high)
+    assert without_peak(plans[0], branches) == ()
+    assert without_peak(plan, there) == (2,)
+    assert {m.direction.test for m in misfits(plan, there)} == {0, 1}
+    (said,) = without_peak_findings((2,), plan)
+    assert said.text == "first: the model has no peak where it was measured, at 6 N"
+
+
+def test_a_light_branch_reads_the_same(plans, branches) -> None:
+    assert misfits(plans[0], tuple(map(light, branches))) == misfits(plans[0], branches)
