@@ -42,8 +42,8 @@ _ALONE = 1e-3
 GROSS = 100.0
 # chi2 a value up to which a misfit is weighed as it is; beyond it a model fails badly.
 TOLERATED = 3.0
-# Points along a curve that count as one where a model fails badly: its misfit there is the same.
-_AS_MANY = 10.0
+# Points along a curve that count as one for what a model lacks: its misfit there is the same.
+AS_MANY = 10.0
 
 
 @dataclass(frozen=True)
@@ -284,7 +284,7 @@ def looseness(parametrisation: Parametrisation, compared: Compared) -> float:
     """
     if parametrisation.base.contacts is None:
         return 1.0
-    return max(1.0, min(compared.excess / TOLERATED, float(np.sqrt(_AS_MANY * compared.excess))))
+    return max(1.0, min(compared.excess / TOLERATED, float(np.sqrt(AS_MANY * compared.excess))))
 
 
 def loosened(scatter: Scatter, factor: float) -> Scatter:

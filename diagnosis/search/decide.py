@@ -45,10 +45,10 @@ def reason_against(trial: Trial, evidence: Evidence, criteria: Criteria) -> str:
         tested = evidence.test_of(name)
         if tested is not None and tested.visibility < criteria.visibility:
             return f"{name} is not identifiable with these data: the nuisance parameters can imitate it"
-    if not trial.full:
-        return "others explain more"
     if trial.delta_bic < criteria.delta_bic:
         return "the data do not ask for it"
+    if not trial.full:
+        return "others explain more"
     if trial.at_bound:
         return f"{trial.at_bound} would have to be beyond what is physical"
     if np.isfinite(trial.held_out) and trial.held_out > (1 - criteria.gain) * evidence.held_out:

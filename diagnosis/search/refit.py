@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from updamp.diagnosis.effects.effect import Effect
 from updamp.diagnosis.model.parameters import Parametrisation
 from updamp.diagnosis.model.predicted_branch import PredictedBranch
-from updamp.diagnosis.residual.fit import TOLERATED, Fit, FitOptions, compare_at, fit, misfit, predict
+from updamp.diagnosis.residual.fit import AS_MANY, TOLERATED, Fit, FitOptions, compare_at, fit, misfit, predict
 from updamp.diagnosis.residual.observations import Plan
 from updamp.diagnosis.search.criteria import Criteria
 from updamp.hbm.continuation import BranchStoppedError
@@ -31,7 +31,7 @@ class Starts:
 
 @dataclass(frozen=True, eq=False)
 class Refit:
-    """drop: of the misfit from the baseline (`fit.misfit`); delta_bic: of the information criterion by it
+    """drop: of the misfit from the baseline (`fit.misfit`); delta_bic: gain of the information criterion by it
 
     at_bound: parameter that stands at a bound beyond which it makes no sense, "" if none
     gated_again: whether the numerical error is that of the model with the effects (`regate.py`)
@@ -121,8 +121,14 @@ def _options(full: bool) -> FitOptions:
 def judged(base: Fit, found: Fit, effects: Sequence[Effect], criteria: Criteria) -> Refit:
     drop = misfit(base.parametrisation, base.compared) - misfit(found.parametrisation, found.compared)
     parameters = sum(len(e.parameters) for e in effects)
-    delta_bic = drop - parameters * float(np.log(found.compared.values))
+    delta_bic = gain_of_bic(drop, parameters, found.compared.values)
     return Refit(tuple(effects), found, drop, delta_bic, _at_bound(found, effects, criteria))
+
+
+def gain_of_bic(drop: float, parameters: int, values: int) -> float:
+    """Of the Bayesian information criterion (G. Schwarz, Ann. Statist. 6 (1978) 461), neighbouring points counted as
+    one: numerics are wrong all along a curve, and a thousand points do not ask for an effect that makes up for that."""
+    return drop / AS_MANY - parameters * float(np.log(values / AS_MANY))
 
 
 def _at_bound(found: Fit, effects: Sequence[Effect], criteria: Criteria) -> str:

@@ -12,7 +12,7 @@ from updamp.diagnosis.search.baseline import Baseline, error_of
 from updamp.diagnosis.search.candidates import attempts
 from updamp.diagnosis.search.criteria import Criteria
 from updamp.diagnosis.search.evidence import EffectScore, Evidence, Trial
-from updamp.diagnosis.search.refit import Refit, judged
+from updamp.diagnosis.search.refit import Refit, gain_of_bic, judged
 from updamp.diagnosis.search.score import Score, cosines, scores
 from updamp.diagnosis.search.signature import Extended, extend
 
@@ -99,7 +99,8 @@ def _singles(fits: _Fits, effects: Sequence[Effect], scored: Sequence[Score]) ->
     found |= _gated_again(fits, found)
     found |= fits.results(_unless_explained(wanted[half:], found, scored, criteria))
     best = _best(found)[: criteria.full]
-    close = [r for r in best if not r.trial.full and _comes_close(r.refit, best[0].refit, start, criteria)]
+    asked_for = [r for r in best if not r.trial.full and r.refit.delta_bic >= criteria.delta_bic]
+    close = [r for r in asked_for if _comes_close(r.refit, best[0].refit, start, criteria)]
     found |= fits.full(close)
     return found | _gated_again(fits, found)
 
@@ -131,8 +132,10 @@ def _unless_explained(
     """All of them as long as none before explains a misfit, on runs that no fit saw too; then only those that look like
     it."""
     best = min(found.values(), key=lambda r: r.trial.excess, default=None)
-    if best is None or best.refit.delta_bic < criteria.delta_bic or not _explains(best.trial, criteria):
+    if best is None or not _explains(best.trial, criteria):
         return some
+    if best.refit.delta_bic < criteria.delta_bic:
+        return ()  # the data ask for none of the best, as where nothing is missing
     matrix, names = np.abs(cosines(scored)), [s.effect.name for s in scored]
     alike = matrix[names.index(best.trial.effects[0])]
     return [a for a in some if alike[names.index(a.effects[0].name)] > criteria.cosine_of_rivals]
@@ -196,7 +199,7 @@ def _against_parts(start: Baseline, pair: Refit, singles: Results) -> float:
     """BIC gained over the better one of its two effects."""
     alone = [singles[(e.name,)].refit.drop for e in pair.effects if (e.name,) in singles]
     fewest, values = min(len(e.parameters) for e in pair.effects), start.fitted.compared.values
-    return pair.drop - max(alone, default=0.0) - fewest * float(np.log(values))
+    return gain_of_bic(pair.drop - max(alone, default=0.0), fewest, values)
 
 
 def _tested(extended: Extended, scored: Sequence[Score]) -> tuple[EffectScore, ...]:
