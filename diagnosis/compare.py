@@ -20,7 +20,7 @@ from updamp.diagnosis.comparison import (
 )
 from updamp.diagnosis.effects.chosen import ChosenEffect
 from updamp.diagnosis.findings import lack_of_fit, misfits
-from updamp.diagnosis.fitted_branch import at_sizes, light
+from updamp.diagnosis.fitted_branch import at_sizes
 from updamp.diagnosis.measurement.measurement import Measurement
 from updamp.diagnosis.model.parameters import LOSS_FACTOR, Parametrisation
 from updamp.diagnosis.model.predicted_branch import PredictedBranch, with_patterns
@@ -97,12 +97,12 @@ def calibrate(
     plan = plan_of(measurement, options.harmonics)
     parametrisation, plain = gated(model, taken, plan, finer or {}, progress)
     start = np.zeros(len(parametrisation))
-    before = tuple(with_patterns(light(branch), parametrisation.numerics) for branch in plain)
+    before = tuple(with_patterns(branch, parametrisation.numerics) for branch in plain)
     del plain
     fitted = fit(parametrisation, plan, start, None, before, options.fit, progress)
     progress("curves")
     after = predict(parametrisation, fitted.u, plan, fitted.compared.branches)
-    return Calibration(plan, before, fitted, tuple(at_sizes(light(branch), fitted.u) for branch in after))
+    return Calibration(plan, before, fitted, tuple(at_sizes(branch, fitted.u) for branch in after))
 
 
 def comparison_of(

@@ -1,8 +1,6 @@
-"""Branches of a finished fit: with the sizes that it has found for the patterns of numerical error, and without what
-takes most of the room."""
+"""Branches of a finished fit: with the sizes that it has found for the patterns of numerical error."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,21 +9,6 @@ from updamp.diagnosis.model.held_branch import pairs
 from updamp.diagnosis.model.predicted_branch import PredictedBranch, of_state
 
 Floats = NDArray[np.float64]
-
-
-_NOTHING: Any = None
-
-
-def light(branch: PredictedBranch) -> PredictedBranch:
-    """A branch without the matrices of its solved points, of 1 to 5 MB each: enough to look at it, to compare it with
-    runs and to move it, not to differentiate it by something new."""
-    return replace(
-        branch,
-        points=tuple(
-            replace(p, solution=replace(p.solution, equation=_NOTHING, jacobian=None, by_frequency=None))
-            for p in branch.points
-        ),
-    )
 
 
 def at_sizes(branch: PredictedBranch, u: Floats) -> PredictedBranch:

@@ -17,6 +17,7 @@ from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 from updamp.diagnosis.model.condition import Condition
 from updamp.diagnosis.model.derivatives import Change, Derivatives, derivatives
 from updamp.diagnosis.model.held_branch import HeldPoint, held_state, pairs, trace_held
+from updamp.diagnosis.model.light_points import light
 from updamp.diagnosis.model.model_at import ModelAt
 from updamp.diagnosis.model.numerical_error import NumericalError
 from updamp.diagnosis.model.parameters import Parametrisation
@@ -40,7 +41,7 @@ class PredictedBranch:
     """Interpolated between its points in the logarithm of the frequency and the complex amplitudes, which are smooth
     at resonances and at antiresonances.
 
-    u: (p,) parameters; place: (n,) length along the branch
+    u: (p,) parameters; points: without their matrices (`light_points.py`); place: (n,) length along the branch
     state: (n, m) logarithm of the frequency, then real and imaginary part of every sensor's amplitude [m], m = 1 + 2
         n_sensors; along: its derivative by place; slopes: (n, p + 1, m) by the parameters and by the logarithm of the
         force, across the branch. Where the response was held: amplitudes over the force that it takes, times the
@@ -235,7 +236,7 @@ def _branch(
     branch = PredictedBranch(
         condition,
         np.append(there.u[: there.parametrisation.n_of_model], np.zeros(further)),
-        tuple(points),
+        light(points),
         place,
         state,
         along / length[:, None],

@@ -6,26 +6,20 @@ from concurrent.futures import Executor, as_completed
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from updamp.diagnosis.effects.effect import Effect
 from updamp.diagnosis.effects.user_effect import effect_from_file
-from updamp.diagnosis.model.held_branch import force_at
-from updamp.diagnosis.model.parameters import Parametrisation
-from updamp.diagnosis.model.predicted_branch import PredictedBranch
 from updamp.diagnosis.residual.fit import Fit, predict
 from updamp.diagnosis.search.baseline import Baseline, error_of
 from updamp.diagnosis.search.criteria import Criteria
 from updamp.diagnosis.search.evidence import Trial
 from updamp.diagnosis.search.refit import FULL, Refit, Starts, judged, refit
 from updamp.diagnosis.search.regate import gated_again
-from updamp.hbm.branch import BranchPoint
 from updamp.hbm.compilation_cache import keep_compiled
 from updamp.hbm.continuation import BranchStoppedError
-from updamp.hbm.newton import evaluate
 
 Floats = NDArray[np.float64]
 
@@ -54,11 +48,6 @@ class Attempt:
 class Result:
     refit: Refit
     trial: Trial
-
-    @property
-    def slim(self) -> "Result":
-        """Without the matrices of its branches' points."""
-        return self.with_fit(slim(self.refit.fitted))
 
     def with_fit(self, fitted: Fit) -> "Result":
         return replace(self, refit=replace(self.refit, fitted=fitted))
@@ -93,9 +82,8 @@ class RunElsewhere:
     def __call__(
         self, start: Baseline, criteria: Criteria, attempts: Sequence[Attempt], done: Done
     ) -> list[Result | None]:
-        shared = _Task(self.own, self.keep_compiled, pickle.dumps(replace(start, fitted=slim(start.fitted))), criteria)
-        slimmed = (replace(a, near=a.near and slim(a.near)) for a in attempts)
-        futures = {self.executor.submit(shared, pickle.dumps(a)): i for i, a in enumerate(slimmed)}
+        shared = _Task(self.own, self.keep_compiled, pickle.dumps(start), criteria)
+        futures = {self.executor.submit(shared, pickle.dumps(a)): i for i, a in enumerate(attempts)}
         found: list[Result | None] = [None] * len(attempts)
         try:
             for future in as_completed(futures):
@@ -113,37 +101,12 @@ def without_branches(fitted: Fit) -> Fit:
     return replace(fitted, compared=replace(fitted.compared, branches=()))
 
 
-def slim(fitted: Fit) -> Fit:
-    """Its branches without the matrices of their solved points, which are most of it; `with_branches` makes them again,
-    to the last digit."""
-    branches = tuple(replace(b, points=tuple(map(_slim_point, b.points))) for b in fitted.compared.branches)
-    return replace(fitted, compared=replace(fitted.compared, branches=branches))
-
-
-_NOTHING: Any = None
-
-
-def _slim_point(point: BranchPoint) -> BranchPoint:
-    return replace(point, solution=replace(point.solution, equation=_NOTHING, jacobian=None, by_frequency=None))
-
-
 def with_branches(fitted: Fit, start: Baseline) -> Fit:
-    """A slim fit, or one without branches, made whole again."""
-    before = fitted.compared.branches
-    if before and all(p.solution.equation is not _NOTHING for b in before for p in b.points):
+    """The fit, with branches traced where it has none."""
+    if fitted.compared.branches:
         return fitted
-    branches = [_whole(fitted.parametrisation, b) for b in before]
-    branches = branches or list(predict(fitted.parametrisation, fitted.u, start.train_plan))
-    return replace(fitted, compared=replace(fitted.compared, branches=tuple(branches)))
-
-
-def _whole(parametrisation: Parametrisation, branch: PredictedBranch) -> PredictedBranch:
-    model, points = parametrisation.model(branch.u), []
-    for point in branch.points:
-        excitation = model.excited_by(force_at(point, branch.condition))
-        equation = evaluate(model.system, excitation, point.x, point.w)
-        points.append(replace(point, solution=replace(point.solution, equation=equation)))
-    return replace(branch, points=tuple(points))
+    branches = predict(fitted.parametrisation, fitted.u, start.train_plan)
+    return replace(fitted, compared=replace(fitted.compared, branches=branches))
 
 
 def _run(start: Baseline, criteria: Criteria, attempt: Attempt) -> Result | None:
@@ -178,8 +141,7 @@ class _Task:
 
     def __call__(self, attempt: bytes) -> Result | None:
         _prepared(self.own, self.keep_compiled)
-        found = _run(_start(self.start), self.criteria, pickle.loads(attempt))
-        return found and found.slim
+        return _run(_start(self.start), self.criteria, pickle.loads(attempt))
 
 
 @lru_cache(maxsize=1)
@@ -194,4 +156,4 @@ def _prepared(own: tuple[Path, ...], kept: bool) -> None:
 @lru_cache(maxsize=2)
 def _start(shared: bytes) -> Baseline:
     start: Baseline = pickle.loads(shared)
-    return replace(start, fitted=with_branches(start.fitted, start))
+    return start

@@ -23,7 +23,7 @@ from updamp.diagnosis.model.modal_rig import is_modal
 from updamp.diagnosis.report.write_report import write_report
 from updamp.diagnosis.residual.observations import Plan, plan_of
 from updamp.diagnosis.search.ablations import write_ablations
-from updamp.diagnosis.search.attempts import Bench, RunElsewhere, run_here, slim, with_branches
+from updamp.diagnosis.search.attempts import Bench, RunElsewhere, run_here
 from updamp.diagnosis.search.baseline import Baseline, baseline
 from updamp.diagnosis.search.conclude import conclude
 from updamp.diagnosis.search.criteria import Criteria
@@ -165,8 +165,8 @@ def _baseline(
     if start is None:
         held_out = held_out_runs(plan, options.held_out, options.held_out_modes)
         start = baseline(subject.before_effects, subject.taken, plan, subject.finer, held_out, told)
-        memory.keep("baseline", replace(start, fitted=slim(start.fitted)))
-    return replace(start, fitted=with_branches(start.fitted, start))
+        memory.keep("baseline", start)
+    return start
 
 
 @contextmanager

@@ -26,7 +26,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.diagnosis.model.light_points import with_matrices
 from updamp.diagnosis.model.parameters import Parametrisation
+from updamp.diagnosis.model.predicted_branch import PredictedBranch
 from updamp.diagnosis.residual.fit import Compared
 from updamp.diagnosis.residual.observations import Plan
 from updamp.diagnosis.residual.scatter import assembly, whitened
@@ -50,6 +52,7 @@ def missing_forces(compared: Compared, parametrisation: Parametrisation, plan: P
     compared: of the plan, with branches solved near compared.u
     raises: ValueError where a mode has no sensor with the first harmonic
     """
+    compared = replace(compared, branches=tuple(_with_matrices(b, parametrisation) for b in compared.branches))
     modes = _resonant_modes(compared, parametrisation, plan)
     runs = _expanded(compared, parametrisation, plan, modes)
     modes = {mode: resonant for mode, resonant in modes.items() if _of(mode, plan, runs)}
@@ -68,6 +71,11 @@ def missing_forces(compared: Compared, parametrisation: Parametrisation, plan: P
     found = shapes(squares, tuple(modes))
     values = _in_pieces(residual, extra[:, len(laws) :], squares.noise)
     return tuple(_missing_force(mode, pieces, values, reading(found[mode], places[mode])) for mode in modes)
+
+
+def _with_matrices(branch: PredictedBranch, parametrisation: Parametrisation) -> PredictedBranch:
+    points = with_matrices(parametrisation.model(branch.u), branch.condition, branch.points)
+    return replace(branch, points=points)
 
 
 def _expanded(

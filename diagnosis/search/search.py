@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.diagnosis.effects.effect import Effect
-from updamp.diagnosis.search.attempts import Attempt, Bench, Done, Result, run_here, slim, with_branches
+from updamp.diagnosis.search.attempts import Attempt, Bench, Done, Result, run_here, with_branches
 from updamp.diagnosis.search.baseline import Baseline, error_of
 from updamp.diagnosis.search.candidates import attempts
 from updamp.diagnosis.search.criteria import Criteria
@@ -78,9 +78,8 @@ class _Fits:
     bench: Bench
 
     def results(self, attempts: Sequence[Attempt]) -> Results:
-        """Slim ones: whole, each would keep a gigabyte."""
         found = self.bench(self.start, self.criteria, attempts, _telling(self.progress))
-        return {r.trial.effects: r.with_fit(slim(r.refit.fitted)) for r in found if r is not None}
+        return {r.trial.effects: r for r in found if r is not None}
 
     def full(self, some: Sequence[Result], gated_again: bool = False) -> Results:
         return self.results(

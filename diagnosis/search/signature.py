@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from updamp.diagnosis.effects.effect import Effect
 from updamp.diagnosis.model.derivatives import Change
+from updamp.diagnosis.model.light_points import with_matrices
 from updamp.diagnosis.model.model_at import ModelAt, change_of_effect
 from updamp.diagnosis.model.parameters import Parametrisation
 from updamp.diagnosis.model.predicted_branch import PredictedBranch, observe, of_state
@@ -121,7 +122,8 @@ def _extended(
     there: ModelAt, branch: PredictedBranch, changes: Sequence[Change], steps: Sequence[Floats]
 ) -> PredictedBranch:
     """The branch with columns for all parameters of the effects before those of the numerical error."""
-    found = observe(there, branch.condition, branch.points, branch.stopped, changes)
+    points = with_matrices(there.model, branch.condition, branch.points)
+    found = observe(there, branch.condition, points, branch.stopped, changes)
     if not steps:
         return found
     n = there.parametrisation.n_of_model + len(changes)

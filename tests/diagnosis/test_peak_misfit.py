@@ -8,7 +8,6 @@ import pytest
 from support.small_model import FINE, NUISANCES, condition, parametrisation, synthetic_plan
 
 from updamp.diagnosis.findings import AMPLITUDE, DAMPING, FREQUENCY, SENSOR
-from updamp.diagnosis.fitted_branch import light
 from updamp.diagnosis.model.predicted_branch import PredictedBranch, trace_branch
 from updamp.diagnosis.peak_misfit import PeakMisfit, peak_misfits, without_peak
 from updamp.diagnosis.peak_sentences import peak_findings, without_peak_findings
@@ -118,7 +117,3 @@ def test_a_model_without_a_peak_in_the_window_is_said_to_have_none(plans, branch
     assert {m.direction.test for m in misfits(plan, there)} == {0, 1}
     (said,) = without_peak_findings((2,), plan)
     assert said.text == "first: the model has no peak where it was measured, at 6 N"
-
-
-def test_a_light_branch_reads_the_same(plans, branches) -> None:
-    assert misfits(plans[0], tuple(map(light, branches))) == misfits(plans[0], branches)

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from support.small_model import condition, parametrisation, synthetic_plan
 
+from updamp.diagnosis.model.light_points import with_matrices
 from updamp.diagnosis.model.model_at import ModelAt
-from updamp.diagnosis.model.predicted_branch import move_branch, observe
+from updamp.diagnosis.model.predicted_branch import observe
 from updamp.diagnosis.residual.fit import Fit, compare_at, predict
 from updamp.diagnosis.residual.scatter import Scatter
-from updamp.diagnosis.search.attempts import slim, with_branches, without_branches
+from updamp.diagnosis.search.attempts import with_branches, without_branches
 
 U = np.array([0.0, 0.1, 0.05, 0.0])
 
@@ -24,25 +25,22 @@ def fitted() -> Fit:
     return Fit(p, compare_at(p, U, plan, predict(p, U, plan), scatter), np.eye(4), True, "")
 
 
-def test_branches_go_without_their_matrices_and_are_the_same_again(fitted):
-    sent = pickle.dumps(slim(fitted))
-    assert len(pickle.dumps(without_branches(fitted))) < len(sent) < 0.6 * len(pickle.dumps(fitted))
-    whole = with_branches(pickle.loads(sent), SimpleNamespace(train_plan=None))
-    (before,), (after,) = fitted.compared.branches, whole.compared.branches
+def test_branches_keep_no_matrices_and_are_differentiated_the_same_with_them_again(fitted):
+    assert len(pickle.dumps(without_branches(fitted))) < len(pickle.dumps(fitted)) < 2**20
+    (branch,) = pickle.loads(pickle.dumps(fitted)).compared.branches
+    assert all(point.solution.equation is None for point in branch.points)
     there = ModelAt(fitted.parametrisation, U)
-    for branch in (before, after):
-        again = observe(there, branch.condition, branch.points, branch.stopped)
-        np.testing.assert_array_equal(again.slopes, before.slopes)
-        np.testing.assert_array_equal(again.state, before.state)
+    points = with_matrices(there.model, branch.condition, branch.points)
+    again = observe(there, branch.condition, points, branch.stopped)
+    np.testing.assert_array_equal(again.slopes, branch.slopes)
+    np.testing.assert_array_equal(again.state, branch.state)
 
 
-def test_a_slim_branch_can_be_moved(fitted):
-    (whole,), (light,) = fitted.compared.branches, slim(fitted).compared.branches
-    elsewhere = U + np.array([0, 0.02, 0.02, 0])
-    one, other = (move_branch(fitted.parametrisation, elsewhere, b) for b in (whole, light))
-    assert one is not None
-    assert other is not None
-    np.testing.assert_array_equal(one.state, other.state)
+def test_branches_that_are_missing_are_traced(fitted):
+    plan = SimpleNamespace(conditions=(condition(60.0),))
+    (branch,) = with_branches(without_branches(fitted), SimpleNamespace(train_plan=plan)).compared.branches
+    (before,) = fitted.compared.branches
+    np.testing.assert_allclose(branch.frequency, before.frequency)
 
 
 def test_whole_fits_are_left_as_they_are(fitted):
