@@ -223,7 +223,7 @@ def _safely(case: Case, reduced: ReducedModel, limit: float) -> Outcome:
 def main(
     first: Annotated[int | None, typer.Option(help="only the first of the design")] = None,
     jobs: Annotated[int, typer.Option(help="curves at the same time")] = 1,
-    limit: Annotated[float, typer.Option(help="processor time a curve [s]")] = 120.0,
+    limit: Annotated[float, typer.Option(help="processor time a curve [s]")] = 300.0,
     again: Annotated[bool, typer.Option(help="trace once more what did not finish")] = False,
     fresh: Annotated[bool, typer.Option(help="forget what is on file")] = False,
     out: Annotated[Path, typer.Option(help="folder of stress.json and stress.jsonl")] = ROOT / "results",
