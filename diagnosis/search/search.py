@@ -52,6 +52,7 @@ def search(
     fits = _Fits(start, criteria, progress, bench)
     singles = _singles(fits, effects, scored)
     pairs = _pairs(fits, effects, singles)
+    singles |= _alone(fits, singles, pairs)
     evidence = Evidence(
         base.compared.excess,
         held_out,
@@ -168,6 +169,20 @@ def _pairs(fits: _Fits, effects: Sequence[Effect], singles: Results) -> Results:
                 found.pop(names[::-1], None)
                 found[names] = result
     return found
+
+
+def _alone(fits: _Fits, singles: Results, pairs: Results) -> Results:
+    """Second effects that have not been tried alone, where one explains the data together with a first: it may be all
+    that is missing, and the first one a wrong guess that has become small beside it."""
+    best = min(pairs.values(), key=lambda r: r.trial.excess, default=None)
+    if best is None or best.trial.excess > fits.criteria.excess:
+        return {}
+    second, fitted = best.refit.effects[1], best.refit.fitted
+    if (second.name,) in singles:
+        return {}
+    start = fitted.u[fitted.parametrisation.columns(second.name)]
+    found = fits.results([Attempt((second,), (start,), full=True, as_given=(start,))])
+    return found | _gated_again(fits, found)
 
 
 def _nearly(one: Refit, best: Refit, start: Baseline, criteria: Criteria) -> bool:
