@@ -51,9 +51,16 @@ def reason_against(trial: Trial, evidence: Evidence, criteria: Criteria) -> str:
         return "others explain more"
     if trial.at_bound:
         return f"{trial.at_bound} would have to be beyond what is physical"
-    if np.isfinite(trial.held_out) and trial.held_out > (1 - criteria.gain) * evidence.held_out:
+    if np.isfinite(trial.held_out) and trial.held_out > _allowed(evidence, criteria):
         return "runs that the fit never saw are not predicted better"
     return ""
+
+
+def _allowed(evidence: Evidence, criteria: Criteria) -> float:
+    """Error on held-out runs: below that without the effect, or within the scatter where it was so before, since there
+    is nothing to gain then (what shows at the highest level alone need not show below it)."""
+    within = float(np.sqrt(criteria.look_further))
+    return max((1 - criteria.gain) * evidence.held_out, within if evidence.held_out < within else 0.0)
 
 
 def _best_pair(evidence: Evidence, criteria: Criteria, single: Trial | None) -> Trial | None:

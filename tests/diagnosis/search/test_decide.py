@@ -46,6 +46,11 @@ def test_what_speaks_against_an_effect(against):
     assert outcome(trials=(trial,), excess=1.1) == ("adequate", ())
 
 
+def test_held_out_runs_that_were_predicted_well_need_not_gain():
+    assert outcome(held_out=1.05) == ("identified", ("right",))
+    assert outcome(held_out=1.05, trials=(replace(RIGHT, held_out=1.2),)) == ("unknown", ())
+
+
 def test_what_nuisance_parameters_can_imitate_is_not_identifiable():
     hidden = replace(EVIDENCE.tested[0], visibility=0.1)
     assert outcome(tested=(hidden,), trials=(RIGHT,)) == ("unknown", ())
