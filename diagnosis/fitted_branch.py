@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.diagnosis.model.held_branch import pairs
-from updamp.diagnosis.model.predicted_branch import PredictedBranch, of_state
+from updamp.diagnosis.model.predicted_branch import PredictedBranch, displaced
 
 Floats = NDArray[np.float64]
 
@@ -21,16 +20,4 @@ def at_sizes(branch: PredictedBranch, u: Floats) -> PredictedBranch:
     if not apart.any():
         return branch
     change = np.einsum("npm,p->nm", branch.at(branch.place).slopes[:, :-1], apart)
-    state = branch.state.copy()
-    state[:, 0] += change[:, 0]
-    turn = np.exp(change[:, 1::2] + 1j * change[:, 2::2])
-    state[:, 1:] = pairs((branch.state[:, 1::2] + 1j * branch.state[:, 2::2]) * turn)
-    along = np.concatenate([branch.along[:, :1], _turned(branch.along, turn)], axis=1)
-    along += of_state(np.gradient(change, branch.place, axis=0)[:, None], state)[:, 0]
-    slopes = np.concatenate([branch.slopes[..., :1], _turned(branch.slopes, turn[:, None])], axis=-1)
-    return replace(branch, u=branch.u + apart, state=state, along=along, slopes=slopes)
-
-
-def _turned(change: Floats, turn: NDArray[np.complex128]) -> Floats:
-    """Changes of the amplitudes alone, multiplied by `turn`."""
-    return pairs((change[..., 1::2] + 1j * change[..., 2::2]) * turn)
+    return replace(displaced(branch, change), u=branch.u + apart)

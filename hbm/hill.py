@@ -64,7 +64,7 @@ class HillProblem:
         m, c, n = len(stuck.omega_squared), self.harmonics.n_coefficients, stuck.n_relative
         loads = np.zeros((n, c, m, c), dtype=np.complex128)  # T phi
         active, tiny = np.zeros(n, dtype=bool), np.finfo(float).tiny
-        onto = np.zeros((n, c, n, c), dtype=np.complex128) if stuck.residual.any() else None  # T R
+        onto = np.zeros((n, c, n, c), dtype=np.complex128) if stuck.has_residual else None  # T R
         for group, elastic in zip(system.groups, self._elastic, strict=True):
             tangent = perturbed_tangent(group, x[group.rows], self.w, s, self.harmonics, self.time_samples).copy()
             stiffness = system.reference_stiffness[group.rows]

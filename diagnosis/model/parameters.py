@@ -158,6 +158,10 @@ class Parametrisation:
             place += n
         raise KeyError(effect)
 
+    def with_further(self, u: Floats, values: Floats) -> Floats:
+        """u with those of further effects after its own: before the patterns of numerical error."""
+        return np.concatenate([u[: self.n_of_model], values, u[self.n_of_model :]])
+
     def values(self, u: Floats) -> dict[str, dict[str, float]]:
         """Effect -> parameter -> value at u, in the parameter's own unit."""
         values: dict[str, dict[str, float]] = {}

@@ -254,16 +254,21 @@ def with_patterns(branch: PredictedBranch, numerics: NumericalError) -> Predicte
     none yet."""
     condition = branch.condition
     expected, patterns, rough = numerics.at(condition.name, branch.at(branch.place).value, condition.wider)
-    turn = np.exp(expected[:, 1::2] + 1j * expected[:, 2::2])
-    state, along = branch.state.copy(), _turned(branch.along, turn)
-    state[:, 0] += expected[:, 0]
-    state[:, 1:] = pairs((branch.state[:, 1::2] + 1j * branch.state[:, 2::2]) * turn)
-    if numerics.names:
-        along += of_state(np.gradient(expected, branch.place, axis=0)[:, None], state)[:, 0]
-    slopes = _turned(branch.slopes, turn[:, None])
-    slopes = np.concatenate([slopes[:, :-1], of_state(patterns, state), slopes[:, -1:]], axis=1)
+    moved = displaced(branch, expected) if numerics.names else branch
+    columns = of_state(patterns, moved.state)
+    slopes = np.concatenate([moved.slopes[:, :-1], columns, moved.slopes[:, -1:]], axis=1)
     u = np.append(branch.u, np.zeros(patterns.shape[1]))
-    return replace(branch, u=u, state=state, along=along, slopes=slopes, rough=rough)
+    return replace(moved, u=u, slopes=slopes, rough=rough)
+
+
+def displaced(branch: PredictedBranch, change: Floats) -> PredictedBranch:
+    """The branch with changes (n, m) of its observations at its points, such as those that finer numerics make."""
+    turn = np.exp(change[:, 1::2] + 1j * change[:, 2::2])
+    state, along = branch.state.copy(), _turned(branch.along, turn)
+    state[:, 0] += change[:, 0]
+    state[:, 1:] = pairs((branch.state[:, 1::2] + 1j * branch.state[:, 2::2]) * turn)
+    along += of_state(np.gradient(change, branch.place, axis=0)[:, None], state)[:, 0]
+    return replace(branch, state=state, along=along, slopes=_turned(branch.slopes, turn[:, None]))
 
 
 def _turned(change: Floats, turn: NDArray[np.complex128]) -> Floats:

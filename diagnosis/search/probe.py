@@ -73,8 +73,8 @@ def _probe(
     base: Fit, plan: Plan, at: Floats, near: Sequence[PredictedBranch], effect: Effect, sign: float
 ) -> Probe | None:
     extended: Parametrisation = replace(base.parametrisation, effects=(*base.parametrisation.effects, effect))
-    n, scatter = base.parametrisation.n_of_model, base.compared.scatter
-    u = np.concatenate([at[:n], np.full(len(effect.parameters), sign), at[n:]])
+    scatter = base.compared.scatter
+    u = base.parametrisation.with_further(at, np.full(len(effect.parameters), sign))
     u = np.clip(u, extended.lower, extended.upper)
     try:
         branches = predict(extended, u, plan, near)

@@ -90,9 +90,9 @@ def refit(
 
 def _vectors(base: Fit, extended: Parametrisation, starts: Starts) -> list[Floats]:
     """Starts of all parameters."""
-    n, given = base.parametrisation.n_of_model, as_given(base)
-    found = [np.concatenate([given[:n], start, given[n:]]) for start in starts.as_given]
-    found += [np.concatenate([base.u[:n], start, base.u[n:]]) for start in starts.calibrated]
+    p, given = base.parametrisation, as_given(base)
+    found = [p.with_further(given, start) for start in starts.as_given]
+    found += [p.with_further(base.u, start) for start in starts.calibrated]
     return [np.clip(u, extended.lower, extended.upper) for u in found]
 
 

@@ -68,8 +68,7 @@ def extend(
         branches.append(_extended(there, branch, changes, steps))
     ordered = (*by_derivative, *by_step)
     extended = replace(p, effects=(*p.effects, *ordered))
-    n = p.n_of_model
-    longer = np.concatenate([u[:n], np.zeros(extended.n_of_model - n), u[n:]])
+    longer = p.with_further(u, np.zeros(extended.n_of_model - p.n_of_model))
     compared = compare_at(extended, longer, plan, branches, fitted.compared.scatter, fitted.compared.offsets)
     return Extended(extended, compared, ordered, refused)
 
