@@ -1,8 +1,8 @@
 """Groups of contact elements that obey one law, and their forces in the frequency domain (AFT) with exact tangents."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import jax
@@ -10,11 +10,13 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.law import AveragedLaw, ContactLaw, DecoupledLaw
+from updamp.hbm.contact.law import AveragedLaw, ContactLaw, DecoupledLaw, StickingLaw
+from updamp.hbm.contact.sticking import between_samples
 from updamp.hbm.harmonics import Harmonics
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
+Bools = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +33,37 @@ class ElementGroup:
 
     def reference_stiffness(self) -> Floats:
         """(n_elements, directions) [N/m]"""
+        return self._stiffness
+
+    @cached_property
+    def _stiffness(self) -> Floats:
         return np.asarray(jax.vmap(self.law.reference_stiffness)(self.parameters))
+
+    @cached_property
+    def values(self) -> Any:
+        """The parameters as NumPy arrays: some of the elements are picked out of them at every evaluation."""
+        return type(self.parameters)(*(np.asarray(value) for value in self.parameters))
+
+    def moving(self, displacement: Floats, harmonics: Harmonics, n_time: int) -> Integers:
+        """Numbers of the elements that may slip or separate; displacement: (n_elements, directions, n_coefficients)"""
+        if not _tells_what_sticks(self.law):
+            return np.arange(len(displacement))
+        between = between_samples(harmonics.orders[-1], n_time)
+        motion = (displacement.reshape(-1, displacement.shape[2]) @ _synthesis(harmonics, n_time)).reshape(
+            *displacement.shape[:2], n_time
+        )
+        return np.flatnonzero(~self.law.surely_sticks(motion, self.values, between))  # type: ignore[attr-defined]
+
+
+@lru_cache(maxsize=64)
+def _tells_what_sticks(law: ContactLaw) -> bool:
+    return isinstance(law, StickingLaw)
+
+
+@lru_cache(maxsize=32)
+def _synthesis(harmonics: Harmonics, n_time: int) -> Floats:
+    """(n_coefficients, n_time)"""
+    return np.ascontiguousarray(harmonics.synthesis(n_time).T)
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,16 +85,43 @@ def element_forces(
 ) -> ElementForces:
     """Alternating frequency-time: coefficients -> samples -> law -> coefficients (Cameron and Griffin 1989).
 
+    Elements that surely stick are not evaluated: their forces are those of their reference springs.
+
     displacement: (n_elements, directions, n_coefficients) [m]
     """
+    moving, stiffness = group.moving(displacement, harmonics, n_time), group.reference_stiffness()
+    force = stiffness[..., None] * displacement
+    tangent = np.zeros((*displacement.shape, *displacement.shape[1:]))
+    each, c = np.arange(displacement.shape[1])[:, None], np.arange(displacement.shape[2])
+    tangent[:, each, c, each, c] = stiffness[..., None]
+    rate = np.zeros_like(force) if group.law.rate_dependent else None
     evaluate = _compiled(group.law, harmonics, n_time)
-    force, tangent, rate = evaluate(displacement, w, group.parameters)
-    return ElementForces(np.asarray(force), np.asarray(tangent), np.asarray(rate) if group.law.rate_dependent else None)
+    for some in _batches(moving, TOGETHER // _n_seeds(group.law, harmonics), len(displacement)):
+        found = evaluate(displacement[some], w, _of(group, some))
+        force[some], tangent[some] = found[:2]
+        if rate is not None:
+            rate[some] = found[2]
+    return ElementForces(force, tangent, rate)
 
 
 def force_only(group: ElementGroup, displacement: Floats, w: float, harmonics: Harmonics, n_time: int) -> Floats:
     """The forces alone, several times cheaper than with their tangent."""
-    return np.asarray(_compiled_force(group.law, harmonics, n_time)(displacement, w, group.parameters))
+    force = group.reference_stiffness()[..., None] * displacement
+    evaluate = _compiled_force(group.law, harmonics, n_time)
+    for some in _batches(group.moving(displacement, harmonics, n_time), ALONE, len(displacement)):
+        force[some] = evaluate(displacement[some], w, _of(group, some))
+    return force
+
+
+def _batches(numbers: Integers, size: int, n_elements: int) -> Iterator[Integers]:
+    """All of the same size, so that a law is compiled once: the last one is filled up with elements of its own."""
+    for start in range(0, len(numbers), size):
+        yield np.resize(numbers[start : start + size], min(size, n_elements))
+
+
+def _of(group: ElementGroup, numbers: Integers) -> Any:
+    """Parameters of some of the elements."""
+    return type(group.values)(*(value[numbers] for value in group.values))
 
 
 def over_period(
@@ -149,7 +208,7 @@ def _compiled(law: ContactLaw, harmonics: Harmonics, n_time: int) -> Callable[..
         tangent = _sorted(law, derivatives[: len(seeds)])
         return value, tangent, derivatives[-1] if by_frequency else jnp.zeros(())
 
-    return jax.jit(a_few_at_a_time(with_tangents, TOGETHER // len(seeds)))
+    return jax.jit(jax.vmap(with_tangents, in_axes=(0, None, 0)))
 
 
 def _seeds(law: ContactLaw, harmonics: Harmonics) -> jax.Array:
@@ -161,6 +220,11 @@ def _seeds(law: ContactLaw, harmonics: Harmonics) -> jax.Array:
     patterns = [*([each[jnp.array(alone)].sum(axis=0)] if alone else []), *(each[d] for d in others)]
     unit = jnp.eye(harmonics.n_coefficients)
     return jnp.concatenate([pattern[:, None] * unit[:, None] for pattern in patterns])
+
+
+def _n_seeds(law: ContactLaw, harmonics: Harmonics) -> int:
+    alone = len(_alone(law))
+    return (law.directions - alone + (alone > 0)) * harmonics.n_coefficients
 
 
 def _sorted(law: ContactLaw, derivatives: jax.Array) -> jax.Array:
@@ -191,5 +255,5 @@ def a_few_at_a_time(one: Callable[..., Any], batch: int) -> Callable[..., Any]:
     return each
 
 
-# Derivatives evaluated together, and elements where there are none.
-TOGETHER, BATCH = 168, 8
+# Derivatives evaluated together, and elements where there are none; elements whose forces alone are.
+TOGETHER, BATCH, ALONE = 168, 8, 12

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from updamp.fem.reduced_model import ReducedModel
 from updamp.hbm.graded_eigen import graded_eigh
+from updamp.hbm.modal_inverse import ModalInverse, modal_inverse
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -66,6 +67,11 @@ class LinearModel:
         """(m, m) at the angular frequency w [rad/s]"""
         damping = self.hysteretic + w * self.viscous if w > 0 else np.zeros_like(self.hysteretic)
         return np.diag(self.omega_squared - w**2) + 1j * damping
+
+    @cached_property
+    def modal_inverse(self) -> ModalInverse:
+        """Of `modal_dynamic_stiffness` at w > 0"""
+        return modal_inverse(self.omega_squared, self.hysteretic, self.viscous)
 
     def receptance(
         self, w: float, rows: Floats | slice = slice(None), columns: Floats | slice = slice(None)

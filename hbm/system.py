@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
 from updamp.hbm.elements import ElementGroup, element_forces, force_only
@@ -97,7 +96,7 @@ class NonlinearSystem:
             forces = element_forces(group, x[group.rows], w, self.harmonics, self.time_samples)
             stiffness = self.reference_stiffness[group.rows]
             value[group.rows] = forces.force - stiffness[..., None] * x[group.rows]
-            tangent = forces.tangent.copy()
+            tangent = forces.tangent
             for d in range(tangent.shape[1]):
                 diagonal = np.einsum("ecc->ec", tangent[:, d, :, d, :])
                 diagonal -= stiffness[:, d, None]
@@ -135,18 +134,15 @@ class Receptance:
 
     @cached_property
     def modal(self) -> Mapping[int, Complex]:
-        stuck = self.system.stuck
-        moving = {
-            k: scipy.linalg.inv(stuck.modal_dynamic_stiffness(k * self.w)) for k in self.system.harmonics.orders if k
-        }
+        inverse = self.system.stuck.modal_inverse
+        moving = {k: inverse.at(k * self.w) for k in self.system.harmonics.orders if k}
         return {0: self.system.static_modal, **moving} if 0 in self.system.harmonics.orders else moving
 
     @cached_property
     def modal_rate(self) -> Mapping[int, Complex]:
-        viscous, identity = self.system.stuck.viscous, np.eye(len(self.system.stuck.omega_squared))
+        inverse = self.system.stuck.modal_inverse
         return {
-            k: -inverse @ (1j * k * viscous - 2 * k**2 * self.w * identity) @ inverse
-            for k, inverse in self.modal.items()
+            k: k * inverse.rate(k * self.w, modal) if k else np.zeros_like(modal) for k, modal in self.modal.items()
         }
 
     def apply(self, forces: Floats, rows: slice | Integers | None = None) -> Floats:
@@ -155,9 +151,10 @@ class Receptance:
         rows = slice(n) if rows is None else rows
         return stuck.residual[rows, :n] @ forces + self._through_modes(self.modal, forces, rows)
 
-    def apply_rate(self, forces: Floats) -> Floats:
-        """dG/dw forces on the relative rows."""
-        return self._through_modes(self.modal_rate, forces, slice(self.system.stuck.n_relative))
+    def apply_rate(self, forces: Floats, rows: slice | Integers | None = None) -> Floats:
+        """dG/dw forces, on `rows` as in `apply`."""
+        rows = slice(self.system.stuck.n_relative) if rows is None else rows
+        return self._through_modes(self.modal_rate, forces, rows)
 
     def _through_modes(self, modal: Mapping[int, Complex], forces: Floats, rows: slice | Integers) -> Floats:
         harmonics, stuck = self.system.harmonics, self.system.stuck
@@ -178,12 +175,11 @@ class Receptance:
         harmonics.set_amplitude(response, 1, amplitude)
         return response
 
-    def excitation_rate(self, excitation: Excitation) -> Floats:
+    def excitation_rate(self, excitation: Excitation, rows: slice | Integers | None = None) -> Floats:
         """d/dw of `excitation`."""
         stuck, harmonics = self.system.stuck, self.system.harmonics
-        amplitude = excitation.force * (
-            stuck.phi[: stuck.n_relative] @ (self.modal_rate[1] @ stuck.phi[excitation.row])
-        )
+        rows = slice(stuck.n_relative) if rows is None else rows
+        amplitude = excitation.force * (stuck.phi[rows] @ (self.modal_rate[1] @ stuck.phi[excitation.row]))
         response = np.zeros((len(amplitude), harmonics.n_coefficients))
         harmonics.set_amplitude(response, 1, amplitude)
         return response

@@ -23,8 +23,6 @@ Integers = NDArray[np.int64]
 # Of the equations for the derivatives: next to a turning point, where the Jacobian is nearly singular, no more is
 # to be had, and a fit does not need more.
 _TOLERANCE = 1e-5
-# Relative step of the frequency for the explicit dependence of the observed motion on it.
-_STEP_W = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +85,7 @@ def moves(point: BranchPoint, excitation: Excitation, changes: Sequence[Change],
     # That of the solution carries the state before the last Newton step, in which a contact may have been stuck.
     jacobian = factorise(receptance, equation.departure)
     system = receptance.system
-    here = _Here(receptance, equation.departure.value, excitation, rows)
+    here = _Here(receptance, equation.departure.value, equation.departure.frequency_derivative, excitation, rows)
     differences = [here.difference(change, x) for change in changes]
     lift = receptance.excitation(excitation)
     dr = np.stack([*(d[0] for d in differences), -lift, equation.frequency_derivative(excitation), 0 * x], axis=2)
@@ -97,7 +95,7 @@ def moves(point: BranchPoint, excitation: Excitation, changes: Sequence[Change],
     forces = Loads.none(receptance, dx.shape[2])
     forces.forces[: len(x)] = -apply_tangents(system, equation.departure, dx)
     dy = respond(receptance, forces).at(rows)
-    by_w = here.by_frequency(x)
+    by_w = here.by_frequency()
     for j, difference in enumerate(differences):
         dy[..., j] += difference[1]
     dy[..., -3] += receptance.excitation(excitation, rows)
@@ -145,10 +143,12 @@ def _observed(receptance: Receptance, excitation: Excitation, departure: Floats,
 
 @dataclass(frozen=True, eq=False)
 class _Here:
-    """A solved point; departure: of its elements (n_relative, n_coefficients); rows: observed"""
+    """A solved point; departure: of its elements (n_relative, n_coefficients), departure_rate: its derivative by the
+    angular frequency; rows: observed"""
 
     receptance: Receptance
     departure: Floats
+    departure_rate: Floats
     excitation: Excitation
     rows: Integers
 
@@ -182,16 +182,14 @@ class _Here:
         rows = np.array([self.receptance.system.free.row(point) for point in points])
         return _observed(self.receptance, self.excitation, self.departure, rows)
 
-    def by_frequency(self, x: Floats) -> Floats:
+    def by_frequency(self) -> Floats:
         """Of the observed motion at held relative displacements."""
-        system, w = self.receptance.system, self.receptance.w
-        h = _STEP_W * w
-        depends = any(group.law.rate_dependent for group in system.groups)
-        observed = []
-        for there in (w + h, w - h):
-            g = system.departure_value(x, there) if depends else self.departure
-            observed.append(_observed(Receptance(system, there), self.excitation, g, self.rows))
-        return (observed[0] - observed[1]) / (2 * h)
+        receptance, rows = self.receptance, self.rows
+        return (
+            receptance.excitation_rate(self.excitation, rows)
+            - receptance.apply_rate(self.departure, rows)
+            - receptance.apply(self.departure_rate, rows)
+        )
 
     def _residual(self, x: Floats) -> Floats:
         return x - self.receptance.excitation(self.excitation) + self.receptance.apply(self.departure)

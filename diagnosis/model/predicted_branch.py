@@ -8,7 +8,6 @@ not, at turning points, and where it changes by multiples, at resonance.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,17 +20,13 @@ from updamp.diagnosis.model.light_points import light
 from updamp.diagnosis.model.model_at import ModelAt
 from updamp.diagnosis.model.numerical_error import NumericalError
 from updamp.diagnosis.model.parameters import Parametrisation
-from updamp.hbm.branch import BranchPoint, point_at
+from updamp.hbm.branch import BranchPoint
 from updamp.hbm.continuation import BranchStoppedError, ContinuationOptions, continue_branch
-from updamp.hbm.newton import Arc, NewtonOptions, solve
 from updamp.hbm.sweeps import sweep
 from updamp.hbm.system import NonlinearSystem
 
 Floats = NDArray[np.float64]
 
-# A branch moved by changes of the parameters has to reach beyond them by this much still.
-_SPARE = 0.04
-_STRETCHED = 1.5
 # To what share of the largest amplitude a response has to be proportional to the force.
 _LINEAR = 1e-6
 
@@ -138,55 +133,6 @@ def trace_branch(
             raise
         stopped = str(stop)
     return observe(there, condition, points, stopped)
-
-
-def move_branch(parametrisation: Parametrisation, u: Floats, before: PredictedBranch) -> PredictedBranch | None:
-    """The branch at other parameters, each point corrected across the branch from where its derivatives put it; None
-    where one does not converge, or where the branch has moved out of the measured window.
-
-    Its parameters may be fewer than those now: the derivatives are of the first ones. A branch with the response held
-    is not moved: it is single-valued in frequency, and soon traced.
-    """
-    if before.condition.control is not None:
-        return None
-    there = ModelAt(parametrisation, u)
-    moved = _moved(there, before)
-    if moved is None or not (before.stopped or _covers(moved, before.condition)) or _too_far_apart(moved):
-        return None
-    return observe(there, before.condition, moved, before.stopped)
-
-
-def _too_far_apart(points: Sequence[BranchPoint]) -> bool:
-    """Whether the moves, which leave some points closer together and others further apart, have left gaps that an
-    interpolation would not follow: half as long again as the longest step of a trace."""
-    longest = _STRETCHED * ContinuationOptions().largest_step
-    return any(a.distance(b) > longest for a, b in pairwise(points) if not b.after_gap)
-
-
-def _covers(points: Sequence[BranchPoint], condition: Condition) -> bool:
-    """Whether the measured window is covered, with something to spare for shifts to first order."""
-    low, high = condition.window
-    spare = _SPARE * (high - low)
-    frequencies = [point.frequency for point in points]
-    return min(frequencies) < low - spare and max(frequencies) > high + spare
-
-
-def _moved(there: ModelAt, before: PredictedBranch) -> list[BranchPoint] | None:
-    system, excitation = there.model.system, there.model.excited_by(before.condition.force)
-    if before.points[0].x.shape != (system.free.n_relative, system.harmonics.n_coefficients):
-        return None  # an effect has brought elements or harmonics of its own
-    moved: list[BranchPoint] = []
-    for i, point in enumerate(before.points):
-        known = len(before.w_by_parameter[i])
-        du = there.u[:known] - before.u[:known]
-        x = point.x + np.tensordot(du, before.x_by_parameter[i], axes=1)
-        w = point.w + float(before.w_by_parameter[i] @ du)
-        arc = Arc(x, w, point.tangent, point.metric)
-        solution = solve(system, excitation, x, w, NewtonOptions(), arc)
-        if not solution.converged:
-            return None
-        moved.append(point_at(solution, excitation, point.metric.scale_w, point.tangent, point.step, point.after_gap))
-    return moved
 
 
 def observe(

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from updamp.diagnosis.model.moved_branch import move_branch
 from updamp.diagnosis.model.parameters import Parametrisation
-from updamp.diagnosis.model.predicted_branch import PredictedBranch, move_branch, trace_branch
+from updamp.diagnosis.model.predicted_branch import PredictedBranch, trace_branch
 from updamp.diagnosis.residual.matching import Matched, match
 from updamp.diagnosis.residual.observations import Observations, Plan
 from updamp.diagnosis.residual.scatter import (

@@ -5,8 +5,10 @@ from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
 
-from updamp.hbm.contact import friction, play
+from updamp.hbm.contact import friction, play, sticking
 from updamp.hbm.contact.friction import FrictionParameters
 
 
@@ -36,6 +38,11 @@ class JenkinsBox:
 
     def reference_stiffness(self, parameters: FrictionParameters) -> jax.Array:
         return friction.stuck_stiffness(parameters)
+
+    def surely_sticks(
+        self, displacement: NDArray[np.float64], parameters: FrictionParameters, between: float
+    ) -> NDArray[np.bool_]:
+        return sticking.stays_within(displacement, parameters, sticking.larger_component, between)
 
     def normal_force(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
         return friction.normal_force(displacement, parameters)

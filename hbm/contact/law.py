@@ -6,6 +6,8 @@ History is a scan inside the call, the tangent comes from forward-mode different
 from typing import Any, Protocol, runtime_checkable
 
 import jax
+import numpy as np
+from numpy.typing import NDArray
 
 STICK, SLIP, SEPARATED = 0, 1, 2
 
@@ -60,6 +62,21 @@ class DecoupledLaw(ContactLaw, Protocol):
 
     @property
     def acting_alone(self) -> tuple[int, ...]: ...
+
+
+@runtime_checkable
+class StickingLaw(ContactLaw, Protocol):
+    """A law of which the motion tells where an element surely neither slips nor separates: its force is that of its
+    reference springs then, and need not be evaluated.
+    """
+
+    def surely_sticks(self, displacement: NDArray[np.float64], parameters: Any, between: float) -> NDArray[np.bool_]:
+        """(n_elements,)
+
+        displacement: (n_elements, directions, n_time) [m]; parameters: of all of them, in NumPy arrays
+        between: as in `sticking.stays_within`
+        """
+        ...
 
 
 @runtime_checkable

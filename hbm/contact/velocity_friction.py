@@ -5,8 +5,11 @@ from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
 
 from updamp.hbm.contact.around import LawAround, Seen
+from updamp.hbm.contact.law import StickingLaw
 
 # The corner of |v| at rest is rounded over this share of the reference speed.
 _ROUNDED = 0.01
@@ -32,3 +35,10 @@ class VelocityFriction(LawAround):
         speed = jnp.sqrt(velocity[:, 0] ** 2 + velocity[:, 1] ** 2 + corner**2) - corner
         factor = 1 - p.velocity_drop * speed / (speed + p.reference_speed)
         return displacement, velocity, p._replace(mu=p.mu * factor)
+
+    def surely_sticks(self, displacement: NDArray[np.float64], parameters: Any, between: float) -> NDArray[np.bool_]:
+        """With the least friction that any speed leaves, where the inner law can tell."""
+        if not isinstance(self.inner, StickingLaw):
+            return np.zeros(len(displacement), dtype=bool)
+        least = parameters.mu * np.minimum(1.0, 1 - np.asarray(parameters.velocity_drop))
+        return self.inner.surely_sticks(displacement, parameters._replace(mu=least), between)

@@ -8,10 +8,13 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from updamp.hbm.contact.coulomb_circle import CoulombCircle
 from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
-from updamp.hbm.elements import ElementGroup, element_forces, for_analysis, over_period
+from updamp.hbm.contact.parameters import with_entries
+from updamp.hbm.contact.velocity_friction import VelocityFriction
+from updamp.hbm.elements import ElementGroup, element_forces, for_analysis, force_only, over_period
 from updamp.hbm.harmonics import Harmonics
 
 HARMONICS = Harmonics((0, 1, 2, 3))
@@ -84,6 +87,9 @@ class AllAtOnce:
     def force(self, displacement, velocity, parameters):
         return for_analysis(self.law)(displacement, velocity, parameters)
 
+    def reference_stiffness(self, parameters):
+        return self.law.reference_stiffness(parameters)
+
 
 @pytest.mark.parametrize("law", [JenkinsBox(2), SampledJenkinsBox(2)])
 def test_tangent_is_the_same_where_directions_that_act_alone_are_differentiated_together(motions, law):
@@ -91,6 +97,25 @@ def test_tangent_is_the_same_where_directions_that_act_alone_are_differentiated_
     np.testing.assert_array_equal(together.force, apart.force)
     np.testing.assert_allclose(together.tangent, apart.tangent, rtol=0, atol=1e-13)
     assert np.abs(together.tangent[:, 0, :, 2]).max() > 0.1  # of friction by the normal motion
+
+
+@pytest.mark.parametrize(
+    "law", [JenkinsBox(2), SampledJenkinsBox(2), CoulombCircle(3), VelocityFriction(JenkinsBox(2))]
+)
+def test_elements_that_are_not_evaluated_since_they_stick_have_the_forces_of_the_law(law):
+    """From motions that stick by far to some that slip and separate: none is taken for stuck that is not."""
+    motions = np.random.default_rng(5).normal(size=(400, 3, 7)) * np.geomspace(0.01, 1.0, 400)[:, None, None]
+    entries = {"velocity_drop": np.full(400, 0.4), "reference_speed": np.ones(400)}
+    values = group(JenkinsBox(2)).parameters
+    p = type(values)(*(np.repeat(np.asarray(v)[:1], 400, axis=0) for v in values))
+    p = with_entries(p, **entries) if isinstance(law, VelocityFriction) else p
+    some, every = (ElementGroup(one, p, np.arange(1200).reshape(400, 3)) for one in (law, AllAtOnce(law)))
+    left_out = 400 - len(some.moving(motions, HARMONICS, 128))
+    assert 50 < left_out < 350
+    told, evaluated = (element_forces(g, motions, 1.0, HARMONICS, 128) for g in (some, every))
+    np.testing.assert_allclose(told.force, evaluated.force, atol=1e-13)
+    np.testing.assert_allclose(told.tangent, evaluated.tangent, atol=1e-12)
+    np.testing.assert_allclose(force_only(some, motions, 1.0, HARMONICS, 128), evaluated.force, atol=1e-13)
 
 
 def test_force_stays_within_the_friction_limit_and_vanishes_when_open(motions):

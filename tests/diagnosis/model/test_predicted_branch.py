@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from support.small_model import SENSORS, condition, parametrisation
 
-from updamp.diagnosis.model.predicted_branch import move_branch, trace_branch
+from updamp.diagnosis.model.moved_branch import move_branch
+from updamp.diagnosis.model.predicted_branch import trace_branch
 from updamp.hbm.newton import Arc, solve
 from updamp.hbm.observe import response
 
