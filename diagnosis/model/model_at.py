@@ -10,6 +10,7 @@ from updamp.diagnosis.effects.effect import Effect, EffectParameter
 from updamp.diagnosis.model.derivatives import Change
 from updamp.diagnosis.model.parameters import Parametrisation
 from updamp.diagnosis.model.rig_model import RigModel
+from updamp.hbm.elements import ElementGroup
 from updamp.hbm.linear_model import LinearModel
 from updamp.hbm.system import NonlinearSystem
 
@@ -39,7 +40,7 @@ class ModelAt:
             step = _STEP if self.u[j] + _STEP <= self.parametrisation.upper[j] else -_STEP
             change = change_to(self.model, self._moved(j, step), step)
             if not change.contacts_alone and self.u[j] - _STEP >= self.parametrisation.lower[j] and step > 0:
-                change = replace(change, opposite=self._moved(j, -step).system)
+                change = replace(change, opposite=_system_of(self._moved(j, -step), self.model))
             found.append(change)
         return tuple(found)
 
@@ -53,10 +54,17 @@ def change_to(model: RigModel, changed: RigModel, step: float) -> Change:
     """step: of the parameter between the two; the changed one may have further elements, after those of the model"""
     points = tuple(e.point for e in changed.elements)[len(model.elements) :]
     if not _same_structure(model, changed):
-        return Change(changed.system, step, added=points)
+        return Change(_system_of(changed, model), step, added=points)
     # the same object: what was worked out for it holds
     system = NonlinearSystem(model.system.free, changed.groups, changed.harmonics, changed.time_samples)
     return Change(system, step, contacts_alone=True)
+
+
+def _system_of(changed: RigModel, model: RigModel) -> NonlinearSystem:
+    """With the model's own groups of elements where they have not changed: what was evaluated for them holds."""
+    own = (*model.groups, *changed.groups[len(model.groups) :])
+    groups = tuple(a if _equal_groups(a, b) else b for a, b in zip(own, changed.groups, strict=True))
+    return NonlinearSystem(changed.free, groups, changed.harmonics, changed.time_samples)
 
 
 def change_of_effect(model: RigModel, effect: Effect, parameter: EffectParameter) -> Change:
@@ -70,6 +78,13 @@ def _same_structure(a: RigModel, b: RigModel) -> bool:
     points = [e.point for e in a.elements] == [e.point for e in b.elements]
     same = points and a.harmonics == b.harmonics and a.attachments == b.attachments
     return same and _equal(a.components, b.components)
+
+
+def _equal_groups(a: ElementGroup, b: ElementGroup) -> bool:
+    if a is b:
+        return True
+    same = a.law == b.law and type(a.parameters) is type(b.parameters) and np.array_equal(a.rows, b.rows)
+    return same and all(np.array_equal(x, y) for x, y in zip(a.values, b.values, strict=True))
 
 
 def _equal(a: LinearModel, b: LinearModel) -> bool:

@@ -71,6 +71,11 @@ class PredictedBranch:
     def _slopes(self) -> PchipInterpolator:
         return PchipInterpolator(self.place, self.slopes)
 
+    @cached_property
+    def observed(self) -> "Observed":
+        """At its points"""
+        return self.at(self.place)
+
     def at(self, place: Floats) -> "Observed":
         """What is observed at places along the branch."""
         state, along = self._curve(place), self._curve(place, 1)

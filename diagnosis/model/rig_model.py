@@ -69,8 +69,12 @@ class RigModel:
     @cached_property
     def system(self) -> NonlinearSystem:
         """The coupled problem."""
-        free = with_relative_rows(attach(self.components, self.attachments), [e.point for e in self.elements])
-        return NonlinearSystem(free, self.groups, self.harmonics, self.time_samples)
+        return NonlinearSystem(self.free, self.groups, self.harmonics, self.time_samples)
+
+    @cached_property
+    def free(self) -> LinearModel:
+        """The structure without any contact or other element."""
+        return with_relative_rows(attach(self.components, self.attachments), [e.point for e in self.elements])
 
     @cached_property
     def groups(self) -> tuple[ElementGroup, ...]:

@@ -58,10 +58,16 @@ def match(
     """
     shift, spread = np.append(u - branch.u, 0.0), np.append(spread, 0.0)
     run = replace(run, observed=run.observed - correction)
-    place = _nearest(branch, run, shift, _weights(branch, run, spread, misfit))
+    place = _nearest(_moved_as_a_whole(branch, shift), run, _weights(branch, run, spread, misfit))
     observed = branch.at(place)
     difference = _difference(run, observed, shift)
     return _across(run, place, difference, observed, np.hypot(run.noise, branch.rough_at(place)))
+
+
+def _moved_as_a_whole(branch: PredictedBranch, shift: Floats) -> PredictedBranch:
+    """With one parameter in place of all, a unit of which is the whole shift: places are tried by the hundred."""
+    whole = np.einsum("npm,p->nm", branch.slopes, shift)
+    return replace(branch, slopes=np.stack([whole, branch.slopes[:, -1]], axis=1))
 
 
 def _difference(run: Observations, model: Observed, shift: Floats) -> Floats:
@@ -87,33 +93,33 @@ def by_drive(run: Observations, slopes: Floats) -> Floats:
 def _weights(branch: PredictedBranch, run: Observations, spread: Floats, misfit: float) -> Floats:
     """(m,) one over the standard deviations, of sensors and parameters together; the same all along the branch, since
     where contacts begin to slip the derivatives leap, and any point would do for a place that is uncertain enough."""
-    slopes = branch.at(branch.place).slopes
+    slopes = branch.observed.slopes
     of_parameters = np.einsum("npm,p->nm", slopes**2, spread**2)
     noise = misfit * np.median(run.noise, axis=0)
     return np.asarray(1 / np.sqrt(noise**2 + np.median(of_parameters, axis=0)))
 
 
-def _distance(branch: PredictedBranch, run: Observations, tried: Floats, shift: Floats, weights: Floats) -> Floats:
+def _distance(moved: PredictedBranch, run: Observations, tried: Floats, weights: Floats) -> Floats:
     """(n, k) squared, of every point of the run from the places tried for it (n or 1, k)."""
-    model = branch.at(tried)
-    predicted = model.value + np.einsum("...pm,p->...m", model.slopes, shift)
+    model = moved.at(tried)
+    predicted = model.value + model.slopes[..., 0, :]
     difference = to_nearest_turn(run.observed[:, None] - predicted - by_drive(run, model.slopes))
     return np.asarray(np.sum((weights * difference) ** 2, axis=2))
 
 
-def _nearest(branch: PredictedBranch, run: Observations, shift: Floats, weights: Floats) -> Floats:
+def _nearest(branch: PredictedBranch, run: Observations, weights: Floats) -> Floats:
     """(n,) the best of many places on the parts that the sweep visits, then finer and finer looks around it; a
-    gradient would go astray where contacts begin to slip."""
+    gradient would go astray where contacts begin to slip. branch: moved as a whole"""
     both = np.flatnonzero(branch.visited[:-1] & branch.visited[1:])
     share = (np.arange(_BETWEEN) + 0.5) / _BETWEEN
     length = np.diff(branch.place)[both]
     tried = (branch.place[both][:, None] + length[:, None] * share).ravel()
-    best = np.argmin(_distance(branch, run, tried[None], shift, weights), axis=1)
+    best = np.argmin(_distance(branch, run, tried[None], weights), axis=1)
     place, width = tried[best], (length / _BETWEEN)[best // _BETWEEN]
     for _ in range(_LOOKS):
         around = place[:, None] + width[:, None] * np.linspace(-1, 1, 9)
         around = np.clip(around, branch.place[0], branch.place[-1])
-        closest = np.argmin(_distance(branch, run, around, shift, weights), axis=1)
+        closest = np.argmin(_distance(branch, run, around, weights), axis=1)
         place, width = np.take_along_axis(around, closest[:, None], axis=1)[:, 0], width / 4
     return place
 
