@@ -18,6 +18,7 @@ from updamp.diagnosis.search.criteria import Criteria
 from updamp.diagnosis.search.evidence import Trial
 from updamp.diagnosis.search.refit import FULL, Refit, Starts, judged, refit
 from updamp.diagnosis.search.regate import gated_again
+from updamp.diagnosis.search.resized import resized
 from updamp.hbm.compilation_cache import keep_compiled
 from updamp.hbm.continuation import BranchStoppedError
 
@@ -28,7 +29,9 @@ Floats = NDArray[np.float64]
 class Attempt:
     """effects: further ones; starts: of their parameters in typical sizes, beside the calibrated model's
     as_given: likewise, beside the model's as it was before calibration
-    near: a fit of the same to go on from; gated_again: whether its numerical error is found anew (`regate.py`)
+    near: a fit of the same to go on from; gated_again: whether its numerical error is found anew (`regate.py`), or has
+        been where the size is another
+    size: of the effects, times that of `near`, to fit from (`resized.py`)
     """
 
     effects: tuple[Effect, ...]
@@ -37,10 +40,13 @@ class Attempt:
     near: Fit | None = None
     as_given: tuple[Floats, ...] = ()
     gated_again: bool = False
+    size: float = 1.0
 
     @property
     def name(self) -> str:
         how = ", numerics anew" if self.gated_again else ", until settled" if self.near is not None else ""
+        if self.size != 1:
+            how = f", from {self.size:g} times the size"
         return ", ".join(e.name for e in self.effects) + how
 
 
@@ -119,6 +125,11 @@ def _run(start: Baseline, criteria: Criteria, attempt: Attempt) -> Result | None
 
 
 def _refit(start: Baseline, criteria: Criteria, a: Attempt) -> Refit | None:
+    if a.near is not None and a.size != 1:
+        fitted = resized(a.near, a.effects, a.size, start)
+        if fitted is None:
+            return None
+        return replace(judged(start.fitted, fitted, a.effects, criteria), gated_again=a.gated_again)
     if a.near is None or not a.gated_again:
         starts = Starts(a.as_given, a.starts)
         return refit(start.fitted, start.train_plan, a.effects, starts, criteria, a.full, a.near)

@@ -93,7 +93,7 @@ def _candidate(
         trial.drop,
         trial.delta_bic,
         gain,
-        parameters(fitted.fitted, effect),
+        parameters(fitted, effect),
         not reason,
         reason,
     )
@@ -107,21 +107,30 @@ def _not_fitted(tested: EffectScore, criteria: Criteria) -> str:
     return "others explain more; it was not fitted, or the model with it has no response"
 
 
-def parameters(fitted: Fit, effect: Effect) -> tuple[FittedParameter, ...]:
-    """Of an effect in the fit, with 95 % intervals cut off at the bounds: what the data leave open, and how far the
-    numerics may have moved it."""
+def parameters(refit: Refit, effect: Effect) -> tuple[FittedParameter, ...]:
+    """Of an effect in the fit, with 95 % intervals that hold those of all minima that are as likely, cut off at the
+    bounds: what the data leave open, and how far the numerics may have moved it."""
+    p, said = refit.fitted.parametrisation, []
+    value = p.values(refit.fitted.u)[effect.name]
+    intervals = [_intervals(fitted, effect) for fitted in (refit.fitted, *refit.also)]
+    for i, q in enumerate(effect.parameters):
+        lower = max(min(each[i][0] for each in intervals), q.lower)
+        upper = min(max(each[i][1] for each in intervals), q.upper)
+        said.append(FittedParameter(q.name, q.unit, value[q.name], lower, upper, q.null, q.lower, q.upper))
+    return tuple(said)
+
+
+def _intervals(fitted: Fit, effect: Effect) -> list[tuple[float, float]]:
+    """Of one minimum, for every parameter."""
     p, moved = fitted.parametrisation, moved_by_numerics(fitted)
-    place = p.columns(effect.name).start
+    place, values = p.columns(effect.name).start, p.values(fitted.u)[effect.name]
     # where the model leaves more than the scatter, intervals are wider by as much (Birge 1932)
-    excess = max(1.0, fitted.compared.excess)
-    values, said = p.values(fitted.u)[effect.name], []
+    excess, found = max(1.0, fitted.compared.excess), []
     for i, q in enumerate(effect.parameters):
         deviation = np.hypot(fitted.given_numerics[place + i] * np.sqrt(excess), moved[place + i])
         half = _95 * float(deviation) * abs(q.typical - q.null)
-        value = values[q.name]
-        lower, upper = max(value - half, q.lower), min(value + half, q.upper)
-        said.append(FittedParameter(q.name, q.unit, value, lower, upper, q.null, q.lower, q.upper))
-    return tuple(said)
+        found.append((values[q.name] - half, values[q.name] + half))
+    return found
 
 
 def _error(found: Found, trial: Trial | None) -> ErrorReached:

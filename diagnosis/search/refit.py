@@ -35,6 +35,7 @@ class Refit:
 
     at_bound: parameter that stands at a bound beyond which it makes no sense, "" if none
     gated_again: whether the numerical error is that of the model with the effects (`regate.py`)
+    also: other minima that the data do not tell from this one (`resized.py`), without their branches
     """
 
     effects: tuple[Effect, ...]
@@ -43,6 +44,7 @@ class Refit:
     delta_bic: float
     at_bound: str
     gated_again: bool = False
+    also: tuple[Fit, ...] = ()
 
     @property
     def excess(self) -> float:

@@ -7,12 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.diagnosis.effects.effect import Effect
-from updamp.diagnosis.search.attempts import Attempt, Bench, Done, Result, run_here, with_branches
+from updamp.diagnosis.search.attempts import Attempt, Bench, Done, Result, run_here, with_branches, without_branches
 from updamp.diagnosis.search.baseline import Baseline, error_of
 from updamp.diagnosis.search.candidates import attempts
 from updamp.diagnosis.search.criteria import Criteria
 from updamp.diagnosis.search.evidence import EffectScore, Evidence, Trial
 from updamp.diagnosis.search.refit import Refit, gain_of_bic, judged
+from updamp.diagnosis.search.resized import as_likely, sizes
 from updamp.diagnosis.search.score import Score, cosines, scores
 from updamp.diagnosis.search.signature import Extended, extend
 
@@ -51,6 +52,7 @@ def search(
     held_out = error_of(base, start.held_out_plan)
     fits = _Fits(start, criteria, progress, bench)
     singles = _singles(fits, effects, scored)
+    singles |= _other_sizes(fits, singles)
     pairs = _pairs(fits, effects, singles)
     singles |= _alone(fits, singles, pairs)
     evidence = Evidence(
@@ -116,6 +118,26 @@ def _gated_again(fits: _Fits, found: Results) -> Results:
     close = [r for r in settled if r.trial.excess < min(most, criteria.comparable * least)]
     left = [r for r in close if not r.refit.gated_again and not _explains(r.trial, criteria)]
     return fits.full(left, gated_again=True)
+
+
+def _other_sizes(fits: _Fits, singles: Results) -> Results:
+    """The best effect, where it explains the data, fitted from other sizes too: the best of these fits, which knows of
+    those that are as likely."""
+    start, criteria = fits.start, fits.criteria
+    explain = [r for r in _best(singles) if r.trial.full and r.trial.excess <= criteria.excess]
+    if not explain or explain[0].refit.delta_bic < criteria.delta_bic:
+        return {}
+    first = explain[0].refit
+    tries = [
+        Attempt(first.effects, (), True, near=first.fitted, gated_again=first.gated_again, size=size)
+        for size in sizes(first.effects)
+    ]
+    tried = fits.bench(start, criteria, tries, _telling(fits.progress))
+    some = [explain[0], *(r for r in tried if r is not None)]
+    best = max(some, key=lambda r: r.refit.drop)
+    also = [r.refit.fitted for r in some if r is not best and as_likely(r.refit.fitted, best.refit.fitted)]
+    refit = replace(best.refit, also=tuple(without_branches(f) for f in also))
+    return {best.trial.effects: replace(best, refit=refit)}
 
 
 def _best(found: Results) -> list[Result]:
