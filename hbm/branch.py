@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.jacobian import factorise
 from updamp.hbm.metric import Metric, Move
 from updamp.hbm.newton import Solution, Status, evaluate
-from updamp.hbm.system import Excitation, NonlinearSystem
+from updamp.hbm.system import Forcing, NonlinearSystem
 
 Floats = NDArray[np.float64]
 
@@ -60,7 +59,7 @@ class BranchPoint:
 
 
 def point_at(
-    solution: Solution, excitation: Excitation, scale_w: float, onwards: Move, step: float, after_gap: bool = False
+    solution: Solution, excitation: Forcing, scale_w: float, onwards: Move, step: float, after_gap: bool = False
 ) -> BranchPoint:
     """The solution with the branch's tangent there, on the side of `onwards` (dx, dw)."""
     harmonics = solution.equation.receptance.system.harmonics
@@ -72,24 +71,24 @@ def point_at(
     return BranchPoint(solution.x, solution.w, dx / length, dw / length, metric, step, after_gap, solution)
 
 
-def point_after(last: BranchPoint, solution: Solution, excitation: Excitation) -> BranchPoint:
+def point_after(last: BranchPoint, solution: Solution, excitation: Forcing) -> BranchPoint:
     """The solution a step from the last point, with the tangent on the side of the move that led here."""
     move = last.to(solution)
     return point_at(solution, excitation, last.metric.scale_w, move, last.metric.length(move))
 
 
 def branch_point(
-    system: NonlinearSystem, excitation: Excitation, x: Floats, w: float, scale_w: float, onwards: Move
+    system: NonlinearSystem, excitation: Forcing, x: Floats, w: float, scale_w: float, onwards: Move
 ) -> BranchPoint:
     """A point known to be solved, such as a stored one, with its tangent along `onwards` (dx, dw)."""
     equation = evaluate(system, excitation, x, w)
-    jacobian = factorise(equation.receptance, equation.departure)
+    jacobian = equation.factorised()
     solution = Solution(x, w, Status.CONVERGED, 0, (equation.error,), equation, jacobian)
     step = Metric.at(x, system.harmonics, scale_w).length(onwards)
     return point_at(solution, excitation, scale_w, onwards, step)
 
 
-def _tangent(solution: Solution, excitation: Excitation) -> Move:
+def _tangent(solution: Solution, excitation: Forcing) -> Move:
     """Direction of the branch for a unit of angular frequency, by the last Jacobian."""
     if solution.by_frequency is not None:
         return -solution.by_frequency, 1.0

@@ -10,12 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from updamp.hbm.branch import BranchPoint, point_at
-from updamp.hbm.continuation import BranchStoppedError, ContinuationOptions, continue_branch, first_point
+from updamp.hbm.continuation import BranchStoppedError, ContinuationOptions, continue_branch
+from updamp.hbm.first_point import first_point
 from updamp.hbm.newton import Solution, solve
 from updamp.hbm.system import Excitation, NonlinearSystem
 
 # How far ahead a new start is tried, as shares of the window; after these, no more.
-AHEAD = (0.0025, 0.005, 0.01, 0.02)
+AHEAD = (0.0025, 0.005, 0.01, 0.02, 0.04)
 # So many new starts a curve at most.
 STARTS = 24
 

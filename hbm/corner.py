@@ -20,10 +20,9 @@ import numpy as np
 import scipy.linalg
 
 from updamp.hbm.branch import BranchPoint
-from updamp.hbm.jacobian import factorise
 from updamp.hbm.metric import Move
 from updamp.hbm.newton import Solution, evaluate
-from updamp.hbm.system import Excitation, NonlinearSystem
+from updamp.hbm.system import Forcing, NonlinearSystem
 
 # Arc ahead of the last point at which the far side is looked at: one that is too short is still on this side, one that
 # is too long has met the next kink.
@@ -50,14 +49,14 @@ class Way:
         return Way(self.start, (-self.along[0], -self.along[1]), self.steps)
 
 
-def ways_on(system: NonlinearSystem, excitation: Excitation, last: BranchPoint) -> Iterator[Way]:
+def ways_on(system: NonlinearSystem, excitation: Forcing, last: BranchPoint) -> Iterator[Way]:
     """Ways on beyond a corner close to `last`, with the orientation kept."""
     here = evaluate(system, excitation, last.x, last.w)
-    orientation = factorise(here.receptance, here.departure).determinant_sign * np.sign(last.tangent_w)
+    orientation = here.factorised().determinant_sign * np.sign(last.tangent_w)
     for ahead in _AHEAD:
         there = evaluate(system, excitation, last.x + ahead * last.tangent_x, last.w + ahead * last.tangent_w)
         try:
-            jacobian = factorise(there.receptance, there.departure)
+            jacobian = there.factorised()
         except scipy.linalg.LinAlgError:
             continue
         dx, dw = -jacobian.solve(there.frequency_derivative(excitation)), 1.0

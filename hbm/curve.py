@@ -120,15 +120,17 @@ def _from_the_other_end(
 def _across(
     system: NonlinearSystem, request: CurveRequest, records: "_Records", second: "_Records", ends: tuple[_Ends, _Ends]
 ) -> Iterator[ResponseCurve]:
-    """New starts between two pieces, from the first one's end on; from the second one's where there is no first."""
-    (growing, other), of = (ends, records) if ends[0].furthest is not None else (ends[::-1], second)
-    if growing.furthest is None or _covered(request, *ends):
-        return
-    until = other.furthest.w if other.furthest is not None else 2 * np.pi * _limit(request, growing.sign)
-    bridge = Bridge(system, request.excitation, request.window, request.options, growing.sign, until)
-    for point in bridge.points(growing.furthest):
-        of.add(growing.seen(point))
-        yield records.curve()
+    """New starts between two pieces: from the first one's end on, and if they do not come to the second one's, from
+    there on towards the first.
+    """
+    for growing, other, of in ((ends[0], ends[1], records), (ends[1], ends[0], second)):
+        if growing.furthest is None or _covered(request, *ends):
+            continue
+        until = other.furthest.w if other.furthest is not None else 2 * np.pi * _limit(request, growing.sign)
+        bridge = Bridge(system, request.excitation, request.window, request.options, growing.sign, until)
+        for point in bridge.points(growing.furthest):
+            of.add(growing.seen(point))
+            yield records.curve()
 
 
 def _limit(request: CurveRequest, sign: float) -> float:

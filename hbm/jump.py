@@ -9,7 +9,7 @@ from itertools import pairwise
 from updamp.hbm.branch import BranchPoint, point_at
 from updamp.hbm.metric import Move
 from updamp.hbm.newton import Arc, NewtonOptions, solve
-from updamp.hbm.system import Excitation, NonlinearSystem
+from updamp.hbm.system import Forcing, NonlinearSystem
 from updamp.hbm.traversed import Traversed
 
 # The far side is followed back no nearer than this: two ordinary steps of half the largest size.
@@ -18,7 +18,7 @@ _NO_GAP = 0.1
 
 def land_beyond(
     system: NonlinearSystem,
-    excitation: Excitation,
+    excitation: Forcing,
     behind: Traversed,
     lengths: Sequence[float],
     options: NewtonOptions,

@@ -5,7 +5,9 @@ that steps are even in the logarithm of the amplitude and in the phase, off reso
 
 The mean position hardly counts. Where all contacts slip, only the bending of the blades holds it: it drifts by many
 times the vibration, and turns back sharply wherever a contact sticks again, while amplitude and frequency go on
-evenly. Measured with it, a branch is all corners.
+evenly. Measured with it, a branch is all corners. Where it becomes thousands of times the vibration, as where all
+contacts slip in a direction and nothing but wires holds the damper, it is measured against itself: the vibration is
+seen all the same, and the drift is passed in its logarithm.
 """
 
 from dataclasses import dataclass
@@ -20,6 +22,8 @@ Move = tuple[Floats, float]
 
 # Weight of the mean position: not zero, so that a move of it alone has a length.
 MEAN = 1e-3
+# A vibration below this share of the mean position is none.
+_LEAST = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,9 +37,15 @@ class Metric:
     def at(x: Floats, harmonics: Harmonics, scale_w: float) -> "Metric":
         """x: (n_relative, n_coefficients) [m]"""
         weights = np.ones(harmonics.n_coefficients)
+        mean = 0.0
         if 0 in harmonics.orders:
-            weights[harmonics.slices[0]] = MEAN
-        return Metric(weights / max(float(np.linalg.norm(weights * x)), np.finfo(float).tiny), scale_w)
+            weights[harmonics.slices[0]] = 0.0
+            mean = float(np.linalg.norm(x[:, harmonics.slices[0]]))
+        vibration = max(float(np.linalg.norm(weights * x)), _LEAST * mean, np.finfo(float).tiny)
+        weights /= vibration
+        if 0 in harmonics.orders:
+            weights[harmonics.slices[0]] = MEAN / (vibration + MEAN * mean)
+        return Metric(weights, scale_w)
 
     def product(self, a: Move, b: Move) -> float:
         """Inner product of two moves (dx, dw)."""

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from updamp.hbm.jacobian import Jacobian, factorise
 from updamp.hbm.metric import Metric, Move
-from updamp.hbm.system import Departure, Excitation, NonlinearSystem, Receptance
+from updamp.hbm.system import Departure, Excitation, Forcing, NonlinearSystem, Receptance
+from updamp.hbm.tangent import supported
 
 Floats = NDArray[np.float64]
 
@@ -44,6 +45,10 @@ class NewtonOptions:
     damped: whether steps are shortened at all. Across a kink the full step solves the far side's equations, however
         much the residual rises on the way; shortened, it stays at the kink. For starts close to a solution.
     patience: given up where after so many iterations the residual is not below `PROGRESS` of the first; None: never
+    support: share of their stiffness in the mean position that slipping and open contacts keep in Newton's tangent.
+        Where they all slip in a direction, little holds the mean position: from a residual of 1e-10 of the displacement
+        the exact step may go thousands of displacements, far beyond where contacts stick again. Solutions are the same,
+        as the residual has no such support.
 
     raises: ValueError naming the option that is out of range
     """
@@ -54,6 +59,7 @@ class NewtonOptions:
     memory: int = 4
     damped: bool = True
     patience: int | None = None
+    support: float = 0.0
 
     def __post_init__(self) -> None:
         if not 1e-14 < self.tolerance < 1e-2:
@@ -62,6 +68,8 @@ class NewtonOptions:
             raise ValueError(f"iterations = {self.iterations}: at least 1")
         if self.patience is not None and self.patience < 1:
             raise ValueError(f"patience = {self.patience}: at least 1, or None")
+        if not 0 <= self.support < 1:
+            raise ValueError(f"support = {self.support}: at least 0 and below 1")
 
     def hopeless(self, errors: Sequence[float]) -> bool:
         """errors: of all iterates so far"""
@@ -77,7 +85,7 @@ PROGRESS = 0.3
 class Equation:
     """Residual r(x, w) = x - x_lin(w) + G(w) g(x) at one point, with all that Newton needs.
 
-    residual: (n_relative, n_coefficients) [m]
+    w: [rad/s], or what varies along the branch in its place; residual: (n_relative, n_coefficients) [m]
     """
 
     x: Floats
@@ -88,24 +96,49 @@ class Equation:
 
     @property
     def error(self) -> float:
-        """Largest residual over largest displacement; infinite where not finite."""
-        size = np.abs(self.residual).max() / max(np.abs(self.x).max(), np.finfo(float).tiny)
+        """Largest residual over largest displacement (`_size`); infinite where not finite."""
+        size = np.abs(self.residual).max() / _size(self.receptance.system, self.x)
         return float(size) if np.isfinite(size) else np.inf
 
-    def frequency_derivative(self, excitation: Excitation) -> Floats:
+    def factorised(self, support: float = 0.0) -> Jacobian:
+        """raises: scipy.linalg.LinAlgError where a tangent is not finite"""
+        departure = supported(self.departure, support) if support else self.departure
+        return factorise(self.receptance, departure)
+
+    def frequency_derivative(self, excitation: Forcing) -> Floats:
         """dr/dw"""
-        receptance = self.receptance
-        return (
-            receptance.apply_rate(self.departure.value)
-            + receptance.apply(self.departure.frequency_derivative)
-            - receptance.excitation_rate(excitation)
-        )
+        receptance, (w_rate, force_rate) = self.receptance, excitation.rates(self.w)
+        applied = excitation.at(self.w)[1]
+        rate = np.zeros_like(self.x)
+        if w_rate:
+            rate += w_rate * (
+                receptance.apply_rate(self.departure.value)
+                + receptance.apply(self.departure.frequency_derivative)
+                - receptance.excitation_rate(applied)
+            )
+        if force_rate:
+            rate -= receptance.excitation(Excitation(applied.row, force_rate))
+        return rate
+
+
+# A mean position so many times the vibration does not make a solution better.
+_MEAN_COUNTS = 1000.0
+
+
+def _size(system: NonlinearSystem, x: Floats) -> float:
+    """Largest displacement [m], the mean position's limited to so many times the vibration's."""
+    largest = np.abs(x).max()
+    if 0 in system.harmonics.orders:
+        vibration = np.abs(np.delete(x, system.harmonics.slices[0], axis=1)).max(initial=0.0)
+        largest = min(largest, _MEAN_COUNTS * vibration) if vibration else largest
+    return float(max(largest, np.finfo(float).tiny))
 
 
 @dataclass(frozen=True, eq=False)
 class Solution:
     """x: (n_relative, n_coefficients) [m]; w [rad/s]; errors: as in Equation, one entry an iteration
 
+    support: what Newton's tangents had of it (`NewtonOptions`)
     jacobian: at the iterate before the last; by_frequency: its J^-1 dr/dw [m s], None at fixed frequency
     """
 
@@ -117,6 +150,7 @@ class Solution:
     equation: Equation
     jacobian: Jacobian | None
     by_frequency: Floats | None = None
+    support: float = 0.0
 
     @property
     def converged(self) -> bool:
@@ -136,17 +170,19 @@ class Arc:
         return self.metric.product(self.tangent, (dx, dw))
 
 
-def evaluate(system: NonlinearSystem, excitation: Excitation, x: Floats, w: float) -> Equation:
-    receptance = Receptance(system, w)
-    departure = system.departure(x, w)
-    residual = x - receptance.excitation(excitation) + receptance.apply(departure.value)
+def evaluate(system: NonlinearSystem, excitation: Forcing, x: Floats, w: float) -> Equation:
+    frequency, applied = excitation.at(w)
+    receptance = Receptance(system, frequency)
+    departure = system.departure(x, frequency)
+    residual = x - receptance.excitation(applied) + receptance.apply(departure.value)
     return Equation(x, w, receptance, departure, residual)
 
 
-def residual_alone(system: NonlinearSystem, excitation: Excitation, x: Floats, w: float) -> Floats:
+def residual_alone(system: NonlinearSystem, excitation: Forcing, x: Floats, w: float) -> Floats:
     """(n_relative, n_coefficients) [m], without the tangents, which are most of the cost of `evaluate`."""
-    receptance = Receptance(system, w)
-    return x - receptance.excitation(excitation) + receptance.apply(system.departure_value(x, w))
+    frequency, applied = excitation.at(w)
+    receptance = Receptance(system, frequency)
+    return x - receptance.excitation(applied) + receptance.apply(system.departure_value(x, frequency))
 
 
 def linear_solution(system: NonlinearSystem, w: float, excitation: Excitation) -> Floats:
@@ -165,7 +201,7 @@ def open_solution(system: NonlinearSystem, w: float, excitation: Excitation) -> 
 
 def solve(
     system: NonlinearSystem,
-    excitation: Excitation,
+    excitation: Forcing,
     x: Floats,
     w: float,
     options: NewtonOptions | None = None,
@@ -188,7 +224,7 @@ def solve(
             status = Status.DIVERGED
             break
         try:
-            step = _step(equation, factorise(equation.receptance, equation.departure), excitation, arc, step)
+            step = _step(equation, equation.factorised(options.support), excitation, arc, step)
         except scipy.linalg.LinAlgError:
             status = Status.DIVERGED
             break
@@ -205,8 +241,21 @@ def solve(
             break
     if errors[-1] < options.tolerance and step is not None:
         status = Status.CONVERGED
+        if options.support:
+            equation, step = _without_support(system, excitation, equation, arc)
+            errors.append(equation.error)
     jacobian, slope = (None, None) if step is None else (step.jacobian, step.by_frequency)
-    return Solution(equation.x, equation.w, status, len(errors) - 1, tuple(errors), equation, jacobian, slope)
+    place = (equation.x, equation.w)
+    return Solution(*place, status, len(errors) - 1, tuple(errors), equation, jacobian, slope, options.support)
+
+
+def _without_support(
+    system: NonlinearSystem, excitation: Forcing, equation: Equation, arc: Arc | None
+) -> tuple[Equation, "_Step"]:
+    """One exact step more, for the branch's tangent; taken where the residual does not rise."""
+    step = _step(equation, equation.factorised(), excitation, arc, None)
+    further = evaluate(system, excitation, equation.x + step.dx, equation.w + step.dw)
+    return (further if further.error <= equation.error else equation), step
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,9 +269,7 @@ class _Step:
     forces: Floats | None
 
 
-def _step(
-    equation: Equation, jacobian: Jacobian, excitation: Excitation, arc: Arc | None, before: _Step | None
-) -> _Step:
+def _step(equation: Equation, jacobian: Jacobian, excitation: Forcing, arc: Arc | None, before: _Step | None) -> _Step:
     """The Newton step, bordered by the arc's hyperplane where there is one (block elimination)."""
     by_residual = jacobian.solve(equation.residual)
     if arc is None:
@@ -236,7 +283,7 @@ def _step(
 
 def _damped(
     system: NonlinearSystem,
-    excitation: Excitation,
+    excitation: Forcing,
     equation: Equation,
     step: tuple[Floats, float],
     options: NewtonOptions,
@@ -248,7 +295,7 @@ def _damped(
     contact changes its state the residual has a kink, and a step across it may have to go up first.
     """
     damping = 1.0
-    floor = options.tolerance * max(np.abs(equation.x).max(), np.finfo(float).tiny)
+    floor = options.tolerance * _size(system, equation.x)
 
     def falls(residual: Floats) -> bool:
         return bool(np.linalg.norm(residual) < bound or np.abs(residual).max() < floor)

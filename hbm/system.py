@@ -10,6 +10,7 @@ separates has g = 0 with its tangent, and only the others enter the Newton equat
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +33,25 @@ class Excitation:
 
     row: int
     force: float
+
+    def at(self, parameter: float) -> tuple[float, "Excitation"]:
+        """parameter: the angular frequency"""
+        return parameter, self
+
+    def rates(self, parameter: float) -> tuple[float, float]:  # noqa: ARG002  the same at all frequencies
+        return 1.0, 0.0
+
+
+class Forcing(Protocol):
+    """What varies along a branch: the frequency at constant force (`Excitation`), or the force (hbm/force_ramp.py)."""
+
+    def at(self, parameter: float) -> tuple[float, Excitation]:
+        """Angular frequency [rad/s] and excitation at a place of the branch."""
+        ...
+
+    def rates(self, parameter: float) -> tuple[float, float]:
+        """Derivatives of angular frequency and force with respect to the parameter."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,5 +1,7 @@
 """The tangent T of the elements' departure from stuck: block diagonal by element, zero where an element is stuck."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,6 +22,20 @@ def apply_tangent(system: NonlinearSystem, departure: Departure, displacement: F
         product = tangent.reshape(n, d * c, d * c) @ displacement[group.rows].reshape(n, d * c, 1)
         forces[group.rows] = product.reshape(n, d, c)
     return forces
+
+
+def supported(departure: Departure, share: float) -> Departure:
+    """With tangents of elements that keep `share` of their reference stiffness in the mean position.
+
+    T is minus the reference stiffness where an element slips or is open, and zero where it sticks.
+    """
+    tangents = []
+    for tangent in departure.tangents:
+        kept = tangent.copy()
+        for d in range(tangent.shape[1]):
+            kept[:, d, 0, d, 0] *= 1 - share
+        tangents.append(kept)
+    return replace(departure, tangents=tuple(tangents))
 
 
 def active_rows(system: NonlinearSystem, departure: Departure) -> Integers:

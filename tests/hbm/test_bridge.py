@@ -103,3 +103,24 @@ def test_where_no_start_is_found_the_end_of_the_window_is_named(monkeypatch):
     with pytest.raises(BranchStoppedError) as stop:
         next(iter(continue_branch(system, request.excitation, WINDOW)))
     assert stop.value.frequency == pytest.approx(WINDOW[0])
+
+
+@pytest.mark.parametrize("upwards", [True, False])
+def test_a_branch_begins_a_little_inside_where_its_end_has_no_first_point(monkeypatch, upwards):
+    """First points are found from 0.02 of the window's width inside on, and nowhere outside."""
+    system, request = linear_oscillator()
+    *_, whole = trace(system, request)
+    width = WINDOW[1] - WINDOW[0]
+
+    def far_in(system, excitation, w, options=None):
+        if not WINDOW[0] + 0.02 * width < w / 2 / np.pi < WINDOW[1] - 0.02 * width:
+            raise BranchStoppedError(w / 2 / np.pi, 1.0, Status.STALLED)
+        return first_point(system, excitation, w, options)
+
+    monkeypatch.setattr(continuation, "first_point", far_in)
+    points = list(continue_branch(system, request.excitation, WINDOW, upwards=upwards))
+    left_out = points[0].frequency - WINDOW[0] if upwards else WINDOW[1] - points[0].frequency
+    assert left_out == pytest.approx(0.04 * width)
+    *_, curve = trace(system, request)
+    assert curve.complete
+    assert abs(curve.peak("mass")[1] / whole.peak("mass")[1] - 1) < 1e-3

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support.peers import blades_and_damper_system, one_degree_of_freedom, solved
 
-from updamp.hbm import continuation
+from updamp.hbm import walk
 from updamp.hbm.active_forces import DirectForces, KrylovForces, ModalForces
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring, UnilateralParameters, UnilateralSpring
@@ -58,7 +58,7 @@ def test_branch_goes_round_a_fold_without_a_top(against_a_stop):
 
 
 def test_without_the_far_sides_tangent_it_stops_there(against_a_stop, monkeypatch):
-    monkeypatch.setattr(continuation, "ways_on", lambda *_: iter(()))
+    monkeypatch.setattr(walk, "ways_on", lambda *_: iter(()))
     found, stop = walked(*against_a_stop)
     assert stop is not None
     assert found[-1].w == pytest.approx(1.35, abs=0.01)

@@ -96,8 +96,10 @@ def test_without_progress_it_is_given_up_after_its_patience(slipping):
         (lambda: NewtonOptions(tolerance=1.0), "tolerance"),
         (lambda: NewtonOptions(iterations=0), "iterations"),
         (lambda: NewtonOptions(patience=0), "patience"),
+        (lambda: NewtonOptions(support=1.0), "support"),
         (lambda: ContinuationOptions(smallest_step=1.0), "smallest_step"),
         (lambda: ContinuationOptions(max_points=1), "max_points"),
+        (lambda: ContinuationOptions(supports=(0.0, -0.1)), "supports"),
     ],
 )
 def test_options_refuse_bad_values_by_name(options, name):
