@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from updamp.hbm import energy, observe
 from updamp.hbm.branch import BranchPoint, branch_point
-from updamp.hbm.bridge import Bridge
+from updamp.hbm.bridge import AHEAD, Bridge
 from updamp.hbm.continuation import BranchStoppedError, ContinuationOptions, continue_branch
 from updamp.hbm.response_curve import ResponseCurve
 from updamp.hbm.system import Excitation, NonlinearSystem
@@ -113,7 +113,8 @@ def _from_the_other_end(
     complete = nearest < _JOINT
     if not complete:
         yield from _across(system, request, records, second, (first, backwards))
-        complete = _covered(request, first, backwards)
+        # a start no further ahead is known already: the other piece's end
+        complete = _covered(request, first, backwards, AHEAD[-1])
     yield records.joined(second, complete=complete, stopped="" if complete else reason)
 
 
@@ -138,12 +139,13 @@ def _limit(request: CurveRequest, sign: float) -> float:
     return request.window[1] if sign > 0 else request.window[0]
 
 
-def _covered(request: CurveRequest, first: _Ends, second: _Ends) -> bool:
-    """Whether the pieces leave out no frequency of the window between them."""
+def _covered(request: CurveRequest, first: _Ends, second: _Ends, but_for: float = 0.0) -> bool:
+    """Whether the pieces leave out no more than a share of the window between them."""
     places = [
         2 * np.pi * _limit(request, -end.sign) if end.furthest is None else end.furthest.w for end in (first, second)
     ]
-    return first.sign * (places[0] - places[1]) >= 0
+    width = 2 * np.pi * (request.window[1] - request.window[0])
+    return first.sign * (places[1] - places[0]) <= but_for * width
 
 
 def _unfinished(request: CurveRequest, curve: ResponseCurve) -> str:

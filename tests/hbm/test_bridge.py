@@ -1,13 +1,16 @@
 """Starts elsewhere: beyond a place where a branch stops from both ends, from the other end, and outside the window."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from support.peers import one_degree_of_freedom, solved
 
 from updamp.hbm import continuation
 from updamp.hbm import curve as curve_module
+from updamp.hbm.bridge import Bridge
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
-from updamp.hbm.continuation import BranchStoppedError, continue_branch, first_point
+from updamp.hbm.continuation import BranchStoppedError, ContinuationOptions, continue_branch, first_point
 from updamp.hbm.curve import CurveRequest, trace
 from updamp.hbm.elements import ElementGroup
 from updamp.hbm.newton import Status
@@ -124,3 +127,25 @@ def test_a_branch_begins_a_little_inside_where_its_end_has_no_first_point(monkey
     *_, curve = trace(system, request)
     assert curve.complete
     assert abs(curve.peak("mass")[1] / whole.peak("mass")[1] - 1) < 1e-3
+
+
+@pytest.mark.parametrize(("left_out", "complete"), [(0.03, True), (0.1, False)])
+def test_pieces_that_end_close_to_each_other_are_one_curve_with_a_gap(monkeypatch, left_out, complete):
+    """No nearer than the furthest new start that is tried: what lies beyond is known already."""
+    system, request = linear_oscillator()
+    low, high = np.quantile(WINDOW, (0.5, 0.5 + left_out))
+
+    def stopped(system, excitation, window, options, upwards, resume=()):
+        for point in continue_branch(system, excitation, window, options, upwards, resume):
+            if low < point.frequency < high:
+                raise BranchStoppedError(point.frequency, 1.0, Status.STALLED)
+            yield point
+
+    monkeypatch.setattr(curve_module, "continue_branch", stopped)
+    monkeypatch.setattr(Bridge, "_start", lambda *_: None)
+    request = replace(request, options=ContinuationOptions(largest_step=0.06))
+    *_, curve = trace(system, request)
+    assert curve.complete == complete
+    assert bool(curve.stopped) != complete
+    assert len(curve.gaps()) == 1
+    assert np.ptp(curve.gaps()) >= 0.99 * (high - low)
