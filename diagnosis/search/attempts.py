@@ -18,7 +18,7 @@ from updamp.diagnosis.search.criteria import Criteria
 from updamp.diagnosis.search.evidence import Trial
 from updamp.diagnosis.search.refit import FULL, Refit, Starts, judged, refit
 from updamp.diagnosis.search.regate import gated_again
-from updamp.diagnosis.search.resized import resized
+from updamp.diagnosis.search.resized import at_size, resized
 from updamp.hbm.compilation_cache import keep_compiled
 from updamp.hbm.continuation import BranchStoppedError
 
@@ -29,9 +29,8 @@ Floats = NDArray[np.float64]
 class Attempt:
     """effects: further ones; starts: of their parameters in typical sizes, beside the calibrated model's
     as_given: likewise, beside the model's as it was before calibration
-    near: a fit of the same to go on from; gated_again: whether its numerical error is found anew (`regate.py`), or has
-        been where the size is another
-    size: of the effects, times that of `near`, to fit from (`resized.py`)
+    near: a fit of the same to go on from; gated_again: whether its numerical error is found anew (`regate.py`)
+    size: of the effects, times that of `near`, to go on from (`resized.py`)
     """
 
     effects: tuple[Effect, ...]
@@ -44,9 +43,10 @@ class Attempt:
 
     @property
     def name(self) -> str:
-        how = ", numerics anew" if self.gated_again else ", until settled" if self.near is not None else ""
+        settled = self.near is not None and self.size == 1
+        how = ", numerics anew" if self.gated_again else ", until settled" if settled else ""
         if self.size != 1:
-            how = f", from {self.size:g} times the size"
+            how = f", from {self.size:g} times the size{how}"
         return ", ".join(e.name for e in self.effects) + how
 
 
@@ -125,19 +125,17 @@ def _run(start: Baseline, criteria: Criteria, attempt: Attempt) -> Result | None
 
 
 def _refit(start: Baseline, criteria: Criteria, a: Attempt) -> Refit | None:
-    if a.near is not None and a.size != 1:
-        fitted = resized(a.near, a.effects, a.size, start)
-        if fitted is None:
-            return None
-        return replace(judged(start.fitted, fitted, a.effects, criteria), gated_again=a.gated_again)
-    if a.near is None or not a.gated_again:
+    if a.near is None or (a.size == 1 and not a.gated_again):
         starts = Starts(a.as_given, a.starts)
         return refit(start.fitted, start.train_plan, a.effects, starts, criteria, a.full, a.near)
     try:
-        found = judged(start.fitted, gated_again(a.near, start, FULL), a.effects, criteria)
+        if not a.gated_again:
+            found = resized(a.near, a.effects, a.size, start)
+        else:
+            found = gated_again(a.near if a.size == 1 else at_size(a.near, a.effects, a.size), start, FULL)
     except BranchStoppedError:
         return None
-    return replace(found, gated_again=True)
+    return replace(judged(start.fitted, found, a.effects, criteria), gated_again=a.gated_again)
 
 
 @dataclass(frozen=True)

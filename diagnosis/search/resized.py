@@ -4,6 +4,8 @@ chi2 may have several minima along an effect's size, each as sharp as if it were
 takes up the rest. A fit finds one of them.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,37 +17,51 @@ from updamp.hbm.continuation import BranchStoppedError
 
 Floats = NDArray[np.float64]
 
+# Times the size that was fitted.
+SIZES = (0.5, 2.0)
 _ROUNDS = FitOptions(rounds=6)
 # Of chi2, that 95 % of the minima of one parameter lie within.
 _WITHIN = 3.84
 
 
-def sizes(effects: tuple[Effect, ...]) -> tuple[float, ...]:
-    """Times the size that was fitted, with the other sign too where there is one."""
-    both = all(q.two_sided for effect in effects for q in effect.parameters)
-    return (0.5, 2.0, -1.0) if both else (0.5, 2.0)
+def have_two_signs(effects: tuple[Effect, ...]) -> bool:
+    return all(q.two_sided for effect in effects for q in effect.parameters)
 
 
-def resized(found: Fit, effects: tuple[Effect, ...], size: float, start: Baseline) -> Fit | None:
-    """The fit from so many times the effects' sizes: the other parameters as they are, or as given, whatever is closer;
-    None where the model has no response at either."""
-    p, best = found.parametrisation, None
+def resized(found: Fit, effects: tuple[Effect, ...], size: float, start: Baseline) -> Fit:
+    """The fit from so many times the effects' sizes: the other parameters as they are, or as given, whatever is closer.
+
+    raises: BranchStoppedError where the model has no response at either
+    """
+    p, best, stopped = found.parametrisation, None, None
     for others in (found.u, as_given(found)):
-        u = others.copy()
-        for effect in effects:
-            place = p.columns(effect.name)
-            u[place] = size * found.u[place]
-        u = np.clip(u, p.lower, p.upper)
+        u = _sized(found, effects, size, others)
         try:
             branches = predict(p, u, start.train_plan, found.compared.branches or None)
-        except BranchStoppedError:
+        except BranchStoppedError as error:
+            stopped = error
             continue
         compared = compare_at(p, u, start.train_plan, branches, found.compared.scatter)
         if best is None or objective(p, compared) < objective(p, best):
             best = compared
     if best is None:
-        return None
+        assert stopped is not None, "one of both has been tried"
+        raise stopped
     return fit(p, start.train_plan, best.u, found.compared.scatter, best.branches, _ROUNDS)
+
+
+def at_size(found: Fit, effects: tuple[Effect, ...], size: float) -> Fit:
+    """Not fitted: effects of so many times their sizes in the model as given, without branches."""
+    u = _sized(found, effects, size, as_given(found))
+    return replace(found, compared=replace(found.compared, u=u, branches=()))
+
+
+def _sized(found: Fit, effects: tuple[Effect, ...], size: float, others: Floats) -> Floats:
+    p, u = found.parametrisation, others.copy()
+    for effect in effects:
+        place = p.columns(effect.name)
+        u[place] = size * found.u[place]
+    return np.clip(u, p.lower, p.upper)
 
 
 def as_likely(fitted: Fit, best: Fit) -> bool:

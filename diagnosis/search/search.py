@@ -13,7 +13,7 @@ from updamp.diagnosis.search.candidates import attempts
 from updamp.diagnosis.search.criteria import Criteria
 from updamp.diagnosis.search.evidence import EffectScore, Evidence, Trial
 from updamp.diagnosis.search.refit import Refit, gain_of_bic, judged
-from updamp.diagnosis.search.resized import as_likely, sizes
+from updamp.diagnosis.search.resized import SIZES, as_likely, have_two_signs
 from updamp.diagnosis.search.score import Score, cosines, scores
 from updamp.diagnosis.search.signature import Extended, extend
 
@@ -117,7 +117,20 @@ def _gated_again(fits: _Fits, found: Results) -> Results:
     least = min((r.trial.excess for r in settled), default=0.0)
     close = [r for r in settled if r.trial.excess < min(most, criteria.comparable * least)]
     left = [r for r in close if not r.refit.gated_again and not _explains(r.trial, criteria)]
-    return fits.full(left, gated_again=True)
+    again = fits.full(left, gated_again=True)
+    return again | _turned_round(fits, left, again)
+
+
+def _turned_round(fits: _Fits, fitted: Sequence[Result], again: Results) -> Results:
+    """Likewise from the other sign, where that is better: a coarse mesh may show an effect of the right sign so weakly
+    that a fit on it ends at the wrong one."""
+    tries = [
+        Attempt(r.refit.effects, (), True, near=r.refit.fitted, gated_again=True, size=-1.0)
+        for r in fitted
+        if have_two_signs(r.refit.effects)
+    ]
+    found = fits.results(tries) if tries else {}
+    return {names: r for names, r in found.items() if names not in again or r.refit.drop > again[names].refit.drop}
 
 
 def _other_sizes(fits: _Fits, singles: Results) -> Results:
@@ -128,15 +141,12 @@ def _other_sizes(fits: _Fits, singles: Results) -> Results:
     if not explain or explain[0].refit.delta_bic < criteria.delta_bic:
         return {}
     first = explain[0].refit
-    tries = [
-        Attempt(first.effects, (), True, near=first.fitted, gated_again=first.gated_again, size=size)
-        for size in sizes(first.effects)
-    ]
+    tries = [Attempt(first.effects, (), True, near=first.fitted, size=size) for size in SIZES]
     tried = fits.bench(start, criteria, tries, _telling(fits.progress))
     some = [explain[0], *(r for r in tried if r is not None)]
     best = max(some, key=lambda r: r.refit.drop)
     also = [r.refit.fitted for r in some if r is not best and as_likely(r.refit.fitted, best.refit.fitted)]
-    refit = replace(best.refit, also=tuple(without_branches(f) for f in also))
+    refit = replace(best.refit, also=tuple(without_branches(f) for f in also), gated_again=first.gated_again)
     return {best.trial.effects: replace(best, refit=refit)}
 
 

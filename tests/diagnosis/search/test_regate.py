@@ -9,10 +9,12 @@ from support.small_model import NUISANCES, condition, small_model, synthetic_pla
 from updamp.diagnosis.effects.effect import Effect, EffectParameter
 from updamp.diagnosis.model.parameters import Parametrisation
 from updamp.diagnosis.residual import numerical_gate
+from updamp.diagnosis.search.attempts import Attempt, run_here
 from updamp.diagnosis.search.baseline import baseline
 from updamp.diagnosis.search.criteria import Criteria
 from updamp.diagnosis.search.refit import FULL, Starts, refit
 from updamp.diagnosis.search.regate import gated_again
+from updamp.diagnosis.search.search import _Fits, _gated_again
 from updamp.hbm.structural_changes import Attachment
 
 STIFFNESS = 1e4
@@ -46,3 +48,34 @@ def test_a_fit_that_leaves_a_misfit_of_its_mesh_explains_the_data_once_that_is_k
     assert found.excess > 20 * least
     assert again.compared.excess < 2 * least  # what the mesh changes was found where the first fit ended
     assert again.parametrisation.values(again.u)["spring"]["size"] == pytest.approx(1.0, rel=0.1)
+
+
+def shown_weakly(model, values):
+    """A spring at b of the size; where that is positive a coarse mesh shows half of it, and where it is negative
+    it comes with one at a."""
+    size = values["size"]
+    share = 1.0 if size < 0 or "fine" in model.notes else 0.5
+    springs = [Attachment("at b", points={"b.x": 1.0}, stiffness=STIFFNESS * share * abs(size))]
+    if size < 0:
+        springs.append(Attachment("at a", points={"a.x": 1.0}, stiffness=0.3 * STIFFNESS * abs(size)))
+    return replace(model, attachments=(*model.attachments, *springs))
+
+
+WEAKLY = Effect(
+    "spring", "there is a spring", (EffectParameter("size", 0.0, -3.0, 3.0, 1.0, "", "test"),), shown_weakly
+)
+
+
+def test_a_fit_that_ended_at_the_wrong_sign_is_turned_round(monkeypatch):
+    monkeypatch.setattr(numerical_gate, "nuisances", lambda _: NUISANCES)
+    truth = Parametrisation(shown_weakly(FINE, {"size": 1.0}), NUISANCES)
+    plan, _ = synthetic_plan(truth, np.zeros(4), (condition(60.0),), np.array([1e-4, 0.02, 0.02, 0.01]), seed=7)
+    start, criteria = baseline(small_model(), (), plan, {"fine": FINE}), Criteria()
+    (found,) = run_here(start, criteria, [Attempt((WEAKLY,), (-np.ones(1),), full=True)], lambda *_: None)
+    assert found.refit.fitted.u[found.refit.fitted.parametrisation.columns("spring")] < 0
+    tries = [Attempt((WEAKLY,), (), True, near=found.refit.fitted, gated_again=True, size=size) for size in (1.0, -1.0)]
+    same, turned = run_here(start, criteria, tries, lambda *_: None)
+    best = _gated_again(_Fits(start, criteria, lambda _: None, run_here), {("spring",): found})[("spring",)]
+    assert same.refit.drop < turned.refit.drop == pytest.approx(best.refit.drop)
+    p = best.refit.fitted.parametrisation
+    assert p.values(best.refit.fitted.u)["spring"]["size"] == pytest.approx(1.0, rel=0.3)

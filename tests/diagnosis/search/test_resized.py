@@ -13,7 +13,7 @@ from updamp.diagnosis.search.baseline import baseline
 from updamp.diagnosis.search.conclude import parameters
 from updamp.diagnosis.search.criteria import Criteria
 from updamp.diagnosis.search.refit import Starts, refit
-from updamp.diagnosis.search.resized import as_likely, resized, sizes
+from updamp.diagnosis.search.resized import SIZES, as_likely, have_two_signs, resized
 from updamp.hbm.structural_changes import Attachment
 
 STIFFNESS = 1e4
@@ -68,12 +68,13 @@ def test_the_other_minimum_is_found_is_as_likely_and_is_in_the_interval(fitted):
 
 def test_where_there_is_one_minimum_every_size_leads_back_to_it(fitted):
     start, found = fitted(PLAIN)
-    for size in sizes((PLAIN,)):
+    for size in SIZES:
         again = resized(found.fitted, (PLAIN,), size, start)
         np.testing.assert_allclose(again.u[-1], found.fitted.u[-1], atol=0.5 * found.fitted.deviations[-1])
 
 
 def test_an_effect_that_has_no_sign_is_not_turned_round():
     both = replace(PLAIN, parameters=(EffectParameter("size", 0.0, -3.0, 3.0, 1.0, "", "test"),))
-    assert sizes((PLAIN,)) == (0.5, 2.0)
-    assert -1.0 in sizes((both,))
+    assert not have_two_signs((PLAIN,))
+    assert have_two_signs((both,))
+    assert not have_two_signs((PLAIN, both))
