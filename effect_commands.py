@@ -1,6 +1,5 @@
 """Commands that find missing effects and take them up: `updamp diagnose`, `add`, `remove`, `history`."""
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,6 +8,7 @@ from rich.console import Console
 from rich.text import Text
 
 from updamp.command_line import Debug, RigFile, clean_errors, interruptible
+from updamp.resources import one_thread
 
 if TYPE_CHECKING:
     from updamp.diagnosis.add import Changed
@@ -65,7 +65,7 @@ def diagnose(
     a search that was stopped goes on from there.
     """
     with clean_errors(debug), interruptible():
-        os.environ.setdefault("OMP_NUM_THREADS", "1")  # many small products: threads would wait for each other
+        one_thread()
         from updamp.diagnosis.compare_run import CompareFiles
         from updamp.diagnosis.search.diagnose import DiagnoseOptions
         from updamp.diagnosis.search.diagnose import diagnose as search_effects

@@ -12,7 +12,7 @@ from rich.text import Text
 
 from updamp import effect_commands, stages
 from updamp.command_line import INCOMPLETE, Debug, RigFile, clean_errors, interruptible
-from updamp.resources import Meter
+from updamp.resources import Meter, one_thread
 
 app = typer.Typer(
     help="From a bladed test rig's dimensions to its nonlinear vibration with a friction damper.",
@@ -119,7 +119,8 @@ def compare(
         typer.Option(help="Preset with a finer mesh: what it changes counts as numerical error. Repeatable."),
     ] = [],  # noqa: B006
     jobs: Annotated[
-        int | None, typer.Option(help="Curves traced at the same time.", show_default="the CPUs, at most 4")
+        int | None,
+        typer.Option(min=1, help="Branches traced at the same time.", show_default="the CPUs, at most 4"),
     ] = None,
     debug: Debug = False,
 ) -> None:
@@ -128,7 +129,7 @@ def compare(
     What is known only roughly (stiffness, damping, friction) is fitted within its bounds first.
     """
     with clean_errors(debug), interruptible():
-        os.environ.setdefault("OMP_NUM_THREADS", "1")  # many small products: threads would wait for each other
+        one_thread()
         from updamp.diagnosis.compare_run import CompareFiles, run_compare, sentences
         from updamp.hbm.compilation_cache import keep_compiled
 

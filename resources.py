@@ -96,6 +96,13 @@ def thread_limits(threads: int) -> Mapping[str, str]:
     return values
 
 
+def one_thread() -> None:
+    """For this process, where the user has not set it otherwise, and before numpy and JAX are loaded: many small
+    products, for which threads would wait for each other."""
+    for name, value in thread_limits(1).items():
+        os.environ.setdefault(name, value)
+
+
 @contextmanager
 def environment(values: Mapping[str, str]) -> Iterator[None]:
     """Environment variables for the processes started inside."""

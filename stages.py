@@ -8,8 +8,10 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from updamp.rig import Rig
+if TYPE_CHECKING:  # the command line reads this table before it says how many threads numpy, loaded by it, is to use
+    from updamp.rig import Rig
 
 
 @dataclass(frozen=True)
@@ -30,7 +32,7 @@ class Stage:
     choices: tuple[str, ...] = ()
     optional: tuple[str, ...] = ()
 
-    def key(self, rig: Rig, choice: Mapping[str, str]) -> str:
+    def key(self, rig: "Rig", choice: Mapping[str, str]) -> str:
         """SHA-256 of all that goes into the product, hexadecimal.
 
         choice: values of "preset", "mode" and "force", as far as this stage and those before it use them

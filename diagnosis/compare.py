@@ -22,6 +22,7 @@ from updamp.diagnosis.effects.chosen import ChosenEffect
 from updamp.diagnosis.findings import lack_of_fit, misfits
 from updamp.diagnosis.fitted_branch import at_sizes
 from updamp.diagnosis.measurement.measurement import Measurement
+from updamp.diagnosis.model.branch_tasks import Branches, in_turn
 from updamp.diagnosis.model.parameters import LOSS_FACTOR, Parametrisation
 from updamp.diagnosis.model.predicted_branch import PredictedBranch, with_patterns
 from updamp.diagnosis.model.rig_model import RigModel
@@ -69,18 +70,20 @@ def compare(
     progress: Progress = lambda _: None,
     finer: Mapping[str, RigModel] | None = None,
     taken: Sequence[ChosenEffect] = (),
+    branches_of: Branches = in_turn,
 ) -> tuple[Comparison, Fit | None]:
     """The comparison, and the calibration it rests on (None where only features were measured).
 
     finer: name -> model with finer numerics; what it changes counts as numerical error, not as misfit. That of more
         harmonics and time samples is made here
     taken: effects of the rig file, which `model` and `finer` do not have yet
+    branches_of: traces them, in this process or in others
 
     raises: BranchStoppedError where the model has no response at the beginning of a run
     """
     if not measurement.runs:
         return _of_features(measurement, features, provenance or {}), None
-    calibrated = calibrate(model, measurement, options, progress, finer, taken)
+    calibrated = calibrate(model, measurement, options, progress, finer, taken, branches_of)
     return comparison_of(calibrated, measurement, features, provenance), calibrated.fit
 
 
@@ -91,17 +94,18 @@ def calibrate(
     progress: Progress = lambda _: None,
     finer: Mapping[str, RigModel] | None = None,
     taken: Sequence[ChosenEffect] = (),
+    branches_of: Branches = in_turn,
 ) -> Calibration:
     """As for `compare`, of a measurement with runs."""
     options = options or CompareOptions()
     plan = plan_of(measurement, options.harmonics)
-    parametrisation, plain = gated(model, taken, plan, finer or {}, progress)
+    parametrisation, plain = gated(model, taken, plan, finer or {}, progress, branches_of)
     start = np.zeros(len(parametrisation))
     before = tuple(with_patterns(branch, parametrisation.numerics) for branch in plain)
     del plain
-    fitted = fit(parametrisation, plan, start, None, before, options.fit, progress)
+    fitted = fit(parametrisation, plan, start, None, before, options.fit, progress, branches_of)
     progress("curves")
-    after = predict(parametrisation, fitted.u, plan, fitted.compared.branches)
+    after = predict(parametrisation, fitted.u, plan, fitted.compared.branches, branches_of)
     return Calibration(plan, before, fitted, tuple(at_sizes(branch, fitted.u) for branch in after))
 
 

@@ -1,6 +1,7 @@
 """`updamp compare`: from a rig file and a measurement to comparison.json and report.html."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
@@ -16,6 +17,8 @@ from updamp.diagnosis.effects.chosen import ChosenEffect, resolved, with_effects
 from updamp.diagnosis.history import record_comparison
 from updamp.diagnosis.measurement.load import load_measurement
 from updamp.diagnosis.measurement.measurement import Measurement
+from updamp.diagnosis.model.branch_processes import by_processes
+from updamp.diagnosis.model.branch_tasks import Branches, InTurn, Report
 from updamp.diagnosis.model.build import rig_before_effects
 from updamp.diagnosis.model.modal_rig import is_modal, load_modal
 from updamp.diagnosis.model.rig_model import RigModel
@@ -56,6 +59,7 @@ def run_compare(
 ) -> tuple[Comparison, Fit | None]:
     """Build the model where it is not there yet, compare, write both files.
 
+    workers: processes at most; the numbers do not depend on it
     finer: presets of finer meshes; what each changes counts as numerical error
 
     raises: RigError, MeasurementError and what the stages raise, naming what to mend
@@ -65,16 +69,18 @@ def run_compare(
         provenance = provenance_of(files, subject, preset)
         display.update("comparison", 0.0, "prediction")
         told = _Told(display)
-        comparison, fit = compare(
-            subject.before_effects,
-            subject.measurement,
-            subject.features,
-            provenance,
-            options,
-            told,
-            subject.finer,
-            subject.taken,
-        )
+        with branches_of(subject, workers, told.branch) as branches:
+            comparison, fit = compare(
+                subject.before_effects,
+                subject.measurement,
+                subject.features,
+                provenance,
+                options,
+                told,
+                subject.finer,
+                subject.taken,
+                branches,
+            )
         display.done("comparison", f"{len(comparison.findings)} findings")
         files.out.mkdir(parents=True, exist_ok=True)
         write_json(files.comparison, comparison)
@@ -130,15 +136,33 @@ def _of_modal_rig(files: CompareFiles) -> Subject:
     return Subject(model, measurement, (), "", taken=resolved(rig.effects))
 
 
+@contextmanager
+def branches_of(subject: Subject, workers: int, report: Report) -> Iterator[Branches]:
+    """How the branches of a comparison are traced: in at most so many processes, and no more than it has tests. Those
+    of a model that is linear take less time than a process takes to begin."""
+    tests = len({run.name for run in subject.measurement.runs})
+    linear = not with_effects(subject.before_effects, subject.taken).groups
+    if min(workers, tests) < 2 or linear:
+        yield InTurn(report)
+    else:
+        with by_processes(min(workers, tests), report) as spread:
+            yield spread
+
+
 class _Told:
     """The fit does not know how many rounds it will need: the bar tells what it is at."""
 
     def __init__(self, display: Display) -> None:
-        self._display, self._share = display, 0.0
+        self._display, self._share, self._step = display, 0.0, ""
 
     def __call__(self, step: str) -> None:
-        self._share += (1 - self._share) / 6
+        self._share, self._step = self._share + (1 - self._share) / 6, step
         self._display.update("comparison", self._share, step)
+
+    def branch(self, name: str, done: int, of: int) -> None:
+        """One more of the branches that the step needs."""
+        share = self._share + (1 - self._share) / 6 * done / of
+        self._display.update("comparison", share, f"{self._step}: {name}, {done} of {of} branches")
 
 
 def _points() -> tuple[str, ...]:

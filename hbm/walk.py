@@ -63,15 +63,24 @@ class ContinuationOptions:
             raise ValueError(f"supports = {self.supports}: each at least 0 and below 1")
 
 
-class BranchStoppedError(Exception):
-    """A branch that cannot go on. What was computed has been handed out already."""
+class BranchStoppedError(RuntimeError):
+    """A branch that cannot go on. What was computed has been handed out already.
 
-    def __init__(self, frequency: float, error: float, status: Status) -> None:
-        self.frequency, self.error, self.status = frequency, error, status
+    whose: name of the branch, where the message is to say it
+    """
+
+    def __init__(self, frequency: float, error: float, status: Status, whose: str = "") -> None:
+        self.frequency, self.error, self.status, self.whose = frequency, error, status, whose
         super().__init__(
-            f"the branch stops at {frequency:.4f} Hz: {status.value}, residual {error:.1e} of the displacement; "
-            f"{status.advice}"
+            f"{whose}{': ' if whose else ''}the branch stops at {frequency:.4f} Hz: {status.value}, residual "
+            f"{error:.1e} of the displacement; {status.advice}"
         )
+
+    def of(self, whose: str) -> "BranchStoppedError":
+        return BranchStoppedError(self.frequency, self.error, self.status, whose)
+
+    def __reduce__(self) -> tuple[type["BranchStoppedError"], tuple[float, float, Status, str]]:
+        return BranchStoppedError, (self.frequency, self.error, self.status, self.whose)
 
 
 @dataclass(frozen=True, eq=False)

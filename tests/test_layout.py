@@ -1,5 +1,8 @@
 """The packages listed for installation are those on disk."""
 
+import os
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
@@ -25,3 +28,11 @@ def test_folders_with_code_are_packages() -> None:
 
 def test_root_is_no_package_of_its_own() -> None:
     assert not (ROOT / "__init__.py").exists()
+
+
+def test_the_command_line_says_how_many_threads_numpy_is_to_use_before_it_is_loaded() -> None:
+    found = subprocess.run(
+        [sys.executable, "-c", "import sys, updamp.pipeline; print('numpy' in sys.modules, 'jax' in sys.modules)"],
+        capture_output=True, text=True, check=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+    )  # fmt: skip
+    assert found.stdout.split() == ["False", "False"]

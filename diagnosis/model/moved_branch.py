@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from updamp.diagnosis.model.condition import Condition
 from updamp.diagnosis.model.model_at import ModelAt
 from updamp.diagnosis.model.parameters import Parametrisation
-from updamp.diagnosis.model.predicted_branch import PredictedBranch, observe
+from updamp.diagnosis.model.predicted_branch import PredictedBranch, observe_swept
 from updamp.hbm.branch import BranchPoint, point_after, point_at
 from updamp.hbm.continuation import BranchStoppedError, ContinuationOptions, continue_branch
 from updamp.hbm.metric import Move
@@ -51,22 +51,31 @@ def move_branch(parametrisation: Parametrisation, u: Floats, before: PredictedBr
     if filled is None:
         return None
     covering = filled if before.stopped else _covering(system, excitation, filled, before.condition)
-    return None if covering is None else observe(there, before.condition, covering, before.stopped)
+    if covering is None:
+        return None
+    found = observe_swept(there, before.condition, covering, before.stopped)
+    return found if _seen_at_gaps(found) <= _seen_at_gaps(before) else None
+
+
+def _seen_at_gaps(branch: PredictedBranch) -> int:
+    """How many gaps the sweep sees an edge of: of what was left out because it does not see it, it is not to."""
+    return sum(bool(branch.visited[i - 1 : i + 1].any()) for i, p in enumerate(branch.points) if i and p.after_gap)
 
 
 def _moved(there: ModelAt, before: PredictedBranch, excitation: Excitation) -> list[BranchPoint]:
     """Without those that do not converge."""
     moved: list[BranchPoint] = []
+    gap = False
     for i, point in enumerate(before.points):
         known = len(before.w_by_parameter[i])
         du = there.u[:known] - before.u[:known]
         x = point.x + np.tensordot(du, before.x_by_parameter[i], axes=1)
         w = point.w + float(before.w_by_parameter[i] @ du)
         solution = solve(there.model.system, excitation, x, w, _NEWTON, Arc(x, w, point.tangent, point.metric))
+        gap = gap or point.after_gap
         if solution.converged:
-            moved.append(
-                point_at(solution, excitation, point.metric.scale_w, point.tangent, point.step, point.after_gap)
-            )
+            moved.append(point_at(solution, excitation, point.metric.scale_w, point.tangent, point.step, gap))
+            gap = False
     return moved
 
 

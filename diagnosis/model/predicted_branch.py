@@ -5,7 +5,7 @@ logarithm of the amplitude and the phase. Along the branch these are smooth wher
 not, at turning points, and where it changes by multiples, at resonance.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -14,16 +14,17 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 from updamp.diagnosis.model.condition import Condition
-from updamp.diagnosis.model.derivatives import Change, Derivatives, derivatives
+from updamp.diagnosis.model.derivatives import Change
 from updamp.diagnosis.model.held_branch import HeldPoint, held_state, pairs, trace_held
 from updamp.diagnosis.model.light_points import light
 from updamp.diagnosis.model.model_at import ModelAt
 from updamp.diagnosis.model.numerical_error import NumericalError
+from updamp.diagnosis.model.observed_point import ObservedPoint, Observer
 from updamp.diagnosis.model.parameters import Parametrisation
+from updamp.diagnosis.model.swept_points import swept_points
 from updamp.hbm.branch import BranchPoint
-from updamp.hbm.continuation import BranchStoppedError, ContinuationOptions, continue_branch
+from updamp.hbm.continuation import ContinuationOptions, continue_branch
 from updamp.hbm.sweeps import sweep
-from updamp.hbm.system import NonlinearSystem
 
 Floats = NDArray[np.float64]
 
@@ -122,22 +123,27 @@ class Observed:
 def trace_branch(
     parametrisation: Parametrisation, u: Floats, condition: Condition, options: ContinuationOptions | None = None
 ) -> PredictedBranch:
-    """Follow the branch through the measured window by continuation.
+    """Follow the branch through the measured window by continuation, and keep what the test's sweep sees of it.
 
     raises: BranchStoppedError where not even its first point is found
     """
     there = ModelAt(parametrisation, u)
     if condition.control is not None:
         return observe(there, condition, *trace_held(there, condition))
-    excitation, points, stopped = there.model.excited_by(condition.force), [], ""
-    try:
-        for point in continue_branch(there.model.system, excitation, condition.wider, options, condition.upwards):
-            points.append(point)
-    except BranchStoppedError as stop:
-        if len(points) < 4:
-            raise
-        stopped = str(stop)
-    return observe(there, condition, points, stopped)
+    system, excitation = there.model.system, there.model.excited_by(condition.force)
+    walk = continue_branch(system, excitation, condition.wider, options, condition.upwards)
+    return observe_swept(there, condition, walk)
+
+
+def observe_swept(
+    there: ModelAt, condition: Condition, points: Iterable[BranchPoint], stopped: str = ""
+) -> PredictedBranch:
+    """What a sweep sees of solved points, with margins; stopped: why they end inside the window, if known beforehand.
+
+    raises: BranchStoppedError where the points end with it before there are enough of them
+    """
+    seen, reason = swept_points(points, condition.upwards, Observer(there, condition))
+    return _of_observed(there, condition, seen, stopped or reason)
 
 
 def observe(
@@ -146,14 +152,18 @@ def observe(
     """Solved points as a branch; further: changes by parameters that the model does not have yet, after its own."""
     if condition.control is not None:
         return _observe_held(there, condition, points, stopped, further)
-    system, excitation = there.model.system, there.model.excited_by(condition.force)
-    rows = np.array([system.free.row(point) for point, _ in condition.sensors])
-    found = [derivatives(p, excitation, (*there.changes, *further), rows) for p in points]
-    each = [_state(d, p.w, system, condition) for d, p in zip(found, points, strict=True)]
-    state, along, slopes = (np.array(column) for column in zip(*each, strict=True))
-    by_parameter = tuple(d.x_by_parameter for d in found), np.array([d.w_by_parameter for d in found])
+    look = Observer(there, condition, further)
+    return _of_observed(there, condition, [look(point) for point in points], stopped, len(further))
+
+
+def _of_observed(
+    there: ModelAt, condition: Condition, observed: Sequence[ObservedPoint], stopped: str, further: int = 0
+) -> PredictedBranch:
+    state, along, slopes = (np.array([getattr(o, part) for o in observed]) for part in ("state", "along", "slopes"))
+    by_parameter = tuple(o.x_by_parameter for o in observed), np.array([o.w_by_parameter for o in observed])
     proportional = _is_proportional(state, along, slopes[:, -1])
-    return _branch(there, condition, points, stopped, (state, along, slopes), by_parameter, proportional, len(further))
+    points = [o.point for o in observed]
+    return _branch(there, condition, points, stopped, (state, along, slopes), by_parameter, proportional, further)
 
 
 def _observe_held(
@@ -249,20 +259,3 @@ def _length(change: Floats, state: Floats, condition: Condition) -> Floats:
     of_frequency = np.pi * change[:, 0] / np.log(condition.wider[1] / condition.wider[0])
     of_amplitude = np.linalg.norm(change[:, 1:], axis=1) / np.linalg.norm(state[:, 1:], axis=1)
     return np.asarray(np.hypot(of_frequency, of_amplitude))
-
-
-def _state(d: Derivatives, w: float, system: NonlinearSystem, condition: Condition) -> tuple[Floats, Floats, Floats]:
-    """State, its derivative along the branch, and by the parameters and the force."""
-    orders = [k for _, k in condition.sensors]
-
-    def amplitudes(values: Floats) -> Floats:
-        each = [system.harmonics.amplitude(values[..., i, :], k) for i, k in enumerate(orders)]
-        return pairs(np.stack(each, axis=-1))
-
-    slopes = amplitudes(np.concatenate([d.by_parameter, d.by_force[None]]))
-    by_w = np.append(d.w_by_parameter, d.w_by_force) / w
-    return (
-        np.append(np.log(w / (2 * np.pi)), amplitudes(d.value)),
-        np.append(d.w_along / w, amplitudes(d.along)),
-        np.column_stack([by_w, slopes]),
-    )

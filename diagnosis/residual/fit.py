@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from updamp.diagnosis.model.moved_branch import move_branch
+from updamp.diagnosis.model.branch_tasks import Branches, BranchTask, in_turn
 from updamp.diagnosis.model.parameters import Parametrisation
-from updamp.diagnosis.model.predicted_branch import PredictedBranch, trace_branch
+from updamp.diagnosis.model.predicted_branch import PredictedBranch
 from updamp.diagnosis.residual.matching import Matched, match
 from updamp.diagnosis.residual.observations import Observations, Plan
 from updamp.diagnosis.residual.scatter import (
@@ -127,17 +127,20 @@ class Fit:
 
 
 def predict(
-    parametrisation: Parametrisation, u: Floats, plan: Plan, near: Sequence[PredictedBranch] | None = None
+    parametrisation: Parametrisation,
+    u: Floats,
+    plan: Plan,
+    near: Sequence[PredictedBranch] | None = None,
+    branches_of: Branches = in_turn,
 ) -> tuple[PredictedBranch, ...]:
     """Branches of all conditions at u: moved from `near` ones where that works, else traced.
 
     raises: BranchStoppedError where a branch has no beginning
     """
-    branches = []
-    for i, condition in enumerate(plan.conditions):
-        moved = move_branch(parametrisation, u, near[i]) if near is not None else None
-        branches.append(moved or trace_branch(parametrisation, u, condition))
-    return tuple(branches)
+    starts = near if near is not None else [None] * len(plan.conditions)
+    return branches_of(
+        [BranchTask(parametrisation, u, c, start) for c, start in zip(plan.conditions, starts, strict=True)]
+    )
 
 
 def compare_at(
@@ -221,6 +224,7 @@ def fit(
     at_start: Sequence[PredictedBranch] | None = None,
     options: FitOptions | None = None,
     progress: Progress = lambda _: None,
+    branches_of: Branches = in_turn,
 ) -> Fit:
     """Least squares of the whitened residual with the parameters' priors.
 
@@ -232,7 +236,7 @@ def fit(
     # the only assembly is what the parameters are fitted to: its offsets from others cannot be told from them
     share = 1.0 if len(plan.repeats) > 1 else _ALONE
     prior = Scatter({n.name: share * n.scatter for n in parametrisation.nuisances})
-    common = tuple(at_start) if at_start is not None else predict(parametrisation, start, plan)
+    common = tuple(at_start) if at_start is not None else predict(parametrisation, start, plan, None, branches_of)
     spread = np.where(np.isfinite(parametrisation.deviation), parametrisation.deviation, 0.0)
     best = compare_at(parametrisation, start, plan, common, scatter or prior, None, spread)
     reach, message = options.largest_step, f"not settled in {options.rounds} rounds"
@@ -243,7 +247,7 @@ def fit(
         if now - objective(parametrisation, ahead) < max(options.tolerance, _DIGITS * now):
             # what is still to be gained is, to first order: two standard deviations at most, no need for solving anew
             return _result(parametrisation, _weighed(parametrisation, plan, ahead, scatter, prior), True, "settled")
-        common = predict(parametrisation, ahead.u, plan, best.branches)
+        common = predict(parametrisation, ahead.u, plan, best.branches, branches_of)
         solved = compare_at(parametrisation, ahead.u, plan, common, ahead.scatter, ahead.offsets)
         progress(f"error {np.sqrt(here.excess):.2f} to {np.sqrt(solved.excess):.2f} times the scatter allowed")
         gross = fails_grossly(parametrisation, here.chi2, here.values)

@@ -7,12 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.diagnosis.effects.chosen import ChosenEffect
+from updamp.diagnosis.model.branch_tasks import Branches, BranchTask, in_turn
 from updamp.diagnosis.model.condition import Condition
 from updamp.diagnosis.model.numerical_error import UNSURE, NumericalError, difference, jaggedness
 from updamp.diagnosis.model.parameters import Parametrisation, nuisances
-from updamp.diagnosis.model.predicted_branch import PredictedBranch, trace_branch
+from updamp.diagnosis.model.predicted_branch import PredictedBranch
 from updamp.diagnosis.model.rig_model import RigModel
-from updamp.diagnosis.residual.fit import predict
 from updamp.diagnosis.residual.matching import across
 from updamp.diagnosis.residual.observations import Plan
 from updamp.hbm.harmonics import Harmonics
@@ -44,6 +44,7 @@ def gated(
     plan: Plan,
     finer: Mapping[str, RigModel],
     progress: Callable[[str], None] = lambda _: None,
+    branches_of: Branches = in_turn,
 ) -> tuple[Parametrisation, tuple[PredictedBranch, ...]]:
     """The nuisance parameters of a model with its numerical error, and its branches at their nominal values, one a
     condition and without that error.
@@ -54,10 +55,13 @@ def gated(
     """
     parametrisation = Parametrisation(model, nuisances(model), taken=tuple(taken))
     nominal = np.zeros(len(parametrisation))
-    progress("prediction")
-    branches = predict(parametrisation, nominal, plan)
-    progress("numerical error")
-    return with_numerical_error(parametrisation, nominal, plan, branches, finer_than(model, finer)), branches
+    progress("prediction and numerical error")
+    plain = [BranchTask(parametrisation, nominal, c) for c in plan.conditions]
+    further = _finer_tasks(parametrisation, nominal, plan, finer_than(model, finer))
+    # all at once: where several processes do it, none waits for others but in the end
+    found = branches_of([*plain, *(task for of_model in further.values() for task in of_model)])
+    branches, traced = found[: len(plain)], found[len(plain) :]
+    return _with_patterns(parametrisation, plan, branches, _by_model(further, traced)), branches
 
 
 def with_numerical_error(
@@ -66,12 +70,53 @@ def with_numerical_error(
     plan: Plan,
     branches: Sequence[PredictedBranch],
     finer: Mapping[str, RigModel],
+    branches_of: Branches = in_turn,
 ) -> Parametrisation:
     """The parametrisation with patterns of numerical error for each of the finer models, mode and test.
 
     branches: of the parametrisation at u, one a condition; finer: name -> model with the same points
     raises: BranchStoppedError where a finer model has no response at the beginning of a run
     """
+    tasks = _finer_tasks(parametrisation, u, plan, finer)
+    traced = branches_of([task for of_model in tasks.values() for task in of_model])
+    return _with_patterns(parametrisation, plan, branches, _by_model(tasks, traced))
+
+
+def _finer_tasks(
+    parametrisation: Parametrisation, u: Floats, plan: Plan, finer: Mapping[str, RigModel]
+) -> dict[str, list[BranchTask]]:
+    """Finer model's name -> one task a condition, in wider windows. Those that cannot differ are left out: what two
+    branches of the same are apart is how they are interpolated."""
+    base = parametrisation.base
+    models = {
+        # at u, and with nothing left to differentiate by: the pattern needs the branch alone
+        name: replace(parametrisation, base=model).model(u)
+        for name, model in finer.items()
+        if not _is_the_same(model, base)
+    }
+    return {name: [_finer_task(model, c) for c in plan.conditions] for name, model in models.items()}
+
+
+def _finer_task(model: RigModel, condition: Condition, numerics: NumericalError | None = None) -> BranchTask:
+    of_model = Parametrisation(model, (), numerics=numerics or NumericalError())
+    return BranchTask(of_model, np.zeros(len(of_model)), _wider(condition))
+
+
+def _by_model(
+    tasks: Mapping[str, Sequence[BranchTask]], traced: Sequence[PredictedBranch]
+) -> dict[str, dict[str, PredictedBranch]]:
+    """Finer model's name -> condition's name -> its branch; traced: of all tasks, in their order"""
+    following = iter(traced)
+    return {name: {task.condition.name: next(following) for task in of_model} for name, of_model in tasks.items()}
+
+
+def _with_patterns(
+    parametrisation: Parametrisation,
+    plan: Plan,
+    branches: Sequence[PredictedBranch],
+    finer: Mapping[str, Mapping[str, PredictedBranch]],
+) -> Parametrisation:
+    """finer: finer model's name -> condition's name -> its branch"""
     coarse = {b.condition.name: unwrapped(b.at(b.place).value) for b in branches}
     expected = {c: np.zeros_like(observed) for c, observed in coarse.items()}
     modes = tuple(dict.fromkeys(c.mode for c in plan.conditions))
@@ -79,12 +124,8 @@ def with_numerical_error(
     patterns: dict[str, list[Floats]] = {c: [] for c in coarse}
     rough = {c: np.zeros_like(observed) for c, observed in coarse.items()}
     taken_up: list[Floats] = []
-    for name, model in finer.items():
-        if _is_the_same(model, parametrisation.base):
-            continue  # what the two branches are apart is how they are interpolated
-        # at u, and with nothing left to differentiate by: the pattern needs the branch alone
-        there = replace(parametrisation, base=model).model(u)
-        changes = {c.name: change_of_branch(there, c, coarse[c.name]) for c in plan.conditions}
+    for name, traced in finer.items():
+        changes = {c.name: _change(coarse[c.name], traced[c.name], c) for c in plan.conditions}
         left, made_up_for = _beyond_calibration(parametrisation, plan, branches, changes)
         taken_up.append(made_up_for)
         names += [name, *(f"{name} {mode}" for mode in modes), *(f"{name} {c.name}" for c in plan.conditions)]
@@ -123,8 +164,11 @@ def change_of_branch(
     numerics: error that the observations have been freed of, which is then taken off the other model's too
     raises: BranchStoppedError where it has no response at the beginning of the run
     """
-    of_model = Parametrisation(model, (), numerics=numerics or NumericalError())
-    traced = trace_branch(of_model, np.zeros(len(of_model)), _wider(condition))
+    return _change(observed, _finer_task(model, condition, numerics).predicted(), condition)
+
+
+def _change(observed: Floats, traced: PredictedBranch, condition: Condition) -> Floats:
+    """(n, m) of the observations (n, m) along a branch, by those of another one that was traced further."""
     return difference(observed, _densely(traced), condition.wider)
 
 

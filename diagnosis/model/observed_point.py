@@ -1,0 +1,74 @@
+"""A solved point as the sensors see it: what an interpolated branch is made of, without the matrices of the point."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.diagnosis.model.condition import Condition
+from updamp.diagnosis.model.derivatives import Change, Derivatives, derivatives
+from updamp.diagnosis.model.held_branch import pairs
+from updamp.diagnosis.model.light_points import light
+from updamp.diagnosis.model.model_at import ModelAt
+from updamp.hbm.branch import BranchPoint
+from updamp.hbm.system import Excitation
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ObservedPoint:
+    """point: without its matrices; state: (m,), along: (m,) by length of arc, slopes: (p + 1, m), x_by_parameter: (p,
+    n_relative, n_coefficients) and w_by_parameter: (p,) as those of a `PredictedBranch`"""
+
+    point: BranchPoint
+    state: Floats
+    along: Floats
+    slopes: Floats
+    x_by_parameter: Floats
+    w_by_parameter: Floats
+
+    def after_gap(self) -> "ObservedPoint":
+        """As the first one beyond a piece of the branch that is left out."""
+        return replace(self, point=replace(self.point, after_gap=True))
+
+
+@dataclass(frozen=True, eq=False)
+class Observer:
+    """further: changes by parameters that the model does not have yet, after its own"""
+
+    there: ModelAt
+    condition: Condition
+    further: Sequence[Change] = ()
+
+    def __call__(self, point: BranchPoint) -> ObservedPoint:
+        """raises: RuntimeError where the Jacobian is singular and no correction helps"""
+        d = derivatives(point, self._excitation, (*self.there.changes, *self.further), self._rows)
+        state, along, slopes = self._state(d, point.w)
+        return ObservedPoint(light([point])[0], state, along, slopes, d.x_by_parameter, d.w_by_parameter)
+
+    @cached_property
+    def _excitation(self) -> Excitation:
+        return self.there.model.excited_by(self.condition.force)
+
+    @cached_property
+    def _rows(self) -> NDArray[np.int64]:
+        return np.array([self.there.model.system.free.row(point) for point, _ in self.condition.sensors])
+
+    def _state(self, d: Derivatives, w: float) -> tuple[Floats, Floats, Floats]:
+        """State, its derivative along the branch, and by the parameters and the force."""
+        harmonics, orders = self.there.model.system.harmonics, [k for _, k in self.condition.sensors]
+
+        def amplitudes(values: Floats) -> Floats:
+            each = [harmonics.amplitude(values[..., i, :], k) for i, k in enumerate(orders)]
+            return pairs(np.stack(each, axis=-1))
+
+        slopes = amplitudes(np.concatenate([d.by_parameter, d.by_force[None]]))
+        by_w = np.append(d.w_by_parameter, d.w_by_force) / w
+        return (
+            np.append(np.log(w / (2 * np.pi)), amplitudes(d.value)),
+            np.append(d.w_along / w, amplitudes(d.along)),
+            np.column_stack([by_w, slopes]),
+        )

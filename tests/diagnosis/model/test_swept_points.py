@@ -1,0 +1,126 @@
+"""Of branches with a wide hysteresis is kept what the sweep sees: the same points as of the whole branch."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from updamp.diagnosis.effects.catalogue import JOINTS
+from updamp.diagnosis.model.condition import Condition
+from updamp.diagnosis.model.modal_rig import load_modal
+from updamp.diagnosis.model.model_at import ModelAt
+from updamp.diagnosis.model.moved_branch import move_branch
+from updamp.diagnosis.model.parameters import Parametrisation, nuisances
+from updamp.diagnosis.model.predicted_branch import PredictedBranch, observe, trace_branch
+from updamp.diagnosis.model.swept_points import swept_points
+from updamp.hbm.continuation import BranchStoppedError, continue_branch
+from updamp.hbm.newton import Status
+
+POINT = "beam.drive.x"
+# A softening spring bends the resonance by 20 half-widths.
+DOWN = Condition("down", "first", 1.2, False, (76.5, 81.5), ((POINT, 1),))
+SOFTENING = -1.0  # of the typical coefficient
+
+
+@pytest.fixture(scope="module")
+def softening() -> Parametrisation:
+    beam = load_modal(Path(__file__).parents[3] / "rigs" / "brake_reuss.toml").model()
+    return Parametrisation(beam, nuisances(beam), (JOINTS["joint_cubic"],))
+
+
+def at(p: Parametrisation, stiffer: float = 0.0) -> np.ndarray:
+    return np.array([stiffer, *np.zeros(len(p) - 2), SOFTENING])
+
+
+def whole(p: Parametrisation, u: np.ndarray, condition: Condition) -> PredictedBranch:
+    there = ModelAt(p, u)
+    force = there.model.excited_by(condition.force)
+    points = list(continue_branch(there.model.system, force, condition.wider, upwards=condition.upwards))
+    return observe(there, condition, points, "")
+
+
+def seen(branch: PredictedBranch) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies and logarithms of the amplitude, densely, of what the sweep sees; ordered by frequency"""
+    place = np.linspace(branch.place[0], branch.place[-1], 20 * len(branch.place))
+    near = np.clip(np.searchsorted(branch.place, place, side="right") - 1, 0, len(branch.place) - 2)
+    value = branch.at(place[branch.visited[near] & branch.visited[near + 1]]).value
+    order = np.argsort(value[:, 0])
+    return np.exp(value[order, 0]), value[order, 1]
+
+
+@pytest.mark.parametrize("upwards", [False, True])
+def test_what_is_seen_are_the_same_points_as_of_the_whole_branch(softening, upwards):
+    condition = replace(DOWN, upwards=upwards)
+    short, full = trace_branch(softening, at(softening), condition), whole(softening, at(softening), condition)
+    assert np.sum(~full.visited) > 16
+    assert np.sum(~short.visited) == 8
+    assert sum(point.after_gap for point in short.points) == 1
+    for name in ("state", "slopes", "w_by_parameter"):
+        np.testing.assert_array_equal(getattr(short, name)[short.visited], getattr(full, name)[full.visited])
+
+
+def assert_the_same(a: PredictedBranch, b: PredictedBranch) -> None:
+    """But for the fold and where the sweep lands after its jump, which are known to a step of the branch."""
+    (f, amplitude), (g, reference) = seen(a), seen(b)
+    jump = g[np.argmax(np.diff(reference))]
+    clear = (f > g[0]) & (f < g[-1]) & (np.abs(f / jump - 1) > 0.01)
+    assert np.sum(clear) > 100
+    np.testing.assert_allclose(amplitude[clear], np.interp(f[clear], g, reference), atol=5e-3)
+    folds = [x.frequency[np.argmax(np.abs(x.amplitude[:, 0]))] for x in (a, b)]
+    assert folds[0] == pytest.approx(folds[1], rel=5e-4)
+
+
+def test_a_branch_with_a_piece_left_out_is_moved(softening):
+    before = trace_branch(softening, at(softening), DOWN)
+    moved = move_branch(softening, at(softening, 2e-3), before)
+    assert moved is not None
+    assert_the_same(moved, whole(softening, at(softening, 2e-3), DOWN))
+
+
+@dataclass(frozen=True)
+class Kept:
+    """What is kept of a point in the tests below."""
+
+    point: SimpleNamespace
+
+    def after_gap(self) -> "Kept":
+        return Kept(SimpleNamespace(w=self.point.w, after_gap=True))
+
+
+def points(*frequencies: float):
+    return iter([SimpleNamespace(w=w, after_gap=False) for w in frequencies])
+
+
+def of(kept: list[Kept]) -> list[tuple[float, bool]]:
+    return [(k.point.w, k.point.after_gap) for k in kept]
+
+
+BACK = [9 - 0.1 * i for i in range(1, 40)]
+
+
+def test_a_short_way_back_is_kept_whole():
+    found, stopped = swept_points(points(8, 9, *BACK[:7], 10, 11), True, Kept)
+    assert of(found) == [(w, False) for w in (8, 9, *BACK[:7], 10, 11)]
+    assert stopped == ""
+
+
+def test_of_a_long_way_back_the_ends_are_kept():
+    found, _ = swept_points(points(8, 9, *BACK, 9.5, 12), True, Kept)
+    assert of(found) == [
+        (8, False), (9, False), *((w, False) for w in BACK[:4]),
+        (BACK[-4], True), *((w, False) for w in BACK[-3:]), (9.5, False), (12, False),
+    ]  # fmt: skip
+
+
+def test_a_branch_that_stops_says_so_and_one_of_three_points_is_none():
+    def stopping(*frequencies):
+        yield from points(*frequencies)
+        raise BranchStoppedError(9.0, 1e-3, Status.STALLED)
+
+    found, stopped = swept_points(stopping(6, 7, 8, 9), True, Kept)
+    assert len(found) == 4
+    assert "stops" in stopped
+    with pytest.raises(BranchStoppedError):
+        swept_points(stopping(6, 7, 8), True, Kept)
