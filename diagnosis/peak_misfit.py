@@ -6,7 +6,7 @@ does, where the misfit is too large for estimates to first order, and where cali
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.linalg
@@ -17,6 +17,7 @@ from updamp.diagnosis.model.predicted_branch import PredictedBranch
 from updamp.diagnosis.peak_reading import SeenBranch, reading_noise, seen_branch, tops_of_run
 from updamp.diagnosis.residual.fit import Fit
 from updamp.diagnosis.residual.observations import Observations, Plan
+from updamp.diagnosis.residual.scatter import Scatter
 
 Floats = NDArray[np.float64]
 
@@ -59,7 +60,9 @@ class _Test:
     units: Floats
 
 
-def peak_misfits(fit: Fit, plan: Plan, branches: Sequence[PredictedBranch]) -> tuple[PeakMisfit, ...]:
+def peak_misfits(
+    fit: Fit, plan: Plan, branches: Sequence[PredictedBranch], scatter: Scatter | None = None
+) -> tuple[PeakMisfit, ...]:
     """Model over measured, as mean over the repeats: of each test the resonance frequency (mean over the sensors), the
     peak height (likewise), the damping where the phase tells it, and of each sensor its height against the others'.
 
@@ -67,7 +70,10 @@ def peak_misfits(fit: Fit, plan: Plan, branches: Sequence[PredictedBranch]) -> t
     better: assemblies differ from each other in all levels alike. The larger significance counts.
 
     branches: calibrated, one a condition; those of `without_peak` are left out
+    scatter: of assemblies, runs and sensors, the fit's own by default
     """
+    if scatter is not None:
+        fit = replace(fit, compared=replace(fit.compared, scatter=scatter))
     tests, without = [], without_peak(plan, branches)
     for i, branch in enumerate(branches):
         sensors = [j for j, (_, k) in enumerate(branch.condition.sensors) if k == 1]

@@ -1,6 +1,7 @@
 """What a comparison says: which reading of the misfit it goes by."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from updamp.diagnosis.comparison import Backbone, Finding
 from updamp.diagnosis.findings import SENSOR, Misfit, findings
@@ -10,6 +11,8 @@ from updamp.diagnosis.peak_misfit import peak_misfits, without_peak
 from updamp.diagnosis.peak_sentences import peak_findings, without_peak_findings
 from updamp.diagnosis.residual.fit import Fit
 from updamp.diagnosis.residual.observations import Plan
+from updamp.diagnosis.residual.scatter import Scatter
+from updamp.diagnosis.search.baseline import scatter_of_repeats
 
 
 def all_findings(
@@ -24,8 +27,9 @@ def all_findings(
     """Sentences on what stands out of the scatter, none where the model is adequate.
 
     With contacts, the peaks are read: frequency, height, sensors against each other. What they do not show is looked
-    for along the whole curves, to first order, and then in chi2 alone. Without contacts there is no damping but the
-    material's, and the phase tells it.
+    for along the whole curves, to first order, and then in chi2 alone. Peaks are held against what the repeats alone
+    scatter by: where the model fails, the fit takes some of that for scatter. Without contacts there is no damping but
+    the material's, and the phase tells it.
 
     branches: calibrated, one a condition; first_order: `misfits`; names: of the channels, by point
     measured, model: backbones, as for `linear_findings`
@@ -33,8 +37,15 @@ def all_findings(
     if fit.parametrisation.base.contacts is None:
         return linear_findings(fit, plan, first_order, measured, model)
     missing = without_peak_findings(without_peak(plan, branches), plan)
-    peaks = (*missing, *peak_findings(peak_misfits(fit, plan, branches), plan, names))
+    peaks = (*missing, *peak_findings(peak_misfits(fit, plan, branches, _of_repeats(fit, plan)), plan, names))
     if not peaks:
         return findings(fit, plan, first_order)
     of_harmonics = [m for m in first_order if m.direction.quantity == SENSOR and m.direction.sensor[1] != 1]
     return (*peaks, *(findings(fit, plan, of_harmonics) if of_harmonics else ()))
+
+
+def _of_repeats(fit: Fit, plan: Plan) -> Scatter:
+    if len(fit.compared.assemblies) < 2:
+        return fit.compared.scatter
+    scatter, repeatability = scatter_of_repeats(fit, plan)
+    return replace(scatter, noise=repeatability)

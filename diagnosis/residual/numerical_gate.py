@@ -13,6 +13,7 @@ from updamp.diagnosis.model.numerical_error import UNSURE, NumericalError, diffe
 from updamp.diagnosis.model.parameters import Parametrisation, nuisances
 from updamp.diagnosis.model.predicted_branch import PredictedBranch
 from updamp.diagnosis.model.rig_model import RigModel
+from updamp.diagnosis.residual.fit import predict
 from updamp.diagnosis.residual.matching import across
 from updamp.diagnosis.residual.observations import Plan
 from updamp.hbm.harmonics import Harmonics
@@ -55,13 +56,11 @@ def gated(
     """
     parametrisation = Parametrisation(model, nuisances(model), taken=tuple(taken))
     nominal = np.zeros(len(parametrisation))
-    progress("prediction and numerical error")
-    plain = [BranchTask(parametrisation, nominal, c) for c in plan.conditions]
-    further = _finer_tasks(parametrisation, nominal, plan, finer_than(model, finer))
-    # all at once: where several processes do it, none waits for others but in the end
-    found = branches_of([*plain, *(task for of_model in further.values() for task in of_model)])
-    branches, traced = found[: len(plain)], found[len(plain) :]
-    return _with_patterns(parametrisation, plan, branches, _by_model(further, traced)), branches
+    progress("prediction")
+    branches = predict(parametrisation, nominal, plan, None, branches_of)
+    progress("numerical error")
+    models = finer_than(model, finer)
+    return with_numerical_error(parametrisation, nominal, plan, branches, models, branches_of), branches
 
 
 def with_numerical_error(
@@ -77,24 +76,28 @@ def with_numerical_error(
     branches: of the parametrisation at u, one a condition; finer: name -> model with the same points
     raises: BranchStoppedError where a finer model has no response at the beginning of a run
     """
-    tasks = _finer_tasks(parametrisation, u, plan, finer)
+    tasks = _finer_tasks(parametrisation, u, branches, finer)
     traced = branches_of([task for of_model in tasks.values() for task in of_model])
     return _with_patterns(parametrisation, plan, branches, _by_model(tasks, traced))
 
 
 def _finer_tasks(
-    parametrisation: Parametrisation, u: Floats, plan: Plan, finer: Mapping[str, RigModel]
+    parametrisation: Parametrisation, u: Floats, branches: Sequence[PredictedBranch], finer: Mapping[str, RigModel]
 ) -> dict[str, list[BranchTask]]:
-    """Finer model's name -> one task a condition, in wider windows. Those that cannot differ are left out: what two
-    branches of the same are apart is how they are interpolated."""
-    base = parametrisation.base
-    models = {
+    """Finer model's name -> tasks, in wider windows, for the conditions where it differs."""
+    found = {}
+    for name, model in finer.items():
         # at u, and with nothing left to differentiate by: the pattern needs the branch alone
-        name: replace(parametrisation, base=model).model(u)
-        for name, model in finer.items()
-        if not _is_the_same(model, base)
-    }
-    return {name: [_finer_task(model, c) for c in plan.conditions] for name, model in models.items()}
+        there = replace(parametrisation, base=model).model(u)
+        found[name] = [_finer_task(there, b.condition) for b in branches if _differs(model, parametrisation.base, b)]
+    return {name: tasks for name, tasks in found.items() if tasks}
+
+
+def _differs(model: RigModel, base: RigModel, branch: PredictedBranch) -> bool:
+    """Harmonics and time samples change nothing where the response is that of a linear model, all contacts stuck: what
+    the two branches are apart there is how they are interpolated."""
+    linear = branch.proportional or not (model.groups or base.groups)
+    return not (linear and model.components is base.components)
 
 
 def _finer_task(model: RigModel, condition: Condition, numerics: NumericalError | None = None) -> BranchTask:
@@ -116,7 +119,8 @@ def _with_patterns(
     branches: Sequence[PredictedBranch],
     finer: Mapping[str, Mapping[str, PredictedBranch]],
 ) -> Parametrisation:
-    """finer: finer model's name -> condition's name -> its branch"""
+    """finer: finer model's name -> condition's name -> its branch, where it differs"""
+    conditions = {c.name: c for c in plan.conditions}
     coarse = {b.condition.name: unwrapped(b.at(b.place).value) for b in branches}
     expected = {c: np.zeros_like(observed) for c, observed in coarse.items()}
     modes = tuple(dict.fromkeys(c.mode for c in plan.conditions))
@@ -125,7 +129,8 @@ def _with_patterns(
     rough = {c: np.zeros_like(observed) for c, observed in coarse.items()}
     taken_up: list[Floats] = []
     for name, traced in finer.items():
-        changes = {c.name: _change(coarse[c.name], traced[c.name], c) for c in plan.conditions}
+        none = {c: np.zeros_like(observed) for c, observed in coarse.items()}
+        changes = none | {c: _change(coarse[c], b, conditions[c]) for c, b in traced.items()}
         left, made_up_for = _beyond_calibration(parametrisation, plan, branches, changes)
         taken_up.append(made_up_for)
         names += [name, *(f"{name} {mode}" for mode in modes), *(f"{name} {c.name}" for c in plan.conditions)]
@@ -149,11 +154,6 @@ def _with_patterns(
         np.array(taken_up) if taken_up else None,
     )
     return replace(parametrisation, numerics=numerics)
-
-
-def _is_the_same(model: RigModel, base: RigModel) -> bool:
-    """Harmonics and time samples do not change a linear model."""
-    return model.components is base.components and not model.groups and not base.groups
 
 
 def change_of_branch(

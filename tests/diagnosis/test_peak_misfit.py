@@ -14,6 +14,7 @@ from updamp.diagnosis.peak_sentences import peak_findings, without_peak_findings
 from updamp.diagnosis.residual.fit import Fit, compare_at
 from updamp.diagnosis.residual.observations import Observations, Plan
 from updamp.diagnosis.residual.scatter import Scatter
+from updamp.diagnosis.said import all_findings
 
 WINDOW = (41.2, 43.2)
 CONDITIONS = (
@@ -117,3 +118,16 @@ def test_a_model_without_a_peak_in_the_window_is_said_to_have_none(plans, branch
     assert {m.direction.test for m in misfits(plan, there)} == {0, 1}
     (said,) = without_peak_findings((2,), plan)
     assert said.text == "first: the model has no peak where it was measured, at 6 N"
+
+
+def test_what_the_fit_took_for_scatter_does_not_hide_a_shift_that_all_repeats_have(plans, branches) -> None:
+    """Of a frequency that is too high in every run at one level, the fit takes some for a drift from run to run."""
+    plan = changed(plans[0], lambda o: np.array([6e-4 * (o.test == 2), 0, 0, 0, 0]))
+    too_large = replace(KNOWN, drift=6e-4)
+    compared = compare_at(parametrisation(), NONE, plan, branches, too_large)
+    fit = Fit(parametrisation(), compared, 1e-12 * np.eye(4), True, "")
+    assert peak_findings(peak_misfits(fit, plan, branches), plan, NAMES) == ()
+    (told,) = peak_findings(misfits(plan, branches), plan, NAMES)
+    assert [f.text for f in all_findings(fit, plan, branches, (), NAMES, (), ())] == [told.text]
+    silent = compare_at(parametrisation(), NONE, plans[0], branches, too_large)
+    assert all_findings(replace(fit, compared=silent), plans[0], branches, (), NAMES, (), ()) == ()
