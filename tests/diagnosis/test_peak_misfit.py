@@ -122,8 +122,8 @@ def test_a_model_without_a_peak_in_the_window_is_said_to_have_none(plans, branch
 
 def test_what_the_fit_took_for_scatter_does_not_hide_a_shift_that_all_repeats_have(plans, branches) -> None:
     """Of a frequency that is too high in every run at one level, the fit takes some for a drift from run to run."""
-    plan = changed(plans[0], lambda o: np.array([6e-4 * (o.test == 2), 0, 0, 0, 0]))
-    too_large = replace(KNOWN, drift=6e-4)
+    plan = changed(plans[0], lambda o: np.array([2e-3 * (o.test == 2), 0, 0, 0, 0]))
+    too_large = replace(KNOWN, drift=2e-3)
     compared = compare_at(parametrisation(), NONE, plan, branches, too_large)
     fit = Fit(parametrisation(), compared, 1e-12 * np.eye(4), True, "")
     assert peak_findings(peak_misfits(fit, plan, branches), plan, NAMES) == ()

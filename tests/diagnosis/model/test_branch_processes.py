@@ -12,21 +12,27 @@ import numpy as np
 import psutil
 import pytest
 from support.odd_tasks import Killed
-from support.small_model import condition, parametrisation
 
+from updamp.diagnosis.effects.catalogue import JOINTS
 from updamp.diagnosis.model.branch_processes import by_processes
 from updamp.diagnosis.model.branch_tasks import BranchTask, InTurn, PredictionError, in_turn
+from updamp.diagnosis.model.condition import Condition
+from updamp.diagnosis.model.modal_rig import load_modal
+from updamp.diagnosis.model.parameters import Parametrisation, nuisances
 from updamp.hbm.continuation import BranchStoppedError
 from updamp.hbm.newton import Status
 
 TESTS = Path(__file__).parents[2]
-FORCES = (0.1, 60.0, 30.0)
+FORCES = (0.1, 1.2, 0.6)
+START = np.array([1e-3, 1e-3, 1e-3, -1.0])
 
 
 @pytest.fixture(scope="module")
 def tasks():
-    p = parametrisation()
-    return [BranchTask(p, np.full(len(p), 1e-3), condition(force)) for force in FORCES]
+    """One mode with a softening spring, which compiles fast."""
+    beam = load_modal(TESTS.parent / "rigs" / "brake_reuss.toml").model()
+    p, sensors = Parametrisation(beam, nuisances(beam), (JOINTS["joint_cubic"],)), (("beam.drive.x", 1),)
+    return [BranchTask(p, START, Condition(f"{f:g} N", "first", f, False, (76.5, 81.5), sensors)) for f in FORCES]
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +49,7 @@ def two_processes(told):
 def test_two_processes_give_the_same_numbers_as_one(tasks, two_processes, told):
     told_here = []
     here = InTurn(lambda *what: told_here.append(what))(tasks)
-    u = np.full(4, 2e-3)
+    u = START + np.array([1e-3, 0, 0, 0])
     moved = in_turn([replace(task, u=u, near=branch) for task, branch in zip(tasks, here, strict=True)])
     elsewhere = two_processes(tasks)
     moved_there = two_processes([replace(t, u=u, near=b) for t, b in zip(tasks, elsewhere, strict=True)])
@@ -58,9 +64,9 @@ def test_two_processes_give_the_same_numbers_as_one(tasks, two_processes, told):
 
 def test_an_error_says_whose_branch_it_was(tasks, two_processes):
     nowhere = replace(tasks[1], condition=replace(tasks[1].condition, sensors=(("nowhere.x", 1),)))
-    with pytest.raises(PredictionError, match=r"^60 N: .*nowhere"):
+    with pytest.raises(PredictionError, match=r"^1.2 N: .*nowhere"):
         in_turn([nowhere])
-    with pytest.raises(PredictionError, match=r"^60 N: .*nowhere"):
+    with pytest.raises(PredictionError, match=r"^1.2 N: .*nowhere"):
         two_processes([tasks[0], nowhere])
 
 
