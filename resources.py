@@ -97,8 +97,11 @@ def thread_limits(threads: int) -> Mapping[str, str]:
 
 
 def one_thread() -> None:
-    """For this process, where the user has not set it otherwise, and before numpy and JAX are loaded: many small
-    products, for which threads would wait for each other."""
+    """For this process, where the user has not set it otherwise: many small products, for which threads would wait for
+    each other. Nothing once JAX is loaded: it would be for processes that this one starts, which then have other last
+    digits."""
+    if "jax" in sys.modules:
+        return
     for name, value in thread_limits(1).items():
         os.environ.setdefault(name, value)
 
