@@ -12,6 +12,7 @@ from updamp.diagnosis.search.baseline import Baseline
 from updamp.diagnosis.search.criteria import Criteria
 from updamp.diagnosis.search.probe import probes
 from updamp.diagnosis.search.refit import fails_badly
+from updamp.diagnosis.search.resized import have_two_signs
 from updamp.diagnosis.search.score import Score
 
 Floats = NDArray[np.float64]
@@ -34,7 +35,7 @@ def attempts(
     visible = [s for s in scored if s.visibility >= criteria.visibility]
     by_score = {s.effect.name: s for s in visible if s.score >= criteria.score}
     if not fails_badly(start.fitted):
-        return [Attempt((s.effect,), _starts(s.step), full=False) for s in by_score.values()]
+        return [Attempt((s.effect,), _starts(s.step), full=False, as_given=_typical(s)) for s in by_score.values()]
     worth = {s.effect.name for s in visible}
     by_probe = {p.effect.name: p for p in probes(start, [e for e in effects if e.name in worth], progress)}
     found = []
@@ -50,6 +51,14 @@ def _by_turns(one: Sequence[str], other: Sequence[str]) -> list[str]:
     """Without repetition."""
     pairs = zip_longest(one, other)
     return list(dict.fromkeys(name for pair in pairs for name in pair if name is not None))
+
+
+def _typical(score: Score) -> tuple[Floats, ...]:
+    """Of an effect that has no derivative at its null value first order from there may lead nowhere."""
+    if not score.effect.finite_step:
+        return ()
+    size = np.ones(len(score.step))
+    return (np.copysign(size, score.step[0]) if have_two_signs((score.effect,)) else size,)
 
 
 def _starts(step: Floats) -> tuple[Floats, ...]:

@@ -61,8 +61,8 @@ def refit(
     full: bool,
     near: Fit | None = None,
 ) -> Refit | None:
-    """The fit with further effects, from the first start that is better than none, else from the best; None where the
-    model has no response at any.
+    """The fit with further effects, from the best start; of effects that are not smooth at their null value the better
+    one of two, from the model as given and from the calibrated one. None where the model has no response at any start.
 
     near: a fit of the same to go on from
     """
@@ -71,9 +71,28 @@ def refit(
         again = fit(near.parametrisation, plan, near.u, base.compared.scatter, solved, _options(full))
         return judged(base, again, effects, criteria)
     extended = replace(base.parametrisation, effects=(*base.parametrisation.effects, *effects))
+    p, given = base.parametrisation, as_given(base)
+    kinds = [
+        [p.with_further(given, start) for start in starts.as_given],
+        [p.with_further(base.u, start) for start in starts.calibrated],
+    ]
+    # about a model that does not fail badly the better start is the better valley, unless an effect is not smooth there
+    if fails_badly(base) or not any(effect.finite_step for effect in effects):
+        kinds = [[*kinds[0], *kinds[1]]]
+    found = [_fit_from(base, plan, extended, kind, full) for kind in kinds]
+    return max(
+        (judged(base, fitted, effects, criteria) for fitted in found if fitted is not None),
+        key=lambda r: r.drop,
+        default=None,
+    )
+
+
+def _fit_from(base: Fit, plan: Plan, extended: Parametrisation, starts: Sequence[Floats], full: bool) -> Fit | None:
+    """From the first start that is better than none, else from the best; None where there is no response at any."""
     before = misfit(base.parametrisation, base.compared)
     best: tuple[float, Floats, tuple[PredictedBranch, ...]] | None = None
-    for u in _vectors(base, extended, starts):
+    for start in starts:
+        u = np.clip(start, extended.lower, extended.upper)
         try:
             branches = predict(extended, u, plan, base.compared.branches)
         except BranchStoppedError:
@@ -86,16 +105,7 @@ def refit(
             break
     if best is None:
         return None
-    found = fit(extended, plan, best[1], base.compared.scatter, best[2], _options(full))
-    return judged(base, found, effects, criteria)
-
-
-def _vectors(base: Fit, extended: Parametrisation, starts: Starts) -> list[Floats]:
-    """Starts of all parameters."""
-    p, given = base.parametrisation, as_given(base)
-    found = [p.with_further(given, start) for start in starts.as_given]
-    found += [p.with_further(base.u, start) for start in starts.calibrated]
-    return [np.clip(u, extended.lower, extended.upper) for u in found]
+    return fit(extended, plan, best[1], base.compared.scatter, best[2], _options(full))
 
 
 def as_given(fitted: Fit) -> Floats:

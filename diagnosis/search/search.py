@@ -113,7 +113,8 @@ def _gated_again(fits: _Fits, found: Results) -> Results:
     if not start.fitted.parametrisation.numerics.names:
         return {}
     settled = [r for r in _best(found) if r.trial.full]
-    most = (1 - criteria.nearly) * start.fitted.compared.excess
+    # what the scatter leaves, chi2 of 1 a value, is no misfit
+    most = 1 + (1 - criteria.nearly) * (start.fitted.compared.excess - 1)
     least = min((r.trial.excess for r in settled), default=0.0)
     close = [r for r in settled if r.trial.excess < min(most, criteria.comparable * least)]
     left = [r for r in close if not r.refit.gated_again and not _explains(r.trial, criteria)]
