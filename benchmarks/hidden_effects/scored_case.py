@@ -52,6 +52,7 @@ class Recovered:
 class ScoredCase:
     """truth: names of what is hidden, at `strength` where it is one; by_laboratory, by_diagnosis: of each hidden effect
     recovered: parameters of those that were refitted; ablations: what others would have said, and their marks
+    seconds: on the clock; processor: of one core, as a busy machine does not change much
     """
 
     case: str
@@ -67,6 +68,7 @@ class ScoredCase:
     recovered: tuple[Recovered, ...]
     ablations: Mapping[str, tuple[Called, Mark]]
     seconds: float
+    processor: float
 
     @property
     def detectable(self) -> bool | None:
@@ -112,6 +114,7 @@ def scored(layout: Layout, truth: Mapping[str, Any]) -> ScoredCase | None:
         recovered=tuple(r for effect in hidden for r in recovered(effect, truth["parameters"], candidates)),
         ablations={name: (call, judged(truth["kind"], hidden, call)) for name, call in others.items()},
         seconds=float(ran["seconds"]),
+        processor=float(ran.get("processor", ran["seconds"])),
     )
 
 

@@ -51,7 +51,7 @@ def ablation_table(cases: Sequence[ScoredCase]) -> str:
 def case_table(cases: Sequence[ScoredCase]) -> str:
     """Sorted by what is hidden, strongest first."""
     ordered = sorted(cases, key=lambda c: (c.truth, _STRENGTHS.index(c.strength), c.case))
-    head = ("case", "hidden", "expected score, visibility", "verdict", "mark", "error", "held out", "s")
+    head = ("case", "hidden", "expected score, visibility", "verdict", "mark", "error", "held out", "s of one core")
     lines = ["| " + " | ".join(head) + " |", "|---" * len(head) + "|"]
     return "\n".join([*lines, *("| " + " | ".join(_cells(c)) + " |" for c in ordered)])
 
@@ -68,7 +68,7 @@ def _cells(c: ScoredCase) -> tuple[str, ...]:
         c.mark if c.mark not in ("wrong", "false alarm") else f"**{c.mark}**",
         _fall(c.error.before, c.error.after),
         _fall(c.error.held_out_before, c.error.held_out_after),
-        f"{c.seconds:.0f}",
+        f"{c.processor:.0f}",
     )
 
 
