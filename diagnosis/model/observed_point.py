@@ -47,7 +47,11 @@ class Observer:
         """raises: RuntimeError where the Jacobian is singular and no correction helps"""
         d = derivatives(point, self._excitation, (*self.there.changes, *self.further), self._rows)
         state, along, slopes = self._state(d, point.w)
-        return ObservedPoint(light([point])[0], state, along, slopes, d.x_by_parameter, d.w_by_parameter)
+        # laid out as after a way between processes: sums over arrays laid out otherwise have other last digits
+        kept = replace(
+            light([point])[0], x=np.ascontiguousarray(point.x), tangent_x=np.ascontiguousarray(point.tangent_x)
+        )
+        return ObservedPoint(kept, state, along, slopes, np.ascontiguousarray(d.x_by_parameter), d.w_by_parameter)
 
     @cached_property
     def _excitation(self) -> Excitation:

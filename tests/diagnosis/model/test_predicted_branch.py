@@ -76,3 +76,11 @@ def test_moved_and_traced_branches_are_the_same_curve(slipping):
     apart = [np.abs(dense - value).max(axis=1).min() for value in moved.at(moved.place[inside]).value]
     assert np.median(apart) < 3e-4
     assert max(apart) < 5e-3  # between two points of the traced branch, where the contact begins to slip
+
+
+def test_arrays_are_laid_out_as_after_a_way_between_processes(slipping):
+    """Products with arrays laid out otherwise have other last digits."""
+    moved = move_branch(parametrisation(), np.full(4, 1e-3), slipping)
+    for branch in (slipping, moved):
+        for array in (*branch.x_by_parameter, *(p.x for p in branch.points), *(p.tangent_x for p in branch.points)):
+            assert array.flags.c_contiguous
