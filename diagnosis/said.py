@@ -11,8 +11,8 @@ from updamp.diagnosis.peak_misfit import peak_misfits, without_peak
 from updamp.diagnosis.peak_sentences import peak_findings, without_peak_findings
 from updamp.diagnosis.residual.fit import Fit
 from updamp.diagnosis.residual.observations import Plan
+from updamp.diagnosis.residual.repeat_scatter import scatter_of_repeats
 from updamp.diagnosis.residual.scatter import Scatter
-from updamp.diagnosis.search.baseline import scatter_of_repeats
 
 
 def all_findings(

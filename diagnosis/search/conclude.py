@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from updamp.diagnosis.compare import calibration
 from updamp.diagnosis.effects.effect import Effect
 from updamp.diagnosis.residual.fit import Fit
+from updamp.diagnosis.residual.repeat_scatter import scatter_of_repeats
 from updamp.diagnosis.residual.unsure_numerics import moved_by_numerics
-from updamp.diagnosis.search.baseline import scatter_of_repeats
 from updamp.diagnosis.search.criteria import Criteria
 from updamp.diagnosis.search.decide import Decision, reason_against
 from updamp.diagnosis.search.evidence import EffectScore, Trial
