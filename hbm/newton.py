@@ -102,8 +102,7 @@ class Equation:
 
     def factorised(self, support: float = 0.0) -> Jacobian:
         """raises: scipy.linalg.LinAlgError where a tangent is not finite"""
-        departure = supported(self.departure, support) if support else self.departure
-        return factorise(self.receptance, departure)
+        return factorise(self.receptance, supported(self.receptance.system, self.departure, support))
 
     def frequency_derivative(self, excitation: Forcing) -> Floats:
         """dr/dw"""

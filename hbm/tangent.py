@@ -24,11 +24,13 @@ def apply_tangent(system: NonlinearSystem, departure: Departure, displacement: F
     return forces
 
 
-def supported(departure: Departure, share: float) -> Departure:
-    """With tangents of elements that keep `share` of their reference stiffness in the mean position.
+def supported(system: NonlinearSystem, departure: Departure, share: float) -> Departure:
+    """With tangents of elements that keep `share` of their reference stiffness in the mean position, if there is one.
 
     T is minus the reference stiffness where an element slips or is open, and zero where it sticks.
     """
+    if not share or 0 not in system.harmonics.orders:
+        return departure
     tangents = []
     for tangent in departure.tangents:
         kept = tangent.copy()

@@ -133,10 +133,13 @@ class Walk:
         return None, replace(solution, status=Status.STALLED)
 
     def _supported(self, behind: Traversed) -> Sequence[BranchPoint]:
-        """The next point, with another support of the mean position than the last one's; none if that does not help.
+        """The next point, with another support of the mean position than the last one's; none if that does not help, or
+        where the mean position is not among the harmonics.
 
         The predictor is as good as without: from a residual of 1e-10 the exact step goes astray (`NewtonOptions`).
         """
+        if 0 not in self.system.harmonics.orders:
+            return []
         for support in (s for s in self.options.supports if s != behind.last.solution.support):
             for step in self.options.supported_steps:
                 point, _ = self.forward(behind, step, replace(self.options.newton, support=support))

@@ -11,9 +11,11 @@ from updamp.hbm.continuation import BranchStoppedError
 from updamp.hbm.elements import ElementGroup
 from updamp.hbm.first_point import first_point, raised
 from updamp.hbm.force_ramp import ForceRamp
+from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.metric import Metric
 from updamp.hbm.newton import Arc, NewtonOptions, Status, evaluate, linear_solution, solve
 from updamp.hbm.system import Excitation
+from updamp.hbm.tangent import supported
 from updamp.hbm.walk import ContinuationOptions, Walk
 
 DAMPING, CUBIC, W = 0.05, 1.0, 1.6
@@ -117,3 +119,17 @@ def test_a_drift_of_the_mean_position_does_not_hide_the_vibration():
     assert far.length((drifted, 0.0)) < 2.0, "a drift is measured against itself"
     equation = evaluate(system, excitation, drifted, w)
     assert equation.error > 100 * np.abs(equation.residual).max() / np.abs(drifted).max()
+
+
+@pytest.mark.parametrize("orders", [(0, 1, 2, 3), (1, 2, 3)])
+def test_support_is_of_the_mean_position_alone(orders):
+    system = blades_and_damper_system(JenkinsBox(2)).with_harmonics(Harmonics(orders))
+    x = 100 * linear_solution(system, 2 * np.pi * 232.0, Excitation(system.free.row("excitation"), 10.0))
+    departure = system.departure(x, 2 * np.pi * 232.0)
+    before, after = departure.tangents[0], supported(system, departure, 0.25).tangents[0]
+    share = np.ones(before.shape)
+    if 0 in orders:
+        for d in range(3):
+            share[:, d, 0, d, 0] = 0.75
+    assert np.abs(before[:, 0, 0, 0, 0]).max() > 0
+    np.testing.assert_allclose(after, share * before)
