@@ -30,6 +30,8 @@ Floats = NDArray[np.float64]
 
 # To what share of the largest amplitude a response has to be proportional to the force.
 _LINEAR = 1e-6
+# Amplitude that is as good as none [m]
+_NONE = 1e-20
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +83,8 @@ class PredictedBranch:
         """What is observed at places along the branch."""
         state, along = self._curve(place), self._curve(place, 1)
         amplitude = state[..., 1::2] + 1j * state[..., 2::2]
+        # as long as all contacts stick there is no higher harmonic at all
+        amplitude = np.where(np.abs(amplitude) < _NONE, _NONE, amplitude)
 
         def relative(change: Floats) -> Floats:
             """Of the logarithms of frequency and amplitudes."""

@@ -38,4 +38,6 @@ def wait_for_two() -> None:
 
 
 if __name__ == "__main__":
+    # started in the background it would inherit that it takes no notice
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     sys.exit(wait_for_two())

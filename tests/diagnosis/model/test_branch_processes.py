@@ -93,13 +93,16 @@ def test_nothing_is_left_behind_by_an_interruption_or_a_sudden_end(number):
         start_new_session=True,
     ) as parent:
         assert parent.stdout is not None
-        assert [parent.stdout.readline() for _ in range(2)] == [b"begun\n"] * 2
-        family = psutil.Process(parent.pid).children(recursive=True)
-        assert len(family) >= 2
-        if number == signal.SIGINT:
-            os.killpg(parent.pid, number)  # as the terminal does
-        else:
-            parent.send_signal(number)
-        parent.wait(timeout=20)
+        try:
+            assert [parent.stdout.readline() for _ in range(2)] == [b"begun\n"] * 2
+            family = psutil.Process(parent.pid).children(recursive=True)
+            assert len(family) >= 2
+            if number == signal.SIGINT:
+                os.killpg(parent.pid, number)  # as the terminal does
+            else:
+                parent.send_signal(number)
+            parent.wait(timeout=20)
+        finally:  # or leaving the context would wait for it
+            parent.kill()
         _, alive = psutil.wait_procs(family, timeout=20)
         assert alive == []
