@@ -19,5 +19,5 @@ def at_sizes(branch: PredictedBranch, u: Floats) -> PredictedBranch:
     apart[: len(branch.w_by_parameter[0])] = 0.0  # the model's own parameters: it was solved there
     if not apart.any():
         return branch
-    change = np.einsum("npm,p->nm", branch.at(branch.place).slopes[:, :-1], apart)
+    change = np.einsum("npm,p->nm", branch.observed.slopes[:, :-1], apart)
     return replace(displaced(branch, change), u=branch.u + apart)

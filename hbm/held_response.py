@@ -12,7 +12,6 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from updamp.hbm.jacobian import factorise
 from updamp.hbm.many_right_sides import apply_tangents
 from updamp.hbm.newton import Equation, NewtonOptions, Solution, Status, evaluate, linear_solution
 from updamp.hbm.structure_response import Loads, respond
@@ -81,7 +80,7 @@ def solve_held(
             status = Status.CONVERGED
             break
         try:
-            jacobian = factorise(equation.receptance, equation.departure)
+            jacobian = equation.factorised()
         except scipy.linalg.LinAlgError:
             status = Status.DIVERGED
             break

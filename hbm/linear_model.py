@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from updamp.fem.reduced_model import ReducedModel
 from updamp.hbm.graded_eigen import graded_eigh
-from updamp.hbm.modal_inverse import ModalInverse, modal_inverse
+from updamp.hbm.modal_inverse import ModalInverse, dynamic_stiffness, modal_inverse
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -65,8 +65,9 @@ class LinearModel:
 
     def modal_dynamic_stiffness(self, w: float) -> Complex:
         """(m, m) at the angular frequency w [rad/s]"""
-        damping = self.hysteretic + w * self.viscous if w > 0 else np.zeros_like(self.hysteretic)
-        return np.diag(self.omega_squared - w**2) + 1j * damping
+        if w > 0:
+            return dynamic_stiffness(self.omega_squared, self.hysteretic, self.viscous, w)
+        return np.diag(self.omega_squared - w**2).astype(np.complex128)
 
     @cached_property
     def modal_inverse(self) -> ModalInverse:

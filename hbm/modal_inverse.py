@@ -54,11 +54,15 @@ class Direct:
     viscous: Floats
 
     def at(self, w: float) -> Complex:
-        stiffness = np.diag(self.omega_squared - w**2) + 1j * (self.hysteretic + w * self.viscous)
-        return np.asarray(scipy.linalg.inv(stiffness))
+        return np.asarray(scipy.linalg.inv(dynamic_stiffness(self.omega_squared, self.hysteretic, self.viscous, w)))
 
     def rate(self, w: float, inverse: Complex) -> Complex:
         return np.asarray(inverse @ (2 * w * np.eye(len(inverse)) - 1j * self.viscous) @ inverse)
+
+
+def dynamic_stiffness(omega_squared: Floats, hysteretic: Floats, viscous: Floats, w: float) -> Complex:
+    """(m, m) at w > 0, of matrices as in `LinearModel`"""
+    return np.asarray(np.diag(omega_squared - w**2) + 1j * (hysteretic + w * viscous))
 
 
 def modal_inverse(omega_squared: Floats, hysteretic: Floats, viscous: Floats) -> ModalInverse:

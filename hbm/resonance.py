@@ -13,7 +13,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from updamp.hbm import observe
-from updamp.hbm.jacobian import Jacobian, factorise
+from updamp.hbm.jacobian import Jacobian
 from updamp.hbm.newton import Equation, NewtonOptions, Status, evaluate
 from updamp.hbm.system import Excitation, NonlinearSystem
 from updamp.hbm.tangent import apply_tangent
@@ -99,7 +99,7 @@ def linearise(problem: ResonanceProblem, equation: Equation, level: float) -> Li
     """raises: scipy.linalg.LinAlgError where a tangent is not finite"""
     excitation, receptance = problem.excitation(level), equation.receptance
     stuck, harmonics = problem.system.stuck, problem.system.harmonics
-    jacobian = factorise(receptance, equation.departure)
+    jacobian = equation.factorised()
     residual = jacobian.solve(equation.residual)
     frequency = jacobian.solve(equation.frequency_derivative(excitation))
     by_level = jacobian.solve(-receptance.excitation(excitation))

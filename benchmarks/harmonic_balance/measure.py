@@ -12,7 +12,6 @@ import numpy as np
 from updamp.hbm import active_forces, newton
 from updamp.hbm.branch import BranchPoint
 from updamp.hbm.continuation import BranchStoppedError, ContinuationOptions, continue_branch
-from updamp.hbm.jacobian import factorise
 from updamp.hbm.krylov import gmres
 from updamp.hbm.system import Excitation, NonlinearSystem
 
@@ -101,7 +100,7 @@ def evaluation_seconds(
 
     def work() -> None:
         equation = newton.evaluate(system, excitation, point.x, point.w)
-        factorise(equation.receptance, equation.departure)
+        equation.factorised()
 
     work()
     seconds = [stopwatch(work) for _ in range(repeats)]

@@ -45,6 +45,11 @@ class Effect:
     apply: Callable[[RigModel, Values], RigModel]
     finite_step: bool = False
 
+    @property
+    def has_two_signs(self) -> bool:
+        """Whether the effect turned round makes sense too."""
+        return all(p.two_sided for p in self.parameters)
+
     def at_null(self) -> dict[str, float]:
         return {p.name: p.null for p in self.parameters}
 

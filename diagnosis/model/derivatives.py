@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.branch import BranchPoint
-from updamp.hbm.jacobian import factorise
 from updamp.hbm.many_right_sides import apply_tangents, solve_many
 from updamp.hbm.structure_response import Loads, respond
 from updamp.hbm.system import Excitation, NonlinearSystem, Receptance
@@ -83,7 +82,7 @@ def moves(point: BranchPoint, excitation: Excitation, changes: Sequence[Change],
     equation = point.solution.equation
     receptance, x = equation.receptance, point.x
     # That of the solution carries the state before the last Newton step, in which a contact may have been stuck.
-    jacobian = factorise(receptance, equation.departure)
+    jacobian = equation.factorised()
     system = receptance.system
     here = _Here(receptance, equation.departure.value, equation.departure.frequency_derivative, excitation, rows)
     differences = [here.difference(change, x) for change in changes]

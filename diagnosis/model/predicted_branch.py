@@ -178,7 +178,7 @@ def _observe_held(
     state, slopes = np.array([s.state for s in each]), np.array([s.slopes for s in each])
     along = direction * np.array([s.along for s in each])
     nothing = tuple(np.zeros(0) for _ in points), np.zeros((len(points), 0))
-    return _branch(there, condition, points, stopped, (state, along, slopes), nothing, False, len(further))
+    return _branch(there, condition, light(points), stopped, (state, along, slopes), nothing, False, len(further))
 
 
 def _branch(
@@ -201,7 +201,7 @@ def _branch(
     branch = PredictedBranch(
         condition,
         np.append(there.u[: there.parametrisation.n_of_model], np.zeros(further)),
-        light(points),
+        tuple(points),
         place,
         state,
         along / length[:, None],
@@ -218,7 +218,7 @@ def with_patterns(branch: PredictedBranch, numerics: NumericalError) -> Predicte
     """The branch with the expected numerical error added, and with its patterns as further parameters, at 0; it has
     none yet."""
     condition = branch.condition
-    expected, patterns, rough = numerics.at(condition.name, branch.at(branch.place).value, condition.wider)
+    expected, patterns, rough = numerics.at(condition.name, branch.observed.value, condition.wider)
     moved = displaced(branch, expected) if numerics.names else branch
     columns = of_state(patterns, moved.state)
     slopes = np.concatenate([moved.slopes[:, :-1], columns, moved.slopes[:, -1:]], axis=1)

@@ -121,7 +121,7 @@ def _with_patterns(
 ) -> Parametrisation:
     """finer: finer model's name -> condition's name -> its branch, where it differs"""
     conditions = {c.name: c for c in plan.conditions}
-    coarse = {b.condition.name: unwrapped(b.at(b.place).value) for b in branches}
+    coarse = {b.condition.name: unwrapped(b.observed.value) for b in branches}
     expected = {c: np.zeros_like(observed) for c, observed in coarse.items()}
     modes = tuple(dict.fromkeys(c.mode for c in plan.conditions))
     names: list[str] = []
@@ -185,7 +185,7 @@ def _beyond_calibration(
     slopes = {}
     for test, branch in enumerate(branches):
         noise = np.median(np.concatenate([o.noise for o in plan.observations if o.test == test]), axis=0)
-        observed = branch.at(branch.place)
+        observed = branch.observed
         slopes[branch.condition.name] = observed.slopes[:, :n]
         basis = across(observed.along, np.broadcast_to(noise, observed.along.shape))
         columns.append(np.einsum("nrm,npm->nrp", basis, observed.slopes[:, :n]).reshape(-1, n))

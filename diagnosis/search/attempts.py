@@ -135,7 +135,7 @@ def _refit(start: Baseline, criteria: Criteria, a: Attempt) -> Refit | None:
             found = gated_again(a.near if a.size == 1 else at_size(a.near, a.effects, a.size), start, FULL)
     except BranchStoppedError:
         return None
-    return replace(judged(start.fitted, found, a.effects, criteria), gated_again=a.gated_again)
+    return replace(judged(start.fitted, found, a.effects, criteria), gated_again=a.gated_again) if found else None
 
 
 @dataclass(frozen=True)

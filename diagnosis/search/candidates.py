@@ -12,7 +12,6 @@ from updamp.diagnosis.search.baseline import Baseline
 from updamp.diagnosis.search.criteria import Criteria
 from updamp.diagnosis.search.probe import probes
 from updamp.diagnosis.search.refit import fails_badly
-from updamp.diagnosis.search.resized import have_two_signs
 from updamp.diagnosis.search.score import Score
 
 Floats = NDArray[np.float64]
@@ -58,7 +57,7 @@ def _typical(score: Score) -> tuple[Floats, ...]:
     if not score.effect.finite_step:
         return ()
     size = np.ones(len(score.step))
-    return (np.copysign(size, score.step[0]) if have_two_signs((score.effect,)) else size,)
+    return (np.copysign(size, score.step[0]) if score.effect.has_two_signs else size,)
 
 
 def _starts(step: Floats) -> tuple[Floats, ...]:

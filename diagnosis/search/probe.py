@@ -65,7 +65,7 @@ def highest_levels(plan: Plan) -> tuple[int, ...]:
 
 def _signs(effect: Effect) -> Iterator[float]:
     yield 1.0
-    if all(q.two_sided for q in effect.parameters):
+    if effect.has_two_signs:
         yield -1.0
 
 

@@ -1,6 +1,6 @@
 """The fit with an effect in the model: what decides."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,9 +8,19 @@ from numpy.typing import NDArray
 
 from updamp.diagnosis.effects.effect import Effect
 from updamp.diagnosis.model.parameters import Parametrisation
-from updamp.diagnosis.model.predicted_branch import PredictedBranch
-from updamp.diagnosis.residual.fit import AS_MANY, TOLERATED, Fit, FitOptions, compare_at, fit, misfit, predict
+from updamp.diagnosis.residual.fit import (
+    AS_MANY,
+    TOLERATED,
+    Compared,
+    Fit,
+    FitOptions,
+    compare_at,
+    fit,
+    misfit,
+    predict,
+)
 from updamp.diagnosis.residual.observations import Plan
+from updamp.diagnosis.residual.scatter import Offsets
 from updamp.diagnosis.search.criteria import Criteria
 from updamp.hbm.continuation import BranchStoppedError
 
@@ -90,22 +100,36 @@ def refit(
 def _fit_from(base: Fit, plan: Plan, extended: Parametrisation, starts: Sequence[Floats], full: bool) -> Fit | None:
     """From the first start that is better than none, else from the best; None where there is no response at any."""
     before = misfit(base.parametrisation, base.compared)
-    best: tuple[float, Floats, tuple[PredictedBranch, ...]] | None = None
-    for start in starts:
-        u = np.clip(start, extended.lower, extended.upper)
-        try:
-            branches = predict(extended, u, plan, base.compared.branches)
-        except BranchStoppedError:
-            continue
-        compared = compare_at(extended, u, plan, branches, base.compared.scatter, base.compared.offsets)
+    best: tuple[float, Compared] | None = None
+    for compared in compared_at(extended, plan, starts, base.compared, base.compared.offsets):
         value = misfit(extended, compared)
         if best is None or value < best[0]:
-            best = value, u, branches
+            best = value, compared
         if value < before and _far_better(base, compared.excess):
             break
     if best is None:
         return None
-    return fit(extended, plan, best[1], base.compared.scatter, best[2], _options(full))
+    return fit(extended, plan, best[1].u, base.compared.scatter, best[1].branches, _options(full))
+
+
+def compared_at(
+    parametrisation: Parametrisation,
+    plan: Plan,
+    starts: Iterable[Floats],
+    near: Compared,
+    offsets: Mapping[int, Offsets] | None = None,
+) -> Iterator[Compared]:
+    """The model at each of the starts, within the bounds, one when it is asked for; where it has no response, none.
+
+    near: whose branches are moved there, and whose scatter it is weighed by
+    """
+    for start in starts:
+        u = np.clip(start, parametrisation.lower, parametrisation.upper)
+        try:
+            branches = predict(parametrisation, u, plan, near.branches or None)
+        except BranchStoppedError:
+            continue
+        yield compare_at(parametrisation, u, plan, branches, near.scatter, offsets)
 
 
 def as_given(fitted: Fit) -> Floats:

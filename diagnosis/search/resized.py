@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.diagnosis.effects.effect import Effect
-from updamp.diagnosis.residual.fit import Fit, FitOptions, compare_at, fit, objective, predict
+from updamp.diagnosis.residual.fit import Fit, FitOptions, fit, objective
 from updamp.diagnosis.search.baseline import Baseline
-from updamp.diagnosis.search.refit import as_given
-from updamp.hbm.continuation import BranchStoppedError
+from updamp.diagnosis.search.refit import as_given, compared_at
 
 Floats = NDArray[np.float64]
 
@@ -25,29 +24,17 @@ _WITHIN = 3.84
 
 
 def have_two_signs(effects: tuple[Effect, ...]) -> bool:
-    return all(q.two_sided for effect in effects for q in effect.parameters)
+    return all(effect.has_two_signs for effect in effects)
 
 
-def resized(found: Fit, effects: tuple[Effect, ...], size: float, start: Baseline) -> Fit:
-    """The fit from so many times the effects' sizes: the other parameters as they are, or as given, whatever is closer.
-
-    raises: BranchStoppedError where the model has no response at either
-    """
-    p, best, stopped = found.parametrisation, None, None
-    for others in (found.u, as_given(found)):
-        u = _sized(found, effects, size, others)
-        try:
-            branches = predict(p, u, start.train_plan, found.compared.branches or None)
-        except BranchStoppedError as error:
-            stopped = error
-            continue
-        compared = compare_at(p, u, start.train_plan, branches, found.compared.scatter)
-        if best is None or objective(p, compared) < objective(p, best):
-            best = compared
-    if best is None:
-        assert stopped is not None, "one of both has been tried"
-        raise stopped
-    return fit(p, start.train_plan, best.u, found.compared.scatter, best.branches, _ROUNDS)
+def resized(found: Fit, effects: tuple[Effect, ...], size: float, start: Baseline) -> Fit | None:
+    """The fit from so many times the effects' sizes: the other parameters as they are, or as given, whatever is closer;
+    None where the model has no response at either."""
+    p, scatter = found.parametrisation, found.compared.scatter
+    starts = [_sized(found, effects, size, others) for others in (found.u, as_given(found))]
+    solved = compared_at(p, start.train_plan, starts, found.compared)
+    best = min(solved, key=lambda compared: objective(p, compared), default=None)
+    return fit(p, start.train_plan, best.u, scatter, best.branches, _ROUNDS) if best else None
 
 
 def at_size(found: Fit, effects: tuple[Effect, ...], size: float) -> Fit:

@@ -104,7 +104,7 @@ def _by_step_of(there: ModelAt, branch: PredictedBranch, effect: Effect) -> Floa
 
     Parameters beyond the first have no column of their own: the refit moves them.
     """
-    observed, numerics = unwrapped(branch.at(branch.place).value), there.parametrisation.numerics
+    observed, numerics = unwrapped(branch.observed.value), there.parametrisation.numerics
     for share in (1.0, 0.5, 0.25):
         values = {q.name: q.null + share * (q.typical - q.null) for q in effect.parameters}
         try:
