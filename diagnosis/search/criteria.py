@@ -10,8 +10,10 @@ class Criteria:
     close: chi2 a value after a short refit, over that of the best one, up to which an effect gets a full one
     nearly: share of the best effect's fall of chi2 a value from which on another one is fitted in full too, and the
         next one has second effects looked for beside it
+    gated: share of the misfit that the best effect has to take off for the numerical error of the model with it to be
+        found, before a second effect is looked for
     comparable: chi2 a value, over that of the best one, beyond which it does not count as nearly as good
-    promising: share of chi2 a value left by a short refit from where on the full one is done before others are tried
+    promising: share of the misfit left by a short refit from where on the full one is done before others are tried
     delta_bic: by which an effect has to improve the information criterion, the misfit that is left taken as noise
     gain: share by which the error on held-out runs has to fall
     at_bound: distance from a bound, as a share of its range, within which a parameter stands at it
@@ -31,6 +33,7 @@ class Criteria:
     full: int = 3
     close: float = 1.6
     nearly: float = 0.8
+    gated: float = 0.5
     comparable: float = 4.0
     promising: float = 0.2
     delta_bic: float = 10.0

@@ -12,9 +12,10 @@ from updamp.diagnosis.residual import numerical_gate
 from updamp.diagnosis.search.attempts import Attempt, run_here
 from updamp.diagnosis.search.baseline import baseline
 from updamp.diagnosis.search.criteria import Criteria
+from updamp.diagnosis.search.fits import Fits
 from updamp.diagnosis.search.refit import FULL, Starts, refit
 from updamp.diagnosis.search.regate import gated_again
-from updamp.diagnosis.search.search import _Fits, _gated_again
+from updamp.diagnosis.search.singles import numerics_anew
 from updamp.hbm.structural_changes import Attachment
 
 STIFFNESS = 1e4
@@ -75,7 +76,7 @@ def test_a_fit_that_ended_at_the_wrong_sign_is_turned_round(monkeypatch):
     assert found.refit.fitted.u[found.refit.fitted.parametrisation.columns("spring")] < 0
     tries = [Attempt((WEAKLY,), (), True, near=found.refit.fitted, gated_again=True, size=size) for size in (1.0, -1.0)]
     same, turned = run_here(start, criteria, tries, lambda *_: None)
-    best = _gated_again(_Fits(start, criteria, lambda _: None, run_here), {("spring",): found})[("spring",)]
+    best = numerics_anew(Fits(start, criteria, lambda _: None, run_here), {("spring",): found})[("spring",)]
     assert same.refit.drop < turned.refit.drop == pytest.approx(best.refit.drop)
     p = best.refit.fitted.parametrisation
     assert p.values(best.refit.fitted.u)["spring"]["size"] == pytest.approx(1.0, rel=0.3)
