@@ -15,7 +15,7 @@ from updamp.diagnosis.model.condition import Condition
 from updamp.diagnosis.model.moved_branch import move_branch
 from updamp.diagnosis.model.parameters import Parametrisation
 from updamp.diagnosis.model.predicted_branch import PredictedBranch, trace_branch
-from updamp.hbm.continuation import BranchStoppedError
+from updamp.hbm.continuation import BranchStoppedError, ContinuationOptions
 
 Floats = NDArray[np.float64]
 # Told of every branch that is done: its test's name, how many are done, of how many.
@@ -28,12 +28,14 @@ class PredictionError(RuntimeError):
 
 @dataclass(frozen=True, eq=False)
 class BranchTask:
-    """u: (p,) parameters; near: the same test's branch at other parameters, moved from there where that works"""
+    """u: (p,) parameters; near: the same test's branch at other parameters, moved from there where that works
+    options: of the continuation"""
 
     parametrisation: Parametrisation
     u: Floats
     condition: Condition
     near: PredictedBranch | None = None
+    options: ContinuationOptions | None = None
 
     @property
     def effort(self) -> float:
@@ -47,12 +49,15 @@ class BranchTask:
         """raises: BranchStoppedError where the branch has no beginning; PredictionError for anything else, both naming
         the test"""
         try:
-            moved = move_branch(self.parametrisation, self.u, self.near) if self.near is not None else None
-            return moved or trace_branch(self.parametrisation, self.u, self.condition)
+            moved = self._moved(self.near) if self.near is not None else None
+            return moved or trace_branch(self.parametrisation, self.u, self.condition, self.options)
         except BranchStoppedError as stop:
             raise stop.of(self.condition.name) from stop
         except Exception as error:  # whatever it is, the user is to be told where
             raise PredictionError(f"{self.condition.name}: {type(error).__name__}: {error}") from error
+
+    def _moved(self, near: PredictedBranch) -> PredictedBranch | None:
+        return move_branch(self.parametrisation, self.u, near, self.options)
 
 
 class Branches(Protocol):

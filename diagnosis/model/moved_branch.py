@@ -31,7 +31,9 @@ _BETWEEN = 0.8
 _NEWTON = NewtonOptions(tolerance=1e-7, iterations=10, patience=4)
 
 
-def move_branch(parametrisation: Parametrisation, u: Floats, before: PredictedBranch) -> PredictedBranch | None:
+def move_branch(
+    parametrisation: Parametrisation, u: Floats, before: PredictedBranch, options: ContinuationOptions | None = None
+) -> PredictedBranch | None:
     """Each point corrected across the branch from where its derivatives put it; where that leaves gaps points are put
     between, where it no longer covers the measured window the branch is followed further. None where that fails.
 
@@ -47,10 +49,11 @@ def move_branch(parametrisation: Parametrisation, u: Floats, before: PredictedBr
     moved = _moved(there, before, excitation)
     if len(moved) < (1 - _LOST) * len(before.points):
         return None
-    filled = _filled(system, excitation, moved)
+    steps = options or ContinuationOptions()
+    filled = _filled(system, excitation, moved, _STRETCHED * steps.largest_step)
     if filled is None:
         return None
-    covering = filled if before.stopped else _covering(system, excitation, filled, before.condition)
+    covering = filled if before.stopped else _covering(system, excitation, filled, before.condition, steps)
     if covering is None:
         return None
     found = observe_swept(there, before.condition, covering, before.stopped)
@@ -79,9 +82,10 @@ def _moved(there: ModelAt, before: PredictedBranch, excitation: Excitation) -> l
     return moved
 
 
-def _filled(system: NonlinearSystem, excitation: Excitation, points: Points) -> list[BranchPoint] | None:
+def _filled(
+    system: NonlinearSystem, excitation: Excitation, points: Points, longest: float
+) -> list[BranchPoint] | None:
     """With points between those that are too far apart; None where none is found there."""
-    longest = _STRETCHED * ContinuationOptions().largest_step
     filled = list(points[:1])
     for point in points[1:]:
         waiting = [point]
@@ -113,7 +117,7 @@ def _between(system: NonlinearSystem, excitation: Excitation, a: BranchPoint, b:
 
 
 def _covering(
-    system: NonlinearSystem, excitation: Excitation, points: Points, condition: Condition
+    system: NonlinearSystem, excitation: Excitation, points: Points, condition: Condition, steps: ContinuationOptions
 ) -> list[BranchPoint] | None:
     """Followed beyond the measured window, with something to spare for shifts to first order, at both ends."""
     low, high = condition.window
@@ -127,7 +131,7 @@ def _covering(
         for _ in range(2):
             if not outside(found[-1]):
                 # the walk does not look at the direction: the points before tell it
-                found += continue_branch(system, excitation, condition.wider, resume_from=found)
+                found += continue_branch(system, excitation, condition.wider, steps, resume_from=found)
             found = _turned(_trimmed(found, condition))
     except BranchStoppedError:
         return None

@@ -28,6 +28,7 @@ from updamp.diagnosis.residual.scatter import (
     whitened,
     within_reach,
 )
+from updamp.hbm.continuation import ContinuationOptions
 
 Floats = NDArray[np.float64]
 Progress = Callable[[str], None]
@@ -132,14 +133,17 @@ def predict(
     plan: Plan,
     near: Sequence[PredictedBranch] | None = None,
     branches_of: Branches = in_turn,
+    options: ContinuationOptions | None = None,
 ) -> tuple[PredictedBranch, ...]:
     """Branches of all conditions at u: moved from `near` ones where that works, else traced.
+
+    options: of the continuation, that `near` ones have been traced with
 
     raises: BranchStoppedError where a branch has no beginning
     """
     starts = near if near is not None else [None] * len(plan.conditions)
     return branches_of(
-        [BranchTask(parametrisation, u, c, start) for c, start in zip(plan.conditions, starts, strict=True)]
+        [BranchTask(parametrisation, u, c, start, options) for c, start in zip(plan.conditions, starts, strict=True)]
     )
 
 

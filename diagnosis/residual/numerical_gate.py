@@ -16,6 +16,7 @@ from updamp.diagnosis.model.rig_model import RigModel
 from updamp.diagnosis.residual.fit import predict
 from updamp.diagnosis.residual.matching import across
 from updamp.diagnosis.residual.observations import Plan
+from updamp.hbm.continuation import ContinuationOptions
 from updamp.hbm.harmonics import Harmonics
 
 Floats = NDArray[np.float64]
@@ -100,9 +101,14 @@ def _differs(model: RigModel, base: RigModel, branch: PredictedBranch) -> bool:
     return not (linear and model.components is base.components)
 
 
-def _finer_task(model: RigModel, condition: Condition, numerics: NumericalError | None = None) -> BranchTask:
+def _finer_task(
+    model: RigModel,
+    condition: Condition,
+    numerics: NumericalError | None = None,
+    options: ContinuationOptions | None = None,
+) -> BranchTask:
     of_model = Parametrisation(model, (), numerics=numerics or NumericalError())
-    return BranchTask(of_model, np.zeros(len(of_model)), _wider(condition))
+    return BranchTask(of_model, np.zeros(len(of_model)), _wider(condition), options=options)
 
 
 def _by_model(
@@ -157,14 +163,19 @@ def _with_patterns(
 
 
 def change_of_branch(
-    model: RigModel, condition: Condition, observed: Floats, numerics: NumericalError | None = None
+    model: RigModel,
+    condition: Condition,
+    observed: Floats,
+    numerics: NumericalError | None = None,
+    options: ContinuationOptions | None = None,
 ) -> Floats:
     """(n, m) what another model changes of the observations (n, m) along a branch.
 
     numerics: error that the observations have been freed of, which is then taken off the other model's too
+    options: of the continuation
     raises: BranchStoppedError where it has no response at the beginning of the run
     """
-    return _change(observed, _finer_task(model, condition, numerics).predicted(), condition)
+    return _change(observed, _finer_task(model, condition, numerics, options).predicted(), condition)
 
 
 def _change(observed: Floats, traced: PredictedBranch, condition: Condition) -> Floats:

@@ -17,7 +17,7 @@ from updamp.diagnosis.model.predicted_branch import PredictedBranch
 from updamp.diagnosis.residual.fit import Fit, compare_at, fit_linear, misfit, predict
 from updamp.diagnosis.residual.observations import Plan
 from updamp.diagnosis.search.baseline import Baseline
-from updamp.diagnosis.search.refit import as_given
+from updamp.diagnosis.search.refit import as_given, coarse_enough
 from updamp.hbm.continuation import BranchStoppedError
 
 Floats = NDArray[np.float64]
@@ -44,7 +44,7 @@ def probes(
     """
     plan = start.train_plan.only(highest_levels(start.train_plan))
     at = as_given(start.fitted)
-    near = predict(start.fitted.parametrisation, at, plan)
+    near = predict(start.fitted.parametrisation, at, plan, options=coarse_enough(start.fitted))
     found = []
     for effect in effects:
         progress(f"{effect.name} at its typical size")
@@ -77,7 +77,7 @@ def _probe(
     u = base.parametrisation.with_further(at, np.full(len(effect.parameters), sign))
     u = np.clip(u, extended.lower, extended.upper)
     try:
-        branches = predict(extended, u, plan, near)
+        branches = predict(extended, u, plan, near, options=coarse_enough(base))
     except BranchStoppedError:
         return None
     compared = compare_at(extended, u, plan, branches, scatter)

@@ -22,11 +22,12 @@ from updamp.diagnosis.residual.fit import (
 from updamp.diagnosis.residual.observations import Plan
 from updamp.diagnosis.residual.scatter import Offsets
 from updamp.diagnosis.search.criteria import Criteria
-from updamp.hbm.continuation import BranchStoppedError
+from updamp.hbm.continuation import BranchStoppedError, ContinuationOptions
 
 Floats = NDArray[np.float64]
 # Share of it that a start has to bring it down to.
 _FAR = 0.1
+_COARSE = ContinuationOptions(largest_step=0.4)
 _SHORT, FULL = FitOptions(rounds=2), FitOptions(rounds=8)
 
 
@@ -139,6 +140,12 @@ def as_given(fitted: Fit) -> Floats:
     effects = slice(len(p.nuisances), p.n_of_model)
     u[effects] = fitted.u[effects]
     return u
+
+
+def coarse_enough(base: Fit) -> ContinuationOptions | None:
+    """Of branches that only a first guess depends on. Interpolation between longer steps is off by several times the
+    noise of the sensors at most, which is nothing beside what a model lacks that fails badly."""
+    return _COARSE if fails_badly(base) else None
 
 
 def fails_badly(base: Fit) -> bool:

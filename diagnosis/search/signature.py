@@ -15,7 +15,8 @@ from updamp.diagnosis.model.predicted_branch import PredictedBranch, observe, of
 from updamp.diagnosis.residual.fit import Compared, Fit, compare_at, predict
 from updamp.diagnosis.residual.numerical_gate import change_of_branch, unwrapped
 from updamp.diagnosis.residual.observations import Plan
-from updamp.hbm.continuation import BranchStoppedError
+from updamp.diagnosis.search.refit import coarse_enough
+from updamp.hbm.continuation import BranchStoppedError, ContinuationOptions
 
 Floats = NDArray[np.float64]
 
@@ -64,7 +65,7 @@ def extend(
     branches = []
     for branch in _solved_at(fitted, plan):
         progress(f"signatures {branch.condition.name}")
-        steps = [_by_step_of(there, branch, e) for e in by_step]
+        steps = [_by_step_of(there, branch, e, coarse_enough(fitted)) for e in by_step]
         branches.append(_extended(there, branch, changes, steps))
     ordered = (*by_derivative, *by_step)
     extended = replace(p, effects=(*p.effects, *ordered))
@@ -99,7 +100,7 @@ def _needs_step(there: ModelAt, effect: Effect) -> bool:
     return effect.finite_step or effect.apply(there.model, effect.at_typical()).harmonics != there.model.harmonics
 
 
-def _by_step_of(there: ModelAt, branch: PredictedBranch, effect: Effect) -> Floats:
+def _by_step_of(there: ModelAt, branch: PredictedBranch, effect: Effect, options: ContinuationOptions | None) -> Floats:
     """(n, n_parameters, m) changes of the observations for all parameters at their typical values.
 
     Parameters beyond the first have no column of their own: the refit moves them.
@@ -109,7 +110,7 @@ def _by_step_of(there: ModelAt, branch: PredictedBranch, effect: Effect) -> Floa
         values = {q.name: q.null + share * (q.typical - q.null) for q in effect.parameters}
         try:
             changed = effect.apply(there.model, values)
-            change = change_of_branch(changed, branch.condition, observed, numerics) / share
+            change = change_of_branch(changed, branch.condition, observed, numerics, options) / share
         except BranchStoppedError:
             continue
         rest = np.zeros((len(change), len(effect.parameters) - 1, change.shape[1]))
