@@ -1,7 +1,7 @@
 """The model at one place in the space of its parameters, and how it changes around there."""
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +48,17 @@ class ModelAt:
         there = self.u.copy()
         there[which] += step
         return self.parametrisation.model(there)
+
+
+def model_at(parametrisation: Parametrisation, u: Floats) -> ModelAt:
+    """The same one as before where nothing else was asked for meanwhile: the branches of a plan come one after the
+    other, and what is made of the parameters serves all of them."""
+    return _last_asked_for(parametrisation, np.asarray(u, dtype=float).tobytes())
+
+
+@lru_cache(maxsize=1)
+def _last_asked_for(parametrisation: Parametrisation, u: bytes) -> ModelAt:
+    return ModelAt(parametrisation, np.frombuffer(u))
 
 
 def change_to(model: RigModel, changed: RigModel, step: float) -> Change:

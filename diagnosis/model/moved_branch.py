@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.diagnosis.model.condition import Condition
-from updamp.diagnosis.model.model_at import ModelAt
+from updamp.diagnosis.model.model_at import ModelAt, model_at
 from updamp.diagnosis.model.parameters import Parametrisation
 from updamp.diagnosis.model.predicted_branch import PredictedBranch, observe_swept
 from updamp.hbm.branch import BranchPoint, point_after, point_at
@@ -42,7 +42,7 @@ def move_branch(
     """
     if before.condition.control is not None:
         return None
-    there = ModelAt(parametrisation, u)
+    there = model_at(parametrisation, u)
     system, excitation = there.model.system, there.model.excited_by(before.condition.force)
     if before.points[0].x.shape != (system.free.n_relative, system.harmonics.n_coefficients):
         return None  # an effect has brought elements or harmonics of its own

@@ -17,7 +17,7 @@ from updamp.diagnosis.model.condition import Condition
 from updamp.diagnosis.model.derivatives import Change
 from updamp.diagnosis.model.held_branch import HeldPoint, held_state, pairs, trace_held
 from updamp.diagnosis.model.light_points import light
-from updamp.diagnosis.model.model_at import ModelAt
+from updamp.diagnosis.model.model_at import ModelAt, model_at
 from updamp.diagnosis.model.numerical_error import NumericalError
 from updamp.diagnosis.model.observed_point import ObservedPoint, Observer
 from updamp.diagnosis.model.parameters import Parametrisation
@@ -131,7 +131,7 @@ def trace_branch(
 
     raises: BranchStoppedError where not even its first point is found
     """
-    there = ModelAt(parametrisation, u)
+    there = model_at(parametrisation, u)
     if condition.control is not None:
         return observe(there, condition, *trace_held(there, condition))
     system, excitation = there.model.system, there.model.excited_by(condition.force)

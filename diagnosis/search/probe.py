@@ -2,11 +2,13 @@
 
 About a calibrated model that lacks something large, first order tells little: calibration has led it astray, and
 effects of the contacts are not linear that far (an uneven pressure acts with its square at first). So each effect is
-put into the model as given at its typical size, with both signs where it has two, and the rest is linear from there.
+put into the model as given at its typical size, with both signs where it has two, and the rest is linear from there;
+once more from where that leads if it leads as far as it may.
 """
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,9 +50,21 @@ def probes(
     found = []
     for effect in effects:
         progress(f"{effect.name} at its typical size")
-        tried = [_probe(start.fitted, plan, at, near, effect, sign) for sign in _signs(effect)]
-        found += sorted((t for t in tried if t is not None), key=lambda t: t.misfit)[:1]
-    return tuple(sorted(found, key=lambda p: p.misfit))
+        from_size = partial(_probe, start.fitted, plan, at, near, effect)
+        tried = [from_size(np.full(len(effect.parameters), sign)) for sign in _signs(effect)]
+        best = min((t for t in tried if t is not None), key=_misfit, default=None)
+        # what goes as far as it may wants to go further
+        again = from_size(best.start) if best is not None and _at_its_end(best) else None
+        found += [min((t for t in (best, again) if t is not None), key=_misfit)] if best is not None else []
+    return tuple(sorted(found, key=_misfit))
+
+
+def _misfit(probe: Probe) -> float:
+    return probe.misfit
+
+
+def _at_its_end(probe: Probe) -> bool:
+    return bool(np.max(np.abs(probe.start)) > 0.99 * (1 + _REACH))
 
 
 def highest_levels(plan: Plan) -> tuple[int, ...]:
@@ -70,11 +84,12 @@ def _signs(effect: Effect) -> Iterator[float]:
 
 
 def _probe(
-    base: Fit, plan: Plan, at: Floats, near: Sequence[PredictedBranch], effect: Effect, sign: float
+    base: Fit, plan: Plan, at: Floats, near: Sequence[PredictedBranch], effect: Effect, size: Floats
 ) -> Probe | None:
+    """size: (p,) of the effect's parameters in typical ones"""
     extended: Parametrisation = replace(base.parametrisation, effects=(*base.parametrisation.effects, effect))
     scatter = base.compared.scatter
-    u = base.parametrisation.with_further(at, np.full(len(effect.parameters), sign))
+    u = base.parametrisation.with_further(at, size)
     u = np.clip(u, extended.lower, extended.upper)
     try:
         branches = predict(extended, u, plan, near, options=coarse_enough(base))

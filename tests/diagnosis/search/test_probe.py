@@ -74,3 +74,11 @@ def test_a_misfit_does_not_go_into_the_scatter(start):
     guess = Scatter({n.name: n.scatter for n in NUISANCES}).as_numbers()
     for name, deviation in start.fitted.compared.scatter.as_numbers().items():
         assert 0.5 < deviation / guess[name] < 2, name
+
+
+def test_what_leads_as_far_as_it_may_is_tried_once_more_from_there(start):
+    """The size that was there is five times the typical one; the first probe reaches three."""
+    small = replace(ASKEW, parameters=(replace(ASKEW.parameters[0], typical=0.2),))
+    (near,), (found,) = probes(start, (ASKEW,)), probes(start, (small,))
+    assert 0.2 * abs(found.start[0]) == pytest.approx(0.8 * abs(near.start[0]), rel=0.2)
+    assert abs(found.start[0]) > 3.5
