@@ -242,7 +242,7 @@ def test_a_calibration_is_what_a_fit_applies():
 
 
 @pytest.mark.parametrize(
-    ("nuisance", "name", "entry"), [(LOSS_FACTOR, "material_damping", "coefficient"), (NORMAL, "edge_gap", "n0")]
+    ("nuisance", "name", "entry"), [(LOSS_FACTOR, "material_damping", "in_phase"), (NORMAL, "edge_gap", "n0")]
 )
 def test_a_fit_finds_the_same_whether_values_are_free_or_taken_up(nuisance, name, entry):
     """These effects depend on what is calibrated: the order counts."""

@@ -38,5 +38,5 @@ def with_joint_element(model: RigModel, name: str, law: ContactLaw, **entries: f
     raises: ValueError where the model is not one of identified modes without contacts
     """
     parameters: Any = law.parameters(**{entry: jnp.full(1, value) for entry, value in entries.items()})
-    added = PointElement(name, checked(model).excitation, law, parameters)
+    added = PointElement(name, (checked(model).excitation,), law, parameters)
     return replace(model, elements=(*model.elements, added), time_samples=max(model.time_samples, _SAMPLES))

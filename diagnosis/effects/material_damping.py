@@ -1,39 +1,62 @@
-"""Material damping that grows with amplitude.
+"""Material damping of the blades that grows with amplitude.
 
-eta = eta0 (1 + b A / 1 mm), A the amplitude of the tips, is realised by a damper f = c |u| v at each tip, whose loss
-factor grows with A. c is such that the two modes that bend the blades lose, with all contacts stuck, what eta asks for,
-on average over both: pi h_r q^2 b A = sum over the tips of 4/3 c omega_r |phi_tip q|^3, h_r the mode's hysteretic
-damping and A the mean amplitude of both tips. Each mode alone differs from the average; at the reference rig's small
-mesh by 9 %.
+eta = eta0 (1 + b A / 1 mm), A the amplitude of each blade's tip, is realised by dampers at the tips whose loss factor
+grows with A (`PairedAmplitudeDamper`), one coefficient for what both blades do in phase and one for out of phase, since
+the two modes that bend the blades have other shapes. Both are such that these modes lose, with all contacts stuck, what
+eta asks for: pi h_r q^2 b A = sum over the tips of 4/3 c omega_r |phi_tip q|^3, h_r the blades' share of the mode's
+hysteretic damping and A the mean amplitude of both tips.
 """
 
+from dataclasses import replace
+
+import jax.numpy as jnp
 import numpy as np
+from numpy.typing import NDArray
 
 from updamp.diagnosis.effects.effect import Effect, EffectParameter, Values
-from updamp.diagnosis.effects.tips import TIPS, with_tip_elements
-from updamp.diagnosis.model.rig_model import RigModel
-from updamp.hbm.contact.amplitude_damper import AmplitudeDamper
+from updamp.diagnosis.effects.tips import TIPS, checked
+from updamp.diagnosis.model.rig_model import PointElement, RigModel
+from updamp.hbm.contact.paired_amplitude_damper import PairedAmplitudeDamper, PairedAmplitudeDamperParameters
 from updamp.hbm.linear_model import LinearModel
+
+Floats = NDArray[np.float64]
 
 PER = 1e-3  # m
 
 
 def apply(model: RigModel, values: Values) -> RigModel:
-    """A damper at both tips; at 0 too, so that models of all values have the same unknowns."""
-    growth = values["growth"]
-    coefficient = growth / PER * float(np.mean(coefficients(model))) if growth != 0 else 0.0
-    return with_tip_elements(model, "amplitude damper", AmplitudeDamper(), coefficient=coefficient)
+    """Dampers at both tips; at 0 too, so that models of all values have the same unknowns.
+
+    raises: ValueError where the model lacks one of the tips
+    """
+    checked(model)
+    growth = values["growth"] / PER
+    each = [growth * c for c in coefficients(model)] if growth != 0 else [0.0, 0.0]
+    law, parameters = PairedAmplitudeDamper(), PairedAmplitudeDamperParameters(*(jnp.full(1, c) for c in each))
+    return replace(model, elements=(*model.elements, PointElement("amplitude dampers", TIPS, law, parameters)))
 
 
 def coefficients(model: RigModel) -> tuple[float, float]:
-    """c [N s/m^2] per unit of growth of the loss factor with the amplitude [1/m], for each of the two modes."""
-    stuck = model.system.stuck
-    found = []
+    """c [N s/m^2] per unit of growth of the loss factor with the amplitude [1/m], in phase and out of phase."""
+    stuck, lost = model.system.stuck, _by_blades(model)
+    found: dict[bool, float] = {}
     for mode in bending_modes(stuck):
-        tips = np.abs(stuck.phi[[stuck.row(tip) for tip in TIPS], mode])
-        omega, loss = np.sqrt(stuck.omega_squared[mode]), stuck.hysteretic[mode, mode]
-        found.append(float(np.pi * loss * tips.mean() / (4 / 3 * omega * (tips**3).sum())))
-    return found[0], found[1]
+        tips = stuck.phi[[stuck.row(tip) for tip in TIPS], mode]
+        sizes, omega = np.abs(tips), np.sqrt(stuck.omega_squared[mode])
+        c = float(np.pi * lost[mode] * sizes.mean() / (4 / 3 * omega * (sizes**3).sum()))
+        found.setdefault(bool(tips.prod() > 0), c)
+    # blades far from alike may bend one at a time: then in phase and out of phase are the same
+    both = float(np.mean(list(found.values())))
+    return found.get(True, both), found.get(False, both)
+
+
+def _by_blades(model: RigModel) -> Floats:
+    """(m,) hysteretic damping of the stuck modes that the blades account for."""
+    blades = {tip.split(".")[0] for tip in TIPS}
+    own = np.array([owner in blades for owner in model.owner])
+    hysteretic = model.components.hysteretic * np.outer(own, own)
+    alone = replace(model, components=replace(model.components, hysteretic=hysteretic))
+    return np.diag(alone.system.stuck.hysteretic)
 
 
 def bending_modes(stuck: LinearModel) -> list[int]:

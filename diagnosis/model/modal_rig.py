@@ -145,7 +145,7 @@ class ModalRig(Section):
             omega**2, phi, np.zeros((n, n)), np.diag(eta * omega**2), np.diag(2 * zeta * omega), 0, self.points
         )
         # The solver needs a relative displacement; a spring of no stiffness gives it one and changes nothing.
-        nothing = PointElement("none", self.excitation, CubicSpring(), CubicParameters(jnp.asarray(np.zeros(1))))
+        nothing = PointElement("none", (self.excitation,), CubicSpring(), CubicParameters(jnp.asarray(np.zeros(1))))
         return RigModel(
             components=components,
             owner=(self.name,) * len(modes),

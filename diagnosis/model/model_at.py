@@ -63,7 +63,7 @@ def _last_asked_for(parametrisation: Parametrisation, u: bytes) -> ModelAt:
 
 def change_to(model: RigModel, changed: RigModel, step: float) -> Change:
     """step: of the parameter between the two; the changed one may have further elements, after those of the model"""
-    points = tuple(e.point for e in changed.elements)[len(model.elements) :]
+    points = tuple(point for e in changed.elements[len(model.elements) :] for point in e.points)
     if not _same_structure(model, changed):
         return Change(_system_of(changed, model), step, added=points)
     # the same object: what was worked out for it holds
@@ -86,7 +86,7 @@ def change_of_effect(model: RigModel, effect: Effect, parameter: EffectParameter
 
 
 def _same_structure(a: RigModel, b: RigModel) -> bool:
-    points = [e.point for e in a.elements] == [e.point for e in b.elements]
+    points = [e.points for e in a.elements] == [e.points for e in b.elements]
     same = points and a.harmonics == b.harmonics and a.attachments == b.attachments
     return same and _equal(a.components, b.components)
 

@@ -25,13 +25,13 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class PointElement:
-    """A nonlinear element of one direction at a named point, between it and the ground.
+    """A nonlinear element at named points, one for each of its directions, between them and the ground.
 
     parameters: the law's NamedTuple, each entry (1, ...)
     """
 
     name: str
-    point: str
+    points: tuple[str, ...]
     law: ContactLaw
     parameters: Any
 
@@ -74,15 +74,19 @@ class RigModel:
     @cached_property
     def free(self) -> LinearModel:
         """The structure without any contact or other element."""
-        return with_relative_rows(attach(self.components, self.attachments), [e.point for e in self.elements])
+        return with_relative_rows(
+            attach(self.components, self.attachments), [point for e in self.elements for point in e.points]
+        )
 
     @cached_property
     def groups(self) -> tuple[ElementGroup, ...]:
         """The contacts, then the other elements."""
+        groups: list[ElementGroup] = [] if self.contacts is None else [self.contacts]
         first = self.components.n_relative
-        contacts: tuple[ElementGroup, ...] = () if self.contacts is None else (self.contacts,)
-        others = (ElementGroup(e.law, e.parameters, np.array([[first + i]])) for i, e in enumerate(self.elements))
-        return (*contacts, *others)
+        for e in self.elements:
+            groups.append(ElementGroup(e.law, e.parameters, np.arange(first, first + len(e.points))[None]))
+            first += len(e.points)
+        return tuple(groups)
 
     def excited_by(self, force: float) -> Excitation:
         """force: amplitude [N]"""

@@ -14,6 +14,7 @@ from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
 from updamp.hbm.contact.law import FrictionLaw
 from updamp.hbm.contact.microslip import SLIDERS, SubPatchMicroslip
+from updamp.hbm.contact.paired_amplitude_damper import PairedAmplitudeDamper, PairedAmplitudeDamperParameters
 from updamp.hbm.contact.parameters import with_entries
 from updamp.hbm.contact.pressure_stiffness import PressureStiffness
 from updamp.hbm.contact.springs import CubicSpring
@@ -194,3 +195,19 @@ def test_amplitude_damper_takes_the_cube_of_the_amplitude():
         work = (force * speed).mean() * 2 * np.pi / 0.7
         assert work == pytest.approx(4 / 3 * 3.0 * 0.7 * amplitude**3, rel=1e-3)
         assert u.mean() == pytest.approx(5.0)
+
+
+def test_paired_dampers_tell_in_phase_from_out_of_phase():
+    """Each mode of two equal places is damped by its own coefficient; equal coefficients make two single dampers."""
+    rows, motion = np.array([[0, 1]]), np.array([[[5.0, 2.0, 0.0, 0.3, 0.0], [1.0, 1.0, 0.5, 0.0, 0.0]]])
+    alike = ElementGroup(PairedAmplitudeDamper(), PairedAmplitudeDamperParameters(*np.full((2, 1), 3.0)), rows)
+    _, both = over_period(alike, alike.law.force, motion, 0.7, HARMONICS, 64)
+    for i in range(2):
+        single = ElementGroup(AmplitudeDamper(), AmplitudeDamperParameters(np.array([3.0])), np.array([[0]]))
+        _, force = over_period(single, single.law.force, motion[:, [i]], 0.7, HARMONICS, 64)
+        np.testing.assert_allclose(both[..., i], force[..., 0], rtol=1e-12, atol=1e-12)
+    apart = ElementGroup(PairedAmplitudeDamper(), PairedAmplitudeDamperParameters(*np.array([[3.0], [4.0]])), rows)
+    for sign, c in ((1.0, 3.0), (-1.0, 4.0)):
+        together = np.stack([motion[0, 0], sign * motion[0, 0]])[None]
+        _, force = over_period(apart, apart.law.force, together, 0.7, HARMONICS, 64)
+        np.testing.assert_allclose(force[..., 0], both[..., 0] * c / 3.0, rtol=1e-12, atol=1e-12)

@@ -109,7 +109,8 @@ def test_a_point_that_is_not_there_is_named(model):
 
 def test_an_element_at_a_point_that_sticks_is_a_spring(model):
     """Two elements at one point, besides the contacts: both act."""
-    element = PointElement("a", "blade_left.tip.x", Jenkins(), JenkinsParameters(np.full(1, 2e4), np.full(1, 1e9)))
+    law, parameters = Jenkins(), JenkinsParameters(np.full(1, 2e4), np.full(1, 1e9))
+    element = PointElement("a", ("blade_left.tip.x",), law, parameters)
     with_elements = replace(model, elements=(element, replace(element, name="b")))
     spring = Attachment("spring", {"blade_left.tip.x": 1.0}, stiffness=4e4)
     sprung = replace(model, attachments=(*model.attachments, spring)).system.stuck

@@ -48,7 +48,7 @@ def attached(**values):
 
 
 def with_element(law, parameters):
-    return replace(small_model(), elements=(PointElement("hidden", "a.x", law, parameters),))
+    return replace(small_model(), elements=(PointElement("hidden", ("a.x",), law, parameters),))
 
 
 def within(value, deviation, expected, relative):

@@ -29,7 +29,7 @@ MODEL = Parametrisation(small_model(), NUISANCES)
 
 def _quadratic(model, values):
     damper = AmplitudeDamperParameters(values["coefficient"] * jnp.ones(1))
-    return replace(model, elements=(*model.elements, PointElement("hidden", "a.x", AmplitudeDamper(), damper)))
+    return replace(model, elements=(*model.elements, PointElement("hidden", ("a.x",), AmplitudeDamper(), damper)))
 
 
 def _dashpot(model, values):
