@@ -34,6 +34,18 @@ class ObservedPoint:
         """As the first one beyond a piece of the branch that is left out."""
         return replace(self, point=replace(self.point, after_gap=True))
 
+    def turned(self, step: float, after_gap: bool) -> "ObservedPoint":
+        """As one of the branch followed the other way; step, after_gap: from the point that is the one before then."""
+        p = self.point
+        p = replace(p, tangent_x=-p.tangent_x, tangent_w=-p.tangent_w, step=step, after_gap=after_gap)
+        return replace(self, point=p, along=-self.along)
+
+
+def turned_round(points: Sequence[ObservedPoint]) -> list[ObservedPoint]:
+    """The same piece of a branch from its other end."""
+    steps = [(0.0, False), *((o.point.step, o.point.after_gap) for o in reversed(points[1:]))]
+    return [o.turned(step, gap) for o, (step, gap) in zip(reversed(points), steps, strict=True)]
+
 
 @dataclass(frozen=True, eq=False)
 class Observer:

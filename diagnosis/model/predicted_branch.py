@@ -16,6 +16,7 @@ from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 from updamp.diagnosis.model.condition import Condition
 from updamp.diagnosis.model.derivatives import Change
 from updamp.diagnosis.model.held_branch import HeldPoint, held_state, pairs, trace_held
+from updamp.diagnosis.model.landing import OtherEnd
 from updamp.diagnosis.model.light_points import light
 from updamp.diagnosis.model.model_at import ModelAt, model_at
 from updamp.diagnosis.model.numerical_error import NumericalError
@@ -135,18 +136,29 @@ def trace_branch(
     if condition.control is not None:
         return observe(there, condition, *trace_held(there, condition))
     system, excitation = there.model.system, there.model.excited_by(condition.force)
-    walk = continue_branch(system, excitation, condition.wider, options, condition.upwards)
-    return observe_swept(there, condition, walk)
+    low, high = condition.wider
+
+    def walk(upwards: bool) -> Iterable[BranchPoint]:
+        return continue_branch(system, excitation, (low, high), options, upwards)
+
+    other_end = OtherEnd(lambda: walk(not condition.upwards), 2 * np.pi * (high - low))
+    return observe_swept(there, condition, walk(condition.upwards), other_end=other_end)
 
 
 def observe_swept(
-    there: ModelAt, condition: Condition, points: Iterable[BranchPoint], stopped: str = ""
+    there: ModelAt,
+    condition: Condition,
+    points: Iterable[BranchPoint],
+    stopped: str = "",
+    other_end: OtherEnd | None = None,
 ) -> PredictedBranch:
-    """What a sweep sees of solved points, with margins; stopped: why they end inside the window, if known beforehand.
+    """What a sweep sees of solved points, with margins.
+
+    stopped: why they end inside the window, if known beforehand; other_end: where to look for what a sweep jumps to
 
     raises: BranchStoppedError where the points end with it before there are enough of them
     """
-    seen, reason = swept_points(points, condition.upwards, Observer(there, condition))
+    seen, reason = swept_points(points, condition.upwards, Observer(there, condition), other_end)
     return _of_observed(there, condition, seen, stopped or reason)
 
 

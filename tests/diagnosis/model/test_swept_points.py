@@ -9,11 +9,12 @@ import pytest
 
 from updamp.diagnosis.effects.catalogue import JOINTS
 from updamp.diagnosis.model.condition import Condition
+from updamp.diagnosis.model.landing import OtherEnd
 from updamp.diagnosis.model.modal_rig import load_modal
 from updamp.diagnosis.model.model_at import ModelAt
 from updamp.diagnosis.model.moved_branch import move_branch
 from updamp.diagnosis.model.parameters import Parametrisation, nuisances
-from updamp.diagnosis.model.predicted_branch import PredictedBranch, observe, trace_branch
+from updamp.diagnosis.model.predicted_branch import PredictedBranch, observe, observe_swept, trace_branch
 from updamp.diagnosis.model.swept_points import swept_points
 from updamp.hbm.continuation import BranchStoppedError, continue_branch
 from updamp.hbm.newton import Status
@@ -53,7 +54,10 @@ def seen(branch: PredictedBranch) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("upwards", [False, True])
 def test_what_is_seen_are_the_same_points_as_of_the_whole_branch(softening, upwards):
     condition = replace(DOWN, upwards=upwards)
-    short, full = trace_branch(softening, at(softening), condition), whole(softening, at(softening), condition)
+    there = ModelAt(softening, at(softening))
+    force = there.model.excited_by(condition.force)
+    walk = continue_branch(there.model.system, force, condition.wider, upwards=upwards)
+    short, full = observe_swept(there, condition, walk), whole(softening, at(softening), condition)
     assert np.sum(~full.visited) > 16
     assert np.sum(~short.visited) == 8
     assert sum(point.after_gap for point in short.points) == 1
@@ -68,8 +72,21 @@ def assert_the_same(a: PredictedBranch, b: PredictedBranch) -> None:
     clear = (f > g[0]) & (f < g[-1]) & (np.abs(f / jump - 1) > 0.01)
     assert np.sum(clear) > 100
     np.testing.assert_allclose(amplitude[clear], np.interp(f[clear], g, reference), atol=5e-3)
-    folds = [x.frequency[np.argmax(np.abs(x.amplitude[:, 0]))] for x in (a, b)]
+    folds = [x.frequency[np.argmin(x.visited) - 1] for x in (a, b)]
     assert folds[0] == pytest.approx(folds[1], rel=5e-4)
+
+
+@pytest.mark.parametrize("upwards", [False, True])
+def test_what_the_sweep_jumps_to_is_found_from_the_other_end(softening, upwards):
+    condition = replace(DOWN, upwards=upwards)
+    short, full = trace_branch(softening, at(softening), condition), whole(softening, at(softening), condition)
+    assert_the_same(short, full)
+    assert np.sum(~short.visited) == 8
+    assert sum(point.after_gap for point in short.points) == 1
+    # the same branch on, in the same direction: tangents and the derivatives along it, where both leave the window
+    first, last = short.points[0], short.points[-1]
+    assert (last.tangent_w > 0) == (first.tangent_w > 0) == upwards
+    np.testing.assert_allclose(short.along[-1, 0], full.along[-1, 0], rtol=0.05)
 
 
 def test_a_branch_with_a_piece_left_out_is_moved(softening):
@@ -88,9 +105,12 @@ class Kept:
     def after_gap(self) -> "Kept":
         return Kept(SimpleNamespace(w=self.point.w, after_gap=True))
 
+    def turned(self, step: float, after_gap: bool) -> "Kept":  # noqa: ARG002
+        return Kept(SimpleNamespace(w=self.point.w, after_gap=after_gap, step=0.1))
+
 
 def points(*frequencies: float):
-    return iter([SimpleNamespace(w=w, after_gap=False) for w in frequencies])
+    return iter([SimpleNamespace(w=w, after_gap=False, step=0.1) for w in frequencies])
 
 
 def of(kept: list[Kept]) -> list[tuple[float, bool]]:
@@ -115,12 +135,29 @@ def test_of_a_long_way_back_the_ends_are_kept():
 
 
 def test_a_branch_that_stops_says_so_and_one_of_three_points_is_none():
-    def stopping(*frequencies):
-        yield from points(*frequencies)
-        raise BranchStoppedError(9.0, 1e-3, Status.STALLED)
-
     found, stopped = swept_points(stopping(6, 7, 8, 9), True, Kept)
     assert len(found) == 4
     assert "stops" in stopped
     with pytest.raises(BranchStoppedError):
         swept_points(stopping(6, 7, 8), True, Kept)
+
+
+def stopping(*frequencies: float):
+    yield from points(*frequencies)
+    raise BranchStoppedError(9.0, 1e-3, Status.STALLED)
+
+
+def test_a_way_back_that_stops_ends_at_what_is_found_from_the_other_end():
+    other = OtherEnd(lambda: points(12, 11, 10, 9.5, 8.9, 8.8, 8.7, 8.6, 8.5), 10.0)
+    found, stopped = swept_points(stopping(6, 7, 8, 9, *BACK[:6]), True, Kept, other)
+    assert stopped == ""
+    ahead = [(8.6, True), (8.7, False), (8.8, False), (8.9, False), *((w, False) for w in (9.5, 10, 11, 12))]
+    assert of(found) == [*((w, False) for w in (6, 7, 8, 9, *BACK[:4])), *ahead]
+
+
+def test_an_other_end_that_turns_back_or_stops_leaves_the_way_back():
+    turning = OtherEnd(lambda: points(12, 11, *(11 + 0.05 * i for i in range(1, 30))), 10.0)
+    for other in (turning, OtherEnd(lambda: stopping(12, 11, 10), 10.0)):
+        found = swept_points(points(8, 9, *BACK, 9.5, 12), True, Kept, other)
+        assert of(found[0]) == of(swept_points(points(8, 9, *BACK, 9.5, 12), True, Kept)[0])
+        assert found[1] == ""
