@@ -5,7 +5,7 @@ one that the rest of the window belongs to. With more of them, one within anothe
 which the way back along the whole branch would tell.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,39 +48,51 @@ class FarBack:
     def leads_on(self, w: float) -> bool:
         return self.sign * w > self.furthest
 
-    def begin(self, w: float) -> None:
-        self.furthest, self.points, self.distance = self.sign * w, 0, 0.0
-
-    def add(self, w: float) -> None:
-        self.points += 1
-        self.distance = self.furthest - self.sign * w
+    def walk_to(self, w: float) -> None:
+        if self.leads_on(w):
+            self.furthest, self.points, self.distance = self.sign * w, 0, 0.0
+        else:
+            self.points += 1
+            self.distance = self.furthest - self.sign * w
 
     def is_far(self, distance: float) -> bool:
         return self.points >= _MANY and self.distance > distance
 
 
-def landing(
-    other_end: OtherEnd, fold: FarBack, look: Callable[[BranchPoint], ObservedPoint], margin: int
-) -> list[ObservedPoint]:
-    """The branch from `margin` points before the fold's frequency to the other end of the window, in the order of the
-    sweep; none where it turns back before, or cannot be followed.
+class Landing:
+    """The branch from the other end of the window, followed as far as it has been asked for, and no further than to
+    where it turns back.
 
-    look: what is kept of a point
+    look: what is kept of a point; margin: points kept before a fold's frequency
     """
-    found: list[ObservedPoint] = []
-    beyond, walk = 0, FarBack(-fold.sign)
-    try:
-        for point in other_end.points():
-            found.append(look(point))
-            if walk.leads_on(point.w):
-                walk.begin(point.w)
-            else:
-                walk.add(point.w)
-            beyond = 0 if fold.leads_on(point.w) else beyond + 1
-            if beyond == margin:
-                return turned_round(found)
-            if walk.is_far(other_end.far):
-                return []
-    except BranchStoppedError:
+
+    def __init__(
+        self, other_end: OtherEnd, sign: float, look: Callable[[BranchPoint], ObservedPoint], margin: int
+    ) -> None:
+        self.far, self._look, self._margin = other_end.far, look, margin
+        self._walk, self._way = iter(other_end.points()), FarBack(-sign)
+        self._found: list[ObservedPoint] = []
+
+    def at(self, fold: FarBack) -> list[ObservedPoint]:
+        """From `margin` points before the fold's frequency to the other end, in the order of the sweep; none where it
+        is not reached."""
+        beyond = 0
+        for n, point in enumerate(self._points(), 1):
+            beyond = 0 if fold.leads_on(point.point.w) else beyond + 1
+            if beyond == self._margin:
+                return turned_round(self._found[:n])
         return []
-    return []
+
+    def _points(self) -> Iterator[ObservedPoint]:
+        """Those followed before, then on from there."""
+        yield from tuple(self._found)
+        while not self._way.is_far(self.far):
+            try:
+                point = next(self._walk, None)
+            except BranchStoppedError:
+                return
+            if point is None:
+                return
+            self._way.walk_to(point.w)
+            self._found.append(self._look(point))
+            yield self._found[-1]

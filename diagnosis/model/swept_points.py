@@ -7,10 +7,10 @@ but neither differentiated nor kept, nor moved when parameters change.
 """
 
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 
-from updamp.diagnosis.model.landing import FarBack, OtherEnd, landing
+from updamp.diagnosis.model.landing import FarBack, Landing, OtherEnd
 from updamp.diagnosis.model.observed_point import ObservedPoint
 from updamp.hbm.branch import BranchPoint
 from updamp.hbm.continuation import BranchStoppedError
@@ -33,23 +33,18 @@ def swept_points(
 
     raises: BranchStoppedError where not even the first few are found
     """
-    kept = _Kept(1.0 if upwards else -1.0, look)
+    sign = 1.0 if upwards else -1.0
+    kept, ahead = _Kept(sign, look), Landing(other_end, sign, look, MARGIN) if other_end is not None else None
     try:
         for point in branch:
             kept.add(point)
-            if other_end is not None and kept.way_back.is_far(other_end.far):
-                landed = landing(other_end, kept.way_back, look, MARGIN)
-                if landed:
-                    kept.land(landed)
-                    break
-                other_end = None  # the way back is all there is
+            if ahead is not None and kept.way_back.is_far(ahead.far) and kept.land(ahead.at(kept.way_back)):
+                break
     except BranchStoppedError as stop:
         if kept.followed < _FEWEST:
             raise
-        landed = landing(other_end, kept.way_back, look, MARGIN) if other_end and kept.way_back.points else []
-        if not landed:
+        if ahead is None or not kept.way_back.points or not kept.land(ahead.at(kept.way_back)):
             return kept.whole(), str(stop)
-        kept.land(landed)
     return kept.whole(), ""
 
 
@@ -64,22 +59,25 @@ class _Kept:
     def add(self, point: BranchPoint) -> None:
         self._add(point.w, partial(self._look, point))
 
-    def land(self, points: Iterable[ObservedPoint]) -> None:
-        """Go on with these, of another part of the branch; as many of the way back as of the margin are kept."""
+    def land(self, points: Sequence[ObservedPoint]) -> bool:
+        """Go on with these, of another part of the branch, if there are any; of the way back the margin is kept."""
+        if not points:
+            return False
         self._lately.clear()
         self.way_back.points = min(self.way_back.points, MARGIN)
         for i, point in enumerate(points):
             there = point.after_gap() if i == 0 else point
             self._add(point.point.w, partial(_itself, there))
+        return True
 
     def _add(self, w: float, look: Callable[[], ObservedPoint]) -> None:
         self.followed += 1
         if self.way_back.leads_on(w):
             self._points = [*self.whole(), look()]
-            self.way_back.begin(w)
+            self.way_back.walk_to(w)
             self._lately.clear()
             return
-        self.way_back.add(w)
+        self.way_back.walk_to(w)
         if self.way_back.points <= MARGIN:
             self._points.append(look())
         else:

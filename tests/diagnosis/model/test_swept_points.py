@@ -161,3 +161,13 @@ def test_an_other_end_that_turns_back_or_stops_leaves_the_way_back():
         found = swept_points(points(8, 9, *BACK, 9.5, 12), True, Kept, other)
         assert of(found[0]) == of(swept_points(points(8, 9, *BACK, 9.5, 12), True, Kept)[0])
         assert found[1] == ""
+
+
+def test_a_second_fold_may_be_reached_though_the_first_was_not():
+    """Hysteresis of one mode after the other: from the other end the branch turns back between both folds."""
+    back = [9 - 0.1 * i for i in range(1, 20)]
+    first_fold = points(8, 9, *back, 9.5, 13, *(13 - 0.2 * i for i in range(1, 40)))
+    other = OtherEnd(lambda: points(16, 15, 14, 12.5, 12, 11.5, 11, *(11 + 0.05 * i for i in range(1, 30))), 10.0)
+    found, _ = swept_points(first_fold, True, Kept, other)
+    assert [k.point.w for k in found[-7:]] == [11, 11.5, 12, 12.5, 14, 15, 16]
+    assert 9.5 in [k.point.w for k in found]  # the first way back was followed
