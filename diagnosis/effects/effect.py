@@ -12,6 +12,8 @@ Values = Mapping[str, float]
 class EffectParameter:
     """null: the value at which the effect is absent; lower, upper: bounds; typical: size that rigs of this kind show,
     where a search starts; unit: as pint reads it, "" for none; source: where the typical size comes from
+    ends: bounds that are as good as any other value, such as the whole where the parameter is a share of something; a
+        fit that stands at another one asks for what makes no sense
     two_sided: whether both signs (or both sides of the null) make sense
     """
 
@@ -22,6 +24,7 @@ class EffectParameter:
     typical: float
     unit: str
     source: str
+    ends: tuple[float, ...] = ()
 
     @property
     def two_sided(self) -> bool:

@@ -31,11 +31,12 @@ EFFECT = Effect(
     "vibration shifts the damper's mean position, and with it the contacts' preload (zero harmonic)",
     (
         EffectParameter(
-            "share", 0.0, 0.0, 1.0, 0.2, "", "1 is what mechanics asks for; less where something holds the damper"
+            "share", 0.0, 0.0, 1.0, 0.2, "",
+            "1 is what mechanics asks for; less where something holds the damper", (1.0,),
         ),
     ),
     apply,
     # The wires are so soft against the contacts that a share of a millionth is felt already: no derivative at 0 tells
     # anything about 1.
     finite_step=True,
-)
+)  # fmt: skip

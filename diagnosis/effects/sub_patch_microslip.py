@@ -16,10 +16,11 @@ EFFECT = Effect(
     "slip begins in parts of a contact patch before all of it slides",
     (
         EffectParameter(
-            "spread", 0.0, 0.0, 1.0, 0.8, "", "1 where slip begins with the smallest force (Iwan 1966, uniform limits)"
+            "spread", 0.0, 0.0, 1.0, 0.8, "",
+            "1 where slip begins with the smallest force (Iwan 1966, uniform limits)", (1.0,),
         ),
     ),
     apply,
     # Weaker and stronger sliders balance to first order: near 0 the response changes with the square of the spread.
     finite_step=True,
-)
+)  # fmt: skip

@@ -175,12 +175,12 @@ def gain_of_bic(drop: float, parameters: int, values: int) -> float:
 
 
 def _at_bound(found: Fit, effects: Sequence[Effect], criteria: Criteria) -> str:
-    """Bounds at the null value are no such: there the effect is absent."""
+    """Bounds at the null value are no such: there the effect is absent; nor are those that make sense themselves."""
     values = found.parametrisation.values(found.u)
     for effect in effects:
         for q in effect.parameters:
             near = criteria.at_bound * (q.upper - q.lower)
             for bound in (q.lower, q.upper):
-                if bound != q.null and abs(values[effect.name][q.name] - bound) < near:
+                if bound not in (q.null, *q.ends) and abs(values[effect.name][q.name] - bound) < near:
                     return f"{effect.name}.{q.name}"
     return ""
