@@ -31,8 +31,9 @@ from updamp.diagnosis.compare_run import CompareFiles, subject_of  # noqa: E402
 from updamp.diagnosis.findings import lack_of_fit, misfits  # noqa: E402
 from updamp.diagnosis.fitted_branch import at_sizes  # noqa: E402
 from updamp.diagnosis.measurement.load import load_measurement  # noqa: E402
+from updamp.diagnosis.model.moved_branch import move_branch  # noqa: E402
 from updamp.diagnosis.model.parameters import LOSS_FACTOR, Parametrisation  # noqa: E402
-from updamp.diagnosis.model.predicted_branch import PredictedBranch, move_branch, with_patterns  # noqa: E402
+from updamp.diagnosis.model.predicted_branch import PredictedBranch, with_patterns  # noqa: E402
 from updamp.diagnosis.residual.fit import Compared, compare_at, fit, predict  # noqa: E402
 from updamp.diagnosis.residual.numerical_gate import gated  # noqa: E402
 from updamp.diagnosis.residual.observations import Plan, plan_of  # noqa: E402
