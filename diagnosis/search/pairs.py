@@ -15,11 +15,14 @@ from updamp.diagnosis.search.singles import numerics_anew
 
 
 def try_pairs(fits: Fits, effects: Sequence[Effect], singles: Results) -> Results:
-    """Second effects beside the best single one, where that leaves a misfit, and beside the next one where it explains
-    nearly as much: with a second effect beside them the two may change places."""
+    """Second effects beside the best single one, where that leaves a misfit or explains it by more of itself than there
+    can be, and beside the next one where it explains nearly as much: with a second effect beside them the two may
+    change places."""
     start, criteria = fits.start, fits.criteria
     settled = sorted((r.refit for r in singles.values() if r.trial.full), key=lambda r: -r.drop)
-    if not settled or settled[0].drop <= 0 or settled[0].excess < criteria.look_further:
+    if not settled or settled[0].drop <= 0:
+        return {}
+    if settled[0].excess < criteria.look_further and not settled[0].at_bound:
         return {}
     found: Results = {}
     for first in (settled[0], *(r for r in settled[1:2] if nearly(r, settled[0], start, criteria))):

@@ -11,9 +11,12 @@ from updamp.diagnosis.effects.effect import Effect, EffectParameter
 from updamp.diagnosis.model import parameters
 from updamp.diagnosis.model.parameters import Parametrisation
 from updamp.diagnosis.residual import numerical_gate
+from updamp.diagnosis.search import pairs
+from updamp.diagnosis.search.attempts import Attempt, run_here
 from updamp.diagnosis.search.baseline import baseline
 from updamp.diagnosis.search.criteria import Criteria
 from updamp.diagnosis.search.decide import decide
+from updamp.diagnosis.search.fits import Fits
 from updamp.diagnosis.search.search import search
 from updamp.diagnosis.search.signature import extend
 from updamp.hbm.structural_changes import Attachment
@@ -106,3 +109,16 @@ def test_an_effect_without_a_place_in_the_model_is_refused_with_its_reason():
     extended = extend(nothing.fitted, nothing.train_plan, (SPRING, effect("impossible", "x", 1.0, apply)))
     assert extended.refused == {"impossible": "no such thing in this model"}
     assert [e.name for e in extended.effects] == ["spring"]
+
+
+def test_second_effects_are_looked_for_where_the_first_explains_all_but_stands_at_its_bound(monkeypatch):
+    fits, tried = Fits(start(3e3), Criteria(), lambda _: None, run_here), []
+    singles = fits.results([Attempt((SPRING,), (np.full(1, 1.5),), full=True)])
+    ((names, found_alone),) = singles.items()
+    assert found_alone.trial.excess < Criteria().look_further
+    monkeypatch.setattr(pairs, "_beside", lambda _fits, first, *_: tried.append(first) or {})
+    pairs.try_pairs(fits, (SPRING, DASHPOT), singles)
+    assert tried == []
+    at_bound = replace(found_alone, refit=replace(found_alone.refit, at_bound="spring.k"))
+    pairs.try_pairs(fits, (SPRING, DASHPOT), {names: at_bound})
+    assert tried == [at_bound.refit]
