@@ -43,8 +43,8 @@ ROWS = np.vstack([RELATIVE, *POINTS.values()])
 def truncated(kept: int) -> LinearModel:
     """`kept` modes and the exact static flexibility of the others; loss factor 0.1 %
 
-    The flexibility is made symmetric: as `solve` leaves it, by round-off with a condition of 1e8, it is so to 4e-11 only
-    on some processors, and what attaches masses takes it as symmetric.
+    The flexibility is made symmetric: as `solve` leaves it, by round-off with a condition of 2e8, it is so to 4e-11
+    only on some processors, and what attaches masses takes it as symmetric.
     """
     M, K = beam()
     full = from_matrices(M, np.zeros_like(M), K, RELATIVE, POINTS)
