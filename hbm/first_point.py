@@ -11,8 +11,8 @@ from updamp.hbm.system import Excitation, NonlinearSystem
 from updamp.hbm.traversed import traversed
 from updamp.hbm.walk import BranchStoppedError, ContinuationOptions, Walk
 
-# Steps in the force; folds of faces that separate take some hundred.
-_RAMP = 800
+# Steps in the force; folds of faces that separate take some hundred. Where they were many more, they led nowhere.
+_RAMP = 400
 # Forces that are tried as small enough: a million times below the one asked for.
 _LOWEST = 13
 

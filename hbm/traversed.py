@@ -7,11 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.branch import BranchPoint
+from updamp.hbm.metric import Metric
 
 Floats = NDArray[np.float64]
 
 # Points kept whole, to guess from; of the others their places are kept.
 _WHOLE = 60
+# A point so far off a piece, in shares of the piece and of the step that led to it, is on it.
+_OFF = 0.1
 # Two mean positions closer than this share of their size are the same.
 _SAME_MEAN = 0.05
 
@@ -51,25 +54,35 @@ class Traversed:
         is the other leg of a narrow hairpin: whoever goes back along a branch has the other orientation
         (hbm/corner.py), and whoever goes back with the same one is on another leg.
         """
-        step = self.last.distance(point)
-        return any(self._on(piece, point, step) for piece in self.pieces)
+        return self.piece_under(point, self.last.metric, self.last.distance(point)) is not None
 
-    def _on(self, piece: Piece, point: BranchPoint, step: float) -> bool:
-        (x, w), metric = piece.start, self.last.metric
-        along, off = (piece.end[0] - x, piece.end[1] - w), (point.x - x, point.w - w)
-        length = metric.length(along)
-        share = metric.product(along, off) / length**2
-        if not -0.05 < share < 0.95:
-            return False
-        rest = (off[0] - share * along[0], off[1] - share * along[1])
-        if metric.length(rest) > 0.1 * min(length, step):
-            return False
-        if float(np.linalg.norm(rest[0])) > _SAME_MEAN * float(np.linalg.norm(point.x)):
-            return False
-        if piece.orientation is None or point.orientation is None:
-            return True
-        back = metric.product(along, point.tangent) < 0
-        return (piece.orientation == point.orientation) != back
+    def piece_under(self, point: BranchPoint, metric: Metric, step: float) -> int | None:
+        """Number of the first piece that the point lies on; step: its distance from the one before [arc]"""
+        reach = _OFF * step * metric.scale_w
+        for i, piece in enumerate(self.pieces):
+            low, high = sorted((piece.start[1], piece.end[1]))
+            slack = reach + 0.05 * (high - low)
+            if low - slack <= point.w <= high + slack and _on(piece, point, metric, step):
+                return i
+        return None
+
+
+def _on(piece: Piece, point: BranchPoint, metric: Metric, step: float) -> bool:
+    (x, w) = piece.start
+    along, off = (piece.end[0] - x, piece.end[1] - w), (point.x - x, point.w - w)
+    length = metric.length(along)
+    share = metric.product(along, off) / length**2
+    if not -0.05 < share < 0.95:
+        return False
+    rest = (off[0] - share * along[0], off[1] - share * along[1])
+    if metric.length(rest) > _OFF * min(length, step):
+        return False
+    if float(np.linalg.norm(rest[0])) > _SAME_MEAN * float(np.linalg.norm(point.x)):
+        return False
+    if piece.orientation is None or point.orientation is None:
+        return True
+    back = metric.product(along, point.tangent) < 0
+    return (piece.orientation == point.orientation) != back
 
 
 def traversed(points: Sequence[BranchPoint]) -> Traversed:

@@ -1,0 +1,104 @@
+"""One piece of a curve, from one end of its window, while it is traced."""
+
+from collections.abc import Iterator, Sequence
+
+from updamp.hbm.branch import BranchPoint
+from updamp.hbm.continuation import BranchStoppedError
+from updamp.hbm.curve_records import Records
+from updamp.hbm.response_curve import ResponseCurve
+from updamp.hbm.traversed import Traversed
+
+
+class Leg:
+    """A piece in the direction `sign`: 1 upwards, -1 downwards. It changes as it is traced, like any iterator.
+
+    records: what is kept of its points; going: whether more are to come; furthest: the point that came furthest
+    """
+
+    def __init__(
+        self, records: Records, sign: float, points: Iterator[BranchPoint], behind: Sequence[BranchPoint] = ()
+    ) -> None:
+        """points: still to come; behind: the last ones of those that `records` has already"""
+        self.records, self.sign, self.going = records, sign, True
+        self.furthest: BranchPoint | None = None
+        self._points, self._stopped = points, ""
+        self._passed: Traversed | None = None
+        self._numbers: list[int] = []  # of points recorded before the end of each piece of what was passed
+        for point in behind:
+            self._pass(point)
+
+    @property
+    def last(self) -> BranchPoint | None:
+        return self._passed.last if self._passed is not None else None
+
+    def step(self) -> BranchPoint | None:
+        """The next point, recorded; None where the piece has ended."""
+        try:
+            point = next(self._points)
+        except StopIteration:
+            self.going = False
+            return None
+        except BranchStoppedError as stop:
+            self.going, self._stopped = False, str(stop)
+            return None
+        self.add(point)
+        return point
+
+    def add(self, point: BranchPoint) -> None:
+        self.records.add(point)
+        self._pass(point)
+
+    def curve(self) -> ResponseCurve:
+        """As far as it was traced; complete where it went through the window."""
+        return self.records.curve(complete=self.through)
+
+    @property
+    def through(self) -> bool:
+        """Whether it has left the window at the far end."""
+        return not self.going and not self._stopped and not self.exhausted and not self._came_back
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether it ended within the window for want of points."""
+        return not self.going and not self._stopped and self._within
+
+    @property
+    def end(self) -> str:
+        """What ended it, as a sentence; "" where it goes on or went through."""
+        if self._stopped or self.last is None or self.going:
+            return self._stopped
+        if self.exhausted:
+            most = self.records.request.options.max_points
+            return f"the end of the window was not reached in {most} points: raise max_points"
+        if self._came_back:
+            back = self.last.frequency
+            return (
+                f"the branch came back to {back:.2f} Hz, where it began: widen the window there or take smaller steps"
+            )
+        return f"it went through to {self.last.frequency:.2f} Hz"
+
+    def piece_under(self, point: BranchPoint) -> int | None:
+        """Number of the piece of this leg on which a point lies that was traced the other way round."""
+        return self._passed.piece_under(point, point.metric, point.step) if self._passed is not None else None
+
+    def number_at(self, piece: int) -> int:
+        """How many points were recorded before the end of a piece."""
+        return self._numbers[piece]
+
+    @property
+    def _within(self) -> bool:
+        low, high = self.records.request.window
+        return self.last is not None and low <= self.last.frequency <= high
+
+    @property
+    def _came_back(self) -> bool:
+        low, high = self.records.request.window
+        return self.last is not None and (self.last.frequency < low if self.sign > 0 else self.last.frequency > high)
+
+    def _pass(self, point: BranchPoint) -> None:
+        passed = Traversed([point]) if self._passed is None else self._passed.then([point])
+        if self._passed is not None and len(passed.pieces) > len(self._passed.pieces):
+            self._numbers.append(len(self.records) - 1)
+        self._passed = passed
+        if self.furthest is None or self.sign * (point.w - self.furthest.w) > 0:
+            self.furthest = point
