@@ -1,10 +1,11 @@
 """Open the seals: verdicts against the truth, into results.json, a picture and the tables of docs/hidden_effects.md.
 
-.venv/bin/python benchmarks/hidden_effects/score.py [--folder FOLDER] [--results FILE] [--docs FILE]
+.venv/bin/python benchmarks/hidden_effects/score.py [--folder FOLDER] [--results FILE] [--docs FILE] [--keep]
 """
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -18,7 +19,7 @@ from hidden_effects.layout import HERE, Layout, read, write_whole
 from hidden_effects.scored_case import SCORE, VISIBILITY, ScoredCase, scored
 from hidden_effects.tables import document, goal_table
 
-from updamp.diagnosis.dataclass_json import encode
+from updamp.diagnosis.dataclass_json import decode, encode
 
 DOCS = HERE.parents[1] / "docs" / "hidden_effects.md"
 BEGIN, END = "<!-- results: score.py -->", "<!-- end of results -->"
@@ -36,6 +37,23 @@ def score_all(layout: Layout) -> tuple[list[ScoredCase], list[str]]:
         else:
             done.append(case)
     return done, missing
+
+
+def with_kept(cases: Sequence[ScoredCase], missing: Sequence[str], earlier: Path) -> tuple[list[ScoredCase], list[str]]:
+    """The cases, and those that a file of earlier results has beside them.
+
+    raises: ValueError naming the field of a case that cannot be read
+    """
+    before = read(earlier) or {"cases": [], "without a verdict": []}
+    known = {case.case for case in cases}
+    kept = [decode(ScoredCase, only_fields(entry), entry["case"]) for entry in before["cases"]]
+    both = sorted([*cases, *(case for case in kept if case.case not in known)], key=lambda case: case.case)
+    return both, sorted({*missing, *before["without a verdict"]} - {case.case for case in both})
+
+
+def only_fields(entry: Mapping[str, Any]) -> dict[str, Any]:
+    """Of a case in the file, without what follows from the others."""
+    return {field.name: entry[field.name] for field in fields(ScoredCase)}
 
 
 def all_goals(cases: Sequence[ScoredCase]) -> tuple[Goal, ...]:
@@ -71,9 +89,14 @@ def main(
     folder: Annotated[Path, typer.Option(help="with truth/, expected/ and verdicts/")] = Layout().folder,
     out: Annotated[Path, typer.Option("--results", help="every case and the counts")] = HERE / "results.json",
     docs: Annotated[Path, typer.Option(help="page whose tables are written anew; the picture goes beside it")] = DOCS,
+    keep: Annotated[
+        bool, typer.Option("--keep", help="cases of the results there are that have no verdict now")
+    ] = False,
 ) -> None:
     """Score all cases that have a verdict."""
     cases, missing = score_all(Layout(folder))
+    if keep:
+        cases, missing = with_kept(cases, missing, out)
     if not cases:
         typer.echo(f"{folder}: no verdicts; make some with run.py", err=True)
         raise typer.Exit(1)

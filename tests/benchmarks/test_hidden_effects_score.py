@@ -229,6 +229,26 @@ def test_command_writes_results_picture_and_page(all_right: Layout, tmp_path: Pa
         put_into("no marks", "")
 
 
+def test_earlier_results_are_kept_beside_new_verdicts(all_right: Layout, tmp_path: Path) -> None:
+    page, out = tmp_path / "page.md", tmp_path / "results.json"
+    page.write_text(f"{score.BEGIN}\n{score.END}\n")
+    again, lost = of_kind("single")[:2]
+    (all_right.verdict("case_099") / "run.json").unlink()
+    score.main(all_right.folder, out, page)
+    before = json.loads(out.read_text())
+    for path in all_right.truth("*").parent.glob("case_*.json"):
+        path.unlink() if path.stem not in (again.name, lost.name) else None
+    (all_right.verdict(lost.name) / "run.json").unlink()
+    replaced(all_right, again, verdict(Called("unknown")))
+    score.main(all_right.folder, out, page, keep=True)
+    after = json.loads(out.read_text())
+    assert after["without a verdict"] == before["without a verdict"] == ["case_099"]
+    changed = [a["case"] for a, b in zip(after["cases"], before["cases"], strict=True) if a != b]
+    assert changed == [again.name]
+    score.main(all_right.folder, out, page)
+    assert len(json.loads(out.read_text())["cases"]) == 1
+
+
 def test_confusion_counts_every_case_once(all_right: Layout) -> None:
     case = of_kind("single")[0]
     group = (case.effects[0], "edge_gap")
