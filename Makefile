@@ -1,6 +1,6 @@
 # `make help` says what there is. The environment is made in .venv, from a lock of tried versions.
 PYTHON ?= python3
-PYTEST_OPTIONS ?= -n 2
+PYTEST_OPTIONS ?= -n auto --maxprocesses 4
 # Many small products: threads that wait for each other make them slower, tenfold on a busy machine.
 ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 BIN := .venv/bin

@@ -17,7 +17,7 @@ class PairedAmplitudeDamperParameters(NamedTuple):
 @dataclass(frozen=True)
 class PairedAmplitudeDamper:
     """f_1 = |u_1| (a (v_1 + v_2) / 2 + b (v_1 - v_2) / 2), f_2 = |u_2| (a (v_1 + v_2) / 2 - b (v_1 - v_2) / 2), u
-    counted from the mean: a in phase, b out of phase. With a = b these are two dampers f = a |u| v (`AmplitudeDamper`).
+    counted from the mean: a in phase, b out of phase. With a = b these are two dampers f = a |u| v.
 
     Two equal bodies have other shapes where they move together than where they move against each other, and so another
     loss for the same amplitudes of these places.

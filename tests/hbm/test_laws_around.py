@@ -5,8 +5,8 @@ from dataclasses import replace
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from support.amplitude_damper import AmplitudeDamper, AmplitudeDamperParameters
 
-from updamp.hbm.contact.amplitude_damper import AmplitudeDamper, AmplitudeDamperParameters
 from updamp.hbm.contact.coulomb_circle import CoulombCircle
 from updamp.hbm.contact.film import ViscousFilm, closed_share
 from updamp.hbm.contact.friction import FrictionParameters

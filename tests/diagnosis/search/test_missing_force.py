@@ -5,6 +5,7 @@ from dataclasses import replace
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from support.amplitude_damper import AmplitudeDamper, AmplitudeDamperParameters
 from support.small_model import condition, small_model, synthetic_plan
 
 from updamp.diagnosis.model.parameters import FRICTION, PRELOAD, Parametrisation
@@ -13,7 +14,6 @@ from updamp.diagnosis.residual.fit import compare_at, predict
 from updamp.diagnosis.residual.observations import Plan
 from updamp.diagnosis.residual.scatter import Scatter
 from updamp.diagnosis.search.missing_force import missing_forces
-from updamp.hbm.contact.amplitude_damper import AmplitudeDamper, AmplitudeDamperParameters
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
 from updamp.hbm.structural_changes import Attachment
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from support.amplitude_damper import AmplitudeDamper, AmplitudeDamperParameters
 from support.small_model import condition, small_model, synthetic_plan
 
 from updamp.diagnosis.effects.effect import Effect, EffectParameter
@@ -16,7 +17,6 @@ from updamp.diagnosis.search.candidate_runs import candidate_runs
 from updamp.diagnosis.search.next_measurement import _worth_recording, next_measurements
 from updamp.diagnosis.search.separation import Prediction, distance, separation
 from updamp.diagnosis.verdict import NextMeasurement
-from updamp.hbm.contact.amplitude_damper import AmplitudeDamper, AmplitudeDamperParameters
 from updamp.hbm.continuation import ContinuationOptions
 from updamp.hbm.structural_changes import Attachment
 

@@ -27,5 +27,5 @@ class AmplitudeDamper:
         vibration = displacement - jnp.mean(displacement, axis=0)
         return parameters.coefficient * jnp.abs(vibration) * velocity
 
-    def reference_stiffness(self, parameters: AmplitudeDamperParameters) -> jax.Array:
+    def reference_stiffness(self, parameters: AmplitudeDamperParameters) -> jax.Array:  # noqa: ARG002
         return jnp.zeros(1)
