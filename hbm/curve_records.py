@@ -29,7 +29,7 @@ class CurveRequest:
     points: tuple[str, ...]
     upwards: bool = True
     options: ContinuationOptions = field(default_factory=ContinuationOptions)
-    connecting: int = 400
+    connecting: int = 150
 
 
 class Records:
