@@ -13,6 +13,8 @@ class Leg:
     """A piece in the direction `sign`: 1 upwards, -1 downwards. It changes as it is traced, like any iterator.
 
     records: what is kept of its points; going: whether more are to come; furthest: the point that came furthest
+    end: what ended it, as a sentence, "" where it goes on; through: whether it left the window at the far end then;
+        exhausted: whether it ended within the window for want of points
     """
 
     def __init__(
@@ -21,7 +23,8 @@ class Leg:
         """points: still to come; behind: the last ones of those that `records` has already"""
         self.records, self.sign, self.going = records, sign, True
         self.furthest: BranchPoint | None = None
-        self._points, self._stopped = points, ""
+        self.end, self.through, self.exhausted = "", False, False
+        self._points = points
         self._passed: Traversed | None = None
         self._numbers: list[int] = []  # of points recorded before the end of each piece of what was passed
         for point in behind:
@@ -36,10 +39,10 @@ class Leg:
         try:
             point = next(self._points)
         except StopIteration:
-            self.going = False
+            self._ends("")
             return None
         except BranchStoppedError as stop:
-            self.going, self._stopped = False, str(stop)
+            self._ends(str(stop))
             return None
         self.add(point)
         return point
@@ -52,31 +55,6 @@ class Leg:
         """As far as it was traced; complete where it went through the window."""
         return self.records.curve(complete=self.through)
 
-    @property
-    def through(self) -> bool:
-        """Whether it has left the window at the far end."""
-        return not self.going and not self._stopped and not self.exhausted and not self._came_back
-
-    @property
-    def exhausted(self) -> bool:
-        """Whether it ended within the window for want of points."""
-        return not self.going and not self._stopped and self._within
-
-    @property
-    def end(self) -> str:
-        """What ended it, as a sentence; "" where it goes on or went through."""
-        if self._stopped or self.last is None or self.going:
-            return self._stopped
-        if self.exhausted:
-            most = self.records.request.options.max_points
-            return f"the end of the window was not reached in {most} points: raise max_points"
-        if self._came_back:
-            back = self.last.frequency
-            return (
-                f"the branch came back to {back:.2f} Hz, where it began: widen the window there or take smaller steps"
-            )
-        return f"it went through to {self.last.frequency:.2f} Hz"
-
     def piece_under(self, point: BranchPoint) -> int | None:
         """Number of the piece of this leg on which a point lies that was traced the other way round."""
         return self._passed.piece_under(point, point.metric, point.step) if self._passed is not None else None
@@ -85,15 +63,22 @@ class Leg:
         """How many points were recorded before the end of a piece."""
         return self._numbers[piece]
 
-    @property
-    def _within(self) -> bool:
-        low, high = self.records.request.window
-        return self.last is not None and low <= self.last.frequency <= high
-
-    @property
-    def _came_back(self) -> bool:
-        low, high = self.records.request.window
-        return self.last is not None and (self.last.frequency < low if self.sign > 0 else self.last.frequency > high)
+    def _ends(self, stopped: str) -> None:
+        """Told once: what is added later, by new starts beyond its end, does not change what ended it."""
+        self.going, self.end = False, stopped
+        (low, high), request = self.records.request.window, self.records.request
+        if stopped or self.last is None:
+            return
+        at = self.last.frequency
+        if low <= at <= high:
+            self.exhausted = True
+            self.end = f"the end of the window was not reached in {request.options.max_points} points: raise max_points"
+        elif (at < low) == (self.sign > 0):
+            self.end = (
+                f"the branch came back to {at:.2f} Hz, where it began: widen the window there or take smaller steps"
+            )
+        else:
+            self.through, self.end = True, f"it went through to {at:.2f} Hz"
 
     def _pass(self, point: BranchPoint) -> None:
         passed = Traversed([point]) if self._passed is None else self._passed.then([point])

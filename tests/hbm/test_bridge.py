@@ -76,6 +76,28 @@ def test_a_branch_that_comes_back_is_traced_from_the_other_end(monkeypatch):
     assert abs(curve.peak("mass")[1] / whole.peak("mass")[1] - 1) < 1e-3
 
 
+def test_new_starts_go_on_from_a_piece_that_came_back(monkeypatch):
+    """The piece from below turns back at 0.2 of the window, the one from above stops at 0.3."""
+    system, request = linear_oscillator()
+    *_, whole = trace(system, request)
+    turn, end = np.quantile(WINDOW, (0.2, 0.3))
+
+    def ending(system, excitation, window, options, upwards, resume=()):
+        for point in continue_branch(system, excitation, window, options, upwards, resume):
+            if not upwards and point.frequency < end:
+                raise BranchStoppedError(point.frequency, 1.0, Status.STALLED)
+            if upwards and point.frequency > turn:
+                yield next(continue_branch(system, excitation, (0.99 * window[0], window[1]), options))
+                return
+            yield point
+
+    monkeypatch.setattr(curve_module, "continue_branch", ending)
+    *_, curve = trace(system, request)
+    assert curve.complete
+    assert not curve.stopped
+    assert abs(curve.peak("mass")[1] / whole.peak("mass")[1] - 1) < 1e-3
+
+
 @pytest.mark.parametrize("upwards", [True, False])
 def test_a_branch_is_led_into_the_window_where_its_end_has_no_first_point(monkeypatch, upwards):
     """First points are found only 0.15 of the window's width outside: the branch is handed out from the end on."""
