@@ -10,6 +10,7 @@ import gmsh
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.geometry.broken_pipes import broken_pipes_as_before
 from updamp.geometry.rig_mesh import ComponentMesh
 
 HEXAHEDRON, QUADRILATERAL = 5, 3  # gmsh's element types, first order
@@ -72,9 +73,10 @@ def gmsh_model(name: str) -> Iterator[None]:
     """A silent gmsh with an empty model; a session that is already open is used and left open."""
     opened = not gmsh.isInitialized()
     if opened:
-        # Without user files the result depends on this code only; uninterruptible, gmsh leaves Python's signal
-        # handlers alone (and so works outside the main thread).
-        gmsh.initialize(argv=["gmsh", "-nopopup"], readConfigFiles=False, run=False, interruptible=False)
+        # Without user files the result depends on this code only; uninterruptible, gmsh leaves Python's handler of
+        # interruptions alone (and so works outside the main thread).
+        with broken_pipes_as_before():
+            gmsh.initialize(argv=["gmsh", "-nopopup"], readConfigFiles=False, run=False, interruptible=False)
     terminal = gmsh.option.getNumber("General.Terminal")
     gmsh.option.setNumber("General.Terminal", 0)
     gmsh.model.add(name)

@@ -1,3 +1,4 @@
+import os
 import signal
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -9,6 +10,7 @@ import pytest
 import pyvista
 from scipy.spatial import cKDTree
 
+from updamp.geometry.broken_pipes import broken_pipes_as_before
 from updamp.geometry.build_mesh import build_mesh
 from updamp.geometry.geometry_error import GeometryError
 from updamp.geometry.mirror import mirrored
@@ -210,8 +212,20 @@ def test_gmsh_leaves_no_trace(rig, small, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+@pytest.mark.parametrize("in_a_thread", [False, True])
+def test_a_write_to_a_worker_that_is_gone_does_not_end_this_process(rig, in_a_thread):
+    """gmsh resets SIGPIPE; `diagnose` would end without a word where one of its workers is killed."""
+    with ThreadPoolExecutor(1) as pool:
+        pool.submit(build_mesh, rig, "small").result() if in_a_thread else build_mesh(rig, "small")
+    reader, writer = os.pipe()
+    os.close(reader)
+    with open(writer, "wb", buffering=0) as pipe, pytest.raises(BrokenPipeError):
+        pipe.write(b".")
+
+
 def test_an_open_gmsh_session_is_kept(rig, small):
-    gmsh.initialize(interruptible=False)
+    with broken_pipes_as_before():
+        gmsh.initialize(interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.model.add("mine")
