@@ -44,7 +44,7 @@ def from_both_ends(system: NonlinearSystem, request: CurveRequest, first: Leg, s
         if first.through or second.through:
             break
     if first.through:
-        yield first.records.curve(complete=True)
+        yield first.curve()
         return
     complete = any(meeting.near for meeting in meetings)
     if not complete:

@@ -7,7 +7,7 @@ from updamp.diagnosis.effects.effect import Effect
 from updamp.diagnosis.search.attempts import Attempt, Result, with_branches
 from updamp.diagnosis.search.baseline import Baseline
 from updamp.diagnosis.search.candidates import attempts
-from updamp.diagnosis.search.fits import Fits, Results, nearly
+from updamp.diagnosis.search.fits import Fits, Results, best_first, nearly
 from updamp.diagnosis.search.refit import Refit, gain_of_bic, judged
 from updamp.diagnosis.search.score import scores
 from updamp.diagnosis.search.signature import extend
@@ -90,12 +90,12 @@ def alone(fits: Fits, singles: Results, pairs: Results) -> Results:
 def _beside(fits: Fits, first: Refit, effects: Sequence[Effect], singles: Results) -> Results:
     (one,), start, criteria = first.effects, fits.start, fits.criteria
     fits.progress(f"second effect beside {one.name}")
-    beside = replace(start, fitted=with_branches(first.fitted, start))
+    beside = replace(fits, start=replace(start, fitted=with_branches(first.fitted, start)))
     others = [e for e in effects if e.name != one.name]
-    again = scores(extend(beside.fitted, start.train_plan, others, fits.progress))
-    seconds = attempts(beside, others, again, criteria, fits.progress)[: criteria.full]
+    again = scores(extend(beside.start.fitted, start.train_plan, others, fits.progress))
+    short = beside.results(attempts(beside.start, others, again, criteria, fits.progress)[: criteria.short])
     found: Results = {}
-    for r in replace(fits, start=beside).results([replace(a, full=True) for a in seconds]).values():
+    for r in beside.full(best_first(short)[: criteria.full]).values():
         (second,) = r.refit.effects
         both = judged(start.fitted, r.refit.fitted, (one, second), criteria)
         names = (one.name, second.name)
