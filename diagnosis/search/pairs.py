@@ -94,8 +94,9 @@ def _beside(fits: Fits, first: Refit, effects: Sequence[Effect], singles: Result
     others = [e for e in effects if e.name != one.name]
     again = scores(extend(beside.start.fitted, start.train_plan, others, fits.progress))
     short = beside.results(attempts(beside.start, others, again, criteria, fits.progress)[: criteria.short])
+    settled = beside.full(best_first(short)[: criteria.full])
     found: Results = {}
-    for r in beside.full(best_first(short)[: criteria.full]).values():
+    for r in (settled | numerics_anew(beside, settled)).values():
         (second,) = r.refit.effects
         both = judged(start.fitted, r.refit.fitted, (one, second), criteria)
         names = (one.name, second.name)
