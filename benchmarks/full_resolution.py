@@ -92,8 +92,12 @@ def main(
     curves: Annotated[int, typer.Option(min=4, max=8, help="measured")] = 8,
 ) -> None:
     """Measure, diagnose, print."""
+    name, _, strength = effect.partition(":")
+    try:
+        chosen = hidden(name, strength)
+    except ValueError as error:
+        raise typer.BadParameter(f"{effect}: {error}; give an effect and its strength, as edge_gap:strong") from error
     if not (out / "data" / "measurement.toml").is_file():
-        chosen = hidden(*effect.split(":"))
         make_measurement(out / "data", plan(curves), [chosen], SEED, NoiseLevels(), load_rig(RIG), LABORATORY)
     clock = Clock()
     verdict = diagnose(out, jobs, clock)
@@ -105,7 +109,8 @@ def main(
     }  # fmt: skip
     (out / "times.json").write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
     print(f"{curves} curves, {jobs} jobs, {effect}: {verdict.verdict} {', '.join(verdict.effects)}, {seconds:.0f} s")
-    print(f"signatures begin after {found['signatures_s']:.0f} s, the first fit ends after {triage or seconds:.0f} s")
+    if triage is not None:
+        print(f"signatures begin after {found['signatures_s']:.0f} s, the first fit ends after {triage:.0f} s")
 
 
 if __name__ == "__main__":

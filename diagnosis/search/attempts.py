@@ -1,17 +1,14 @@
 """Fits with effects, here or in other processes: independent of each other, so that they can run side by side."""
 
-import pickle
 from collections.abc import Callable, Sequence
-from concurrent.futures import Executor, as_completed
 from dataclasses import dataclass, replace
-from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from updamp.diagnosis.effects.effect import Effect
-from updamp.diagnosis.effects.user_effect import effect_from_file
+from updamp.diagnosis.model.branch_tasks import Branches, in_turn
+from updamp.diagnosis.model.workers import Workers, here
 from updamp.diagnosis.residual.fit import Fit, predict
 from updamp.diagnosis.search.baseline import Baseline, error_of
 from updamp.diagnosis.search.criteria import Criteria
@@ -19,7 +16,6 @@ from updamp.diagnosis.search.evidence import Trial
 from updamp.diagnosis.search.refit import FULL, Refit, Starts, judged, refit
 from updamp.diagnosis.search.regate import gated_again
 from updamp.diagnosis.search.resized import at_size, resized
-from updamp.hbm.compilation_cache import keep_compiled
 from updamp.hbm.continuation import BranchStoppedError
 
 Floats = NDArray[np.float64]
@@ -65,41 +61,19 @@ Done = Callable[[Attempt, Result | None], None]
 Bench = Callable[[Baseline, Criteria, Sequence[Attempt], Done], list[Result | None]]
 
 
-def run_here(start: Baseline, criteria: Criteria, attempts: Sequence[Attempt], done: Done) -> list[Result | None]:
-    found = []
-    for attempt in attempts:
-        found.append(_run(start, criteria, attempt))
-        done(attempt, found[-1])
-    return found
-
-
 @dataclass(frozen=True)
-class RunElsewhere:
-    """By an executor of processes, such as `concurrent.futures.ProcessPoolExecutor` or that of a Dask client.
+class RunBy:
+    """A bench of workers."""
 
-    own: files of the user's own effects, which the other processes read too
-    keep_compiled: whether they keep compiled contact laws, and use what is kept
-    """
-
-    executor: Executor
-    own: tuple[Path, ...] = ()
-    keep_compiled: bool = False
+    workers: Workers
 
     def __call__(
         self, start: Baseline, criteria: Criteria, attempts: Sequence[Attempt], done: Done
     ) -> list[Result | None]:
-        shared = _Task(self.own, self.keep_compiled, pickle.dumps(start), criteria)
-        futures = {self.executor.submit(shared, pickle.dumps(a)): i for i, a in enumerate(attempts)}
-        found: list[Result | None] = [None] * len(attempts)
-        try:
-            for future in as_completed(futures):
-                place = futures[future]
-                found[place] = future.result()
-                done(attempts[place], found[place])
-        finally:  # an interruption does not wait for what has not begun
-            for future in futures:
-                future.cancel()
-        return found
+        return self.workers(_run, (start, criteria), attempts, lambda place, result: done(attempts[place], result))
+
+
+run_here = RunBy(here)
 
 
 def without_branches(fitted: Fit) -> Fit:
@@ -107,15 +81,16 @@ def without_branches(fitted: Fit) -> Fit:
     return replace(fitted, compared=replace(fitted.compared, branches=()))
 
 
-def with_branches(fitted: Fit, start: Baseline) -> Fit:
+def with_branches(fitted: Fit, start: Baseline, branches_of: Branches = in_turn) -> Fit:
     """The fit, with branches traced where it has none."""
     if fitted.compared.branches:
         return fitted
-    branches = predict(fitted.parametrisation, fitted.u, start.train_plan)
+    branches = predict(fitted.parametrisation, fitted.u, start.train_plan, None, branches_of)
     return replace(fitted, compared=replace(fitted.compared, branches=branches))
 
 
-def _run(start: Baseline, criteria: Criteria, attempt: Attempt) -> Result | None:
+def _run(shared: tuple[Baseline, Criteria], attempt: Attempt) -> Result | None:
+    start, criteria = shared
     r = _refit(start, criteria, attempt)
     if r is None:
         return None
@@ -136,33 +111,3 @@ def _refit(start: Baseline, criteria: Criteria, a: Attempt) -> Refit | None:
     except BranchStoppedError:
         return None
     return replace(judged(start.fitted, found, a.effects, criteria), gated_again=a.gated_again) if found else None
-
-
-@dataclass(frozen=True)
-class _Task:
-    """What another process does. start: a pickled baseline. A user's effect can be unpickled only where its file has
-    been read, so attempts come as bytes too."""
-
-    own: tuple[Path, ...]
-    keep_compiled: bool
-    start: bytes
-    criteria: Criteria
-
-    def __call__(self, attempt: bytes) -> Result | None:
-        _prepared(self.own, self.keep_compiled)
-        return _run(_start(self.start), self.criteria, pickle.loads(attempt))
-
-
-@lru_cache(maxsize=1)
-def _prepared(own: tuple[Path, ...], kept: bool) -> None:
-    """Once a process."""
-    if kept:
-        keep_compiled()
-    for path in own:
-        effect_from_file(path)
-
-
-@lru_cache(maxsize=2)
-def _start(shared: bytes) -> Baseline:
-    start: Baseline = pickle.loads(shared)
-    return start

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.diagnosis.effects.chosen import ChosenEffect
+from updamp.diagnosis.model.branch_tasks import Branches, in_turn
 from updamp.diagnosis.model.predicted_branch import with_patterns
 from updamp.diagnosis.model.rig_model import RigModel
 from updamp.diagnosis.residual.fit import Fit, FitOptions, compare_at, fit, predict
@@ -52,23 +53,25 @@ def baseline(
     finer: Mapping[str, RigModel],
     held_out: Sequence[str] | None = None,
     progress: Callable[[str], None] = lambda _: None,
+    branches_of: Branches = in_turn,
 ) -> Baseline:
     """Numerical gate and calibration.
 
     held_out: names of runs that no fit sees; by default one level of each mode that was measured at three or more
+    branches_of: traces them, in this process or in others
     raises: BranchStoppedError where the model has no response at the beginning of a run; ValueError for a run that
         was not measured
     """
     kept = _held_out(plan, held_out)
     training = tuple(i for i in range(len(plan.conditions)) if i not in kept)
-    parametrisation, before = gated(model, taken, plan, finer, progress)
+    parametrisation, before = gated(model, taken, plan, finer, progress, branches_of)
     train = plan.only(training)
     at_start = tuple(with_patterns(before[i], parametrisation.numerics) for i in training)
     start = np.zeros(len(parametrisation))
     progress("calibration")
-    first = fit(parametrisation, train, start, None, at_start, _ROUNDS, progress)
+    first = fit(parametrisation, train, start, None, at_start, _ROUNDS, progress, branches_of)
     scatter, repeatability = scatter_of_repeats(first, train)
-    found = fit(parametrisation, train, first.u, scatter, first.compared.branches, _ROUNDS, progress)
+    found = fit(parametrisation, train, first.u, scatter, first.compared.branches, _ROUNDS, progress, branches_of)
     return Baseline(plan, training, kept, found, repeatability, finer)
 
 
@@ -88,10 +91,10 @@ def _held_out(plan: Plan, names: Sequence[str] | None) -> tuple[int, ...]:
     return tuple(sorted(kept))
 
 
-def error_of(fitted: Fit, plan: Plan) -> float:
+def error_of(fitted: Fit, plan: Plan, branches_of: Branches = in_turn) -> float:
     """Weighted residual RMS on runs that the fit may not have seen, parameters and scatter as they are."""
     if not plan.conditions:
         return float("nan")
-    branches = predict(fitted.parametrisation, fitted.u, plan)
+    branches = predict(fitted.parametrisation, fitted.u, plan, None, branches_of)
     compared = compare_at(fitted.parametrisation, fitted.u, plan, branches, fitted.compared.scatter)
     return float(np.sqrt(compared.excess))

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.diagnosis.effects.effect import Effect
+from updamp.diagnosis.model.workers import Workers, here
 from updamp.diagnosis.search.attempts import Attempt
 from updamp.diagnosis.search.baseline import Baseline
 from updamp.diagnosis.search.criteria import Criteria
@@ -25,6 +26,7 @@ def attempts(
     scored: Sequence[Score],
     criteria: Criteria,
     progress: Callable[[str], None],
+    workers: Workers = here,
 ) -> list[Attempt]:
     """Short ones, the most promising first: by the score test; where the model fails badly, by turns with what effects
     of typical size could do.
@@ -36,7 +38,8 @@ def attempts(
     if not fails_badly(start.fitted):
         return [Attempt((s.effect,), _starts(s.step), full=False, as_given=_typical(s)) for s in by_score.values()]
     worth = {s.effect.name for s in visible}
-    by_probe = {p.effect.name: p for p in probes(start, [e for e in effects if e.name in worth], progress)}
+    tried = [e for e in effects if e.name in worth]
+    by_probe = {p.effect.name: p for p in probes(start, tried, progress, workers)}
     found = []
     for name in _by_turns(tuple(by_probe), tuple(by_score)):
         given = (by_probe[name].start,) if name in by_probe else ()

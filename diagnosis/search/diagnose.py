@@ -2,11 +2,9 @@
 
 import hashlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from datetime import date
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -19,11 +17,15 @@ from updamp.diagnosis.effects.catalogue import catalogue
 from updamp.diagnosis.effects.chosen import code_of
 from updamp.diagnosis.effects.effect import Effect
 from updamp.diagnosis.effects.user_effect import effect_from_file
+from updamp.diagnosis.model.branch_processes import BranchesBy
+from updamp.diagnosis.model.branch_tasks import Branches, in_turn
 from updamp.diagnosis.model.modal_rig import is_modal
+from updamp.diagnosis.model.processes import processes
+from updamp.diagnosis.model.workers import Elsewhere, Workers, here
 from updamp.diagnosis.report.write_report import write_report
 from updamp.diagnosis.residual.observations import Plan, plan_of
 from updamp.diagnosis.search.ablations import write_ablations
-from updamp.diagnosis.search.attempts import Bench, RunElsewhere, run_here
+from updamp.diagnosis.search.attempts import RunBy
 from updamp.diagnosis.search.baseline import Baseline, baseline
 from updamp.diagnosis.search.conclude import conclude
 from updamp.diagnosis.search.criteria import Criteria
@@ -52,9 +54,11 @@ _PATIENCE = 30  # s, with a Dask scheduler that has no workers yet
 class DiagnoseOptions:
     """finer: presets of finer meshes; held_out: names of runs that no fit sees, None for one level of each mode
     held_out_modes: modes of which no fit sees a run; with any, only the levels in `held_out` are held out besides
-    own: files of the user's own effects, looked for too; jobs: fits at the same time; scheduler: address of a Dask
-    scheduler whose workers run the fits, "" for this machine; report: whether to write report.html, with comparison
-    and missing force; next_measurement: whether to look for the run that tells explanations apart, for the report
+    own: files of the user's own effects, looked for too
+    jobs: processes; scheduler: address of a Dask scheduler whose workers trace branches and run fits, "" for this
+        machine
+    report: whether to write report.html, with comparison and missing force; next_measurement: whether to look for the
+        run that tells explanations apart, for the report
     """
 
     finer: tuple[str, ...] = ()
@@ -84,20 +88,20 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
         files.out.mkdir(parents=True, exist_ok=True)
         plan, told = plan_of(subject.measurement), _telling(display)
         memory = Memory(files.out / "search", _digest(files, preset, options, subject, effects))
-        start = _baseline(memory, subject, plan, options, told)
-        provenance["held out"] = ", ".join(plan.conditions[i].name for i in start.held_out) or "nothing"
-        with _bench(options) as bench:
-            found = search(start, effects, options.criteria, told, Remembering(memory, bench))
-        names = {channel.point: channel.name for channel in subject.measurement.channels}
-        decision = decide(found.evidence, options.criteria)
-        forces = _forces(found, decision) if options.report else ()
-        following = _following(memory, found, decision, options, told) if options.report else ()
-        verdict = conclude(found, decision, options.criteria, names, forces, provenance, following)
-        write_json(files.out / "diagnosis.json", verdict)
-        write_evidence(files.out / "evidence.json", found.evidence)
-        write_ablations(files.out / "ablations.json", found.evidence, options.criteria)
-        if options.report:
-            _report(files, subject, verdict, told)
+        with _workers(options) as workers:
+            start = _baseline(memory, subject, plan, options, told, BranchesBy(workers))
+            found = search(start, effects, options.criteria, told, Remembering(memory, RunBy(workers)), workers)
+            provenance["held out"] = ", ".join(plan.conditions[i].name for i in start.held_out) or "nothing"
+            names = {channel.point: channel.name for channel in subject.measurement.channels}
+            decision = decide(found.evidence, options.criteria)
+            forces = _forces(found, decision) if options.report else ()
+            following = _following(memory, found, decision, options, told, workers) if options.report else ()
+            verdict = conclude(found, decision, options.criteria, names, forces, provenance, following)
+            write_json(files.out / "diagnosis.json", verdict)
+            write_evidence(files.out / "evidence.json", found.evidence)
+            write_ablations(files.out / "ablations.json", found.evidence, options.criteria)
+            if options.report:
+                _report(files, subject, verdict, told, BranchesBy(workers))
         display.done(_STAGE, f"{verdict.verdict}: {', '.join(verdict.effects or verdict.group) or 'no effect'}")
     return verdict
 
@@ -130,7 +134,7 @@ def _of_stated(
     files.out.mkdir(parents=True, exist_ok=True)
     write_json(files.out / "diagnosis.json", found.verdict)
     if options.report:
-        _report(files, subject, found.verdict, told)
+        _report(files, subject, found.verdict, told, in_turn)
     display.done(_STAGE, found.verdict.verdict)
     for shown in tables(found):
         console.print(shown)
@@ -159,19 +163,24 @@ def _digest(
 
 
 def _baseline(
-    memory: Memory, subject: Subject, plan: Plan, options: DiagnoseOptions, told: Callable[[str], None]
+    memory: Memory,
+    subject: Subject,
+    plan: Plan,
+    options: DiagnoseOptions,
+    told: Callable[[str], None],
+    branches_of: Branches,
 ) -> Baseline:
     start: Baseline | None = memory.recall("baseline")
     if start is None:
         held_out = held_out_runs(plan, options.held_out, options.held_out_modes)
-        start = baseline(subject.before_effects, subject.taken, plan, subject.finer, held_out, told)
+        start = baseline(subject.before_effects, subject.taken, plan, subject.finer, held_out, told, branches_of)
         memory.keep("baseline", start)
     return start
 
 
 @contextmanager
-def _bench(options: DiagnoseOptions) -> Iterator[Bench]:
-    """Where the fits are run."""
+def _workers(options: DiagnoseOptions) -> Iterator[Workers]:
+    """Where branches are traced and fits run."""
     own, kept = tuple(path.resolve() for path in options.own), keeps_compiled()
     if options.scheduler:
         try:
@@ -182,13 +191,12 @@ def _bench(options: DiagnoseOptions) -> Iterator[Bench]:
             ) from error
         with Client(options.scheduler) as client:
             _wait_for_workers(client, options.scheduler)
-            yield RunElsewhere(client.get_executor(pure=False), own, kept)
+            yield Elsewhere(client.get_executor(pure=False), own, kept)
     elif options.jobs > 1:
-        # threads of the parent's libraries do not survive a fork
-        with ProcessPoolExecutor(options.jobs, get_context("spawn")) as pool:
-            yield RunElsewhere(pool, own, kept)
+        with processes(options.jobs) as pool:
+            yield Elsewhere(pool, own, kept)
     else:
-        yield run_here
+        yield here
 
 
 def _wait_for_workers(client: Any, address: str) -> None:
@@ -208,7 +216,12 @@ def _forces(found: Found, decision: Decision) -> tuple[MissingForce, ...]:
 
 
 def _following(
-    memory: Memory, found: Found, decision: Decision, options: DiagnoseOptions, told: Callable[[str], None]
+    memory: Memory,
+    found: Found,
+    decision: Decision,
+    options: DiagnoseOptions,
+    told: Callable[[str], None],
+    workers: Workers,
 ) -> tuple[NextMeasurement, ...]:
     """The next measurements worth making, where explanations are left to be told apart."""
     explanations = rivals(found, decision, options.criteria) if options.next_measurement else {}
@@ -217,12 +230,14 @@ def _following(
     name = f"next measurement {', '.join(explanations)}"
     proposed: tuple[NextMeasurement, ...] | None = memory.recall(name)
     if proposed is None:
-        proposed = next_measurements(explanations, found.baseline.plan, told, _RUNS)
+        proposed = next_measurements(explanations, found.baseline.plan, told, _RUNS, workers)
         memory.keep(name, proposed)
     return proposed
 
 
-def _report(files: CompareFiles, subject: Subject, verdict: Verdict, told: Callable[[str], None]) -> None:
+def _report(
+    files: CompareFiles, subject: Subject, verdict: Verdict, told: Callable[[str], None], branches_of: Branches
+) -> None:
     comparison, _ = compare(
         subject.before_effects,
         subject.measurement,
@@ -232,6 +247,7 @@ def _report(files: CompareFiles, subject: Subject, verdict: Verdict, told: Calla
         told,
         subject.finer,
         subject.taken,
+        branches_of,
     )
     write_comparison(files.comparison, comparison)
     write_report(comparison, files.report, pictures_of(files.out), verdict)

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from updamp.diagnosis.model.workers import Workers, here
 from updamp.diagnosis.search.attempts import Attempt, Bench, Done, Result
 from updamp.diagnosis.search.baseline import Baseline
 from updamp.diagnosis.search.criteria import Criteria
@@ -16,12 +17,16 @@ Results = dict[tuple[str, ...], Result]
 
 @dataclass(frozen=True, eq=False)
 class Fits:
-    """Of a search: where they start, what they are judged by, who is told, and where they are run."""
+    """Of a search: where they start, what they are judged by, who is told, and where they are run.
+
+    workers: for what leads to them: which effects look likely, and where their fits start
+    """
 
     start: Baseline
     criteria: Criteria
     progress: Progress
     bench: Bench
+    workers: Workers = here
 
     def results(self, attempts: Sequence[Attempt]) -> Results:
         found = self.bench(self.start, self.criteria, attempts, telling(self.progress))

@@ -16,8 +16,10 @@ from numpy.typing import NDArray
 from updamp.diagnosis.model.numerical_error import NumericalError
 from updamp.diagnosis.model.parameters import PRELOAD
 from updamp.diagnosis.model.predicted_branch import trace_branch
+from updamp.diagnosis.model.workers import Workers, here
 from updamp.diagnosis.residual.fit import Fit
 from updamp.diagnosis.residual.observations import Plan
+from updamp.diagnosis.search.attempts import without_branches
 from updamp.diagnosis.search.candidate_runs import CandidateRun, Recording, candidate_runs
 from updamp.diagnosis.search.separation import Prediction, separation
 from updamp.diagnosis.verdict import NextMeasurement
@@ -38,7 +40,11 @@ _KEPT = 3
 
 
 def next_measurements(
-    explanations: Mapping[str, Fit], plan: Plan, progress: Progress = lambda _: None, most_runs: int = 12
+    explanations: Mapping[str, Fit],
+    plan: Plan,
+    progress: Progress = lambda _: None,
+    most_runs: int = 12,
+    workers: Workers = here,
 ) -> tuple[NextMeasurement, ...]:
     """For every pair of explanations the runs with most separation per hour, best first; a pair that no run separates
     keeps its best one, and the sentence says so. Empty for fewer than two.
@@ -49,11 +55,16 @@ def next_measurements(
     if len(explanations) < 2:
         return ()
     first = next(iter(explanations.values())).parametrisation
-    noise = _noise(plan)
+    runs = candidate_runs(plan, first, most_runs)
+    wanted = [(run, name) for run in runs for name in explanations]
+    fits = {name: without_branches(fit) for name, fit in explanations.items()}
+    predicted = workers(
+        _prediction, (fits, _noise(plan)), wanted, lambda i, _: progress(f"predicted {wanted[i][0].condition.name}")
+    )
+    rows = zip(*[iter(predicted)] * len(explanations), strict=True)
     found: dict[tuple[str, str], list[NextMeasurement]] = {}
-    for run in candidate_runs(plan, first, most_runs):
-        progress(f"predicting {run.condition.name}")
-        predictions = {name: _prediction(fit, run, noise) for name, fit in explanations.items()}
+    for run, row in zip(runs, rows, strict=True):
+        predictions = dict(zip(explanations, row, strict=True))
         for a, b in combinations(explanations, 2):
             one, other = predictions[a], predictions[b]
             if one is not None and other is not None:
@@ -102,8 +113,12 @@ def _noise(plan: Plan) -> dict[str, float]:
     return {**noise, "": float(np.median(list(noise.values())))} if noise else noise
 
 
-def _prediction(fit: Fit, run: CandidateRun, noise: Mapping[str, float]) -> Prediction | None:
-    """None where the model has no response there."""
+def _prediction(
+    shared: tuple[Mapping[str, Fit], Mapping[str, float]], wanted: tuple[CandidateRun, str]
+) -> Prediction | None:
+    """None where the model has no response there. shared: explanations, and noise; wanted: run, and whose prediction"""
+    (fits, noise), (run, name) = shared, wanted
+    fit = fits[name]
     n = fit.parametrisation.n_of_model
     parametrisation = replace(fit.parametrisation, numerics=NumericalError())
     u = fit.u[:n].copy()

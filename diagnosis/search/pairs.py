@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from updamp.diagnosis.effects.effect import Effect
+from updamp.diagnosis.model.branch_processes import BranchesBy
 from updamp.diagnosis.search.attempts import Attempt, Result, with_branches
 from updamp.diagnosis.search.baseline import Baseline
 from updamp.diagnosis.search.candidates import attempts
@@ -90,10 +91,11 @@ def alone(fits: Fits, singles: Results, pairs: Results) -> Results:
 def _beside(fits: Fits, first: Refit, effects: Sequence[Effect], singles: Results) -> Results:
     (one,), start, criteria = first.effects, fits.start, fits.criteria
     fits.progress(f"second effect beside {one.name}")
-    beside = replace(fits, start=replace(start, fitted=with_branches(first.fitted, start)))
+    beside = replace(fits, start=replace(start, fitted=with_branches(first.fitted, start, BranchesBy(fits.workers))))
     others = [e for e in effects if e.name != one.name]
-    again = scores(extend(beside.start.fitted, start.train_plan, others, fits.progress))
-    short = beside.results(attempts(beside.start, others, again, criteria, fits.progress)[: criteria.short])
+    again = scores(extend(beside.start.fitted, start.train_plan, others, fits.progress, fits.workers))
+    wanted = attempts(beside.start, others, again, criteria, fits.progress, fits.workers)
+    short = beside.results(wanted[: criteria.short])
     settled = beside.full(best_first(short)[: criteria.full])
     found: Results = {}
     for r in (settled | numerics_anew(beside, settled)).values():

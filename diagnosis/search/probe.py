@@ -8,14 +8,15 @@ once more from where that leads if it leads as far as it may.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from updamp.diagnosis.effects.effect import Effect
+from updamp.diagnosis.model.branch_processes import BranchesBy
 from updamp.diagnosis.model.parameters import Parametrisation
 from updamp.diagnosis.model.predicted_branch import PredictedBranch
+from updamp.diagnosis.model.workers import Workers, here
 from updamp.diagnosis.residual.fit import Fit, compare_at, fit_linear, misfit, predict
 from updamp.diagnosis.residual.observations import Plan
 from updamp.diagnosis.search.baseline import Baseline
@@ -38,7 +39,10 @@ class Probe:
 
 
 def probes(
-    start: Baseline, effects: Sequence[Effect], progress: Callable[[str], None] = lambda _: None
+    start: Baseline,
+    effects: Sequence[Effect],
+    progress: Callable[[str], None] = lambda _: None,
+    workers: Workers = here,
 ) -> tuple[Probe, ...]:
     """The best one of each effect, the least misfit first; effects with which the model has no response are left out.
 
@@ -46,17 +50,32 @@ def probes(
     """
     plan = start.train_plan.only(highest_levels(start.train_plan))
     at = as_given(start.fitted)
-    near = predict(start.fitted.parametrisation, at, plan, options=coarse_enough(start.fitted))
-    found = []
-    for effect in effects:
-        progress(f"{effect.name} at its typical size")
-        from_size = partial(_probe, start.fitted, plan, at, near, effect)
-        tried = [from_size(np.full(len(effect.parameters), sign)) for sign in _signs(effect)]
-        best = min((t for t in tried if t is not None), key=_misfit, default=None)
-        # what goes as far as it may wants to go further
-        again = from_size(best.start) if best is not None and _at_its_end(best) else None
-        found += [min((t for t in (best, again) if t is not None), key=_misfit)] if best is not None else []
-    return tuple(sorted(found, key=_misfit))
+    near = predict(
+        start.fitted.parametrisation, at, plan, None, BranchesBy(workers), options=coarse_enough(start.fitted)
+    )
+    shared = _About(start.fitted, plan, at, near)
+    found = workers(_best_of, shared, effects, lambda i, _: progress(f"{effects[i].name} at its typical size"))
+    return tuple(sorted((probe for probe in found if probe is not None), key=_misfit))
+
+
+@dataclass(frozen=True, eq=False)
+class _About:
+    """at: (p,) parameters of the model as given; near: its branches"""
+
+    base: Fit
+    plan: Plan
+    at: Floats
+    near: Sequence[PredictedBranch]
+
+
+def _best_of(about: _About, effect: Effect) -> Probe | None:
+    tried = [_probe(about, effect, np.full(len(effect.parameters), sign)) for sign in _signs(effect)]
+    best = min((t for t in tried if t is not None), key=_misfit, default=None)
+    if best is None or not _at_its_end(best):
+        return best
+    # what goes as far as it may wants to go further
+    again = _probe(about, effect, best.start)
+    return min((t for t in (best, again) if t is not None), key=_misfit)
 
 
 def _misfit(probe: Probe) -> float:
@@ -83,16 +102,15 @@ def _signs(effect: Effect) -> Iterator[float]:
         yield -1.0
 
 
-def _probe(
-    base: Fit, plan: Plan, at: Floats, near: Sequence[PredictedBranch], effect: Effect, size: Floats
-) -> Probe | None:
+def _probe(about: _About, effect: Effect, size: Floats) -> Probe | None:
     """size: (p,) of the effect's parameters in typical ones"""
+    base, plan = about.base, about.plan
     extended: Parametrisation = replace(base.parametrisation, effects=(*base.parametrisation.effects, effect))
     scatter = base.compared.scatter
-    u = base.parametrisation.with_further(at, size)
+    u = base.parametrisation.with_further(about.at, size)
     u = np.clip(u, extended.lower, extended.upper)
     try:
-        branches = predict(extended, u, plan, near, options=coarse_enough(base))
+        branches = predict(extended, u, plan, about.near, options=coarse_enough(base))
     except BranchStoppedError:
         return None
     compared = compare_at(extended, u, plan, branches, scatter)

@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.diagnosis.effects.effect import Effect
+from updamp.diagnosis.model.branch_processes import BranchesBy
+from updamp.diagnosis.model.workers import Workers, here
 from updamp.diagnosis.search.attempts import Bench, run_here
 from updamp.diagnosis.search.baseline import Baseline, error_of
 from updamp.diagnosis.search.criteria import Criteria
@@ -41,16 +43,17 @@ def search(
     criteria: Criteria,
     progress: Progress = lambda _: None,
     bench: Bench = run_here,
+    workers: Workers = here,
 ) -> Found:
-    """bench: where the fits are run
+    """bench: where the fits are run; workers: likewise what leads to them
 
     raises: BranchStoppedError where the calibrated model has no response at the beginning of a run
     """
     base, plan = start.fitted, start.train_plan
-    extended = extend(base, plan, effects, progress)
+    extended = extend(base, plan, effects, progress, workers)
     scored = scores(extended)
-    held_out = error_of(base, start.held_out_plan)
-    fits = Fits(start, criteria, progress, bench)
+    held_out = error_of(base, start.held_out_plan, BranchesBy(workers))
+    fits = Fits(start, criteria, progress, bench, workers)
     singles = try_singles(fits, effects, scored)
     singles |= other_sizes(fits, singles)
     further, pairs = exchanged(fits, effects, singles, try_pairs(fits, effects, singles))

@@ -7,11 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.diagnosis.effects.effect import Effect
+from updamp.diagnosis.model.branch_processes import BranchesBy
+from updamp.diagnosis.model.branch_tasks import Branches
+from updamp.diagnosis.model.condition import Condition
 from updamp.diagnosis.model.derivatives import Change
 from updamp.diagnosis.model.light_points import with_matrices
 from updamp.diagnosis.model.model_at import ModelAt, change_of_effect
 from updamp.diagnosis.model.parameters import Parametrisation
 from updamp.diagnosis.model.predicted_branch import PredictedBranch, observe, of_state
+from updamp.diagnosis.model.workers import Workers, here
 from updamp.diagnosis.residual.fit import Compared, Fit, compare_at, predict
 from updamp.diagnosis.residual.numerical_gate import change_of_branch, unwrapped
 from updamp.diagnosis.residual.observations import Plan
@@ -49,7 +53,11 @@ class Extended:
 
 
 def extend(
-    fitted: Fit, plan: Plan, effects: Sequence[Effect], progress: Callable[[str], None] = lambda _: None
+    fitted: Fit,
+    plan: Plan,
+    effects: Sequence[Effect],
+    progress: Callable[[str], None] = lambda _: None,
+    workers: Workers = here,
 ) -> Extended:
     """The fit's model with signatures of the effects as further columns.
 
@@ -62,11 +70,11 @@ def extend(
     by_step = [e for e in known if _needs_step(there, e)]
     by_derivative = [e for e in known if e not in by_step]
     changes = [change_of_effect(there.model, e, q) for e in by_derivative for q in e.parameters]
-    branches = []
-    for branch in _solved_at(fitted, plan):
-        progress(f"signatures {branch.condition.name}")
-        steps = [_by_step_of(there, branch, e, coarse_enough(fitted)) for e in by_step]
-        branches.append(_extended(there, branch, changes, steps))
+    progress(f"signatures of {len(known)} effects")
+    solved = _solved_at(fitted, plan, BranchesBy(workers))
+    steps = _steps(there, solved, by_step, coarse_enough(fitted), progress, workers)
+    differentiated = workers(_differentiated, (there, changes), solved, lambda i, _: progress(_told(solved[i])))
+    branches = [_with_steps(there, b, len(changes), own) for b, own in zip(differentiated, steps, strict=True)]
     ordered = (*by_derivative, *by_step)
     extended = replace(p, effects=(*p.effects, *ordered))
     longer = p.with_further(u, np.zeros(extended.n_of_model - p.n_of_model))
@@ -74,13 +82,17 @@ def extend(
     return Extended(extended, compared, ordered, refused)
 
 
-def _solved_at(fitted: Fit, plan: Plan) -> tuple[PredictedBranch, ...]:
+def _told(branch: PredictedBranch) -> str:
+    return f"signatures along {branch.condition.name}"
+
+
+def _solved_at(fitted: Fit, plan: Plan, branches_of: Branches) -> tuple[PredictedBranch, ...]:
     """Branches of the fit's parameters: a fit that has settled is a linear step beyond those that it solved last."""
     p, u, branches = fitted.parametrisation, fitted.u, fitted.compared.branches
     n = p.n_of_model
     if all(np.array_equal(branch.u[:n], u[:n]) for branch in branches):
         return branches
-    return predict(p, u, plan, branches)
+    return predict(p, u, plan, branches, branches_of)
 
 
 def _with_a_place(there: ModelAt, effects: Sequence[Effect]) -> tuple[list[Effect], dict[str, str]]:
@@ -100,17 +112,43 @@ def _needs_step(there: ModelAt, effect: Effect) -> bool:
     return effect.finite_step or effect.apply(there.model, effect.at_typical()).harmonics != there.model.harmonics
 
 
-def _by_step_of(there: ModelAt, branch: PredictedBranch, effect: Effect, options: ContinuationOptions | None) -> Floats:
+@dataclass(frozen=True, eq=False)
+class _Step:
+    """observed: (n, m) along a branch of the model without the effect; options: of the continuation"""
+
+    effect: Effect
+    condition: Condition
+    observed: Floats
+    options: ContinuationOptions | None
+
+
+def _steps(
+    there: ModelAt,
+    solved: Sequence[PredictedBranch],
+    effects: Sequence[Effect],
+    options: ContinuationOptions | None,
+    progress: Callable[[str], None],
+    workers: Workers,
+) -> list[list[Floats]]:
+    """For each branch the changes by each of the effects."""
+    steps = [_Step(e, b.condition, unwrapped(b.observed.value), options) for e in effects for b in solved]
+    found = workers(
+        _by_step_of, there, steps, lambda i, _: progress(f"{steps[i].effect.name} along {steps[i].condition.name}")
+    )
+    return [[found[j * len(solved) + i] for j in range(len(effects))] for i in range(len(solved))]
+
+
+def _by_step_of(there: ModelAt, step: _Step) -> Floats:
     """(n, n_parameters, m) changes of the observations for all parameters at their typical values.
 
     Parameters beyond the first have no column of their own: the refit moves them.
     """
-    observed, numerics = unwrapped(branch.observed.value), there.parametrisation.numerics
+    effect, observed, numerics = step.effect, step.observed, there.parametrisation.numerics
     for share in (1.0, 0.5, 0.25):
         values = {q.name: q.null + share * (q.typical - q.null) for q in effect.parameters}
         try:
             changed = effect.apply(there.model, values)
-            change = change_of_branch(changed, branch.condition, observed, numerics, options) / share
+            change = change_of_branch(changed, step.condition, observed, numerics, step.options) / share
         except BranchStoppedError:
             continue
         rest = np.zeros((len(change), len(effect.parameters) - 1, change.shape[1]))
@@ -118,15 +156,18 @@ def _by_step_of(there: ModelAt, branch: PredictedBranch, effect: Effect, options
     return np.zeros((len(observed), len(effect.parameters), observed.shape[1]))
 
 
-def _extended(
-    there: ModelAt, branch: PredictedBranch, changes: Sequence[Change], steps: Sequence[Floats]
-) -> PredictedBranch:
-    """The branch with columns for all parameters of the effects before those of the numerical error."""
+def _differentiated(shared: tuple[ModelAt, Sequence[Change]], branch: PredictedBranch) -> PredictedBranch:
+    """The branch with columns for changes of its model, before those of the numerical error."""
+    there, changes = shared
     points = with_matrices(there.model, branch.condition, branch.points)
-    found = observe(there, branch.condition, points, branch.stopped, changes)
+    return observe(there, branch.condition, points, branch.stopped, changes)
+
+
+def _with_steps(there: ModelAt, found: PredictedBranch, n_changes: int, steps: Sequence[Floats]) -> PredictedBranch:
+    """The branch with columns for all parameters of the effects, before those of the numerical error."""
     if not steps:
         return found
-    n = there.parametrisation.n_of_model + len(changes)
+    n = there.parametrisation.n_of_model + n_changes
     columns = of_state(np.concatenate(steps, axis=1), found.state)
     slopes = np.concatenate([found.slopes[:, :n], columns, found.slopes[:, n:]], axis=1)
     u = np.concatenate([found.u[:n], np.zeros(columns.shape[1]), found.u[n:]])

@@ -19,7 +19,7 @@ from updamp.diagnosis.search.score import Score, cosines
 def try_singles(fits: Fits, effects: Sequence[Effect], scored: Sequence[Score]) -> Results:
     """Short refits of those that look most likely, full ones of the best."""
     start, criteria = fits.start, fits.criteria
-    wanted = attempts(start, effects, scored, criteria, fits.progress)[: criteria.short]
+    wanted = attempts(start, effects, scored, criteria, fits.progress, fits.workers)[: criteria.short]
     half = (len(wanted) + 1) // 2
     found = fits.results(wanted[:half])
     enough = _left(start, 1 - criteria.promising)

@@ -86,7 +86,7 @@ def test_nothing_is_done_again(verdict: Verdict, folder: Path, monkeypatch: pyte
         assert not attempts, "these fits are known"
         return []
 
-    monkeypatch.setattr(module, "run_here", nothing_to_run)
+    monkeypatch.setattr(module, "RunBy", lambda _: nothing_to_run)
     monkeypatch.setattr(module, "_report", lambda *_: None)
     for name in ("next_measurements", "baseline"):
         monkeypatch.setattr(module, name, must_not_run)
