@@ -50,9 +50,9 @@ def diagnose(
     effect: Annotated[
         list[Path] | None, typer.Option(help="Python file of an effect of your own to look for; may be repeated.")
     ] = None,
-    jobs: Annotated[int, typer.Option(min=1, help="Fits at the same time.")] = 1,
+    jobs: Annotated[int, typer.Option(min=1, help="Processes that trace branches and run fits; some 1 GB each.")] = 1,
     scheduler: Annotated[
-        str, typer.Option(metavar="ADDRESS", help="Of a Dask scheduler whose workers run the fits.")
+        str, typer.Option(metavar="ADDRESS", help="Of a Dask scheduler whose workers trace branches and run fits.")
     ] = "",
     next_measurement: Annotated[
         bool, typer.Option(help="Look for the measurement that would tell apart what is left; takes a minute or two.")
