@@ -122,3 +122,23 @@ def test_second_effects_are_looked_for_where_the_first_explains_all_but_stands_a
     at_bound = replace(found_alone, refit=replace(found_alone.refit, at_bound="spring.k"))
     pairs.try_pairs(fits, (SPRING, DASHPOT), {names: at_bound})
     assert tried == [at_bound.refit]
+
+
+def test_pairs_are_given_the_numerical_error_of_the_model_with_both_effects(monkeypatch):
+    """That they help is shown in test_regate.py; here that they are asked for, and that the answer counts."""
+    fits, asked = Fits(start(3e3), Criteria(score=0.0), lambda _: None, run_here), []
+
+    def anew(beside, settled):
+        asked.append((beside.start.fitted.parametrisation.effects, tuple(settled)))
+        return {
+            names: replace(r, refit=replace(r.refit, gated_again=True), trial=replace(r.trial, held_out=0.5))
+            for names, r in settled.items()
+        }
+
+    singles = fits.results([Attempt((DASHPOT,), (np.full(1, 0.5),), full=True)])
+    monkeypatch.setattr(pairs, "numerics_anew", anew)
+    ((names, pair),) = pairs.try_pairs(fits, (SPRING, DASHPOT), singles).items()
+    assert asked == [((DASHPOT,), (("spring",),))]
+    assert names == ("dashpot", "spring") == pair.trial.effects
+    assert pair.trial.held_out == 0.5
+    assert pair.refit.excess < singles[("dashpot",)].refit.excess
