@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.text import Text
 
 from updamp.command_line import Debug, RigFile, clean_errors, interruptible
-from updamp.resources import one_thread
+from updamp.resources import one_thread, usual_workers
 
 if TYPE_CHECKING:
     from updamp.diagnosis.add import Changed
@@ -50,7 +50,10 @@ def diagnose(
     effect: Annotated[
         list[Path] | None, typer.Option(help="Python file of an effect of your own to look for; may be repeated.")
     ] = None,
-    jobs: Annotated[int, typer.Option(min=1, help="Processes that trace branches and run fits; some 1 GB each.")] = 1,
+    jobs: Annotated[
+        int | None,
+        typer.Option(min=1, help="Processes that trace branches and run fits.", show_default="the CPUs, at most 4"),
+    ] = None,
     scheduler: Annotated[
         str, typer.Option(metavar="ADDRESS", help="Of a Dask scheduler whose workers trace branches and run fits.")
     ] = "",
@@ -77,7 +80,7 @@ def diagnose(
             held_out=tuple(hold_out) if hold_out else None,
             held_out_modes=tuple(hold_out_mode or ()),
             own=tuple(effect or ()),
-            jobs=jobs,
+            jobs=jobs if jobs is not None else usual_workers(),
             scheduler=scheduler,
             next_measurement=next_measurement,
         )

@@ -1,7 +1,6 @@
 """The command line: `updamp run`, `compare`, `check`, `show`; `add`, `remove`, `history` in `effect_commands.py`."""
 
 import json
-import os
 from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated
@@ -12,7 +11,7 @@ from rich.text import Text
 
 from updamp import effect_commands, stages
 from updamp.command_line import INCOMPLETE, Debug, RigFile, clean_errors, interruptible
-from updamp.resources import Meter, one_thread
+from updamp.resources import Meter, one_thread, usual_workers
 
 app = typer.Typer(
     help="From a bladed test rig's dimensions to its nonlinear vibration with a friction damper.",
@@ -66,7 +65,7 @@ def run(
         options = RunOptions(
             preset=mesh,
             folder=out,
-            workers=jobs if jobs is not None else _workers(),
+            workers=jobs if jobs is not None else usual_workers(),
             modes=tuple(mode or ()),
             forces=tuple(_force(text) for text in force or ()),
             check=check,
@@ -136,7 +135,7 @@ def compare(
         keep_compiled()
         console = Console()
         files = CompareFiles(rig, measurement, out)
-        comparison, _ = run_compare(files, mesh, jobs if jobs is not None else _workers(), console, tuple(finer))
+        comparison, _ = run_compare(files, mesh, jobs if jobs is not None else usual_workers(), console, tuple(finer))
         for sentence in sentences(comparison):
             console.print(Text.assemble(("finding   ", "yellow"), sentence), soft_wrap=True)
         console.print(f"{files.report}", highlight=False, soft_wrap=True)
@@ -167,12 +166,6 @@ def show(folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a
         console.print(overview_table(summary))
         if summary.get("curves"):
             console.print(curves_table(summary["curves"]))
-
-
-def _workers() -> int:
-    """The CPUs that this process may use, at most 4."""
-    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return min(usable, 4)
 
 
 def _force(text: str) -> float:
