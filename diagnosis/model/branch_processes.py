@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from updamp.diagnosis.model.branch_tasks import BranchTask, PredictionError, Report, in_turn
 from updamp.diagnosis.model.predicted_branch import PredictedBranch
 from updamp.diagnosis.model.processes import processes
-from updamp.diagnosis.model.workers import Elsewhere, WorkerLostError, Workers
+from updamp.diagnosis.model.workers import Elsewhere, LongestFirst, WorkerLostError, Workers
 from updamp.hbm.compilation_cache import keeps_compiled
 
 
@@ -24,20 +24,20 @@ class BranchesBy:
 
     def __call__(self, tasks: Sequence[BranchTask]) -> tuple[PredictedBranch, ...]:
         """raises: as `BranchTask.predicted`; PredictionError where a worker was ended from outside"""
-        # those that take longest first, or one worker would be busy with them alone in the end
-        order = sorted(range(len(tasks)), key=lambda i: -tasks[i].effort)
         names: list[str] = []
 
         def done(place: int, _: PredictedBranch) -> None:
-            names.append(tasks[order[place]].condition.name)
+            names.append(tasks[place].condition.name)
             self.report(names[-1], len(names), len(tasks))
 
         try:
-            found = self.workers(_predicted, None, [tasks[i] for i in order], done)
+            return tuple(LongestFirst(self.workers, _effort)(_predicted, None, tasks, done))
         except WorkerLostError as error:
-            raise PredictionError(f"{tasks[order[error.place]].condition.name}: {error}") from error
-        by_task = dict(zip(order, found, strict=True))
-        return tuple(by_task[i] for i in range(len(tasks)))
+            raise PredictionError(f"{tasks[error.place].condition.name}: {error}") from error
+
+
+def _effort(task: BranchTask) -> float:
+    return task.effort
 
 
 def _predicted(_: None, task: BranchTask) -> PredictedBranch:

@@ -85,6 +85,29 @@ class Elsewhere:
 
 
 @dataclass(frozen=True)
+class LongestFirst:
+    """What takes longest is begun with, or one of the workers would be busy with it alone in the end.
+
+    effort: of an item; larger for one that is likely to take longer
+    """
+
+    workers: Workers
+    effort: Callable[[Any], float]
+
+    def __call__(
+        self, function: Callable[[S, T], R], shared: S, items: Sequence[T], done: Callable[[int, R], None]
+    ) -> list[R]:
+        order = sorted(range(len(items)), key=lambda place: -self.effort(items[place]))
+        in_order = [items[place] for place in order]
+        try:
+            found = self.workers(function, shared, in_order, lambda i, result: done(order[i], result))
+        except WorkerLostError as error:
+            raise WorkerLostError(order[error.place]) from error
+        by_place = dict(zip(order, found, strict=True))
+        return [by_place[place] for place in range(len(items))]
+
+
+@dataclass(frozen=True)
 class _Task:
     """What another process does. shared: pickled, for all items. A user's effect can be unpickled only where its file
     has been read, so items come as bytes too."""

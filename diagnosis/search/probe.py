@@ -16,7 +16,7 @@ from updamp.diagnosis.effects.effect import Effect
 from updamp.diagnosis.model.branch_processes import BranchesBy
 from updamp.diagnosis.model.parameters import Parametrisation
 from updamp.diagnosis.model.predicted_branch import PredictedBranch
-from updamp.diagnosis.model.workers import Workers, here
+from updamp.diagnosis.model.workers import LongestFirst, Workers, here
 from updamp.diagnosis.residual.fit import Fit, compare_at, fit_linear, misfit, predict
 from updamp.diagnosis.residual.observations import Plan
 from updamp.diagnosis.search.baseline import Baseline
@@ -54,7 +54,9 @@ def probes(
         start.fitted.parametrisation, at, plan, None, BranchesBy(workers), options=coarse_enough(start.fitted)
     )
     shared = _About(start.fitted, plan, at, near)
-    found = workers(_best_of, shared, effects, lambda i, _: progress(f"{effects[i].name} at its typical size"))
+    # an effect without derivative is of a law or of harmonics that take longer
+    longest_first = LongestFirst(workers, lambda effect: effect.finite_step)
+    found = longest_first(_best_of, shared, effects, lambda i, _: progress(f"{effects[i].name} at its typical size"))
     return tuple(sorted((probe for probe in found if probe is not None), key=_misfit))
 
 

@@ -15,7 +15,7 @@ from updamp.diagnosis.model.light_points import with_matrices
 from updamp.diagnosis.model.model_at import ModelAt, change_of_effect
 from updamp.diagnosis.model.parameters import Parametrisation
 from updamp.diagnosis.model.predicted_branch import PredictedBranch, observe, of_state
-from updamp.diagnosis.model.workers import Workers, here
+from updamp.diagnosis.model.workers import LongestFirst, Workers, here
 from updamp.diagnosis.residual.fit import Compared, Fit, compare_at, predict
 from updamp.diagnosis.residual.numerical_gate import change_of_branch, unwrapped
 from updamp.diagnosis.residual.observations import Plan
@@ -132,7 +132,7 @@ def _steps(
 ) -> list[list[Floats]]:
     """For each branch the changes by each of the effects."""
     steps = [_Step(e, b.condition, unwrapped(b.observed.value), options) for e in effects for b in solved]
-    found = workers(
+    found = LongestFirst(workers, lambda step: len(step.observed))(
         _by_step_of, there, steps, lambda i, _: progress(f"{steps[i].effect.name} along {steps[i].condition.name}")
     )
     return [[found[j * len(solved) + i] for j in range(len(effects))] for i in range(len(solved))]

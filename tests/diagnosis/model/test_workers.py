@@ -7,7 +7,7 @@ from support import measured_beam
 from support.odd_work import fails, has_read, killed, slow_first
 
 from updamp.diagnosis.model.processes import processes
-from updamp.diagnosis.model.workers import Elsewhere, WorkerLostError, here
+from updamp.diagnosis.model.workers import Elsewhere, LongestFirst, WorkerLostError, here
 
 
 @pytest.fixture(scope="module")
@@ -30,6 +30,13 @@ def test_here_it_is_this_process_and_one_after_the_other():
     found = here(slow_first, 0.0, range(3), lambda place, _: told.append(place))
     assert found == [(i, os.getpid()) for i in range(3)]
     assert told == [0, 1, 2]
+
+
+def test_what_takes_longest_is_done_first_and_results_stay_in_order():
+    told = []
+    found = LongestFirst(here, lambda item: item)(slow_first, 0.0, [2, 9, 4], lambda place, _: told.append(place))
+    assert [item for item, _ in found] == [2, 9, 4]
+    assert told == [1, 2, 0]
 
 
 def test_no_items_are_no_work(pool):
@@ -55,5 +62,8 @@ def test_a_process_that_the_system_ends_is_told_and_so_is_what_to_do():
         workers = Elsewhere(executor)
         with pytest.raises(WorkerLostError, match="fewer --jobs"):
             workers(killed, None, range(3), lambda *_: None)
+        with pytest.raises(WorkerLostError, match="fewer --jobs") as lost:
+            LongestFirst(workers, lambda item: item)(fails, None, [1, 2], lambda *_: None)
+        assert lost.value.place == 1
         with pytest.raises(WorkerLostError, match="fewer --jobs"):
             workers(fails, None, [0], lambda *_: None)
