@@ -28,7 +28,7 @@ from rich.console import Console
 from rich.table import Table
 
 from updamp.diagnosis.compare_run import CompareFiles, Subject, subject_of
-from updamp.diagnosis.effects.catalogue import catalogue
+from updamp.diagnosis.effects.catalogue import CATALOGUE
 from updamp.diagnosis.effects.effect import Effect
 from updamp.diagnosis.model.branch_processes import BranchesBy
 from updamp.diagnosis.model.processes import processes
@@ -56,7 +56,7 @@ def some(plan: Plan, curves: int) -> Plan:
 
 def effect_sets() -> dict[str, tuple[Effect, ...]]:
     """Their number in words -> effects: some that have derivatives, all of these, and all."""
-    every = tuple(catalogue().values())
+    every = tuple(CATALOGUE.values())
     smooth = tuple(e for e in every if not e.finite_step)
     return {
         f"{len(smooth[:4])} with derivatives": smooth[:4],

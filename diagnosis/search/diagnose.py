@@ -259,7 +259,7 @@ def _telling(display: Display) -> Callable[[str], None]:
 
     def told(step: str) -> None:
         nonlocal share
-        share += (1 - share) / 20
+        share += (1 - share) / 40
         display.update(_STAGE, share, step)
 
     return told
