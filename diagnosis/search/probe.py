@@ -19,6 +19,7 @@ from updamp.diagnosis.model.predicted_branch import PredictedBranch
 from updamp.diagnosis.model.workers import LongestFirst, Workers, here
 from updamp.diagnosis.residual.fit import Fit, compare_at, fit_linear, misfit, predict
 from updamp.diagnosis.residual.observations import Plan
+from updamp.diagnosis.search.attempts import without_branches
 from updamp.diagnosis.search.baseline import Baseline
 from updamp.diagnosis.search.refit import as_given, coarse_enough
 from updamp.hbm.continuation import BranchStoppedError
@@ -53,7 +54,7 @@ def probes(
     near = predict(
         start.fitted.parametrisation, at, plan, None, BranchesBy(workers), options=coarse_enough(start.fitted)
     )
-    shared = _About(start.fitted, plan, at, near)
+    shared = _About(without_branches(start.fitted), plan, at, near)
     # an effect without derivative is of a law or of harmonics that take longer
     longest_first = LongestFirst(workers, lambda effect: effect.finite_step)
     found = longest_first(_best_of, shared, effects, lambda i, _: progress(f"{effects[i].name} at its typical size"))
@@ -62,7 +63,7 @@ def probes(
 
 @dataclass(frozen=True, eq=False)
 class _About:
-    """at: (p,) parameters of the model as given; near: its branches"""
+    """base: without its branches; at: (p,) parameters of the model as given; near: its branches"""
 
     base: Fit
     plan: Plan

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import jax
 
-from updamp.hbm.contact.law import AveragedLaw, ContactLaw, FrictionLaw
+from updamp.hbm.contact.law import AveragedLaw, ContactLaw, DecoupledLaw, FrictionLaw
 from updamp.hbm.contact.parameters import extended_type
 
 Seen = tuple[jax.Array, jax.Array, Any]
@@ -88,6 +88,12 @@ class LawAround:
         if not isinstance(law, FrictionLaw) or not hasattr(law, "cycles"):
             raise ValueError(f"{cls.__name__} goes around a law of friction with three directions, not {law}")
         return cls(law)
+
+
+def alone_in(law: ContactLaw) -> tuple[int, ...]:
+    """Directions in which a motion acts on the force in that direction alone: a law around it that treats every
+    direction by itself, but for what the normal one does to the others, has the same."""
+    return law.acting_alone if isinstance(law, DecoupledLaw) else ()
 
 
 def averaged(law: FrictionLaw) -> Callable[[jax.Array, jax.Array, Any], jax.Array]:

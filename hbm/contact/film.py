@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 import jax
 import jax.numpy as jnp
 
-from updamp.hbm.contact.around import LawAround, compression
+from updamp.hbm.contact.around import LawAround, alone_in, compression
 
 
 @dataclass(frozen=True)
@@ -22,6 +22,10 @@ class ViscousFilm(LawAround):
     @property
     def rate_dependent(self) -> bool:
         return True
+
+    @property
+    def acting_alone(self) -> tuple[int, ...]:
+        return alone_in(self.inner)
 
     def outside(self, force: jax.Array, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
         closed = closed_share(compression(self.inner, *self.inside(displacement, velocity, parameters)))

@@ -6,8 +6,11 @@ from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
 
-from updamp.hbm.contact.around import LawAround, averaged
+from updamp.hbm.contact.around import LawAround, alone_in, averaged
+from updamp.hbm.contact.law import StickingLaw
 
 SLIDERS = 6
 
@@ -23,6 +26,17 @@ class SubPatchMicroslip(LawAround):
 
     rank: ClassVar[int] = 40
     entries: ClassVar[tuple[str, ...]] = ("limit_spread",)
+
+    @property
+    def acting_alone(self) -> tuple[int, ...]:
+        return alone_in(self.inner)
+
+    def surely_sticks(self, displacement: NDArray[np.float64], parameters: Any, between: float) -> NDArray[np.bool_]:
+        """Where the weakest slider does and the inner law can tell: then all of them do."""
+        if not isinstance(self.inner, StickingLaw):
+            return np.zeros(len(displacement), dtype=bool)
+        weakest = 1 - np.asarray(parameters.limit_spread) * (1 - 1 / SLIDERS)
+        return self.inner.surely_sticks(displacement, parameters._replace(mu=parameters.mu * weakest), between)
 
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
         return self._of_each(self.inner.force, displacement, velocity, parameters).mean(axis=0)

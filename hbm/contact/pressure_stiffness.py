@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 import jax
 import jax.numpy as jnp
 
-from updamp.hbm.contact.around import LawAround, Seen
+from updamp.hbm.contact.around import LawAround, Seen, alone_in
 from updamp.hbm.contact.parameters import with_entries
 
 # The share of the mean force below which the stiffness that the solver starts from falls no further; it has no
@@ -27,6 +27,10 @@ class PressureStiffness(LawAround):
 
     rank: ClassVar[int] = 60
     entries: ClassVar[tuple[str, ...]] = ("pressure_exponent", "mean_force")
+
+    @property
+    def acting_alone(self) -> tuple[int, ...]:
+        return alone_in(self.inner)
 
     def inside(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> Seen:
         p, m = parameters, parameters.pressure_exponent

@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 import jax
 import jax.numpy as jnp
 
-from updamp.hbm.contact.around import LawAround, Seen
+from updamp.hbm.contact.around import LawAround, Seen, alone_in
 
 
 @dataclass(frozen=True)
@@ -18,6 +18,10 @@ class StaticShare(LawAround):
 
     rank: ClassVar[int] = 100
     entries: ClassVar[tuple[str, ...]] = ("static_share",)
+
+    @property
+    def acting_alone(self) -> tuple[int, ...]:
+        return alone_in(self.inner)
 
     def inside(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> Seen:
         unseen = (1 - parameters.static_share) * jnp.mean(displacement, axis=0)

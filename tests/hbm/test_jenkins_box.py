@@ -12,6 +12,7 @@ from updamp.hbm.contact.coulomb_circle import CoulombCircle
 from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
+from updamp.hbm.contact.microslip import SubPatchMicroslip
 from updamp.hbm.contact.parameters import with_entries
 from updamp.hbm.contact.velocity_friction import VelocityFriction
 from updamp.hbm.elements import ElementGroup, element_forces, for_analysis, force_only, over_period
@@ -99,16 +100,27 @@ def test_tangent_is_the_same_where_directions_that_act_alone_are_differentiated_
     assert np.abs(together.tangent[:, 0, :, 2]).max() > 0.1  # of friction by the normal motion
 
 
+ENTRIES = {"velocity_drop": 0.4, "reference_speed": 1.0, "limit_spread": 0.8}
+
+
 @pytest.mark.parametrize(
-    "law", [JenkinsBox(2), SampledJenkinsBox(2), CoulombCircle(3), VelocityFriction(JenkinsBox(2))]
+    "law",
+    [
+        JenkinsBox(2),
+        SampledJenkinsBox(2),
+        CoulombCircle(3),
+        VelocityFriction(JenkinsBox(2)),
+        SubPatchMicroslip(JenkinsBox(2)),
+        SubPatchMicroslip(VelocityFriction(JenkinsBox(2))),
+    ],
 )
 def test_elements_that_are_not_evaluated_since_they_stick_have_the_forces_of_the_law(law):
     """From motions that stick by far to some that slip and separate: none is taken for stuck that is not."""
     motions = np.random.default_rng(5).normal(size=(400, 3, 7)) * np.geomspace(0.01, 1.0, 400)[:, None, None]
-    entries = {"velocity_drop": np.full(400, 0.4), "reference_speed": np.ones(400)}
     values = group(JenkinsBox(2)).parameters
     p = type(values)(*(np.repeat(np.asarray(v)[:1], 400, axis=0) for v in values))
-    p = with_entries(p, **entries) if isinstance(law, VelocityFriction) else p
+    wanted = {name: np.full(400, ENTRIES[name]) for name in law.parameters._fields if name in ENTRIES}
+    p = with_entries(p, **wanted) if wanted else p
     some, every = (ElementGroup(one, p, np.arange(1200).reshape(400, 3)) for one in (law, AllAtOnce(law)))
     left_out = 400 - len(some.moving(motions, HARMONICS, 128))
     assert 50 < left_out < 350

@@ -176,6 +176,25 @@ def test_microslip_is_sliders_side_by_side():
     assert np.abs(one_slider[0, :257, 0] - masing).max() > 0.2 * limit
 
 
+@pytest.mark.parametrize("around", AROUND)
+def test_directions_act_alone_where_it_says_so(motions, around):
+    """The tangent without a word of it is the same; friction that falls with the speed couples the directions."""
+    law = around(JenkinsBox(2))
+    assert getattr(law, "acting_alone", ()) == (() if around is VelocityFriction else (0, 1))
+    assert getattr(around(CoulombCircle(3)), "acting_alone", ()) == ()
+
+    class Coupled(around):
+        acting_alone = ()
+
+    entries = {name: STRONG[name] for name in around.entries}
+    together, apart = (
+        element_forces(group(each, **entries), motions, 2.0, HARMONICS, 64) for each in (law, Coupled(JenkinsBox(2)))
+    )
+    np.testing.assert_allclose(together.force, apart.force, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(together.tangent, apart.tangent, rtol=0, atol=1e-12)
+    assert np.abs(together.tangent[:, 0, :, 2]).max() > 0.1  # of friction by the normal motion
+
+
 def test_share_of_the_time_closed_is_continuous():
     """A sinusoid's share of the period, as the samples pass its zeros."""
     offsets = np.linspace(0, 2 * np.pi / 32, 50)
