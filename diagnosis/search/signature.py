@@ -9,18 +9,16 @@ from numpy.typing import NDArray
 from updamp.diagnosis.effects.effect import Effect
 from updamp.diagnosis.model.branch_processes import BranchesBy
 from updamp.diagnosis.model.branch_tasks import Branches
-from updamp.diagnosis.model.condition import Condition
 from updamp.diagnosis.model.derivatives import Change
 from updamp.diagnosis.model.light_points import with_matrices
 from updamp.diagnosis.model.model_at import ModelAt, change_of_effect
 from updamp.diagnosis.model.parameters import Parametrisation
 from updamp.diagnosis.model.predicted_branch import PredictedBranch, observe, of_state
-from updamp.diagnosis.model.workers import LongestFirst, Workers, here
+from updamp.diagnosis.model.workers import Workers, here
 from updamp.diagnosis.residual.fit import Compared, Fit, compare_at, predict
-from updamp.diagnosis.residual.numerical_gate import change_of_branch, unwrapped
 from updamp.diagnosis.residual.observations import Plan
+from updamp.diagnosis.search.finite_steps import steps_along
 from updamp.diagnosis.search.refit import coarse_enough
-from updamp.hbm.continuation import BranchStoppedError, ContinuationOptions
 
 Floats = NDArray[np.float64]
 
@@ -72,7 +70,7 @@ def extend(
     changes = [change_of_effect(there.model, e, q) for e in by_derivative for q in e.parameters]
     progress(f"signatures of {len(known)} effects")
     solved = _solved_at(fitted, plan, BranchesBy(workers))
-    steps = _steps(there, solved, by_step, coarse_enough(fitted), progress, workers)
+    steps = steps_along(there, solved, by_step, coarse_enough(fitted), progress, workers)
     differentiated = workers(_differentiated, (there, changes), solved, lambda i, _: progress(_told(solved[i])))
     branches = [_with_steps(there, b, len(changes), own) for b, own in zip(differentiated, steps, strict=True)]
     ordered = (*by_derivative, *by_step)
@@ -110,50 +108,6 @@ def _with_a_place(there: ModelAt, effects: Sequence[Effect]) -> tuple[list[Effec
 def _needs_step(there: ModelAt, effect: Effect) -> bool:
     """Whether it has no derivative at its null value, or other harmonics beside it."""
     return effect.finite_step or effect.apply(there.model, effect.at_typical()).harmonics != there.model.harmonics
-
-
-@dataclass(frozen=True, eq=False)
-class _Step:
-    """observed: (n, m) along a branch of the model without the effect; options: of the continuation"""
-
-    effect: Effect
-    condition: Condition
-    observed: Floats
-    options: ContinuationOptions | None
-
-
-def _steps(
-    there: ModelAt,
-    solved: Sequence[PredictedBranch],
-    effects: Sequence[Effect],
-    options: ContinuationOptions | None,
-    progress: Callable[[str], None],
-    workers: Workers,
-) -> list[list[Floats]]:
-    """For each branch the changes by each of the effects."""
-    steps = [_Step(e, b.condition, unwrapped(b.observed.value), options) for e in effects for b in solved]
-    found = LongestFirst(workers, lambda step: len(step.observed))(
-        _by_step_of, there, steps, lambda i, _: progress(f"{steps[i].effect.name} along {steps[i].condition.name}")
-    )
-    return [[found[j * len(solved) + i] for j in range(len(effects))] for i in range(len(solved))]
-
-
-def _by_step_of(there: ModelAt, step: _Step) -> Floats:
-    """(n, n_parameters, m) changes of the observations for all parameters at their typical values.
-
-    Parameters beyond the first have no column of their own: the refit moves them.
-    """
-    effect, observed, numerics = step.effect, step.observed, there.parametrisation.numerics
-    for share in (1.0, 0.5, 0.25):
-        values = {q.name: q.null + share * (q.typical - q.null) for q in effect.parameters}
-        try:
-            changed = effect.apply(there.model, values)
-            change = change_of_branch(changed, step.condition, observed, numerics, step.options) / share
-        except BranchStoppedError:
-            continue
-        rest = np.zeros((len(change), len(effect.parameters) - 1, change.shape[1]))
-        return np.concatenate([change[:, None], rest], axis=1)
-    return np.zeros((len(observed), len(effect.parameters), observed.shape[1]))
 
 
 def _differentiated(shared: tuple[ModelAt, Sequence[Change]], branch: PredictedBranch) -> PredictedBranch:
