@@ -12,7 +12,6 @@ from updamp.diagnosis.model.branch_tasks import BranchTask, PredictionError, Rep
 from updamp.diagnosis.model.predicted_branch import PredictedBranch
 from updamp.diagnosis.model.processes import processes
 from updamp.diagnosis.model.workers import Elsewhere, LongestFirst, WorkerLostError, Workers
-from updamp.hbm.compilation_cache import keeps_compiled
 
 
 @dataclass(frozen=True)
@@ -48,4 +47,4 @@ def _predicted(_: None, task: BranchTask) -> PredictedBranch:
 def by_processes(number: int, report: Report = in_turn.report) -> Iterator[BranchesBy]:
     """Processes for as long as the context lasts (`processes.py`)."""
     with processes(number) as pool:
-        yield BranchesBy(Elsewhere(pool, keep_compiled=keeps_compiled()), report)
+        yield BranchesBy(Elsewhere(pool), report)

@@ -8,8 +8,10 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import jax
+import numpy as np
+from numpy.typing import NDArray
 
-from updamp.hbm.contact.law import AveragedLaw, ContactLaw, DecoupledLaw, FrictionLaw
+from updamp.hbm.contact.law import AveragedLaw, ContactLaw, DecoupledLaw, FrictionLaw, StickingLaw
 from updamp.hbm.contact.parameters import extended_type
 
 Seen = tuple[jax.Array, jax.Array, Any]
@@ -94,6 +96,15 @@ def alone_in(law: ContactLaw) -> tuple[int, ...]:
     """Directions in which a motion acts on the force in that direction alone: a law around it that treats every
     direction by itself, but for what the normal one does to the others, has the same."""
     return law.acting_alone if isinstance(law, DecoupledLaw) else ()
+
+
+def sticks_with_friction(
+    law: ContactLaw, mu: NDArray[np.float64], displacement: NDArray[np.float64], parameters: Any, between: float
+) -> NDArray[np.bool_]:
+    """As `StickingLaw.surely_sticks` of the law with friction coefficients mu (n_elements,); nowhere if it cannot tell."""
+    if not isinstance(law, StickingLaw):
+        return np.zeros(len(displacement), dtype=bool)
+    return law.surely_sticks(displacement, parameters._replace(mu=mu), between)
 
 
 def averaged(law: FrictionLaw) -> Callable[[jax.Array, jax.Array, Any], jax.Array]:

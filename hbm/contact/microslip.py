@@ -9,8 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.around import LawAround, alone_in, averaged
-from updamp.hbm.contact.law import StickingLaw
+from updamp.hbm.contact.around import LawAround, alone_in, averaged, sticks_with_friction
 
 SLIDERS = 6
 
@@ -33,10 +32,8 @@ class SubPatchMicroslip(LawAround):
 
     def surely_sticks(self, displacement: NDArray[np.float64], parameters: Any, between: float) -> NDArray[np.bool_]:
         """Where the weakest slider does and the inner law can tell: then all of them do."""
-        if not isinstance(self.inner, StickingLaw):
-            return np.zeros(len(displacement), dtype=bool)
         weakest = 1 - np.asarray(parameters.limit_spread) * (1 - 1 / SLIDERS)
-        return self.inner.surely_sticks(displacement, parameters._replace(mu=parameters.mu * weakest), between)
+        return sticks_with_friction(self.inner, parameters.mu * weakest, displacement, parameters, between)
 
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
         return self._of_each(self.inner.force, displacement, velocity, parameters).mean(axis=0)

@@ -8,8 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.around import LawAround, Seen
-from updamp.hbm.contact.law import StickingLaw
+from updamp.hbm.contact.around import LawAround, Seen, sticks_with_friction
 
 # The corner of |v| at rest is rounded over this share of the reference speed.
 _ROUNDED = 0.01
@@ -38,7 +37,5 @@ class VelocityFriction(LawAround):
 
     def surely_sticks(self, displacement: NDArray[np.float64], parameters: Any, between: float) -> NDArray[np.bool_]:
         """With the least friction that any speed leaves, where the inner law can tell."""
-        if not isinstance(self.inner, StickingLaw):
-            return np.zeros(len(displacement), dtype=bool)
         least = parameters.mu * np.minimum(1.0, 1 - np.asarray(parameters.velocity_drop))
-        return self.inner.surely_sticks(displacement, parameters._replace(mu=least), between)
+        return sticks_with_friction(self.inner, least, displacement, parameters, between)
