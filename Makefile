@@ -11,7 +11,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 
 help:
 	@echo "make run     the reference rig at full size, into results/pesaresi2017/"
-	@echo "make test    ruff, mypy and the tests (PYTEST_OPTIONS='-k rig' for some of them)"
+	@echo "make test    ruff, mypy, import contracts and the tests (PYTEST_OPTIONS='-k rig' for some of them)"
 	@echo "make bench   the benchmarks"
 	@echo "make setup   the environment in .venv, from requirements.lock (the others do it too)"
 
@@ -35,6 +35,7 @@ test: setup
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/lint-imports --no-cache
 	$(ONE_THREAD) $(BIN)/pytest $(PYTEST_OPTIONS)
 
 run: setup

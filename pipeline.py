@@ -9,9 +9,10 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from updamp import effect_commands, stages
-from updamp.command_line import INCOMPLETE, Debug, RigFile, clean_errors, interruptible
-from updamp.resources import Meter, one_thread, usual_workers
+from updamp.commands import effects as effect_commands
+from updamp.commands.shared import INCOMPLETE, Debug, RigFile, clean_errors, interruptible
+from updamp.parallel.resources import Meter, one_thread, usual_workers
+from updamp.workflow import stages
 
 app = typer.Typer(
     help="From a bladed test rig's dimensions to its nonlinear vibration with a friction damper.",
@@ -59,8 +60,8 @@ def run(
     it stopped, in the middle of a curve too.
     """
     with clean_errors(debug), interruptible():
-        from updamp.rig import load_rig
-        from updamp.run import RunOptions
+        from updamp.model.rig_files import load_rig
+        from updamp.workflow.run import RunOptions
 
         options = RunOptions(
             preset=mesh,
@@ -80,10 +81,10 @@ def run(
 
 def _run(rig, options, meter: Meter) -> bool:  # type: ignore[no-untyped-def]  # their modules are loaded when a run begins
     """Whether every curve crossed its window and every picture was drawn."""
-    from updamp.progress import Display
-    from updamp.run import Run
-    from updamp.run_outputs import summarise, write_outputs
-    from updamp.summary import curves_table, write_summary
+    from updamp.workflow.progress import Display
+    from updamp.workflow.run import Run
+    from updamp.workflow.run_outputs import summarise, write_outputs
+    from updamp.workflow.summary import curves_table, write_summary
 
     console = Console()
     with Display(console) as display:
@@ -129,8 +130,8 @@ def compare(
     """
     with clean_errors(debug), interruptible():
         one_thread()
-        from updamp.diagnosis.compare_run import CompareFiles, run_compare, sentences
         from updamp.hbm.compilation_cache import keep_compiled
+        from updamp.workflow.compare_run import CompareFiles, run_compare, sentences
 
         keep_compiled()
         console = Console()
@@ -145,8 +146,8 @@ def compare(
 def check(rig: RigFile, debug: Debug = False) -> None:
     """Read a rig file and explain it: every value in SI, and what follows from them."""
     with clean_errors(debug):
-        from updamp.rig import load_rig
-        from updamp.rig_tables import derived_table, values_table
+        from updamp.model.rig_files import load_rig
+        from updamp.rig.tables import derived_table, values_table
 
         loaded, console = load_rig(rig), Console()
         console.print(values_table(loaded))
@@ -160,7 +161,7 @@ def show(folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a
         path = folder / "summary.json"
         if not path.is_file():
             raise ValueError(f"{path}: no such file; make it with: updamp run RIG --mesh PRESET --out {folder}")
-        from updamp.summary import curves_table, overview_table
+        from updamp.workflow.summary import curves_table, overview_table
 
         summary, console = json.loads(path.read_text(encoding="utf-8")), Console()
         console.print(overview_table(summary))
@@ -169,7 +170,7 @@ def show(folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a
 
 
 def _force(text: str) -> float:
-    from updamp.rig_fields import Quantity
+    from updamp.rig.fields import Quantity
 
     try:
         return Quantity("N", "10 N", above=0).to_si(text)

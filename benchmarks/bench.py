@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from harmonic_balance.growth import draw, growth
-from harmonic_balance.peers_problem import costs
-from harmonic_balance.results import Results
-from harmonic_balance.rig_curves import RIG, all_curves, point_cost, stages_of
 from rich.console import Console
 
-from updamp.rig import load_rig
+from updamp.benchmarks.harmonic_balance.growth import draw, growth
+from updamp.benchmarks.harmonic_balance.peers_problem import costs
+from updamp.benchmarks.harmonic_balance.results import Results
+from updamp.benchmarks.harmonic_balance.rig_curves import RIG, all_curves, point_cost, stages_of
+from updamp.model.rig_files import load_rig
 
 RESULTS = Path(__file__).parents[1] / "results"
 

@@ -12,25 +12,25 @@ from pathlib import Path
 import numpy as np
 
 from updamp.fem.component import Component, FactorisedComponent, factorised
-from updamp.fem.coupled_full import coupled_modes_full, static_flexibility
+from updamp.fem.coupled_modes import coupled_modes_full, static_flexibility
 from updamp.fem.coupling import COUPLINGS, Coupling
 from updamp.fem.finite_element_model import assemble_rig
 from updamp.fem.interface import blade_interface, damper_interface
 from updamp.fem.solvers import solver_named
-from updamp.fem.springs import ContactStiffness, Springs, Wires, stuck_contact, wire_springs
+from updamp.fem.springs import ContactStiffness, Springs, on_damper, stuck_contact
 from updamp.geometry.build_mesh import build_mesh
 from updamp.geometry.contact_elements import ContactElements
 from updamp.geometry.rig_mesh import RigMesh
-from updamp.rig import MeshDivisions, Rig, load_rig
+from updamp.model.rig_files import load_rig
+from updamp.rig.rig import MeshDivisions, Rig
+from updamp.rig.wires import wire_springs
 
 RIG_FILE = Path(__file__).parent.parent / "rigs" / "pesaresi2017.toml"
 
 
 def rig_springs(rig: Rig, mesh: RigMesh) -> Springs:
-    wire = rig.wire
-    wires = Wires(wire.axial_stiffness, rig.load.pull, wire.length, wire.attachment_height, rig.face_bottom[0])
     stiffness = ContactStiffness(rig.contact.tangential_stiffness, rig.contact.normal_stiffness)
-    return stuck_contact(mesh.contacts, stiffness) + wire_springs(mesh.contacts, wires)
+    return stuck_contact(mesh.contacts, stiffness) + on_damper(mesh.contacts, wire_springs(rig))
 
 
 def coupled_by(part, contacts: ContactElements, coupling: Coupling, interface_of) -> FactorisedComponent:

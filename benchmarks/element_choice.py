@@ -19,7 +19,7 @@ from skfem.models.elasticity import lame_parameters, linear_elasticity
 from updamp.fem.solvers.pardiso import pardiso
 from updamp.geometry.build_mesh import build_mesh
 from updamp.geometry.rig_mesh import ComponentMesh
-from updamp.rig import load_rig
+from updamp.model.rig_files import load_rig
 
 RIG_FILE = Path(__file__).parent.parent / "rigs" / "pesaresi2017.toml"
 

@@ -9,35 +9,31 @@ times are then those of what was left.
 
 import json
 import os
-import sys
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 from unittest.mock import patch
 
-sys.path.append(str(Path(__file__).parent))
-
-from updamp.resources import thread_limits
+from updamp.parallel.resources import thread_limits
 
 # Before numpy and jax are loaded, here and in the processes that are started.
 os.environ.update(thread_limits(1))
 
 import typer
-from hidden_effects.diagnose_case import FINER
-from hidden_effects.layout import RIG
-from hidden_effects.shared_model import build, place
 from rich.console import Console
-from virtual_rig.hidden_registry import hidden
-from virtual_rig.measurement import make_measurement
-from virtual_rig.plan import NoiseLevels, PlannedRun, TestPlan
 
-from updamp.diagnosis.compare_run import CompareFiles
-from updamp.diagnosis.search import diagnose as diagnosing
+from updamp.benchmarks.hidden_effects.fitted_model import FINER, build, place
+from updamp.benchmarks.hidden_effects.layout import RIG
+from updamp.benchmarks.virtual_rig.laboratory import hidden
+from updamp.benchmarks.virtual_rig.measurement import make_measurement
+from updamp.benchmarks.virtual_rig.plan import NoiseLevels, PlannedRun, TestPlan
 from updamp.diagnosis.verdict import Verdict
 from updamp.hbm.compilation_cache import keep_compiled
-from updamp.progress import Display
-from updamp.rig import load_rig
+from updamp.model.rig_files import load_rig
+from updamp.workflow import diagnose_run as diagnosing
+from updamp.workflow.compare_run import CompareFiles
+from updamp.workflow.progress import Display
 
 FITTED, LABORATORY = "diagnosis_146", "laboratory_100"
 LEVELS = {"IP": (2.0, 4.0, 6.0, 8.0), "OOP": (4.0, 12.0, 22.0, 32.0)}

@@ -6,6 +6,7 @@ Pesaresi et al. (2017), Fig. 12b: with harmonics 1-3 the mean position is held a
     .venv/bin/python benchmarks/mean_position.py --run results/pesaresi2017   (the stages of a run)
 """
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -13,35 +14,36 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from updamp import store
-from updamp.fem.contact_rest import StaticContact
+from updamp.effects.rig_model import RigModel
 from updamp.fem.finite_element_model import finite_element_model
 from updamp.fem.reduced_model import ReducedModel
-from updamp.fem.static_contact import static_contact
+from updamp.fem.static_contact.rest_state import StaticContact
+from updamp.fem.static_contact.static_contact import static_contact
 from updamp.geometry.build_mesh import build_mesh
-from updamp.hbm.curve import CurveRequest, trace
+from updamp.hbm.continuation.curve import CurveRequest, trace
+from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.response_curve import ResponseCurve
-from updamp.hbm.rig_system import excitation, rig_system
-from updamp.hbm.system import NonlinearSystem
-from updamp.rig import Rig, load_rig
+from updamp.model.build import rig_model
+from updamp.model.rig_files import load_rig
+from updamp.rig.rig import Rig
+from updamp.workflow import store
 
 RIG = Path(__file__).parents[1] / "rigs" / "pesaresi2017.toml"
 ORDERS = ((0, 1, 2, 3), (1, 2, 3))
 
 
-def coupled(rig: Rig, run: Path | None) -> NonlinearSystem:
+def coupled(rig: Rig, run: Path | None) -> RigModel:
     if run is None:
         reduced = finite_element_model(build_mesh(rig, "small"), rig).reduced
-        return rig_system(reduced, static_contact(reduced, rig), rig)
+        return rig_model(reduced, static_contact(reduced, rig), rig)
     stages = run / "stages"
     reduced = store.read(stages / "finite_elements.h5", ReducedModel, part="reduced")
-    return rig_system(reduced, store.read(stages / "static_contact.h5", StaticContact), rig)
+    return rig_model(reduced, store.read(stages / "static_contact.h5", StaticContact), rig)
 
 
-def curve(system: NonlinearSystem, rig: Rig, mode: str, force: float) -> ResponseCurve:
-    request = CurveRequest(mode, excitation(system, rig, force), rig.study.modes[mode].window, (tip(rig),))
-    *_, traced = trace(system, request)
+def curve(model: RigModel, rig: Rig, mode: str, force: float) -> ResponseCurve:
+    request = CurveRequest(mode, model.excited_by(force), rig.study.modes[mode].window, (tip(rig),))
+    *_, traced = trace(model.system, request)
     return traced
 
 
@@ -56,12 +58,12 @@ def main(
 ) -> None:
     """Print peak frequency and receptance with and without the zero harmonic."""
     rig = load_rig(RIG)
-    system = coupled(rig, run)
+    model = coupled(rig, run)
     table = Table("mode", "force", *[f"harmonics {'-'.join(map(str, o))}" for o in ORDERS])
     for force in (f for f in rig.study.force_levels if f <= largest):
         cells = []
         for orders in ORDERS:
-            traced = curve(system.with_harmonics(Harmonics(orders)), rig, mode, force)
+            traced = curve(replace(model, harmonics=Harmonics(orders)), rig, mode, force)
             frequency, receptance = traced.peak(tip(rig))
             cells.append(f"{frequency:.2f} Hz, {receptance * 1e3:.5f} mm/N {traced.stopped}")
         table.add_row(mode, f"{force:g} N", *cells)

@@ -11,18 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from updamp.hbm.branch import BranchPoint
-from updamp.hbm.contact.friction import FrictionParameters
-from updamp.hbm.contact.jenkins_box import JenkinsBox
-from updamp.hbm.continuation import continue_branch
-from updamp.hbm.elements import ElementGroup
-from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.jacobian import factorise
-from updamp.hbm.linear_model import LinearModel, from_matrices
-from updamp.hbm.newton import Solution
-from updamp.hbm.sensitivity import sensitivities
-from updamp.hbm.sensitivity_conditions import FixedPhase
-from updamp.hbm.sensitivity_parameters import (
+from updamp.hbm.analysis.sensitivity import sensitivities
+from updamp.hbm.analysis.sensitivity_conditions import FixedPhase
+from updamp.hbm.analysis.sensitivity_parameters import (
     ContactParameter,
     ExcitationForce,
     Parameter,
@@ -31,8 +22,17 @@ from updamp.hbm.sensitivity_parameters import (
     scaled,
     viscous_scale,
 )
-from updamp.hbm.sensitivity_patches import Dashpot, Mass, Spring, direction
-from updamp.hbm.system import Excitation, NonlinearSystem
+from updamp.hbm.analysis.sensitivity_patches import Dashpot, Mass, Spring, direction
+from updamp.hbm.contact.friction import FrictionParameters
+from updamp.hbm.contact.jenkins_box import JenkinsBox
+from updamp.hbm.continuation.branch import BranchPoint
+from updamp.hbm.continuation.continuation import continue_branch
+from updamp.hbm.harmonics import Harmonics
+from updamp.hbm.newton.jacobian import factorise
+from updamp.hbm.newton.newton import Solution
+from updamp.hbm.problem.elements import ElementGroup
+from updamp.hbm.problem.linear_model import LinearModel, from_matrices
+from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 ROOT = Path(__file__).parent.parent
 FOLDERS = (ROOT / "tests" / "hbm" / "reference", ROOT.parent / "shared" / "reference" / "hbm")

@@ -42,14 +42,14 @@ from scipy.stats import qmc
 
 from updamp.fem.finite_element_model import finite_element_model
 from updamp.fem.reduced_model import ReducedModel
-from updamp.fem.static_contact import static_contact
+from updamp.fem.static_contact.static_contact import static_contact
 from updamp.geometry.build_mesh import build_mesh
-from updamp.hbm.curve import CurveRequest, trace
-from updamp.hbm.linear_model import LinearModel, stuck_on
-from updamp.hbm.response_curve import ResponseCurve
-from updamp.hbm.rig_system import excitation, rig_system
-from updamp.hbm.system import NonlinearSystem
-from updamp.rig import load_rig
+from updamp.hbm.continuation.curve import CurveRequest, trace
+from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.hbm.problem.linear_model import LinearModel, stuck_on
+from updamp.hbm.problem.system import NonlinearSystem
+from updamp.model.build import rig_model
+from updamp.model.rig_files import load_rig
 
 ROOT = Path(__file__).parents[1]
 RIG = ROOT / "rigs" / "pesaresi2017.toml"
@@ -118,9 +118,10 @@ def system_of(case: Case, reduced: ReducedModel) -> tuple[NonlinearSystem, Curve
             "load.pull": f"{case.pull_N} N",
         },
     )
-    system = rig_system(reduced, static_contact(reduced, rig), rig)
+    model = rig_model(reduced, static_contact(reduced, rig), rig)
     tip = f"blade_{rig.excitation.blade}.tip.x"
-    return system, CurveRequest(case.mode, excitation(system, rig, case.force_N), window(system, case.mode), (tip,))
+    requested = CurveRequest(case.mode, model.excited_by(case.force_N), window(model.system, case.mode), (tip,))
+    return model.system, requested
 
 
 def window(system: NonlinearSystem, mode: str) -> tuple[float, float]:

@@ -25,15 +25,17 @@ import numpy as np  # noqa: E402
 import psutil  # noqa: E402
 import tomlkit  # noqa: E402
 
-from updamp import stages  # noqa: E402
-from updamp.diagnosis.model.build import rig_before_effects  # noqa: E402
-from updamp.diagnosis.model.condition import Condition  # noqa: E402
-from updamp.diagnosis.model.parameters import Parametrisation, nuisances  # noqa: E402
-from updamp.diagnosis.model.predicted_branch import PredictedBranch, trace_branch  # noqa: E402
+from updamp.comparison.prediction.parameters import Parametrisation  # noqa: E402
+from updamp.comparison.prediction.predicted_branch import PredictedBranch, trace_branch  # noqa: E402
+from updamp.comparison.prediction.run_condition import Condition  # noqa: E402
 from updamp.hbm.compilation_cache import keep_compiled  # noqa: E402
-from updamp.progress import Display  # noqa: E402
-from updamp.rig import Rig, load_rig  # noqa: E402
-from updamp.run import Run, RunOptions  # noqa: E402
+from updamp.model.build import rig_before_effects  # noqa: E402
+from updamp.model.calibration import nuisances  # noqa: E402
+from updamp.model.rig_files import load_rig  # noqa: E402
+from updamp.rig.rig import Rig  # noqa: E402
+from updamp.workflow import stages  # noqa: E402
+from updamp.workflow.progress import Display  # noqa: E402
+from updamp.workflow.run import Run, RunOptions  # noqa: E402
 
 HERE = Path(__file__).parents[1]
 RIG = HERE / "rigs" / "pesaresi2017.toml"

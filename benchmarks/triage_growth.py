@@ -8,38 +8,35 @@ and writes FOLDER/growth_MESH.json; what the file has is not measured again.
 
 import json
 import os
-import sys
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated
 
-sys.path.append(str(Path(__file__).parent))
-
-from updamp.resources import thread_limits
+from updamp.parallel.resources import thread_limits
 
 # Before numpy and jax are loaded, here and in the processes that are started.
 os.environ.update(thread_limits(1))
 
 import typer
-from hidden_effects.diagnose_case import FINER
-from hidden_effects.layout import RIG, write_whole
 from rich.console import Console
 from rich.table import Table
 
-from updamp.diagnosis.compare_run import CompareFiles, Subject, subject_of
-from updamp.diagnosis.effects.catalogue import CATALOGUE
-from updamp.diagnosis.effects.effect import Effect
-from updamp.diagnosis.model.branch_processes import BranchesBy
-from updamp.diagnosis.model.processes import processes
-from updamp.diagnosis.model.workers import Elsewhere, Workers
-from updamp.diagnosis.residual.observations import Plan, plan_of
-from updamp.diagnosis.search.baseline import baseline
-from updamp.diagnosis.search.probe import probes
-from updamp.diagnosis.search.refit import fails_badly
-from updamp.diagnosis.search.signature import extend
+from updamp.benchmarks.hidden_effects.fitted_model import FINER
+from updamp.benchmarks.hidden_effects.layout import RIG, write_whole
+from updamp.comparison.fit.observations import Plan, plan_of
+from updamp.comparison.prediction.branch_tasks import BranchesBy
+from updamp.diagnosis.candidate_models.baseline import baseline
+from updamp.diagnosis.candidate_models.refit import fails_badly
+from updamp.diagnosis.score_tests.probe import probes
+from updamp.diagnosis.score_tests.signature import extend
+from updamp.effects.catalogue import CATALOGUE
+from updamp.effects.effect import Effect
 from updamp.hbm.compilation_cache import keep_compiled
-from updamp.progress import Display
+from updamp.parallel.processes import processes
+from updamp.parallel.workers import Elsewhere, Workers
+from updamp.workflow.compare_run import CompareFiles, Subject, subject_of
+from updamp.workflow.progress import Display
 
 # Of the eight curves: the levels of each mode, lowest and highest first.
 ORDER = (0, 3, 1, 2)

@@ -10,7 +10,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.diagnosis.comparison import Calibrated
+from updamp.comparison.comparison import Calibrated
+from updamp.comparison.json_document import JsonDocument
 
 Floats = NDArray[np.float64]
 Outcome = Literal["adequate", "identified", "inseparable", "unknown", "undecidable"]
@@ -164,3 +165,8 @@ class Verdict:
     history: tuple[Step, ...]
     provenance: Mapping[str, str]
     calibration: tuple[Calibrated, ...] = ()
+
+
+# `diagnosis.json`, every number kept to the last digit: the fields of `Verdict` by their names, and `schema`; nan as
+# null.
+VERDICT_JSON = JsonDocument(Verdict, "updamp diagnosis 1", "updamp diagnose")

@@ -16,21 +16,20 @@ from pathlib import Path
 for library in ("OMP", "OPENBLAS", "MKL"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 ROOT = Path(__file__).parents[1]
-sys.path.append(str(ROOT / "benchmarks"))
 
 import numpy as np  # noqa: E402
 from rich.console import Console  # noqa: E402
-from virtual_rig.hidden_effect import Hidden  # type: ignore[import-not-found]  # noqa: E402
-from virtual_rig.hidden_registry import hidden  # type: ignore[import-not-found]  # noqa: E402
-from virtual_rig.measurement import make_measurement  # type: ignore[import-not-found]  # noqa: E402
-from virtual_rig.plan import PlannedRun, TestPlan  # type: ignore[import-not-found]  # noqa: E402
 
-from updamp.diagnosis.add import AddOptions, add  # noqa: E402
-from updamp.diagnosis.compare_run import CompareFiles, run_compare  # noqa: E402
-from updamp.diagnosis.search.diagnose import DiagnoseOptions, diagnose  # noqa: E402
+from updamp.benchmarks.virtual_rig.bench import Hidden  # noqa: E402
+from updamp.benchmarks.virtual_rig.laboratory import hidden  # noqa: E402
+from updamp.benchmarks.virtual_rig.measurement import make_measurement  # noqa: E402
+from updamp.benchmarks.virtual_rig.plan import PlannedRun, TestPlan  # noqa: E402
 from updamp.diagnosis.verdict import Verdict  # noqa: E402
 from updamp.hbm.compilation_cache import keep_compiled  # noqa: E402
-from updamp.rig import load_rig  # noqa: E402
+from updamp.model.rig_files import load_rig  # noqa: E402
+from updamp.workflow.add import AddOptions, add  # noqa: E402
+from updamp.workflow.compare_run import CompareFiles, run_compare  # noqa: E402
+from updamp.workflow.diagnose_run import DiagnoseOptions, diagnose  # noqa: E402
 
 PRESET = "coarse"
 MESH = f"""

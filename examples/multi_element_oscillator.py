@@ -6,12 +6,12 @@ import numpy as np
 
 from updamp.hbm.contact.jenkins import Jenkins, JenkinsParameters
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring, UnilateralParameters, UnilateralSpring
-from updamp.hbm.continuation import ContinuationOptions
-from updamp.hbm.curve import CurveRequest, trace
-from updamp.hbm.elements import ElementGroup
+from updamp.hbm.continuation.continuation import ContinuationOptions
+from updamp.hbm.continuation.curve import CurveRequest, trace
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.linear_model import from_matrices
-from updamp.hbm.system import Excitation, NonlinearSystem
+from updamp.hbm.problem.elements import ElementGroup
+from updamp.hbm.problem.linear_model import from_matrices
+from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 chain = 2 * np.eye(3) - np.eye(3, k=1) - np.eye(3, k=-1)
 points = {"q1": np.eye(3)[0], "q2": np.eye(3)[1], "q3": np.eye(3)[2]}

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from updamp.fem.element_matrices import element_matrices
-from updamp.fem.material import ElasticMaterial
+from updamp.fem.element_matrices import ElasticMaterial, element_matrices
 from updamp.fem.quadratic_mesh import QuadraticMesh
 
 Floats = NDArray[np.float64]

@@ -11,9 +11,8 @@ from scipy import sparse
 from updamp.fem.assembly import SystemMatrices
 from updamp.fem.interface import Interface
 from updamp.fem.quadratic_mesh import QuadraticMesh
-from updamp.fem.rigid_body import rigid_body_fields, rigid_body_modes
+from updamp.fem.rigid_body import Support, isostatic_support, rigid_body_fields, rigid_body_modes
 from updamp.fem.solvers import Factorisation, LinearSolver
-from updamp.fem.support import Support, isostatic_support
 
 Floats = NDArray[np.float64]
 

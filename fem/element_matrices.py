@@ -4,12 +4,32 @@ The three displacement components share one scalar basis, so that all is built f
 products of its gradients, which are matrix products over the quadrature points.
 """
 
+from typing import Protocol
+
 import numpy as np
 import skfem
 from numpy.typing import NDArray
 from skfem.quadrature import get_quadrature
 
-from updamp.fem.material import ElasticMaterial, lame_parameters
+# What the finite elements need to know of a material.
+
+
+class ElasticMaterial(Protocol):
+    """Isotropic linear elastic: Young's modulus [Pa], Poisson's ratio [-], density [kg/m^3]."""
+
+    @property
+    def youngs_modulus(self) -> float: ...
+    @property
+    def poissons_ratio(self) -> float: ...
+    @property
+    def density(self) -> float: ...
+
+
+def lame_parameters(material: ElasticMaterial) -> tuple[float, float]:
+    """First and second Lame parameter [Pa]; the second is the shear modulus."""
+    modulus, ratio = material.youngs_modulus, material.poissons_ratio
+    return modulus * ratio / ((1 + ratio) * (1 - 2 * ratio)), modulus / (2 * (1 + ratio))
+
 
 Floats = NDArray[np.float64]
 

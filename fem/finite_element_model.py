@@ -14,19 +14,19 @@ from numpy.typing import NDArray
 
 from updamp.fem.assembly import assemble, clamp
 from updamp.fem.component import Component, FactorisedComponent, component, factorised
-from updamp.fem.coupled_full import CoupledModes, coupled_modes_full, static_flexibility
-from updamp.fem.coupled_reduced import coupled_frequencies_reduced
+from updamp.fem.coupled_modes import CoupledModes, coupled_frequencies_reduced, coupled_modes_full, static_flexibility
 from updamp.fem.coupling import Coupling, coupling_named
+from updamp.fem.element_matrices import ElasticMaterial
 from updamp.fem.interface import blade_interface, damper_interface
-from updamp.fem.material import ElasticMaterial
 from updamp.fem.modes import Modes
 from updamp.fem.quadratic_mesh import quadratic_mesh
 from updamp.fem.reduced_model import ReducedComponent, ReducedModel
 from updamp.fem.reduction import ReductionOptions, component_modes, mirrored, reduce_component
 from updamp.fem.solvers import solver_named
-from updamp.fem.springs import ContactStiffness, Springs, Wires, stuck_contact, wire_springs
+from updamp.fem.springs import ContactStiffness, Springs, on_damper, stuck_contact
 from updamp.geometry.rig_mesh import RigMesh
-from updamp.rig import Rig
+from updamp.rig.rig import Rig
+from updamp.rig.wires import wire_springs
 
 Floats = NDArray[np.float64]
 Progress = Callable[[str], None]
@@ -136,10 +136,7 @@ def coupled_check(mesh: RigMesh, rig: Rig, reduced: ReducedModel, contact: Conta
 
 def rig_springs(reduced: ReducedModel, rig: Rig, contact: ContactStiffness) -> Springs:
     """Stuck contact at every contact element, and both wires."""
-    wires = Wires(
-        rig.wire.axial_stiffness, rig.load.pull, rig.wire.length, rig.wire.attachment_height, rig.face_bottom[0]
-    )
-    return stuck_contact(reduced.contacts, contact) + wire_springs(reduced.contacts, wires)
+    return stuck_contact(reduced.contacts, contact) + on_damper(reduced.contacts, wire_springs(rig))
 
 
 def _modes(part: FactorisedComponent, options: ReductionOptions, clock: "_Clock") -> Modes:

@@ -4,13 +4,15 @@ The fast variant of Pesaresi et al. (2017). The blades stay as they are, seen th
 their contact faces; the mass cannot roll, and a face slips and opens as a whole.
 """
 
-from dataclasses import replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.fem.contact_rest import StaticContact
 from updamp.fem.reduced_model import ReducedComponent, ReducedModel
+from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements
 
 Floats = NDArray[np.float64]
@@ -107,3 +109,30 @@ def _point_mass(damper: ReducedComponent, contacts: ContactElements, mass: float
     along = np.array([np.eye(3)["xyz".index(point[-1])] for point in damper.points])
     phi = np.vstack([contacts.axes.reshape(-1, 3), along]) / np.sqrt(mass)
     return ReducedComponent(damper.name, np.zeros(3), phi, np.zeros((len(phi), len(phi))), damper.points)
+
+
+# How the damper is modelled: choices that a rig file can name.
+
+
+@dataclass(frozen=True)
+class DamperModel:
+    """apply: from the reduced model of the finite elements and its rest state to those that vibrate
+    element_of_patch: (n_patches,) number of the contact element that each patch of the mesh belongs to
+    """
+
+    apply: Callable[[ReducedModel, StaticContact], tuple[ReducedModel, StaticContact]]
+    element_of_patch: Callable[[ContactElements], NDArray[np.int64]]
+
+
+DAMPER_MODELS: Mapping[str, DamperModel] = MappingProxyType(
+    {
+        "elastic": DamperModel(
+            apply=lambda reduced, rest: (reduced, rest),
+            element_of_patch=lambda contacts: np.arange(len(contacts)),
+        ),
+        "lumped": DamperModel(
+            apply=lumped_damper,
+            element_of_patch=lambda contacts: contacts.face,
+        ),
+    }
+)

@@ -1,5 +1,6 @@
 """Springs between the components' interfaces: stuck contact and the pulling wires."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,6 +8,7 @@ from numpy.typing import NDArray
 
 from updamp.fem.interface import BLADE_POINTS, DAMPER_POINTS
 from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements
+from updamp.rig.wires import WireSpring
 
 Floats = NDArray[np.float64]
 
@@ -42,18 +44,6 @@ class ContactStiffness:
                 raise ValueError(f"contact.{name}_stiffness = {value} N/m^3 must be positive")
 
 
-@dataclass(frozen=True)
-class Wires:
-    """Both pulling wires. axial_stiffness [N/m] and pull [N] of both together; length [m]; attachment_height [m]
-    above the damper's centroid; half_width [m], half the distance between the damper's bottom corners."""
-
-    axial_stiffness: float
-    pull: float
-    length: float
-    attachment_height: float
-    half_width: float
-
-
 def interface_sizes(contacts: ContactElements) -> tuple[int, int, int]:
     """Interface degrees of freedom of the left blade, the right blade and the damper."""
     left, right = ((contacts.face == side).sum() for side in (LEFT, RIGHT))
@@ -77,20 +67,14 @@ def stuck_contact(contacts: ContactElements, stiffness: ContactStiffness) -> Spr
     return Springs(directions, (contacts.area[:, None] * per_area).ravel())
 
 
-def wire_springs(contacts: ContactElements, wires: Wires) -> Springs:
-    """Axial stiffness upwards, tension over length sideways, and the restoring roll moment of a pull that acts above
-    the centroid, where it does (a spring of no stiffness is left out)."""
-    sideways, upwards = wires.pull / 2 / wires.length, wires.axial_stiffness / 2
-    rows, values = [], []
-    for end in ("back", "front"):
-        for axis, stiffness in (("x", sideways), ("y", upwards), ("z", sideways)):
-            rows.append(damper_point(contacts, f"wire_{end}.{axis}"))
-            values.append(stiffness)
-    if wires.attachment_height:
-        roll = damper_point(contacts, "corner_right.y") - damper_point(contacts, "corner_left.y")
-        rows.append(roll / (2 * wires.half_width))
-        values.append(wires.pull * wires.attachment_height)
-    return Springs(np.stack(rows, axis=1), np.array(values))
+def on_damper(contacts: ContactElements, wires: Sequence[WireSpring]) -> Springs:
+    """The wires; a spring of no stiffness is left out."""
+    acting = [spring for spring in wires if spring.stiffness]
+    rows = [
+        sum((factor * damper_point(contacts, point) for point, factor in spring.points.items()), start=np.zeros(1))
+        for spring in acting
+    ]
+    return Springs(np.stack(rows, axis=1), np.array([spring.stiffness for spring in acting]))
 
 
 def damper_point(contacts: ContactElements, point: str) -> Floats:

@@ -11,12 +11,10 @@ from updamp.geometry.blade_section import blade_section
 from updamp.geometry.contact_triangulation import contact_elements
 from updamp.geometry.damper_section import damper_section
 from updamp.geometry.extruded_blocks import extrude_section
-from updamp.geometry.geometry_error import GeometryError
-from updamp.geometry.rig_mesh import ComponentMesh, RigMesh
-from updamp.geometry.scaled_jacobian import scaled_jacobian
+from updamp.geometry.rig_mesh import ComponentMesh, GeometryError, RigMesh, scaled_jacobian
 
 if TYPE_CHECKING:
-    from updamp.rig import Rig
+    from updamp.rig.rig import Rig
 
 SMALLEST_SCALED_JACOBIAN = 0.2
 

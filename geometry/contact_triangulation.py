@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements
-from updamp.geometry.geometry_error import GeometryError
+from updamp.geometry.rig_mesh import GeometryError
 
 if TYPE_CHECKING:
-    from updamp.rig import MeshDivisions, Rig
+    from updamp.rig.rig import MeshDivisions, Rig
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from updamp.geometry.extruded_blocks import Block, Section
 
 if TYPE_CHECKING:
-    from updamp.rig import MeshDivisions, Rig
+    from updamp.rig.rig import MeshDivisions, Rig
 
 
 def damper_section(rig: Rig, divisions: MeshDivisions) -> Section:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ctypes
+import signal
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -10,8 +12,32 @@ import gmsh
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.geometry.broken_pipes import broken_pipes_as_before
 from updamp.geometry.rig_mesh import ComponentMesh
+
+# gmsh's start resets SIGPIPE, which Python ignores so as to raise BrokenPipeError.
+#
+# A write to a worker process that is gone would then end this process without a word.
+
+
+@contextmanager
+def broken_pipes_as_before() -> Iterator[None]:
+    """What happens on writing to a broken pipe is, afterwards, what it was before.
+
+    By the C functions, since `signal.signal` works in the main thread only.
+    """
+    number = getattr(signal, "SIGPIPE", None)
+    if number is None:  # Windows has none
+        yield
+        return
+    get, put = ctypes.pythonapi.PyOS_getsig, ctypes.pythonapi.PyOS_setsig
+    get.restype = put.restype = ctypes.c_void_p
+    put.argtypes = [ctypes.c_int, ctypes.c_void_p]
+    before = get(number)
+    try:
+        yield
+    finally:
+        put(number, before)
+
 
 HEXAHEDRON, QUADRILATERAL = 5, 3  # gmsh's element types, first order
 

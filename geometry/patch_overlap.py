@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from updamp.geometry.geometry_error import GeometryError
+from updamp.geometry.rig_mesh import GeometryError
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

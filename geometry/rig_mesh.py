@@ -52,3 +52,54 @@ class RigMesh:
     @property
     def damper_elements(self) -> int:
         return len(self.damper.hexahedra)
+
+
+# The error of a rig that can be built but not meshed well enough.
+
+
+class GeometryError(ValueError):
+    """Names the key of the rig file, its value and what would be allowed."""
+
+    def __init__(self, key: str, value: str, allowed: str) -> None:
+        super().__init__(f"{key} = {value}: {allowed}")
+        self.key = key
+        self.value = value
+        self.allowed = allowed
+
+
+# Quality of hexahedra.
+
+# The three neighbours of each corner, right-handed, in VTK's numbering.
+_NEIGHBOURS = np.array([[1, 3, 4], [2, 0, 5], [3, 1, 6], [0, 2, 7], [7, 5, 0], [4, 6, 1], [5, 7, 2], [6, 4, 3]])
+
+
+def scaled_jacobian(vertices: NDArray[np.float64], hexahedra: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Smallest scaled Jacobian over the corners of each hexahedron: 1 for a box, negative when turned inside out.
+
+    Knupp, "Achieving finite element mesh quality via optimization of the Jacobian matrix norm and associated
+    quantities", Int. J. Numer. Meth. Engng 48 (2000) 1165-1185: determinant of the corner's unit edge vectors.
+
+    vertices: (n_vertices, 3), hexahedra: (n, 8) in VTK order; returns: (n,)
+    """
+    corners = vertices[hexahedra]
+    edges = corners[:, _NEIGHBOURS] - corners[:, :, None, :]
+    units = edges / np.linalg.norm(edges, axis=-1, keepdims=True)
+    smallest: NDArray[np.float64] = np.linalg.det(units).min(axis=1)
+    return smallest
+
+
+# The left-hand blade from the right-hand one.
+
+_HEXAHEDRON = [0, 3, 2, 1, 4, 7, 6, 5]
+_QUADRILATERAL = [0, 3, 2, 1]
+
+
+def mirrored(component: ComponentMesh) -> ComponentMesh:
+    """Mirror image x -> -x. Vertices keep their numbers; cells are renumbered so that volumes stay positive."""
+    return ComponentMesh(
+        name=component.name,
+        vertices=component.vertices * np.array([-1.0, 1.0, 1.0]),
+        hexahedra=component.hexahedra[:, _HEXAHEDRON],
+        faces={name: quads[:, _QUADRILATERAL] for name, quads in component.faces.items()},
+        points=component.points,
+    )

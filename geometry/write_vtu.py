@@ -6,8 +6,7 @@ import meshio
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.geometry.mirror import mirrored
-from updamp.geometry.rig_mesh import ComponentMesh, RigMesh
+from updamp.geometry.rig_mesh import ComponentMesh, RigMesh, mirrored
 
 # Ends of the twelve edges in the order of VTK's quadratic hexahedron.
 _EDGES = np.array(

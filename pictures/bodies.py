@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 
 from updamp.geometry.contact_elements import LEFT, RIGHT
-from updamp.geometry.mirror import mirrored
-from updamp.geometry.rig_mesh import RigMesh
+from updamp.geometry.rig_mesh import RigMesh, mirrored
 from updamp.pictures.scene import Plotter, load_pyvista, patches, save, surface
 from updamp.pictures.style import DARK_STEEL, INK, LEFT_FACE, RIGHT_FACE, STEEL
 

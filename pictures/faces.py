@@ -10,7 +10,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from updamp.fem.contact_rest import StaticContact
+from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements
 from updamp.pictures.style import BLUE, INK, LIGHT_GREY, SEQUENTIAL, VERMILLION, YELLOW, figure
 

@@ -7,9 +7,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from updamp.hbm.response_curve import ResponseCurve
+from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.pictures.style import BLUE, DARK_STEEL, GREEN, LIGHT_GREY, ORANGE, VERMILLION, figure
-from updamp.rig import Rig
+from updamp.rig.rig import Rig
 
 Floats = NDArray[np.float64]
 

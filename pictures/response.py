@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from updamp.hbm.response_curve import ResponseCurve
-from updamp.hbm.sweeps import sweep
+from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.hbm.continuation.sweeps import sweep
 from updamp.pictures.style import GREY, INK, figure, shades
 
 MM = 1e3  # m/N to mm/N

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib.pyplot as plt
-from harmonic_balance.measure import Cost, branch_cost
-from harmonic_balance.synthetic import excitation, synthetic, window
-from harmonic_balance.threads import in_a_process
 from matplotlib.axes import Axes
 from matplotlib.ticker import NullFormatter, ScalarFormatter
+
+from updamp.benchmarks.harmonic_balance.measure import Cost, branch_cost, in_a_process
+from updamp.benchmarks.harmonic_balance.synthetic import excitation, synthetic, window
 
 CONTACTS = (20, 73, 146, 292, 584)
 HIGHEST = (1, 2, 3, 5, 7, 9)  # harmonics 0 to this

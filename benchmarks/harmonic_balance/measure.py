@@ -2,18 +2,21 @@
 
 import time
 from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from multiprocessing import get_context
+from typing import Any, ParamSpec, TypeVar
 from unittest.mock import patch
 
 import numpy as np
 
-from updamp.hbm import active_forces, newton
-from updamp.hbm.branch import BranchPoint
-from updamp.hbm.continuation import BranchStoppedError, ContinuationOptions, continue_branch
-from updamp.hbm.krylov import gmres
-from updamp.hbm.system import Excitation, NonlinearSystem
+from updamp.hbm.continuation.branch import BranchPoint
+from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions, continue_branch
+from updamp.hbm.newton.krylov import gmres
+from updamp.hbm.newton.newton import active_forces, newton
+from updamp.hbm.problem.system import Excitation, NonlinearSystem
+from updamp.parallel.resources import environment, thread_limits
 
 Item = TypeVar("Item")
 
@@ -148,3 +151,17 @@ def counting() -> Iterator[Counts]:
 def _jacobian(point: BranchPoint) -> Any:
     assert point.solution.jacobian is not None, "a converged solution carries its Jacobian"
     return point.solution.jacobian
+
+
+# Run a measurement in a process of its own that has so many threads and no more.
+
+Arguments = ParamSpec("Arguments")
+Result = TypeVar("Result")
+
+
+def in_a_process(
+    threads: int, function: Callable[Arguments, Result], *args: Arguments.args, **options: Arguments.kwargs
+) -> Result:
+    """function(*args, **options), computed in a fresh process with so many threads."""
+    with environment(thread_limits(threads)), ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        return pool.submit(function, *args, **options).result()

@@ -2,14 +2,12 @@
 
 from dataclasses import replace
 
-from harmonic_balance.measure import Cost, branch_cost
-from harmonic_balance.threads import in_a_process
-from sensitivity_cost import FORCE, WINDOW, load
-
+from updamp.benchmarks.harmonic_balance.measure import Cost, branch_cost, in_a_process
+from updamp.benchmarks.sensitivity_cost import FORCE, WINDOW, load
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
 from updamp.hbm.contact.law import ContactLaw
-from updamp.hbm.system import Excitation
+from updamp.hbm.problem.system import Excitation
 
 MODEL = "c_model_146.npz"
 LAWS: dict[str, ContactLaw] = {"c_model_146": JenkinsBox(2), "c_model_146_sampled": SampledJenkinsBox(2)}

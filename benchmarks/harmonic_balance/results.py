@@ -10,12 +10,13 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from harmonic_balance.growth import Growth
-from harmonic_balance.measure import Cost
-from harmonic_balance.peers_problem import MODEL, PEERS, THREADS, Costs
-from harmonic_balance.rig_curves import AllCurves, CurveCost
 from rich.console import Console
 from rich.table import Table
+
+from updamp.benchmarks.harmonic_balance.growth import Growth
+from updamp.benchmarks.harmonic_balance.measure import Cost
+from updamp.benchmarks.harmonic_balance.peers_problem import MODEL, PEERS, THREADS, Costs
+from updamp.benchmarks.harmonic_balance.rig_curves import AllCurves, CurveCost
 
 PACKAGES = ("updamp", "numpy", "scipy", "jax", "jaxlib")
 

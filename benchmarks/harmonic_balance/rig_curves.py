@@ -6,14 +6,14 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from harmonic_balance.measure import clocked, counting
-from harmonic_balance.threads import in_a_process
 
-from updamp import store
-from updamp.curve_jobs import CurveEnd, CurveJob, CurveOutcome, curve_problem, trace_all
-from updamp.hbm.curve import trace
-from updamp.hbm.response_curve import ResponseCurve
-from updamp.rig import Rig, load_rig
+from updamp.benchmarks.harmonic_balance.measure import clocked, counting, in_a_process
+from updamp.hbm.continuation.curve import trace
+from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.model.rig_files import load_rig
+from updamp.rig.rig import Rig
+from updamp.workflow import store
+from updamp.workflow.curve_jobs import CurveEnd, CurveJob, CurveOutcome, curve_problem, trace_all
 
 RIG = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
 MODE, FORCE = "OOP", 9.6  # of the curve whose points are timed

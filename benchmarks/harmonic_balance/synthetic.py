@@ -5,14 +5,14 @@ Whatever their number, the contacts are one patch of the same stiffness and prel
 
 import jax.numpy as jnp
 import numpy as np
-from sensitivity_cost import with_residual
 
+from updamp.benchmarks.sensitivity_cost import with_residual
 from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.contact.jenkins_box import JenkinsBox
-from updamp.hbm.elements import ElementGroup
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.linear_model import LinearModel
-from updamp.hbm.system import Excitation, NonlinearSystem
+from updamp.hbm.problem.elements import ElementGroup
+from updamp.hbm.problem.linear_model import LinearModel
+from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 MODES, SEED = 60, 3
 FIRST_HZ, LAST_HZ = 230.0, 20e3

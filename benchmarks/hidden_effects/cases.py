@@ -10,9 +10,10 @@ from hashlib import sha256
 from typing import Literal
 
 import numpy as np
-from virtual_rig.hidden_effect import STRENGTHS, Hidden
-from virtual_rig.hidden_registry import HIDDEN, hidden
-from virtual_rig.plan import SIX_CURVES, NoiseLevels, TestPlan
+
+from updamp.benchmarks.virtual_rig.bench import STRENGTHS, Hidden
+from updamp.benchmarks.virtual_rig.laboratory import HIDDEN, hidden
+from updamp.benchmarks.virtual_rig.plan import SIX_CURVES, NoiseLevels, TestPlan
 
 Kind = Literal["none", "single", "outside", "pair", "resolution"]
 

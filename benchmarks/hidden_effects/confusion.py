@@ -6,11 +6,11 @@ from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
-from hidden_effects.scored_case import ScoredCase
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from updamp.diagnosis.effects.catalogue import CATALOGUE
+from updamp.benchmarks.hidden_effects.scored_case import ScoredCase
+from updamp.effects.catalogue import CATALOGUE
 
 Floats = NDArray[np.float64]
 

@@ -12,7 +12,6 @@ All curves are the laboratory's own, so what is detectable does not depend on ho
 """
 
 import os
-import sys
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
@@ -22,27 +21,34 @@ from typing import Annotated
 
 import typer
 
-sys.path.append(str(Path(__file__).parents[1]))
 for library in ("OMP", "OPENBLAS", "MKL"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
 import numpy as np  # noqa: E402
 import scipy.linalg  # noqa: E402
-from hidden_effects.cases import NOISE, PLAN, Case, by_name  # noqa: E402
-from hidden_effects.in_turn import in_turn  # noqa: E402
-from hidden_effects.layout import RIG, Layout, read, write_whole  # noqa: E402
 from numpy.typing import NDArray  # noqa: E402
-from virtual_rig.assembled import assembled  # noqa: E402
-from virtual_rig.bench import BODIES, Bench, bench_of  # noqa: E402
-from virtual_rig.bodies import bodies_of  # noqa: E402
-from virtual_rig.hidden_effect import Hidden  # noqa: E402
-from virtual_rig.hidden_registry import with_hidden  # noqa: E402
-from virtual_rig.laboratory import grid, quick_sweep, windows  # noqa: E402
-from virtual_rig.periodic import NotSolvedError, SolverOptions  # noqa: E402
-from virtual_rig.sensors import LOOSE, loose  # noqa: E402
-from virtual_rig.stepped_sine import StepMotor  # noqa: E402
 
-from updamp.rig import load_rig  # noqa: E402
+from updamp.benchmarks.hidden_effects.cases import NOISE, PLAN, Case, by_name  # noqa: E402
+from updamp.benchmarks.hidden_effects.in_turn import in_turn  # noqa: E402
+from updamp.benchmarks.hidden_effects.layout import RIG, Layout, read, write_whole  # noqa: E402
+from updamp.benchmarks.virtual_rig.assembled import assembled  # noqa: E402
+from updamp.benchmarks.virtual_rig.bench import (  # noqa: E402
+    BODIES,
+    Bench,
+    Hidden,
+    bench_of,
+)
+from updamp.benchmarks.virtual_rig.bodies import bodies_of  # noqa: E402
+from updamp.benchmarks.virtual_rig.laboratory import (  # noqa: E402
+    grid,
+    quick_sweep,
+    windows,
+    with_hidden,
+)
+from updamp.benchmarks.virtual_rig.periodic import NotSolvedError, SolverOptions  # noqa: E402
+from updamp.benchmarks.virtual_rig.sensors import LOOSE, loose  # noqa: E402
+from updamp.benchmarks.virtual_rig.stepped_sine import StepMotor  # noqa: E402
+from updamp.model.rig_files import load_rig  # noqa: E402
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -51,7 +57,7 @@ Complex = NDArray[np.complex128]
 @dataclass(frozen=True)
 class Factor:
     """A factor on a quantity. scatter: deviation of its logarithm between assemblies; allowed: what updamp's fit
-    allows it (diagnosis/model/parameters.py); step: of the logarithm, for the difference"""
+    allows it (comparison/prediction/parameters.py); step: of the logarithm, for the difference"""
 
     scatter: float
     allowed: float

@@ -4,9 +4,10 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from hidden_effects.judgement import CONFIDENTLY_WRONG, CORRECT, Mark
-from hidden_effects.scored_case import ScoredCase
 from scipy.stats import binomtest
+
+from updamp.benchmarks.hidden_effects.judgement import CONFIDENTLY_WRONG, CORRECT, Mark
+from updamp.benchmarks.hidden_effects.scored_case import ScoredCase
 
 LEVEL = 0.95
 # What strong effects are to reach: errors before over after, on the data of the fit and on held-out ones; the last over

@@ -5,7 +5,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
 from typing import Protocol, TypeVar
 
-from updamp.progress import Display
+from updamp.workflow.progress import Display
 
 Result = TypeVar("Result")
 

@@ -4,7 +4,6 @@
 """
 
 import os
-import sys
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,19 +13,18 @@ from typing import Annotated, Any
 
 import typer
 
-sys.path.append(str(Path(__file__).parents[1]))
 # To be set before numpy is loaded: the products are small, and threads make them many times slower.
 for library in ("OMP", "OPENBLAS", "MKL"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
-from hidden_effects.cases import NOISE, PLAN, Case, by_name  # noqa: E402
-from hidden_effects.in_turn import in_turn  # noqa: E402
-from hidden_effects.layout import RIG, Layout, read, write_whole  # noqa: E402
-from virtual_rig.bodies import bodies_of  # noqa: E402
-from virtual_rig.measurement import make_measurement  # noqa: E402
-from virtual_rig.plan import TestPlan  # noqa: E402
-
-from updamp.rig import Rig, load_rig  # noqa: E402
+from updamp.benchmarks.hidden_effects.cases import NOISE, PLAN, Case, by_name  # noqa: E402
+from updamp.benchmarks.hidden_effects.in_turn import in_turn  # noqa: E402
+from updamp.benchmarks.hidden_effects.layout import RIG, Layout, read, write_whole  # noqa: E402
+from updamp.benchmarks.virtual_rig.bodies import bodies_of  # noqa: E402
+from updamp.benchmarks.virtual_rig.measurement import make_measurement  # noqa: E402
+from updamp.benchmarks.virtual_rig.plan import TestPlan  # noqa: E402
+from updamp.model.rig_files import load_rig  # noqa: E402
+from updamp.rig.rig import Rig  # noqa: E402
 
 
 @dataclass(frozen=True)

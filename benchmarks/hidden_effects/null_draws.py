@@ -6,7 +6,6 @@ truth, does the comparison say that nothing is amiss? Resumable.
 
 import os
 import pickle
-import sys
 import time
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -15,31 +14,34 @@ from typing import Annotated, Any
 
 import typer
 
-sys.path.append(str(Path(__file__).parents[1]))
 # To be set before numpy is loaded: the products are small, and threads make them many times slower.
 for library in ("OMP", "OPENBLAS", "MKL"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
 import numpy as np  # noqa: E402
-from hidden_effects.in_turn import in_turn  # noqa: E402
-from hidden_effects.layout import read, write_whole  # noqa: E402
 from numpy.typing import NDArray  # noqa: E402
-from virtual_rig.measurement import RIG, make_measurement  # noqa: E402
 
-from updamp.diagnosis.compare import damping_share  # noqa: E402
-from updamp.diagnosis.compare_run import CompareFiles, subject_of  # noqa: E402
-from updamp.diagnosis.findings import lack_of_fit, misfits  # noqa: E402
-from updamp.diagnosis.fitted_branch import at_sizes  # noqa: E402
-from updamp.diagnosis.measurement.load import load_measurement  # noqa: E402
-from updamp.diagnosis.model.moved_branch import move_branch  # noqa: E402
-from updamp.diagnosis.model.parameters import LOSS_FACTOR, Parametrisation  # noqa: E402
-from updamp.diagnosis.model.predicted_branch import PredictedBranch, with_patterns  # noqa: E402
-from updamp.diagnosis.residual.fit import Compared, compare_at, fit, predict  # noqa: E402
-from updamp.diagnosis.residual.numerical_gate import gated  # noqa: E402
-from updamp.diagnosis.residual.observations import Plan, plan_of  # noqa: E402
-from updamp.diagnosis.residual.scatter import Scatter, learn  # noqa: E402
-from updamp.diagnosis.said import all_findings  # noqa: E402
-from updamp.progress import Display  # noqa: E402
+from updamp.benchmarks.hidden_effects.in_turn import in_turn  # noqa: E402
+from updamp.benchmarks.hidden_effects.layout import read, write_whole  # noqa: E402
+from updamp.benchmarks.virtual_rig.measurement import RIG, make_measurement  # noqa: E402
+from updamp.comparison.compare import damping_share  # noqa: E402
+from updamp.comparison.findings.all_findings import all_findings  # noqa: E402
+from updamp.comparison.findings.findings import lack_of_fit, misfits  # noqa: E402
+from updamp.comparison.fit.fit import Compared, compare_at, fit, predict  # noqa: E402
+from updamp.comparison.fit.numerical_gate import gated  # noqa: E402
+from updamp.comparison.fit.observations import Plan, plan_of  # noqa: E402
+from updamp.comparison.fit.scatter import Scatter, learn  # noqa: E402
+from updamp.comparison.prediction.moved_branch import move_branch  # noqa: E402
+from updamp.comparison.prediction.parameters import Parametrisation  # noqa: E402
+from updamp.comparison.prediction.predicted_branch import (  # noqa: E402
+    PredictedBranch,
+    at_sizes,
+    with_patterns,
+)
+from updamp.measurement.load import load_measurement  # noqa: E402
+from updamp.model.calibration import LOSS_FACTOR  # noqa: E402
+from updamp.workflow.compare_run import CompareFiles, subject_of  # noqa: E402
+from updamp.workflow.progress import Display  # noqa: E402
 
 Floats = NDArray[np.float64]
 

@@ -5,28 +5,24 @@
 
 import os
 import shutil
-import sys
 import time
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 from typing import Annotated
 
-sys.path.append(str(Path(__file__).parents[1]))
-
-from updamp.resources import thread_limits
+from updamp.parallel.resources import thread_limits
 
 # Before numpy and jax are loaded, here and in the processes that are started.
 os.environ.update(thread_limits(1))
 
 import typer
-from hidden_effects.cases import by_name
-from hidden_effects.diagnose_case import FINER, diagnose_case
-from hidden_effects.in_turn import in_turn
-from hidden_effects.layout import RIG, Layout, read, write_whole
-from hidden_effects.shared_model import build, place
 
-from updamp.diagnosis.verdict_json import write_json
+from updamp.benchmarks.hidden_effects.cases import by_name
+from updamp.benchmarks.hidden_effects.fitted_model import FINER, build, diagnose_case, place
+from updamp.benchmarks.hidden_effects.in_turn import in_turn
+from updamp.benchmarks.hidden_effects.layout import RIG, Layout, read, write_whole
+from updamp.diagnosis.verdict import VERDICT_JSON
 
 
 @dataclass(frozen=True)
@@ -66,7 +62,7 @@ def diagnose(task: Task) -> Ran:
     started, processor = time.perf_counter(), time.process_time()
     verdict = diagnose_case(RIG, task.preset, task.measurement, task.out)
     seconds, processor = time.perf_counter() - started, time.process_time() - processor
-    write_json(task.out / "diagnosis.json", verdict)
+    VERDICT_JSON.write(task.out / "diagnosis.json", verdict)
     write_whole(
         task.out / "run.json",
         {"case": task.name, "digest": task.digest, "preset": task.preset, "seconds": seconds, "processor": processor},

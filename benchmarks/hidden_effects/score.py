@@ -3,7 +3,6 @@
 .venv/bin/python benchmarks/hidden_effects/score.py [--folder FOLDER] [--results FILE] [--docs FILE] [--keep]
 """
 
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
@@ -11,15 +10,12 @@ from typing import Annotated, Any
 
 import typer
 
-sys.path.append(str(Path(__file__).parents[1]))
-
-from hidden_effects.confusion import confusion, draw
-from hidden_effects.goals import Goal, carried_over, gains, identification, median_seconds, speed
-from hidden_effects.layout import HERE, Layout, read, write_whole
-from hidden_effects.scored_case import SCORE, VISIBILITY, ScoredCase, scored
-from hidden_effects.tables import document, goal_table
-
-from updamp.diagnosis.dataclass_json import decode, encode
+from updamp.benchmarks.hidden_effects.confusion import confusion, draw
+from updamp.benchmarks.hidden_effects.goals import Goal, carried_over, gains, identification, median_seconds, speed
+from updamp.benchmarks.hidden_effects.layout import HERE, Layout, read, write_whole
+from updamp.benchmarks.hidden_effects.scored_case import SCORE, VISIBILITY, ScoredCase, scored
+from updamp.benchmarks.hidden_effects.tables import document, goal_table
+from updamp.comparison.json_document import decode, encode
 
 DOCS = HERE.parents[1] / "docs" / "hidden_effects.md"
 BEGIN, END = "<!-- results: score.py -->", "<!-- end of results -->"

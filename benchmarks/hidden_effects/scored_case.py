@@ -6,12 +6,10 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
-from hidden_effects.judgement import Called, Mark, judged
-from hidden_effects.layout import Layout, read
-
-from updamp.diagnosis.effects.catalogue import CATALOGUE
-from updamp.diagnosis.verdict import Candidate, ErrorReached, Verdict
-from updamp.diagnosis.verdict_json import read_json
+from updamp.benchmarks.hidden_effects.judgement import Called, Mark, judged
+from updamp.benchmarks.hidden_effects.layout import Layout, read
+from updamp.diagnosis.verdict import VERDICT_JSON, Candidate, ErrorReached, Verdict
+from updamp.effects.catalogue import CATALOGUE
 
 # Fixed before any verdict.
 SCORE, VISIBILITY = 6.0, 0.2
@@ -95,7 +93,7 @@ def scored(layout: Layout, truth: Mapping[str, Any]) -> ScoredCase | None:
     ran = read(folder / "run.json")
     if ran is None:
         return None
-    verdict = read_json(folder / "diagnosis.json")
+    verdict = VERDICT_JSON.read(folder / "diagnosis.json")
     hidden = tuple(truth["effects"])
     called = Called(verdict.verdict, verdict.effects, verdict.group)
     candidates = {c.name: c for c in verdict.candidates}

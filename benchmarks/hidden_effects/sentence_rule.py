@@ -23,17 +23,17 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from hidden_effects.cases import Case
-from hidden_effects.layout import RIG, read, write_whole
 from numpy.typing import NDArray
-from virtual_rig.bench import Bench, bench_of
-from virtual_rig.bodies import bodies_of
-from virtual_rig.hidden_registry import with_hidden
-from virtual_rig.plan import SIX_CURVES
-from virtual_rig.visibility import USUAL, peak
 
-from updamp.diagnosis.comparison import Comparison, CurvePair, Finding
-from updamp.rig import load_rig
+from updamp.benchmarks.hidden_effects.cases import Case
+from updamp.benchmarks.hidden_effects.layout import RIG, read, write_whole
+from updamp.benchmarks.virtual_rig.bench import Bench, bench_of
+from updamp.benchmarks.virtual_rig.bodies import bodies_of
+from updamp.benchmarks.virtual_rig.laboratory import with_hidden
+from updamp.benchmarks.virtual_rig.plan import SIX_CURVES
+from updamp.benchmarks.virtual_rig.visibility import USUAL, peak
+from updamp.comparison.comparison import Comparison, CurvePair, Finding
+from updamp.model.rig_files import load_rig
 
 Floats = NDArray[np.float64]
 Changes = Mapping[str, Mapping[str, float]]

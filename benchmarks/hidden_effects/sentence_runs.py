@@ -6,15 +6,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from hidden_effects.cases import Case
-from hidden_effects.layout import RIG, Layout
-from hidden_effects.shared_model import place
-
-from updamp.diagnosis.compare import Calibration, calibrate
-from updamp.diagnosis.compare_run import CompareFiles, provenance_of, subject_of
-from updamp.diagnosis.measurement.measurement import Measurement
-from updamp.diagnosis.model.predicted_branch import PredictedBranch
-from updamp.progress import Display
+from updamp.benchmarks.hidden_effects.cases import Case
+from updamp.benchmarks.hidden_effects.fitted_model import place
+from updamp.benchmarks.hidden_effects.layout import RIG, Layout
+from updamp.comparison.compare import Calibration, calibrate
+from updamp.comparison.prediction.predicted_branch import PredictedBranch
+from updamp.measurement.measurement import Measurement
+from updamp.workflow.compare_run import CompareFiles, provenance_of, subject_of
+from updamp.workflow.progress import Display
 
 FITTED, FINER = "diagnosis", ("diagnosis_fine",)
 

@@ -7,7 +7,6 @@ sentence counts as right is in `sentence_rule.py`. The cases here are none that 
 """
 
 import os
-import sys
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -15,22 +14,19 @@ from typing import Annotated, Any
 
 import typer
 
-sys.path.append(str(Path(__file__).parents[1]))
 for library in ("OMP", "OPENBLAS", "MKL"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
-from hidden_effects.cases import Case, by_name  # noqa: E402
-from hidden_effects.in_turn import in_turn  # noqa: E402
-from hidden_effects.layout import HERE, RIG, Layout, read, write_whole  # noqa: E402
-from hidden_effects.sentence_rule import Judged, judged, laboratory_changes  # noqa: E402
-from hidden_effects.sentence_runs import FINER, FITTED, calibrated  # noqa: E402
-from hidden_effects.shared_model import build  # noqa: E402
-
-from updamp.diagnosis.compare import comparison_of  # noqa: E402
-from updamp.diagnosis.compare_run import sentences  # noqa: E402
-from updamp.diagnosis.comparison import Comparison  # noqa: E402
-from updamp.diagnosis.comparison_json import write_json  # noqa: E402
+from updamp.benchmarks.hidden_effects.cases import Case, by_name  # noqa: E402
+from updamp.benchmarks.hidden_effects.fitted_model import build  # noqa: E402
+from updamp.benchmarks.hidden_effects.in_turn import in_turn  # noqa: E402
+from updamp.benchmarks.hidden_effects.layout import HERE, RIG, Layout, read, write_whole  # noqa: E402
+from updamp.benchmarks.hidden_effects.sentence_rule import Judged, judged, laboratory_changes  # noqa: E402
+from updamp.benchmarks.hidden_effects.sentence_runs import FINER, FITTED, calibrated  # noqa: E402
+from updamp.comparison.compare import comparison_of  # noqa: E402
+from updamp.comparison.comparison import COMPARISON_JSON, Comparison  # noqa: E402
 from updamp.hbm.compilation_cache import keep_compiled  # noqa: E402
+from updamp.workflow.compare_run import sentences  # noqa: E402
 
 USED = tuple(
     f"case_{n:03d}" for n in (17, 20, 28, 33, 35, 58, 67, 70, 94, 87, 29, 8, 84, 21, 75, 95, 3, 14)
@@ -45,7 +41,7 @@ def say(case: Case, data: Layout, out: Path) -> dict[str, Any]:
     folder = out / case.name
     kept = calibrated(case, data, folder, out / "models")
     comparison = comparison_of(kept.calibration, kept.measurement, (), kept.provenance)
-    write_json(folder / "comparison.json", comparison)
+    COMPARISON_JSON.write(folder / "comparison.json", comparison)
     changes = laboratory_changes(case, out / "laboratory")
     verdict = judged(comparison, changes)
     row = _row(case, comparison, verdict, kept.seconds)

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from math import isfinite
 
-from hidden_effects.goals import Goal, ablated, ablation_names, identification
-from hidden_effects.scored_case import ScoredCase, Seen
+from updamp.benchmarks.hidden_effects.goals import Goal, ablated, ablation_names, identification
+from updamp.benchmarks.hidden_effects.scored_case import ScoredCase, Seen
 
 KINDS = {
     "single": "One effect", "none": "Nothing hidden", "outside": "Outside the catalogue", "pair": "Two effects",

@@ -10,8 +10,9 @@ from functools import cached_property
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
-from virtual_rig.bench import BODIES, Bench
-from virtual_rig.bodies import Bodies
+
+from updamp.benchmarks.virtual_rig.bench import BODIES, Bench
+from updamp.benchmarks.virtual_rig.bodies import Bodies
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -6,9 +6,9 @@ from math import cos, sin
 
 import numpy as np
 from numpy.typing import NDArray
-from virtual_rig.bodies import Bodies
 
-from updamp.rig import Rig
+from updamp.benchmarks.virtual_rig.bodies import Bodies
+from updamp.rig.rig import Rig
 
 Floats = NDArray[np.float64]
 # Displacement and velocity (n_time,) [m, m/s] -> force and its derivatives by both.
@@ -139,3 +139,33 @@ def wires(rig: Rig, axial_factor: float = 1.0) -> tuple[Attachment, ...]:
     arm = 1 / (2 * rig.face_bottom[0])
     roll = {"damper.corner_right.y": arm, "damper.corner_left.y": -arm}
     return (*ends, spring("wire_roll", roll, rig.load.pull * rig.wire.attachment_height))
+
+
+# What can be hidden in the bench: a name, values for three strengths, and what it does physically.
+
+Values = Mapping[str, float]
+STRENGTHS = ("weak", "medium", "strong")
+
+
+@dataclass(frozen=True)
+class HiddenEffect:
+    """strengths: "weak", "medium", "strong" -> values; apply(bench, values, rig) -> the bench with it"""
+
+    name: str
+    sentence: str
+    strengths: Mapping[str, Values]
+    apply: Callable[[Bench, Values, Rig], Bench]
+    in_catalogue: bool = True
+
+
+@dataclass(frozen=True)
+class Hidden:
+    """One that is hidden in a measurement. strength: for the record, "" where the values are not those of one"""
+
+    name: str
+    values: Values
+    strength: str = ""
+
+
+def strengths(parameter: str, weak: float, medium: float, strong: float) -> dict[str, Values]:
+    return {name: {parameter: value} for name, value in zip(STRENGTHS, (weak, medium, strong), strict=True)}

@@ -17,7 +17,7 @@ from updamp.fem.reduction import ReductionOptions, component_modes, reduce_compo
 from updamp.fem.solvers import solver_named
 from updamp.geometry.build_mesh import build_mesh
 from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements
-from updamp.rig import Rig
+from updamp.rig.rig import Rig
 
 Floats = NDArray[np.float64]
 

@@ -9,10 +9,10 @@ from typing import Any
 
 import pyuff
 import tomlkit
-from virtual_rig.plan import TestPlan
-from virtual_rig.sensors import Recorded
 
-from updamp.rig import Rig
+from updamp.benchmarks.virtual_rig.plan import TestPlan
+from updamp.benchmarks.virtual_rig.sensors import Recorded
+from updamp.rig.rig import Rig
 
 COLUMNS = ("run", "repeat", "sweep", "frequency_Hz", "channel", "harmonic", "real", "imag")
 CSV, UFF, DESCRIPTION, SEALED = "sweeps.csv", "sweeps.uff", "measurement.toml", "sealed.json"

@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
-from virtual_rig.bench import Bench
-from virtual_rig.hidden_effect import HiddenEffect, Values, strengths
 
-from updamp.rig import Rig
+from updamp.benchmarks.virtual_rig.bench import Bench, HiddenEffect, Values, strengths
+from updamp.rig.rig import Rig
 
 Floats = NDArray[np.float64]
 

@@ -4,10 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from virtual_rig.bench import Attachment, Bench, PointElement, PointForce, wires
-from virtual_rig.hidden_effect import HiddenEffect, Values, strengths
 
-from updamp.rig import Rig
+from updamp.benchmarks.virtual_rig.bench import (
+    Attachment,
+    Bench,
+    HiddenEffect,
+    PointElement,
+    PointForce,
+    Values,
+    strengths,
+    wires,
+)
+from updamp.rig.rig import Rig
 
 Floats = NDArray[np.float64]
 TIPS = ("blade_left.tip.x", "blade_right.tip.x")

@@ -4,11 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from virtual_rig.bench import Attachment, Bench, PointElement, PointForce
-from virtual_rig.hidden_effect import HiddenEffect, Values, strengths
-from virtual_rig.hidden_in_structure import TIPS
 
-from updamp.rig import Rig
+from updamp.benchmarks.virtual_rig.bench import (
+    Attachment,
+    Bench,
+    HiddenEffect,
+    PointElement,
+    PointForce,
+    Values,
+    strengths,
+)
+from updamp.benchmarks.virtual_rig.hidden_in_structure import TIPS
+from updamp.rig.rig import Rig
 
 Floats = NDArray[np.float64]
 

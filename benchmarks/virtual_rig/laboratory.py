@@ -1,20 +1,45 @@
 """Runs on the bench: a quick sweep finds the resonance, a stepped sine about it is what is recorded."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
-from virtual_rig.assembled import Assembled, assembled
-from virtual_rig.bench import BODIES, Bench
-from virtual_rig.hidden_effect import Hidden
-from virtual_rig.hidden_registry import with_hidden
-from virtual_rig.periodic import NotSolvedError, SolverOptions
-from virtual_rig.plan import NoiseLevels, PlannedRun, TestPlan
-from virtual_rig.sensors import Recorded, recorded
-from virtual_rig.stepped_sine import StepMotor
 
-from updamp.rig import Rig
+from updamp.benchmarks.virtual_rig import hidden_in_contact, hidden_in_structure, hidden_outside
+from updamp.benchmarks.virtual_rig.assembled import Assembled, assembled
+from updamp.benchmarks.virtual_rig.bench import BODIES, Bench, Hidden, HiddenEffect
+from updamp.benchmarks.virtual_rig.periodic import NotSolvedError, SolverOptions
+from updamp.benchmarks.virtual_rig.plan import NoiseLevels, PlannedRun, TestPlan
+from updamp.benchmarks.virtual_rig.sensors import Recorded, recorded
+from updamp.benchmarks.virtual_rig.stepped_sine import StepMotor
+from updamp.rig.rig import Rig
+
+# All effects that can be hidden, by name.
+
+HIDDEN: Mapping[str, HiddenEffect] = MappingProxyType(
+    {e.name: e for e in (*hidden_in_structure.EFFECTS, *hidden_in_contact.EFFECTS, *hidden_outside.EFFECTS)}
+)
+
+
+def hidden(name: str, strength: str) -> Hidden:
+    """raises: ValueError naming what there is"""
+    if name not in HIDDEN:
+        raise ValueError(f"no effect '{name}' can be hidden; there are {', '.join(HIDDEN)}")
+    if strength not in HIDDEN[name].strengths:
+        raise ValueError(f"strength '{strength}' of '{name}': one of {', '.join(HIDDEN[name].strengths)} is wanted")
+    return Hidden(name, HIDDEN[name].strengths[strength], strength)
+
+
+def with_hidden(bench: Bench, effects: Sequence[Hidden], rig: Rig) -> Bench:
+    """In the order of the registry, so that what is scaled and what is set does not depend on the order of naming."""
+    for name, effect in HIDDEN.items():
+        for one in effects:
+            if one.name == name:
+                bench = effect.apply(bench, one.values, rig)
+    return bench
+
 
 Floats = NDArray[np.float64]
 

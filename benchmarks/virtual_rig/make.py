@@ -4,7 +4,6 @@
 """
 
 import os
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -12,16 +11,14 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-sys.path.append(str(Path(__file__).parents[1]))
 # To be set before numpy is loaded: the products are small, and threads make them many times slower.
 for library in ("OMP", "OPENBLAS", "MKL"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
-from virtual_rig.hidden_registry import HIDDEN, hidden  # noqa: E402
-from virtual_rig.measurement import RIG, make_measurement  # noqa: E402
-from virtual_rig.plan import QUIET, SIX_CURVES, NoiseLevels, TestPlan  # noqa: E402
-
-from updamp.rig import load_rig  # noqa: E402
+from updamp.benchmarks.virtual_rig.laboratory import HIDDEN, hidden  # noqa: E402
+from updamp.benchmarks.virtual_rig.measurement import RIG, make_measurement  # noqa: E402
+from updamp.benchmarks.virtual_rig.plan import QUIET, SIX_CURVES, NoiseLevels, TestPlan  # noqa: E402
+from updamp.model.rig_files import load_rig  # noqa: E402
 
 
 def main(

@@ -5,15 +5,24 @@ from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
-from virtual_rig.bench import bench_of
-from virtual_rig.bodies import bodies_of
-from virtual_rig.files import CSV, DESCRIPTION, SEALED, UFF, write_csv, write_description, write_sealed, write_uff
-from virtual_rig.hidden_effect import Hidden
-from virtual_rig.laboratory import draw_assembly, measured, put_together
-from virtual_rig.periodic import SolverOptions
-from virtual_rig.plan import NoiseLevels, TestPlan
 
-from updamp.rig import Rig, load_rig
+from updamp.benchmarks.virtual_rig.bench import Hidden, bench_of
+from updamp.benchmarks.virtual_rig.bodies import bodies_of
+from updamp.benchmarks.virtual_rig.files import (
+    CSV,
+    DESCRIPTION,
+    SEALED,
+    UFF,
+    write_csv,
+    write_description,
+    write_sealed,
+    write_uff,
+)
+from updamp.benchmarks.virtual_rig.laboratory import draw_assembly, measured, put_together
+from updamp.benchmarks.virtual_rig.periodic import SolverOptions
+from updamp.benchmarks.virtual_rig.plan import NoiseLevels, TestPlan
+from updamp.model.rig_files import load_rig
+from updamp.rig.rig import Rig
 
 RIG = Path(__file__).parents[2] / "rigs" / "virtual_rig.toml"
 

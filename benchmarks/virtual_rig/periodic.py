@@ -9,10 +9,10 @@ from functools import lru_cache
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
-from virtual_rig.assembled import Assembled
-from virtual_rig.basis import Basis
-from virtual_rig.patch_forces import departures
-from virtual_rig.receptance import Receptance, receptance
+
+from updamp.benchmarks.virtual_rig.assembled import Assembled
+from updamp.benchmarks.virtual_rig.patch_forces import Basis, departures
+from updamp.benchmarks.virtual_rig.receptance import Receptance, receptance
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]

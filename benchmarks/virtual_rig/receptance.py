@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from virtual_rig.assembled import Assembled
-from virtual_rig.basis import Basis
-from virtual_rig.bench import BODIES
+
+from updamp.benchmarks.virtual_rig.assembled import Assembled
+from updamp.benchmarks.virtual_rig.bench import BODIES
+from updamp.benchmarks.virtual_rig.patch_forces import Basis
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]

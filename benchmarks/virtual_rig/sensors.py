@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from virtual_rig.bench import Bench
-from virtual_rig.plan import NoiseLevels, PlannedRun, TestPlan
+
+from updamp.benchmarks.virtual_rig.bench import Bench
+from updamp.benchmarks.virtual_rig.plan import NoiseLevels, PlannedRun, TestPlan
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -9,8 +9,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from virtual_rig.assembled import Assembled
-from virtual_rig.periodic import Motion, NotSolvedError, SolverOptions, motion_at
+
+from updamp.benchmarks.virtual_rig.assembled import Assembled
+from updamp.benchmarks.virtual_rig.periodic import Motion, NotSolvedError, SolverOptions, motion_at
 
 Floats = NDArray[np.float64]
 

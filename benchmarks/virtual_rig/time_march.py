@@ -13,8 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from virtual_rig.assembled import Assembled
-from virtual_rig.periodic import Motion
+
+from updamp.benchmarks.virtual_rig.assembled import Assembled
+from updamp.benchmarks.virtual_rig.periodic import Motion
 
 Floats = NDArray[np.float64]
 

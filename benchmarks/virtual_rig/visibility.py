@@ -8,25 +8,27 @@ be seen; with EFFECTs named, those alone.
 
 import os
 import sys
-from pathlib import Path
 
-sys.path.append(str(Path(__file__).parents[1]))
 for library in ("OMP", "OPENBLAS", "MKL"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
 import numpy as np  # noqa: E402
-from virtual_rig.assembled import assembled  # noqa: E402
-from virtual_rig.bench import Bench, bench_of  # noqa: E402
-from virtual_rig.bodies import bodies_of  # noqa: E402
-from virtual_rig.hidden_registry import HIDDEN, hidden, with_hidden  # noqa: E402
-from virtual_rig.laboratory import quick_sweep  # noqa: E402
-from virtual_rig.measurement import RIG  # noqa: E402
-from virtual_rig.periodic import NotSolvedError, SolverOptions  # noqa: E402
-from virtual_rig.plan import SIX_CURVES, PlannedRun  # noqa: E402
-from virtual_rig.sensors import loose  # noqa: E402
-from virtual_rig.stepped_sine import StepMotor  # noqa: E402
 
-from updamp.rig import load_rig  # noqa: E402
+from updamp.benchmarks.virtual_rig.assembled import assembled  # noqa: E402
+from updamp.benchmarks.virtual_rig.bench import Bench, bench_of  # noqa: E402
+from updamp.benchmarks.virtual_rig.bodies import bodies_of  # noqa: E402
+from updamp.benchmarks.virtual_rig.laboratory import (  # noqa: E402
+    HIDDEN,
+    hidden,
+    quick_sweep,
+    with_hidden,
+)
+from updamp.benchmarks.virtual_rig.measurement import RIG  # noqa: E402
+from updamp.benchmarks.virtual_rig.periodic import NotSolvedError, SolverOptions  # noqa: E402
+from updamp.benchmarks.virtual_rig.plan import SIX_CURVES, PlannedRun  # noqa: E402
+from updamp.benchmarks.virtual_rig.sensors import loose  # noqa: E402
+from updamp.benchmarks.virtual_rig.stepped_sine import StepMotor  # noqa: E402
+from updamp.model.rig_files import load_rig  # noqa: E402
 
 USUAL = SolverOptions()
 SETTINGS = {

@@ -1,13 +1,25 @@
 """What the friction laws with a slider and a unilateral normal spring share: parameters and the march in time."""
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 
-from updamp.hbm.contact.history import last_cycle
 from updamp.hbm.contact.law import SEPARATED, SLIP, STICK
+
+# March a slider through cycles of a periodic motion and return the last one.
+
+
+def last_cycle(
+    step: Callable[[jax.Array, Any], tuple[jax.Array, Any]], start: jax.Array, samples: Any, cycles: int
+) -> Any:
+    """Scan `step(history, sample) -> (history, output)` over `cycles` periods of `samples`; outputs of the last."""
+    history = start
+    for _ in range(cycles - 1):
+        history, _ = jax.lax.scan(lambda h, s: (step(h, s)[0], None), history, samples)
+    return jax.lax.scan(step, history, samples)[1]
+
 
 Return = Callable[[jax.Array, jax.Array], jax.Array]
 

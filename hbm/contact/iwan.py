@@ -20,7 +20,7 @@ from typing import ClassVar, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from updamp.hbm.contact.history import last_cycle
+from updamp.hbm.contact.friction import last_cycle
 
 # Displacement at which the stiffness lost is stated [m].
 AT = 1e-4

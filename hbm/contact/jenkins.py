@@ -6,7 +6,7 @@ from typing import ClassVar, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from updamp.hbm.contact.history import last_cycle
+from updamp.hbm.contact.friction import last_cycle
 
 
 class JenkinsParameters(NamedTuple):

@@ -8,7 +8,8 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact import friction, play, sticking
+from updamp.hbm.contact import event_march as play
+from updamp.hbm.contact import friction, sticking
 from updamp.hbm.contact.friction import FrictionParameters
 
 

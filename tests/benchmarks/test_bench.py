@@ -8,16 +8,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from harmonic_balance.growth import Growth, draw
-from harmonic_balance.measure import Cost, branch_cost, counting
-from harmonic_balance.peers_problem import LAWS, THREADS, cost
-from harmonic_balance.results import Results
-from harmonic_balance.rig_curves import AllCurves, CurveCost, stages_of
-from harmonic_balance.synthetic import excitation, synthetic, window
-from harmonic_balance.threads import in_a_process
 from rich.console import Console
 
-from updamp.hbm.newton import linear_solution, solve
+from updamp.benchmarks.harmonic_balance.growth import Growth, draw
+from updamp.benchmarks.harmonic_balance.measure import Cost, branch_cost, counting, in_a_process
+from updamp.benchmarks.harmonic_balance.peers_problem import LAWS, THREADS, cost
+from updamp.benchmarks.harmonic_balance.results import Results
+from updamp.benchmarks.harmonic_balance.rig_curves import AllCurves, CurveCost, stages_of
+from updamp.benchmarks.harmonic_balance.synthetic import excitation, synthetic, window
+from updamp.hbm.newton.newton import linear_solution, solve
 
 
 @pytest.fixture(scope="module")

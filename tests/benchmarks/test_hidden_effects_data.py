@@ -7,19 +7,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hidden_effects.cases import NULLS, PAIRS, Case, by_name, cases
-from hidden_effects.in_turn import in_turn
-from hidden_effects.layout import Layout, read
-from hidden_effects.make_data import is_made, make_case
 from support.tiny_mesh import TINY
-from virtual_rig.bodies import bodies_of
-from virtual_rig.hidden_effect import STRENGTHS
-from virtual_rig.hidden_registry import HIDDEN, hidden
-from virtual_rig.plan import PlannedRun, TestPlan
 
-from updamp.diagnosis.effects.catalogue import CATALOGUE
-from updamp.diagnosis.measurement.load import load_measurement
-from updamp.rig import Rig, load_rig
+from updamp.benchmarks.hidden_effects.cases import NULLS, PAIRS, Case, by_name, cases
+from updamp.benchmarks.hidden_effects.in_turn import in_turn
+from updamp.benchmarks.hidden_effects.layout import Layout, read
+from updamp.benchmarks.hidden_effects.make_data import is_made, make_case
+from updamp.benchmarks.virtual_rig.bench import STRENGTHS
+from updamp.benchmarks.virtual_rig.bodies import bodies_of
+from updamp.benchmarks.virtual_rig.laboratory import HIDDEN, hidden
+from updamp.benchmarks.virtual_rig.plan import PlannedRun, TestPlan
+from updamp.effects.catalogue import CATALOGUE
+from updamp.measurement.load import load_measurement
+from updamp.model.rig_files import load_rig
+from updamp.rig.rig import Rig
 
 PLAN = TestPlan((PlannedRun("IP", 0.5), PlannedRun("OOP", 2.0)), 2, 8)
 RIG = Path(__file__).parents[2] / "rigs" / "virtual_rig.toml"

@@ -4,19 +4,28 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hidden_effects import detectability
-from hidden_effects.cases import NOISE, PLAN
-from hidden_effects.detectability import FACTORS, as_real, covariances, difference, expected, like, log_receptance
 from support.tiny_mesh import TINY
-from virtual_rig.assembled import assembled
-from virtual_rig.bench import Bench, bench_of
-from virtual_rig.bodies import bodies_of
-from virtual_rig.hidden_registry import hidden, with_hidden
-from virtual_rig.periodic import SolverOptions
-from virtual_rig.plan import PlannedRun, TestPlan
 
-from updamp.diagnosis.model.parameters import OF_CONTACTS, OF_STRUCTURE
-from updamp.rig import Rig, load_rig
+from updamp.benchmarks.hidden_effects import detectability
+from updamp.benchmarks.hidden_effects.cases import NOISE, PLAN
+from updamp.benchmarks.hidden_effects.detectability import (
+    FACTORS,
+    as_real,
+    covariances,
+    difference,
+    expected,
+    like,
+    log_receptance,
+)
+from updamp.benchmarks.virtual_rig.assembled import assembled
+from updamp.benchmarks.virtual_rig.bench import Bench, bench_of
+from updamp.benchmarks.virtual_rig.bodies import bodies_of
+from updamp.benchmarks.virtual_rig.laboratory import hidden, with_hidden
+from updamp.benchmarks.virtual_rig.periodic import SolverOptions
+from updamp.benchmarks.virtual_rig.plan import PlannedRun, TestPlan
+from updamp.model.calibration import OF_CONTACTS, OF_STRUCTURE
+from updamp.model.rig_files import load_rig
+from updamp.rig.rig import Rig
 
 RIG = Path(__file__).parents[2] / "rigs" / "virtual_rig.toml"
 QUICK = SolverOptions(3, 128, 1e-6)

@@ -7,16 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import typer
-from hidden_effects import run
-from hidden_effects.cases import by_name
-from hidden_effects.diagnose_case import FINER
-from hidden_effects.layout import Layout, write_whole
-from hidden_effects.run import Task, diagnose, tasks
-from hidden_effects.shared_model import build, place
 from support.tiny_mesh import TINY_PRESET
 
-from updamp.diagnosis.verdict import Confounding, ErrorReached, Verdict
-from updamp.diagnosis.verdict_json import read_json
+from updamp.benchmarks.hidden_effects import run
+from updamp.benchmarks.hidden_effects.cases import by_name
+from updamp.benchmarks.hidden_effects.fitted_model import FINER, build, place
+from updamp.benchmarks.hidden_effects.layout import Layout, write_whole
+from updamp.benchmarks.hidden_effects.run import Task, diagnose, tasks
+from updamp.diagnosis.verdict import VERDICT_JSON, Confounding, ErrorReached, Verdict
 
 RIG = Path(__file__).parents[2] / "rigs" / "virtual_rig.toml"
 ADEQUATE = Verdict(
@@ -53,7 +51,7 @@ def test_diagnosis_is_given_nothing_of_the_truth(layout: Layout, monkeypatch: py
     assert {f.name for f in fields(Task)} == {"name", "preset", "measurement", "model", "out"}
     for task in found:
         assert diagnose(task).verdict == "adequate"
-        assert read_json(task.out / "diagnosis.json").verdict == "adequate"
+        assert VERDICT_JSON.read(task.out / "diagnosis.json").verdict == "adequate"
     assert {preset for _, preset, _, _ in given} == {"diagnosis_146"}
     assert {m.parent.name for _, _, m, _ in given} == {case.name for case in by_name(("resolution",))}
     assert all(not layout.truth(m.parent.name).is_relative_to(m.parent) for _, _, m, _ in given)

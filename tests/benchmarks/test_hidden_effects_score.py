@@ -6,18 +6,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hidden_effects import score
-from hidden_effects.cases import Case, cases
-from hidden_effects.confusion import confusion
-from hidden_effects.goals import goal
-from hidden_effects.judgement import Called, judged
-from hidden_effects.layout import Layout, write_whole
-from hidden_effects.make_data import truth_of
-from hidden_effects.score import all_goals, put_into, score_all
 
-from updamp.diagnosis.effects.catalogue import CATALOGUE
-from updamp.diagnosis.verdict import Candidate, Confounding, ErrorReached, FittedParameter, Verdict
-from updamp.diagnosis.verdict_json import write_json
+from updamp.benchmarks.hidden_effects import score
+from updamp.benchmarks.hidden_effects.cases import Case, cases
+from updamp.benchmarks.hidden_effects.confusion import confusion
+from updamp.benchmarks.hidden_effects.goals import goal
+from updamp.benchmarks.hidden_effects.judgement import Called, judged
+from updamp.benchmarks.hidden_effects.layout import Layout, write_whole
+from updamp.benchmarks.hidden_effects.make_data import truth_of
+from updamp.benchmarks.hidden_effects.score import all_goals, put_into, score_all
+from updamp.diagnosis.verdict import VERDICT_JSON, Candidate, Confounding, ErrorReached, FittedParameter, Verdict
+from updamp.effects.catalogue import CATALOGUE
 
 PERFECT = ErrorReached(before=10.0, after=1.1, held_out_before=8.0, held_out_after=1.2, repeatability=1.0)
 IDENTIFIED, INSEPARABLE = "identified", "inseparable"
@@ -105,7 +104,7 @@ def store(layout: Layout, case: Case, what: Verdict, seconds: float = 100.0) -> 
     write_whole(layout.truth(case.name), truth_of(case, {}, 10.0))
     folder = layout.verdict(case.name)
     folder.mkdir(parents=True)
-    write_json(folder / "diagnosis.json", what)
+    VERDICT_JSON.write(folder / "diagnosis.json", what)
     write_whole(folder / "run.json", {"case": case.name, "seconds": seconds})
 
 
@@ -120,7 +119,7 @@ def all_right(tmp_path: Path) -> Layout:
 
 
 def replaced(layout: Layout, case: Case, what: Verdict) -> None:
-    write_json(layout.verdict(case.name) / "diagnosis.json", what)
+    VERDICT_JSON.write(layout.verdict(case.name) / "diagnosis.json", what)
 
 
 def counts(layout: Layout) -> dict[str, tuple[int, int, bool | None]]:

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hidden_effects.sentence_rule import FREQUENCY, HEIGHT, SIDES, in_words, judged
-from hidden_effects.sentences import table
 from support.synthetic_comparison import features_only
 
-from updamp.diagnosis.comparison import Comparison, CurvePair, Finding, MeasuredCurve, ModelCurve
+from updamp.benchmarks.hidden_effects.sentence_rule import FREQUENCY, HEIGHT, SIDES, in_words, judged
+from updamp.benchmarks.hidden_effects.sentences import table
+from updamp.comparison.comparison import Comparison, CurvePair, Finding, MeasuredCurve, ModelCurve
 
 LEVELS = {"IP 2 N": 2.0, "IP 8 N": 8.0}
 

@@ -10,22 +10,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.tiny_mesh import TINY
-from virtual_rig.assembled import assembled
-from virtual_rig.bench import Bench, bench_of
-from virtual_rig.bodies import bodies_of
-from virtual_rig.hidden_registry import HIDDEN, hidden, with_hidden
-from virtual_rig.periodic import SolverOptions
-from virtual_rig.stepped_sine import StepMotor
 
-from updamp.diagnosis.effects.catalogue import CATALOGUE
-from updamp.diagnosis.model.build import rig_model
-from updamp.diagnosis.model.rig_model import RigModel
+from updamp.benchmarks.virtual_rig.assembled import assembled
+from updamp.benchmarks.virtual_rig.bench import Bench, bench_of
+from updamp.benchmarks.virtual_rig.bodies import bodies_of
+from updamp.benchmarks.virtual_rig.laboratory import HIDDEN, hidden, with_hidden
+from updamp.benchmarks.virtual_rig.periodic import SolverOptions
+from updamp.benchmarks.virtual_rig.stepped_sine import StepMotor
+from updamp.effects.catalogue import CATALOGUE
+from updamp.effects.rig_model import RigModel
 from updamp.fem.finite_element_model import finite_element_model
-from updamp.fem.static_contact import static_contact
+from updamp.fem.static_contact.static_contact import static_contact
 from updamp.geometry.build_mesh import build_mesh
-from updamp.hbm import observe
-from updamp.hbm.newton import linear_solution, solve
-from updamp.rig import Rig, load_rig
+from updamp.hbm.newton import observe
+from updamp.hbm.newton.newton import linear_solution, solve
+from updamp.model.build import rig_model
+from updamp.model.rig_files import load_rig
+from updamp.rig.rig import Rig
 
 RIG = Path(__file__).parents[2] / "rigs" / "virtual_rig.toml"
 # The law that takes its events at the samples, as the laboratory does.

@@ -13,4 +13,4 @@ MODULES = sorted(".".join(path.relative_to(BENCHMARKS).with_suffix("").parts) fo
 @pytest.mark.parametrize("name", MODULES)
 def test_a_benchmark_can_be_imported(name, monkeypatch):
     monkeypatch.setattr(os, "environ", os.environ.copy())  # scripts set their numbers of threads
-    assert import_module(name)
+    assert import_module(f"updamp.benchmarks.{name}")

@@ -9,21 +9,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.tiny_mesh import TINY
-from virtual_rig.assembled import assembled
-from virtual_rig.bench import Bench, bench_of
-from virtual_rig.bodies import bodies_of
-from virtual_rig.hidden_registry import HIDDEN, hidden, with_hidden
-from virtual_rig.laboratory import jumps
-from virtual_rig.measurement import RIG, make_measurement
-from virtual_rig.periodic import SolverOptions
-from virtual_rig.plan import QUIET, NoiseLevels, PlannedRun, TestPlan
-from virtual_rig.sensors import loose
-from virtual_rig.stepped_sine import StepMotor
 
-from updamp.diagnosis.effects.catalogue import CATALOGUE
-from updamp.diagnosis.measurement.load import load_measurement
-from updamp.diagnosis.measurement.readers.uff import read_uff
-from updamp.rig import Rig, load_rig
+from updamp.benchmarks.virtual_rig.assembled import assembled
+from updamp.benchmarks.virtual_rig.bench import Bench, bench_of
+from updamp.benchmarks.virtual_rig.bodies import bodies_of
+from updamp.benchmarks.virtual_rig.laboratory import HIDDEN, hidden, jumps, with_hidden
+from updamp.benchmarks.virtual_rig.measurement import RIG, make_measurement
+from updamp.benchmarks.virtual_rig.periodic import SolverOptions
+from updamp.benchmarks.virtual_rig.plan import QUIET, NoiseLevels, PlannedRun, TestPlan
+from updamp.benchmarks.virtual_rig.sensors import loose
+from updamp.benchmarks.virtual_rig.stepped_sine import StepMotor
+from updamp.effects.catalogue import CATALOGUE
+from updamp.measurement.load import load_measurement
+from updamp.measurement.readers.uff import read_uff
+from updamp.model.rig_files import load_rig
+from updamp.rig.rig import Rig
 
 QUICK = SolverOptions(harmonics=3, n_time=128, tolerance=1e-6)
 PLAN = TestPlan((PlannedRun("IP", 1.0), PlannedRun("OOP", 20.0, upwards=True)), 2, 10, corners=True, harmonics=(1, 3))

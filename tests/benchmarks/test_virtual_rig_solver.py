@@ -5,21 +5,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support.tiny_mesh import TINY
-from virtual_rig.assembled import Assembled, assembled
-from virtual_rig.basis import Basis
-from virtual_rig.bench import Bench, Patches, bench_of
-from virtual_rig.bodies import Bodies, bodies_of
-from virtual_rig.measurement import RIG
-from virtual_rig.patch_forces import departures
-from virtual_rig.periodic import SolverOptions
-from virtual_rig.stepped_sine import StepMotor
-from virtual_rig.time_march import march
 
-from updamp.fem.coupled_reduced import coupled_frequencies_reduced
+from updamp.benchmarks.virtual_rig.assembled import Assembled, assembled
+from updamp.benchmarks.virtual_rig.bench import Bench, Patches, bench_of
+from updamp.benchmarks.virtual_rig.bodies import Bodies, bodies_of
+from updamp.benchmarks.virtual_rig.measurement import RIG
+from updamp.benchmarks.virtual_rig.patch_forces import Basis, departures
+from updamp.benchmarks.virtual_rig.periodic import SolverOptions
+from updamp.benchmarks.virtual_rig.stepped_sine import StepMotor
+from updamp.benchmarks.virtual_rig.time_march import march
+from updamp.fem.coupled_modes import coupled_frequencies_reduced
 from updamp.fem.finite_element_model import finite_element_model, rig_springs
 from updamp.fem.springs import ContactStiffness
 from updamp.geometry.build_mesh import build_mesh
-from updamp.rig import Rig, load_rig
+from updamp.model.rig_files import load_rig
+from updamp.rig.rig import Rig
 
 EIGHT = {**TINY, "contact_elements": 8}
 TIP = "blade_right.tip.x"

@@ -8,11 +8,11 @@ from types import ModuleType
 import pytest
 from rich.console import Console
 
-from updamp.diagnosis.effects.catalogue import CATALOGUE
-from updamp.diagnosis.history import read_history
-from updamp.diagnosis.search import diagnose
-from updamp.diagnosis.search.criteria import Criteria
-from updamp.diagnosis.search.diagnose import DiagnoseOptions
+from updamp.diagnosis.criteria import Criteria
+from updamp.effects.catalogue import CATALOGUE
+from updamp.workflow import diagnose_run as diagnose
+from updamp.workflow.diagnose_run import DiagnoseOptions
+from updamp.workflow.history import read_history
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "hidden_effect.py"
 CHOICE = ("blade_mistuning", "clamp_flexibility", "asymmetric_preload")
@@ -26,7 +26,7 @@ def example(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     monkeypatch.syspath_prepend(str(EXAMPLE.parents[1] / "benchmarks"))
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    from virtual_rig.bodies import bodies_of
+    from updamp.benchmarks.virtual_rig.bodies import bodies_of
 
     monkeypatch.setattr(bodies_of, "__defaults__", (tmp_path / "bodies",))
     monkeypatch.setattr(diagnose, "catalogue", lambda: {name: CATALOGUE[name] for name in CHOICE})

@@ -10,7 +10,8 @@ from skfem.io.meshio import HEX_MAPPING
 
 from updamp.geometry.build_mesh import build_mesh
 from updamp.geometry.rig_mesh import ComponentMesh, RigMesh
-from updamp.rig import MeshDivisions, Rig, load_rig
+from updamp.model.rig_files import load_rig
+from updamp.rig.rig import MeshDivisions, Rig
 
 RIG_FILE = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
 

@@ -5,11 +5,12 @@ import pytest
 from scipy import sparse
 from scipy.sparse.linalg import eigsh
 
-from updamp.fem.coupled_reduced import coupled_frequencies_reduced
+from updamp.fem.coupled_modes import coupled_frequencies_reduced
 from updamp.fem.coupling import patch
 from updamp.fem.finite_element_model import assemble_rig, coupled_check, finite_element_model, rig_springs
 from updamp.fem.reduction import ReductionOptions
-from updamp.fem.springs import ContactStiffness, Wires, damper_point, stuck_contact, wire_springs
+from updamp.fem.springs import ContactStiffness, damper_point, on_damper, stuck_contact
+from updamp.rig.wires import wire_springs
 
 STIFFNESS = ContactStiffness(6e13, 6e13)
 TOLERANCE = 1e-3  # what the reduction promises
@@ -98,19 +99,20 @@ def test_stages_are_timed_and_told(tiny_mesh, reference_rig) -> None:
     assert result.reduced.max_relative_residual < 1e-6
 
 
-def test_wires_hold_all_rigid_motion(tiny_mesh) -> None:
+def test_wires_hold_all_rigid_motion(tiny_mesh, reference_rig) -> None:
     contacts = tiny_mesh.contacts
-    wires = Wires(axial_stiffness=1e6, pull=960.0, length=0.5, attachment_height=3e-3, half_width=8e-3)
-    springs = wire_springs(contacts, wires)
+    springs = on_damper(contacts, wire_springs(reference_rig))
+    wire, pull = reference_rig.wire, reference_rig.load.pull
     upwards = sum(damper_point(contacts, f"wire_{end}.y") for end in ("back", "front"))
     upwards = upwards + damper_point(contacts, "corner_left.y") + damper_point(contacts, "corner_right.y")
     elongation = springs.directions.T @ upwards
-    assert elongation @ (springs.stiffness * elongation) == pytest.approx(1e6)
-    roll = 8e-3 * (damper_point(contacts, "corner_right.y") - damper_point(contacts, "corner_left.y"))
+    assert elongation @ (springs.stiffness * elongation) == pytest.approx(wire.axial_stiffness)
+    half_width = reference_rig.face_bottom[0]
+    roll = half_width * (damper_point(contacts, "corner_right.y") - damper_point(contacts, "corner_left.y"))
     elongation = springs.directions.T @ roll
-    assert elongation @ (springs.stiffness * elongation) == pytest.approx(960 * 3e-3)
-    level = wire_springs(contacts, Wires(1e6, 960.0, 0.5, 0.0, 8e-3))
-    assert level.stiffness.shape == (6,)
+    assert elongation @ (springs.stiffness * elongation) == pytest.approx(pull * wire.attachment_height)
+    level = wire_springs(reference_rig.model_copy(update={"wire": wire.model_copy(update={"attachment_height": 0.0})}))
+    assert on_damper(contacts, level).stiffness.shape == (6,)
 
 
 def test_stuck_contact_feels_relative_motion_only(tiny_mesh) -> None:

@@ -7,17 +7,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from updamp.effects.rig_model import RigModel
 from updamp.fem.finite_element_model import finite_element_model
 from updamp.fem.lumped_damper import damper_mass, lumped_damper, rest_of_faces, whole_faces
 from updamp.fem.reduced_model import ReducedModel
-from updamp.fem.static_contact import static_contact
+from updamp.fem.static_contact.static_contact import static_contact
 from updamp.geometry.contact_elements import LEFT, RIGHT
-from updamp.hbm.curve import CurveRequest, trace
-from updamp.hbm.newton import linear_solution
-from updamp.hbm.rig_system import excitation, rig_system
-from updamp.hbm.system import NonlinearSystem
-from updamp.rig import Rig, load_rig
-from updamp.rig_errors import RigError
+from updamp.hbm.continuation.curve import CurveRequest, trace
+from updamp.hbm.newton.newton import linear_solution
+from updamp.hbm.problem.system import NonlinearSystem
+from updamp.model.build import rig_model
+from updamp.model.rig_files import load_rig
+from updamp.rig.errors import RigError
+from updamp.rig.rig import Rig
 
 RIG_FILE = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
 TIPS = ("blade_left.tip.x", "blade_right.tip.x")
@@ -34,8 +36,12 @@ def reduced(small_mesh) -> ReducedModel:
     return finite_element_model(small_mesh, load_rig(RIG_FILE)).reduced
 
 
+def built(reduced: ReducedModel, rig: Rig) -> RigModel:
+    return rig_model(reduced, static_contact(reduced, rig), rig)
+
+
 def coupled(reduced: ReducedModel, rig: Rig) -> NonlinearSystem:
-    return rig_system(reduced, static_contact(reduced, rig), rig)
+    return built(reduced, rig).system
 
 
 def stuck_mode(system: NonlinearSystem, phase: int) -> int:
@@ -142,10 +148,10 @@ def test_low_force_is_linear_and_stays_so_longer_than_with_the_elastic_damper(re
     """Pesaresi et al. (2017), Fig. 16b: in phase, the lumped damper stays linear."""
     onset = {}
     for model in ("lumped", "elastic"):
-        rig = rig_with(model)
-        system = coupled(reduced, rig)
+        rig = built(reduced, rig_with(model))
+        system = rig.system
         w = 2 * np.pi * system.stuck.frequencies[stuck_mode(system, IN_PHASE)]
-        x = linear_solution(system, w, excitation(system, rig, 1.0)).reshape(-1, 3, system.harmonics.n_coefficients)
+        x = linear_solution(system, w, rig.excited_by(1.0)).reshape(-1, 3, system.harmonics.n_coefficients)
         tangential, normal = np.moveaxis(np.abs(system.harmonics.amplitude(x, 1)), 1, 0)[[0, 2]]
         p = system.groups[0].parameters
         opens, slips = p.n0 / (p.kn * normal), p.mu * p.n0 / (p.kt * tangential)
@@ -154,9 +160,9 @@ def test_low_force_is_linear_and_stays_so_longer_than_with_the_elastic_damper(re
 
 
 def test_curve_at_low_force_is_the_linear_receptance(reduced):
-    rig = rig_with("lumped")
-    system = coupled(reduced, rig)
-    *_, curve = trace(system, CurveRequest("OOP", excitation(system, rig, 0.96), (435.0, 440.0), TIPS))
+    model = built(reduced, rig_with("lumped"))
+    system = model.system
+    *_, curve = trace(system, CurveRequest("OOP", model.excited_by(0.96), (435.0, 440.0), TIPS))
     assert curve.complete
     assert curve.active.max() == 0
     rows = np.array([system.stuck.row(tip) for tip in TIPS])

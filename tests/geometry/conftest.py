@@ -4,7 +4,8 @@ import pytest
 
 from updamp.geometry.build_mesh import build_mesh
 from updamp.geometry.rig_mesh import RigMesh
-from updamp.rig import Rig, load_rig
+from updamp.model.rig_files import load_rig
+from updamp.rig.rig import Rig
 
 RIG_FILE = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
 

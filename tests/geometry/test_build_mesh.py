@@ -10,12 +10,10 @@ import pytest
 import pyvista
 from scipy.spatial import cKDTree
 
-from updamp.geometry.broken_pipes import broken_pipes_as_before
 from updamp.geometry.build_mesh import build_mesh
-from updamp.geometry.geometry_error import GeometryError
-from updamp.geometry.mirror import mirrored
-from updamp.geometry.scaled_jacobian import scaled_jacobian
-from updamp.rig import load_rig
+from updamp.geometry.extruded_blocks import broken_pipes_as_before
+from updamp.geometry.rig_mesh import GeometryError, mirrored, scaled_jacobian
+from updamp.model.rig_files import load_rig
 
 # A hexahedron as six tetrahedra about its diagonal 0-6; exact for the planar-faced cells of an extrusion.
 TETRAHEDRA = np.array([[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]])

@@ -6,8 +6,7 @@ from scipy.spatial import cKDTree
 
 from updamp.geometry.contact_elements import LEFT, RIGHT
 from updamp.geometry.contact_triangulation import _strip, contact_elements, triangulate_rectangle
-from updamp.geometry.geometry_error import GeometryError
-from updamp.geometry.mirror import mirrored
+from updamp.geometry.rig_mesh import GeometryError, mirrored
 
 
 def with_contacts(rig, n):

@@ -2,9 +2,8 @@ import numpy as np
 import pytest
 
 from updamp.geometry.contact_elements import LEFT, RIGHT
-from updamp.geometry.geometry_error import GeometryError
-from updamp.geometry.mirror import mirrored
 from updamp.geometry.patch_overlap import patch_overlap
+from updamp.geometry.rig_mesh import GeometryError, mirrored
 
 MONOMIALS = [(i, j) for i in range(5) for j in range(5 - i)]
 

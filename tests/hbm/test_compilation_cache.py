@@ -14,7 +14,7 @@ import numpy as np
 from updamp.hbm import compilation_cache
 from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
-from updamp.hbm.elements import ElementGroup, force_only
+from updamp.hbm.problem.elements import ElementGroup, force_only
 from updamp.hbm.harmonics import Harmonics
 
 compilation_cache.LEAST_SECONDS = 0.0

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from updamp.hbm.curve import trace
+from updamp.hbm.continuation.curve import trace
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "multi_element_oscillator.py"
 CHAIN = np.array([[2.0, -1, 0], [-1, 2, -1], [0, -1, 2]])

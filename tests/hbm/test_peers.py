@@ -9,12 +9,12 @@ from updamp.hbm.contact.jenkins import Jenkins, JenkinsParameters
 from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
 from updamp.hbm.contact.law import SEPARATED
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
-from updamp.hbm.continuation import first_point
-from updamp.hbm.elements import ElementGroup, force_only, over_period
+from updamp.hbm.continuation.continuation import first_point
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.newton import NewtonOptions
-from updamp.hbm.observe import ContactState, contact_states, response
-from updamp.hbm.system import Excitation
+from updamp.hbm.newton.newton import NewtonOptions
+from updamp.hbm.newton.observe import ContactState, contact_states, response
+from updamp.hbm.problem.elements import ElementGroup, force_only, over_period
+from updamp.hbm.problem.system import Excitation
 
 LAWS = {"box": SampledJenkinsBox, "circle": CoulombCircle}
 TIGHT = NewtonOptions(tolerance=1e-12)

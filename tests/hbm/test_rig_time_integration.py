@@ -9,14 +9,15 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from support.rig_against_time import Case, Problem
-from support.rig_march import March, Plane, shoot
 
+from updamp.benchmarks.time_integration.rig_against_time import Case, Problem
+from updamp.benchmarks.time_integration.rig_march import March, Plane, shoot
 from updamp.fem.finite_element_model import finite_element_model
 from updamp.fem.reduced_model import ReducedModel
 from updamp.geometry.build_mesh import build_mesh
-from updamp.hbm.observe import ContactState
-from updamp.rig import Rig, load_rig
+from updamp.hbm.newton.observe import ContactState
+from updamp.model.rig_files import load_rig
+from updamp.rig.rig import Rig
 
 RIG_FILE = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
 STUCK, SLIP, OPEN = ContactState.STUCK, ContactState.STICK_SLIP, ContactState.SEPARATING

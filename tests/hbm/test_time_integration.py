@@ -6,12 +6,12 @@ from support.peers import friction
 from support.time_march import march
 
 from updamp.hbm.contact.jenkins_box import JenkinsBox
-from updamp.hbm.continuation import first_point
-from updamp.hbm.elements import ElementGroup
+from updamp.hbm.continuation.continuation import first_point
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.linear_model import from_matrices
-from updamp.hbm.observe import ContactState, contact_states
-from updamp.hbm.system import Excitation, NonlinearSystem
+from updamp.hbm.newton.observe import ContactState, contact_states
+from updamp.hbm.problem.elements import ElementGroup
+from updamp.hbm.problem.linear_model import from_matrices
+from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 
 def _structure():

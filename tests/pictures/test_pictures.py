@@ -7,14 +7,14 @@ import pytest
 from PIL import Image
 from support.curves import softening_curve
 
-from updamp.fem.contact_rest import StaticContact
+from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.geometry.build_mesh import build_mesh
 from updamp.geometry.contact_elements import LEFT, RIGHT
-from updamp.geometry.mirror import mirrored
-from updamp.hbm.observe import ContactState
+from updamp.geometry.rig_mesh import mirrored
+from updamp.hbm.newton.observe import ContactState
+from updamp.model.rig_files import load_rig
 from updamp.pictures import bodies, faces, kinematics, modes, response, scene
 from updamp.pictures.style import BLUE, LIGHT_GREY, ORANGE, VERMILLION, YELLOW
-from updamp.rig import load_rig
 
 RIG = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
 

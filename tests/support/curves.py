@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.response_curve import ResponseCurve
 
 POINTS = (
     "blade_left.tip.x",

@@ -41,8 +41,8 @@ laser = { point = "beam.drive", direction = "x", quantity = "displacement", unit
 TWIN = """
 from dataclasses import replace
 
-from updamp.diagnosis.effects.catalogue import JOINTS
-from updamp.diagnosis.effects.effect import Effect, EffectParameter
+from updamp.effects.catalogue import JOINTS
+from updamp.effects.effect import Effect, EffectParameter
 
 
 def apply(model, values):

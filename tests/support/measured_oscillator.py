@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.diagnosis.measurement.recorded import RecordedChannel, RecordedSweep
+from updamp.measurement.recorded import RecordedChannel, RecordedSweep
 
 STANDARD_GRAVITY = 9.80665
 RESONANCE, LOSS_FACTOR, MASS = 430.0, 0.004, 0.8

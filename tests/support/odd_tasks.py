@@ -7,7 +7,7 @@ import time
 from dataclasses import dataclass
 from types import SimpleNamespace
 
-from updamp.diagnosis.model.branch_processes import by_processes
+from updamp.comparison.prediction.branch_tasks import by_processes
 
 
 @dataclass(frozen=True)

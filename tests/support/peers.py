@@ -9,10 +9,10 @@ import numpy as np
 
 from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.contact.law import ContactLaw
-from updamp.hbm.elements import ElementGroup
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.linear_model import LinearModel, from_matrices
-from updamp.hbm.system import NonlinearSystem
+from updamp.hbm.problem.elements import ElementGroup
+from updamp.hbm.problem.linear_model import LinearModel, from_matrices
+from updamp.hbm.problem.system import NonlinearSystem
 
 FOLDER = Path(__file__).parents[1] / "hbm" / "reference"
 

@@ -8,11 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from updamp.fem.reduced_model import ReducedComponent, ReducedModel
-from updamp.fem.static_contact import static_contact
+from updamp.fem.static_contact.static_contact import static_contact
 from updamp.geometry.build_mesh import build_mesh
 from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements
-from updamp.hbm.rig_system import rig_system
-from updamp.rig import Rig, load_rig
+from updamp.model.build import rig_model
+from updamp.model.rig_files import load_rig
+from updamp.rig.rig import Rig
 
 LOCAL_FLEXIBILITY = 2e-10  # m/N, of each contact degree of freedom
 BLADE_MODES = ((269.0, 0), (1500.0, 2), (4000.0, 1))  # Hz, direction
@@ -29,7 +30,7 @@ def around_first_stuck_mode(path: Path, half_width: float) -> tuple[str, str]:
     """Window of frequencies, as in a rig file, about the first mode of the plain rig with all contacts stuck."""
     rig = load_rig(path)
     reduced = plain_reduced_model(rig, build_mesh(rig, "small").contacts)
-    frequency = rig_system(reduced, static_contact(reduced, rig), rig).stuck.frequencies[0]
+    frequency = rig_model(reduced, static_contact(reduced, rig), rig).system.stuck.frequencies[0]
     return f"{frequency - half_width:.3f} Hz", f"{frequency + half_width:.3f} Hz"
 
 

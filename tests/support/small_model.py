@@ -3,17 +3,18 @@
 import jax.numpy as jnp
 import numpy as np
 
-from updamp.diagnosis.model.condition import Condition
-from updamp.diagnosis.model.parameters import FRICTION, LOSS_FACTOR, PRELOAD, YOUNGS_MODULUS, Parametrisation
-from updamp.diagnosis.model.predicted_branch import trace_branch
-from updamp.diagnosis.model.rig_model import RigModel
-from updamp.diagnosis.residual.observations import Observations, Plan
+from updamp.comparison.fit.observations import Observations, Plan
+from updamp.comparison.prediction.parameters import Parametrisation
+from updamp.comparison.prediction.predicted_branch import trace_branch
+from updamp.comparison.prediction.run_condition import Condition
+from updamp.effects.rig_model import RigModel
 from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.contact.jenkins_box import JenkinsBox
-from updamp.hbm.continuation import ContinuationOptions
-from updamp.hbm.elements import ElementGroup
+from updamp.hbm.continuation.continuation import ContinuationOptions
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.linear_model import from_matrices
+from updamp.hbm.problem.elements import ElementGroup
+from updamp.hbm.problem.linear_model import from_matrices
+from updamp.model.calibration import FRICTION, LOSS_FACTOR, PRELOAD, YOUNGS_MODULUS
 
 SENSORS = (("a.x", 1), ("b.x", 1))
 # One contact begins to slip at a corner of the branch: between points as far apart as usual interpolation is off by

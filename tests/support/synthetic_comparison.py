@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.diagnosis.comparison import (
+from updamp.comparison.comparison import (
     Backbone,
     Calibrated,
     Comparison,

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from updamp.diagnosis.comparison import Comparison
+from updamp.comparison.comparison import Comparison
 from updamp.diagnosis.verdict import (
     Candidate,
     Confounding,

@@ -1,0 +1,51 @@
+"""The one call by which the benchmark reaches the diagnosis. It is told nothing but what an engineer has."""
+
+import shutil
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.console import Console
+
+from updamp.diagnosis.verdict import Verdict
+from updamp.model.rig_files import load_rig
+from updamp.workflow import stages
+from updamp.workflow.progress import Display
+from updamp.workflow.run import Run, RunOptions
+
+# Fitted model -> meshes whose difference from it counts as numerical error.
+FINER = {"diagnosis": ("diagnosis_fine", "diagnosis_contacts"), "diagnosis_146": ("diagnosis_146_fine",)}
+
+
+def diagnose_case(rig: Path, preset: str, measurement: Path, out: Path) -> Verdict:
+    """rig: file; preset: mesh of the fitted model; out: folder for whatever it writes, with the model's stages in it
+
+    Where the diagnosis tells what it would have said without a part of the method, it does so in out/ablations.json or
+    in the verdict's provenance: see `scored_case.ablations_of`.
+    """
+    from updamp.hbm.compilation_cache import keep_compiled
+    from updamp.workflow.compare_run import CompareFiles
+    from updamp.workflow.diagnose_run import DiagnoseOptions, diagnose
+
+    keep_compiled()
+    options = DiagnoseOptions(finer=FINER[preset], report=False)
+    return diagnose(CompareFiles(rig, measurement, out), preset, options, Console(quiet=True))
+
+
+# The model that is fitted, built once for all cases: its stages are copied to where each diagnosis looks for them.
+
+STAGES = "stages"
+
+
+def build(rig: Path, preset: str, folder: Path) -> Path:
+    """Up to static contact, taken from the folder where nothing has changed. returns: the folder of this preset"""
+    own = folder / preset
+    with Display() as display:
+        Run(load_rig(rig), RunOptions(preset, own, check=False, until=stages.STATIC_CONTACT), display).products()
+    return own
+
+
+def place(model: Path, out: Path, finer: Sequence[str] = ()) -> None:
+    """Copies, since a diagnosis may write into its stages. finer: presets, built beside the model"""
+    shutil.copytree(model / STAGES, out / STAGES, dirs_exist_ok=True)
+    for preset in finer:
+        shutil.copytree(model.parent / preset / STAGES, out / preset / STAGES, dirs_exist_ok=True)

@@ -1,0 +1,141 @@
+"""A point of the rig's harmonic balance against the periodic motion that marching in time gives.
+
+Structural damping is replaced by viscous damping that is equal to it at one frequency, in both. Both motions are taken
+on one plane across the branch: at a fixed frequency on a steep flank the difference would be that of the flank.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from updamp.benchmarks.time_integration.rig_march import Box, March, Periodic, Plane, State, shoot
+from updamp.fem.reduced_model import ReducedModel
+from updamp.fem.static_contact.static_contact import static_contact
+from updamp.hbm.analysis.accuracy import again
+from updamp.hbm.analysis.settings import Setting, with_setting
+from updamp.hbm.continuation.branch import BranchPoint
+from updamp.hbm.continuation.continuation import continue_branch
+from updamp.hbm.continuation.curve import CurveRequest
+from updamp.hbm.newton import observe
+from updamp.hbm.newton.newton import evaluate
+from updamp.hbm.newton.observe import contact_states
+from updamp.hbm.problem.system import NonlinearSystem
+from updamp.model.build import rig_model
+from updamp.rig.rig import Rig
+
+TIP = "blade_right.tip.x"
+FINER = Setting((0, 1, 2, 3, 4, 5, 6, 7), 256, 3)
+
+
+class Case(NamedTuple):
+    """A curve. loss: factor at the middle of the window, None for the rig's; window [Hz]; force [N]"""
+
+    mode: str
+    force: float
+    window: tuple[float, float]
+    loss: float | None = None
+
+
+class Difference(NamedTuple):
+    """Of a point less the marched motion. percent: of the amplitude; hertz; widths: both, in half-widths of a
+    resonance of the case's loss factor, for which amplitude and frequency count alike."""
+
+    percent: float
+    hertz: float
+    widths: float
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    system: NonlinearSystem
+    request: CurveRequest
+    loss: float
+
+    @staticmethod
+    def of(reduced: ReducedModel, rig: Rig, case: Case) -> "Problem":
+        """The rig with viscous damping in place of the structural one."""
+        model = rig_model(reduced, static_contact(reduced, rig), rig)
+        system = model.system
+        loss = rig.material.loss_factor if case.loss is None else case.loss
+        equivalent = loss / rig.material.loss_factor * system.free.hysteretic / (2 * np.pi * np.mean(case.window))
+        free = replace(system.free, hysteretic=0 * system.free.hysteretic, viscous=equivalent)
+        system = replace(system, free=free)
+        return Problem(system, CurveRequest(case.mode, model.excited_by(case.force), case.window, (TIP,)), loss)
+
+    @property
+    def row(self) -> int:
+        return self.system.free.row(TIP)
+
+    def branch(self) -> list[BranchPoint]:
+        """Of the harmonic balance, as far as it goes through the window."""
+        request = self.request
+        return list(continue_branch(self.system, request.excitation, request.window, request.options))
+
+    def amplitude(self, point: BranchPoint) -> complex:
+        return self._amplitude(point.solution.equation)
+
+    def _amplitude(self, equation: Any) -> complex:
+        response = observe.response(equation, self.request.excitation, np.array([self.row]))
+        return complex(equation.receptance.system.harmonics.amplitude(response[0], 1))
+
+    def states(self, point: BranchPoint) -> np.ndarray:
+        """Number of contacts that stick, slip, separate, never touch."""
+        return np.bincount(contact_states(self.system, point.x, point.w), minlength=4)
+
+    def finer(self, point: BranchPoint, setting: Setting = FINER) -> BranchPoint | None:
+        return again(self.request, point, with_setting(self.system, setting))
+
+    def march(self, point: BranchPoint, near: BranchPoint | None = None, steps: int = 1024) -> Periodic:
+        """On the plane across the branch at `point`, started from `near` (a finer solution there)."""
+        start, excited = near or point, self.request.excitation
+        march = March(self.system.free, self.law(), excited.row, self.row, excited.force, start.w, steps)
+        return shoot(march, self.start(start), self._plane(point))
+
+    def difference(self, point: BranchPoint, marched: Periodic) -> Difference:
+        share = abs(self.amplitude(point)) / abs(marched.amplitude) - 1
+        shift = (point.w - marched.w) / marched.w
+        return Difference(100 * share, point.frequency * shift, float(np.hypot(share, 2 * shift / self.loss)))
+
+    def apart(self, one: Periodic, other: Periodic) -> float:
+        """Two marched motions on one plane, in half-widths as in Difference."""
+        share = abs(one.amplitude) / abs(other.amplitude) - 1
+        return float(np.hypot(share, 2 * (one.w / other.w - 1) / self.loss))
+
+    def change(self, point: BranchPoint, finer: BranchPoint) -> float:
+        """From one setting to another, in half-widths as in Difference: the error estimate of
+        hbm/analysis/accuracy.py."""
+        share = abs(self.amplitude(finer)) / abs(self.amplitude(point)) - 1
+        return float(np.hypot(share, 2 * (finer.w / point.w - 1) / self.loss))
+
+    def law(self) -> Box:
+        (group,) = self.system.groups
+        p = group.parameters
+        assert not np.any(p.gap), "the marched law knows no gap"
+        assert not np.any(p.t0), "nor tangential forces at rest"
+        return Box(*(np.asarray(value) for value in (p.mu, p.kt, p.kn, p.n0)))
+
+    def _plane(self, point: BranchPoint) -> Plane:
+        small = 1e-5 * point.metric.length((point.x, 0.0))
+        ahead = evaluate(
+            self.system, self.request.excitation, point.x + small * point.tangent_x, point.w + small * point.tangent_w
+        )
+        X = self.amplitude(point)
+        rate = point.tangent_w * point.w / point.metric.scale_w**2
+        return Plane(X, point.w, (self._amplitude(ahead) - X) / small, rate)
+
+    def start(self, point: BranchPoint) -> State:
+        """The harmonic balance's motion at t = 0; sliders where that motion leaves them that start from rest."""
+        equation, model = point.solution.equation, self.system.free
+        system = equation.receptance.system
+        harmonics, w, x = system.harmonics, point.w, point.x
+        modal = -model.phi[: model.n_relative].T @ system.element_forces(x, w)
+        for k in harmonics.orders:
+            load = harmonics.amplitude(modal, k)
+            load = load + self.request.excitation.force * model.phi[self.request.excitation.row] * (k == 1)
+            harmonics.set_amplitude(modal, k, np.linalg.solve(model.modal_dynamic_stiffness(k * w), load))
+        now, rate = harmonics.synthesis(64)[0], w * harmonics.synthesis_rate(64)[0]
+        squared = np.repeat(harmonics.orders, [2 if k else 1 for k in harmonics.orders]) ** 2
+        motion = harmonics.synthesis(512) @ x.T
+        sliders = self.law().along(motion.reshape(512, -1, 3))
+        return State(modal @ now, modal @ rate, -modal @ (w**2 * squared * now), sliders, x @ now)

@@ -1,0 +1,170 @@
+"""What a comparison of model and measurement hands on: numbers for `comparison.json`, the report and the diagnosis."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.comparison.json_document import JsonDocument
+
+Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One sentence on where the model fails.
+
+    mode: of the study, "" for all; level: at which it holds, None for every level
+    quantity: "frequency", "damping", "amplitude", "harmonics" or "sensor"; channel: for a sensor, else ""
+    relative: model over measurement less 1; significance: in standard deviations of the scatter
+    """
+
+    text: str
+    mode: str
+    level: float | None
+    quantity: str
+    channel: str
+    relative: float
+    significance: float
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredCurve:
+    """One repeat of a run at one channel. frequency: (n,) [Hz]; receptance: (n,) [m/N]; force: (n,) [N]"""
+
+    repeat: int
+    frequency: Floats
+    receptance: Complex
+    force: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class ModelCurve:
+    """The whole branch, turning points and all, at the run's nominal level. frequency [Hz], receptance [m/N]: (n,)
+
+    visited: (n,) whether a slow sweep in the run's direction sees the point
+    """
+
+    frequency: Floats
+    receptance: Complex
+    visited: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class CurvePair:
+    """One run (all repeats) at one channel.
+
+    band: (n, 3) frequency [Hz], lower and upper end of 95 % of what a repeat gives in |receptance| [m/N]
+    before, after: model at the rig file's values, and calibrated
+    frac, csac, csf: secondary numbers, after calibration
+    """
+
+    run: str
+    mode: str
+    level: float
+    upwards: bool
+    channel: str
+    measured: tuple[MeasuredCurve, ...]
+    band: Floats
+    before: ModelCurve
+    after: ModelCurve
+    frac: float
+    csac: float
+    csf: float
+
+
+@dataclass(frozen=True, eq=False)
+class PointResidual:
+    """Of one measured point after calibration, in standard deviations: amplitude (measured above the model: positive),
+    phase, and `size`, both together (1 is what scatter gives)."""
+
+    run: str
+    mode: str
+    level: float
+    repeat: int
+    channel: str
+    frequency: float
+    amplitude: float
+    phase: float
+    size: float
+
+
+@dataclass(frozen=True, eq=False)
+class Backbone:
+    """Resonance against amplitude, one entry a level (and repeat, where measured).
+
+    amplitude: displacement at the channel [m]; frequency [Hz]; damping: equivalent loss factor [-]; receptance [m/N]
+    """
+
+    mode: str
+    channel: str
+    level: Floats
+    repeat: NDArray[np.int64]
+    amplitude: Floats
+    frequency: Floats
+    damping: Floats
+    receptance: Floats
+
+
+@dataclass(frozen=True)
+class Calibrated:
+    """A nuisance parameter. before: the rig file's; prior_deviation: relative; after, lower, upper: with 95 % interval;
+    all in `unit`"""
+
+    name: str
+    unit: str
+    before: float
+    prior_deviation: float
+    after: float
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True)
+class FeatureComparison:
+    """A stated value against the model's: all in SI, nan where there is none; relative: model over measured less 1"""
+
+    quantity: str
+    mode: str
+    force: float
+    measured: float
+    lower: float
+    upper: float
+    model: float
+    relative: float
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """chi2_before, chi2_after: weighted sums of squares; values: number of real values; parameters: fitted
+
+    adequate: whether nothing stands out of the scatter; provenance: what made it (rig, hashes, versions), in words
+    level_unit: of every `level`: "N", or SI unit of the response that was held
+    contact_states: for each curve's name "OOP 17 N": share of contacts stuck, slipping, separating, open at the peak
+    """
+
+    title: str
+    adequate: bool
+    findings: tuple[Finding, ...]
+    calibration: tuple[Calibrated, ...]
+    curves: tuple[CurvePair, ...]
+    residuals: tuple[PointResidual, ...]
+    measured_backbones: tuple[Backbone, ...]
+    model_backbones: tuple[Backbone, ...]
+    features: tuple[FeatureComparison, ...]
+    scatter: Mapping[str, float]
+    chi2_before: float
+    chi2_after: float
+    values: int
+    parameters: int
+    contact_states: Mapping[str, tuple[float, float, float, float]]
+    assumptions: tuple[str, ...]
+    provenance: Mapping[str, str]
+    level_unit: str = "N"
+
+
+# `comparison.json`, every number kept to the last digit: the fields of `Comparison` by their names, and `schema`;
+# complex as {"re", "im"}, nan as null.
+COMPARISON_JSON = JsonDocument(Comparison, "updamp comparison 1", "updamp compare")

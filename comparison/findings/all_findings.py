@@ -1,0 +1,51 @@
+"""What a comparison says: which reading of the misfit it goes by."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from updamp.comparison.comparison import Backbone, Finding
+from updamp.comparison.findings.findings import SENSOR, Misfit, findings
+from updamp.comparison.findings.gross_misfit import linear_findings
+from updamp.comparison.findings.peak_misfit import peak_misfits, without_peak
+from updamp.comparison.findings.peak_sentences import peak_findings, without_peak_findings
+from updamp.comparison.fit.fit import Fit
+from updamp.comparison.fit.observations import Plan
+from updamp.comparison.fit.repeat_scatter import scatter_of_repeats
+from updamp.comparison.fit.scatter import Scatter
+from updamp.comparison.prediction.predicted_branch import PredictedBranch
+
+
+def all_findings(
+    fit: Fit,
+    plan: Plan,
+    branches: Sequence[PredictedBranch],
+    first_order: Sequence[Misfit],
+    names: Mapping[str, str],
+    measured: Sequence[Backbone],
+    model: Sequence[Backbone],
+) -> tuple[Finding, ...]:
+    """Sentences on what stands out of the scatter, none where the model is adequate.
+
+    With contacts, the peaks are read: frequency, height, sensors against each other. What they do not show is looked
+    for along the whole curves, to first order, and then in chi2 alone. Peaks are held against what the repeats alone
+    scatter by: where the model fails, the fit takes some of that for scatter. Without contacts there is no damping but
+    the material's, and the phase tells it.
+
+    branches: calibrated, one a condition; first_order: `misfits`; names: of the channels, by point
+    measured, model: backbones, as for `linear_findings`
+    """
+    if fit.parametrisation.base.contacts is None:
+        return linear_findings(fit, plan, first_order, measured, model)
+    missing = without_peak_findings(without_peak(plan, branches), plan)
+    peaks = (*missing, *peak_findings(peak_misfits(fit, plan, branches, _of_repeats(fit, plan)), plan, names))
+    if not peaks:
+        return findings(fit, plan, first_order)
+    of_harmonics = [m for m in first_order if m.direction.quantity == SENSOR and m.direction.sensor[1] != 1]
+    return (*peaks, *(findings(fit, plan, of_harmonics) if of_harmonics else ()))
+
+
+def _of_repeats(fit: Fit, plan: Plan) -> Scatter:
+    if len(fit.compared.assemblies) < 2:
+        return fit.compared.scatter
+    scatter, repeatability = scatter_of_repeats(fit, plan)
+    return replace(scatter, noise=repeatability)

@@ -1,0 +1,117 @@
+"""Resonance against amplitude, read off measured and predicted receptances in the same way.
+
+Frequency and height at the highest top of the receptance; the equivalent loss factor from how fast the tangent of the
+phase falls there, eta = 2 / (f |d tan(phase - phase of the peak) / d f|): for a linear oscillator with light damping it
+follows a straight line (D. J. Ewins, Modal Testing, 2000, ch. 4). Where many contacts slip at the top, or another mode
+is near, it does not: what the phase tells is taken where the width at 1/sqrt(2) of the height tells the same.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.comparison.comparison import Backbone
+
+Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+# Points whose phase is within this of that at the peak tell the damping [rad].
+_NEAR = np.pi / 4
+# Logarithm of the ratio of both loss factors, by phase and by width, up to which the phase turns as an oscillator's.
+_LIKE_OSCILLATOR = 0.15
+
+
+@dataclass(frozen=True)
+class Resonance:
+    """frequency [Hz], receptance [m/N], amplitude [m], loss factor [-] (nan where the phase does not tell)"""
+
+    frequency: float
+    receptance: float
+    amplitude: float
+    loss_factor: float
+
+
+def resonance(frequency: Floats, receptance: Complex, force: Floats) -> Resonance:
+    """Of one sweep, in its own order. frequency: (n,) [Hz]; receptance: (n,) [m/N]; force: (n,) [N]"""
+    size = np.abs(receptance)
+    i = highest(size)
+    top, at = summit(frequency, np.log(size), i)
+    by_phase = _loss_factor(frequency, receptance, i, at)
+    widths = np.array([half_power(frequency, size, i, side) for side in (-1, 1)])
+    # both halves together, which another mode nearby makes unlike each other; a window narrower than them tells neither
+    by_width = by_phase if np.isnan(widths).all() else 2 * float(np.mean(np.abs(widths - at))) / at
+    told = abs(np.log(by_phase / by_width)) < _LIKE_OSCILLATOR
+    return Resonance(at, float(np.exp(top)), float(np.exp(top) * force[i]), by_phase if told else float("nan"))
+
+
+def highest(size: Floats) -> int:
+    """Place of the highest top, at the ends only where there is none inside: there a curve may climb to another mode's
+    resonance."""
+    tops = np.flatnonzero((size[1:-1] >= size[:-2]) & (size[1:-1] >= size[2:])) + 1
+    return int(tops[np.argmax(size[tops])]) if len(tops) else int(np.argmax(size))
+
+
+def half_power(f: Floats, size: Floats, i: int, side: int) -> float:
+    """Where the receptance has fallen to 1/sqrt(2) of its largest value, on one side of it in the order of the points;
+    nan where it does not."""
+    wanted, k = size[i] / np.sqrt(2), i
+    while 0 <= k + side < len(f):
+        if size[k + side] < wanted:
+            share = (size[k] - wanted) / (size[k] - size[k + side])
+            return float(f[k] + share * (f[k + side] - f[k]))
+        k += side
+    return float("nan")
+
+
+def summit(f: Floats, log_size: Floats, i: int) -> tuple[float, float]:
+    """Top and its place of the parabola through the largest value and its neighbours."""
+    near = slice(max(i - 2, 0), i + 3)
+    x, y = f[near] - f[i], log_size[near]
+    width = np.ptp(x)
+    if len(x) < 5 or width <= 0 or len(np.unique(x)) < 5:
+        return float(log_size[i]), float(f[i])
+    c = np.polyfit(x / width, y, 2)
+    at = -c[1] / (2 * c[0]) if c[0] < 0 else np.inf
+    if not x.min() / width <= at <= x.max() / width:
+        return float(log_size[i]), float(f[i])
+    return float(np.polyval(c, at)), float(f[i] + at * width)
+
+
+def _loss_factor(f: Floats, receptance: Complex, i: int, at: float) -> float:
+    phase = np.unwrap(np.angle(receptance))
+    near = np.abs(phase - phase[i]) < _NEAR
+    # the run of neighbours about the peak, not what lies beyond a jump
+    low, high = i, i
+    while low > 0 and near[low - 1]:
+        low -= 1
+    while high < len(f) - 1 and near[high + 1]:
+        high += 1
+    if high - low < 3:
+        return float("nan")
+    run = slice(low, high + 1)
+    # about the phase at the top, which lies between two points: the tangent is straight about no other
+    tangent = np.tan(phase[run] - np.interp(0.0, *_increasing(f[run] - at, phase[run])))
+    slope = np.polyfit(f[run] - at, tangent, 1)[0]
+    return float(-2 / (at * slope)) if slope < 0 else float("nan")
+
+
+def _increasing(x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    order = np.argsort(x)
+    return x[order], y[order]
+
+
+def backbone(mode: str, channel: str, entries: Sequence[tuple[float, int, Floats, Complex, Floats]]) -> Backbone:
+    """entries: (level, repeat, frequency, receptance, force) of each sweep"""
+    found = [(level, repeat, resonance(f, z, force)) for level, repeat, f, z, force in entries]
+    return Backbone(
+        mode,
+        channel,
+        np.array([level for level, _, _ in found]),
+        np.array([repeat for _, repeat, _ in found], dtype=np.int64),
+        np.array([r.amplitude for *_, r in found]),
+        np.array([r.frequency for *_, r in found]),
+        np.array([r.loss_factor for *_, r in found]),
+        np.array([r.receptance for *_, r in found]),
+    )

@@ -1,0 +1,280 @@
+"""Where the model fails, in the words of a vibration engineer: which mode and force level, frequency or damping, which
+sensor, and whether that stands out of what the test repeats to.
+
+Each statement is a direction in the residual: a shift of a run's resonance, more damping in it, a sensor that reads
+high. All of them are estimated together, on top of the fitted parameters, by generalised least squares.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2 as chi_squared
+from scipy.stats import norm
+
+from updamp.comparison.comparison import Finding
+from updamp.comparison.fit.fit import Fit
+from updamp.comparison.fit.observations import Plan
+from updamp.comparison.fit.scatter import Assembly, whitened
+from updamp.model.calibration import LOSS_FACTOR
+
+Floats = NDArray[np.float64]
+
+FREQUENCY, DAMPING, SENSOR, AMPLITUDE = "frequency", "damping", "sensor", "amplitude"
+# Chance that an adequate model is called inadequate by any of the tests.
+_RISK = 0.01
+# Prior size of a misfit, which keeps directions that the data do not tell at zero: relative; of a resonance as a
+# share of the measured window, over which the model is taken as linear here. Shifts of all tests alike are what Young's
+# modulus is for: they are left to it.
+_SIZES = {FREQUENCY: 0.1, DAMPING: 1.0, SENSOR: 0.1}
+# Distance from a bound at which a parameter counts as held by it, in prior deviations.
+_AT_BOUND = 1e-3
+# Share of a level by which it may be off what it is called.
+_AS_MEANT = 0.003
+
+
+@dataclass(frozen=True)
+class Direction:
+    """A kind of misfit: quantity, condition (place in the plan) or sensor (point of the model, harmonic); amplitude is
+    that of all sensors in all tests"""
+
+    quantity: str
+    test: int = -1
+    sensor: tuple[str, int] = ("", 1)
+
+
+@dataclass(frozen=True)
+class Misfit:
+    """relative: model over measurement less 1; deviation: its standard deviation"""
+
+    direction: Direction
+    relative: float
+    deviation: float
+
+    @property
+    def significance(self) -> float:
+        return self.relative / self.deviation if self.deviation > 0 else 0.0
+
+
+def misfits(fit: Fit, plan: Plan, damping_share: Sequence[float]) -> tuple[Misfit, ...]:
+    """All directions, estimated together with the fitted parameters, which stay where they are to within their own
+    uncertainty: what all tests have in common is theirs, and what tests differ by is known far better than that.
+
+    damping_share: for each condition, the material's share of the damping at its resonance: what turns a factor on
+        the material's loss factor into one on all the damping
+    """
+    directions = _directions(plan)
+    residual, columns, parameters = [], [], []
+    for a in fit.compared.assemblies:
+        block = np.concatenate([a.common, _columns(fit, plan, a.repeat, directions)], axis=1)
+        r, c = whitened_with(a, block, fit)
+        residual.append(r)
+        parameters.append(c[:, : a.common.shape[1]])
+        columns.append(c[:, a.common.shape[1] :])
+    r, p, d = np.concatenate(residual), np.concatenate(parameters), np.concatenate(columns)
+    both = np.concatenate([p, d], axis=1)
+    sizes = np.array([_size(x, plan) for x in directions])
+    before = 1 / fit.parametrisation.deviation**2
+    prior = np.concatenate([before + 1 / np.maximum(fit.deviations, 1e-12) ** 2, 1 / sizes**2])
+    both[:, : -len(directions)] *= ~_held(fit)
+    covariance = np.linalg.inv(both.T @ both + np.diag(prior))
+    # the parameters stand at their best values: their own gradient is nil, but for the prior's
+    estimate = covariance @ (both.T @ r - np.append(fit.u * before, np.zeros(len(sizes))))
+    # with the noise that the misfit asks for, where it is larger (R. T. Birge, Phys. Rev. 40 (1932) 207)
+    covariance = covariance * max(1.0, fit.compared.excess)
+    n, found = p.shape[1], []
+    for direction, combined in _statements(directions, damping_share):
+        # a correction that the model needs upwards is a model that reads low
+        log, deviation = -float(combined @ estimate[n:]), float(np.sqrt(combined @ covariance[n:, n:] @ combined))
+        relative = float(np.expm1(log))
+        # as significant as the logarithm is
+        found.append(Misfit(direction, relative, deviation * (relative / log if log else 1.0)))
+    return tuple(found)
+
+
+def _statements(directions: Sequence[Direction], damping_share: Sequence[float]) -> list[tuple[Direction, Floats]]:
+    """What is stated, each with the combination of the directions that it is: of the sensors their mean, and how far
+    each is from the others; of two that is the same but for the sign."""
+    found = []
+    for row, direction in zip(np.eye(len(directions)), directions, strict=True):
+        if direction.quantity != SENSOR:
+            found.append((direction, row * (damping_share[direction.test] if direction.quantity == DAMPING else 1.0)))
+    gains = np.array([float(d.quantity == SENSOR) for d in directions])
+    n = int(gains.sum())
+    if n == 0:
+        return found
+    found.append((Direction(AMPLITUDE), gains / n))
+    sensors = [i for i in range(len(directions)) if gains[i]]
+    for i in sensors[: 1 if n == 2 else n]:
+        found.append((directions[i], np.where(np.arange(len(directions)) == i, 1.0, -gains / (n - 1))))
+    return found
+
+
+def _size(direction: Direction, plan: Plan) -> float:
+    if direction.quantity != FREQUENCY:
+        return _SIZES[direction.quantity]
+    low, high = plan.conditions[direction.test].window
+    return _SIZES[FREQUENCY] * float(np.log(high / low))
+
+
+def _held(fit: Fit) -> NDArray[np.bool_]:
+    """(p,) whether each parameter stands at a bound: what it cannot make up for is a misfit."""
+    p = fit.parametrisation
+    near = _AT_BOUND * np.where(np.isfinite(p.deviation), p.deviation, 1.0)
+    return np.asarray((fit.u - p.lower < near) | (p.upper - fit.u < near))
+
+
+def whitened_with(a: Assembly, block: Floats, fit: Fit) -> tuple[Floats, Floats]:
+    """The assembly's residual and a block of columns, with its scatter taken into account."""
+    return whitened(replace(a, common=block), fit.compared.scatter)
+
+
+def _directions(plan: Plan) -> list[Direction]:
+    tests = range(len(plan.conditions))
+    sensors = dict.fromkeys(s for c in plan.conditions for s in c.sensors)
+    return [
+        *(Direction(FREQUENCY, i) for i in tests),
+        *(Direction(DAMPING, i) for i in tests),
+        *(Direction(SENSOR, -1, s) for s in sensors if len(sensors) > 1),
+    ]
+
+
+def _columns(fit: Fit, plan: Plan, repeat: int, directions: Sequence[Direction]) -> Floats:
+    damping = fit.parametrisation.names.index(LOSS_FACTOR.name)
+    blocks = []
+    for m in (m for m in fit.compared.matched if m.observations.repeat == repeat):
+        test, sensors = m.observations.test, plan.conditions[m.observations.test].sensors
+        block = np.zeros((m.residual.size, len(directions)))
+        for j, direction in enumerate(directions):
+            if direction.quantity == FREQUENCY and direction.test == test:
+                block[:, j] = m.by_observation[:, :, 0].ravel()
+            elif direction.quantity == DAMPING and direction.test == test:
+                block[:, j] = m.by_parameter[:, :, damping].ravel()
+            elif direction.quantity == SENSOR and direction.sensor in sensors:
+                block[:, j] = m.by_observation[:, :, 1 + 2 * sensors.index(direction.sensor)].ravel()
+        blocks.append(block)
+    return np.concatenate(blocks)
+
+
+def lack_of_fit(fit: Fit) -> float:
+    """Probability of a chi2 as large by chance."""
+    return float(chi_squared.sf(fit.compared.chi2, fit.compared.values - len(fit.u)))
+
+
+def findings(fit: Fit, plan: Plan, found: Sequence[Misfit]) -> tuple[Finding, ...]:
+    """Sentences on the misfits that stand out; none where the model is adequate."""
+    limit = float(norm.isf(_RISK / 2 / max(len(found), 1)))
+    standing = [m for m in found if abs(m.significance) > limit]
+    said: list[Finding] = []
+    for quantity in (FREQUENCY, DAMPING):
+        for mode in dict.fromkeys(c.mode for c in plan.conditions):
+            of_mode = [m for m in found if m.direction.quantity == quantity and _mode(plan, m) == mode]
+            said += _of_mode(quantity, mode, of_mode, [m for m in standing if m in of_mode], plan)
+    said += [_of_amplitude(m) for m in standing if m.direction.quantity == AMPLITUDE]
+    said += [_of_sensor(m) for m in standing if m.direction.quantity == SENSOR]
+    said.sort(key=lambda f: -abs(f.significance))
+    if not said and lack_of_fit(fit) < _RISK:
+        said.append(_of_all(fit, plan))
+    return tuple(said)
+
+
+def _mode(plan: Plan, misfit: Misfit) -> str:
+    return plan.conditions[misfit.direction.test].mode
+
+
+def _of_mode(
+    quantity: str, mode: str, all_levels: Sequence[Misfit], standing: Sequence[Misfit], plan: Plan
+) -> list[Finding]:
+    """One sentence where all levels agree, else one a level that stands out, with what holds at the others."""
+    if not standing:
+        return []
+    thing = "resonance" if quantity == FREQUENCY else "damping"
+    values = np.array([m.relative for m in all_levels])
+    weights = np.array([1 / m.deviation**2 for m in all_levels])
+    mean = float(np.sum(weights * values) / np.sum(weights))
+    deviation = float(1 / np.sqrt(np.sum(weights)))
+    alike = all(abs(m.relative - mean) < 3 * m.deviation + 0.2 * abs(mean) for m in all_levels)
+    if len(all_levels) > 1 and alike and np.all(np.sign(values) == np.sign(mean)):
+        kind = "force level" if plan.conditions[0].unit == "N" else "level"
+        text = f"{mode}: {thing} {in_percent(mean)} at every {kind}"
+        return [Finding(text, mode, None, quantity, "", mean, mean / deviation)]
+    right = [m for m in all_levels if m not in standing]
+    rest = f", right at {_levels(right, plan)}" if right else ""
+    return [
+        Finding(
+            f"{mode}: {thing} {in_percent(m.relative)} at {_levels([m], plan)}{rest}",
+            mode,
+            plan.conditions[m.direction.test].level,
+            quantity,
+            "",
+            m.relative,
+            m.significance,
+        )
+        for m in standing
+    ]
+
+
+def _of_amplitude(misfit: Misfit) -> Finding:
+    text = f"amplitude {in_percent(misfit.relative)} in all runs, at all sensors"
+    return Finding(text, "", None, AMPLITUDE, "", misfit.relative, misfit.significance)
+
+
+def _of_sensor(misfit: Misfit) -> Finding:
+    point, k = misfit.direction.sensor
+    of_harmonic = f" in harmonic {k}" if k != 1 else ""
+    text = (
+        f"{point}: the model reads {in_percent(misfit.relative)}{of_harmonic}, against the other sensors, in all runs"
+    )
+    return Finding(text, "", None, SENSOR, point, misfit.relative, misfit.significance)
+
+
+def _of_all(fit: Fit, plan: Plan) -> Finding:
+    share = fit.compared.excess
+    errors = np.array([[m.observations.test, np.mean(m.residual**2)] for m in fit.compared.matched])
+    of_test = {int(i): float(np.mean(errors[errors[:, 0] == i, 1])) for i in np.unique(errors[:, 0])}
+    worst = max(of_test, key=lambda i: of_test[i])
+    condition, size = plan.conditions[worst], float(np.sqrt(of_test[worst])) / fit.compared.scatter.noise
+    text = (
+        f"the curves differ in shape, most of all {condition.mode} at {level_of(plan, worst)} ({size:.1f} times the "
+        f"scatter): chi2 is {share:.2f} a value, with resonances, peaks and sensors right within the scatter"
+    )
+    return Finding(text, condition.mode, condition.level, AMPLITUDE, "", float(np.sqrt(share) - 1), _deviations(fit))
+
+
+def _deviations(fit: Fit) -> float:
+    """How many standard deviations chi2 is too large by (E. B. Wilson and M. M. Hilferty, PNAS 17 (1931) 684)."""
+    k = fit.compared.values - len(fit.u)
+    return float((np.cbrt(fit.compared.chi2 / k) - (1 - 2 / (9 * k))) / np.sqrt(2 / (9 * k)))
+
+
+def in_percent(relative: float) -> str:
+    """Such as "0.15 % high"."""
+    size = 100 * abs(relative)
+    digits = 2 if size < 0.995 else 1 if size < 9.95 else 0
+    return f"{size:.{digits}f} % {'high' if relative > 0 else 'low'}"
+
+
+def _levels(misfits_there: Sequence[Misfit], plan: Plan) -> str:
+    return ", ".join(dict.fromkeys(level_of(plan, m.direction.test) for m in misfits_there))
+
+
+def level_of(plan: Plan, test: int) -> str:
+    """A test's level with its unit, and the sweep's direction where both were swept."""
+    condition = plan.conditions[test]
+    unit = condition.level_name.split(" ", 1)[1]
+    # as it was meant: a force is the mean of what was measured
+    short = [float(f"{condition.level:.{digits}g}") for digits in (1, 2, 3)]
+    name = next((s for s in short if abs(s / condition.level - 1) < _AS_MEANT), short[-1])
+    return f"{name:g} {unit}{_sweep(plan, test)}"
+
+
+def _sweep(plan: Plan, test: int) -> str:
+    """Named only where both directions were swept at the level."""
+    this = plan.conditions[test]
+    others = [
+        c
+        for c in plan.conditions
+        if c.mode == this.mode and c.upwards != this.upwards and abs(c.level / this.level - 1) < 0.05
+    ]
+    return (" upwards" if this.upwards else " downwards") if others else ""

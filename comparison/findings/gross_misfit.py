@@ -1,0 +1,126 @@
+"""What is said of a model without contacts, also where it fails grossly: its resonances against the measured ones, read
+off both in the same way.
+
+To first order, as misfits are estimated elsewhere, a resonance that is wrong by its own width is not described; and
+curves that the model cannot follow at all would be followed by impossible parameters that nearly cancel.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.comparison.comparison import Backbone, Finding
+from updamp.comparison.findings.findings import DAMPING, FREQUENCY, Direction, Misfit, findings
+from updamp.comparison.fit.fit import Fit, fails_grossly
+from updamp.comparison.fit.observations import Plan
+from updamp.model.calibration import LOSS_FACTOR
+
+Floats = NDArray[np.float64]
+
+# Growth of the damping that is worth a sentence: of the logarithm, in standard deviations, and in itself.
+_STANDS_OUT, _WORTH = 5.0, 0.2
+# Misfit of the damping, of its logarithm, up to which an estimate to first order will do.
+_FIRST_ORDER = 0.2
+
+
+def linear_findings(
+    fit: Fit, plan: Plan, first_order: Sequence[Misfit], measured: Sequence[Backbone], model: Sequence[Backbone]
+) -> tuple[Finding, ...]:
+    """Of a model without contacts: sentences on misfits as estimated to first order or, where they are too large for
+    that, as read off the resonances, whose damping its phase tells.
+
+    measured, model: as for `gross_misfits`
+    """
+    if not _too_large(fit, first_order):
+        return findings(fit, plan, first_order)
+    gains = [m for m in first_order if m.direction.quantity not in (FREQUENCY, DAMPING)]
+    read = gross_misfits(fit, plan, measured, model)
+    return (*growth(fit, plan, measured, model), *findings(fit, plan, (*read, *gains)))
+
+
+def _too_large(fit: Fit, first_order: Sequence[Misfit]) -> bool:
+    gross = fails_grossly(fit.parametrisation, fit.compared.chi2, fit.compared.values)
+    dampings = [m.relative for m in first_order if m.direction.quantity == DAMPING]
+    return gross or any(abs(np.log1p(relative)) > _FIRST_ORDER for relative in dampings)
+
+
+def gross_misfits(fit: Fit, plan: Plan, measured: Sequence[Backbone], model: Sequence[Backbone]) -> tuple[Misfit, ...]:
+    """Frequency and damping of each test, as mean over its repeats and sensors.
+
+    measured: one a mode and sensor, entries in the order of the plan's runs; model: likewise, of its conditions
+    """
+    found = []
+    for quantity in (FREQUENCY, DAMPING):
+        for test in range(len(plan.conditions)):
+            logs = np.log(_ratios(quantity, test, plan, measured, model))
+            logs = logs[np.isfinite(logs)]
+            if len(logs) == 0:
+                continue
+            spread = np.std(logs, ddof=1) / np.sqrt(len(logs)) if len(logs) > 1 else 0.0
+            deviation = float(np.hypot(spread, _scatter(quantity, fit)))
+            relative = float(np.expm1(np.mean(logs)))
+            # as significant as the logarithm is
+            scale = relative / float(np.mean(logs)) if relative else 1.0
+            found.append(Misfit(Direction(quantity, test), relative, scale * deviation))
+    return tuple(found)
+
+
+def growth(fit: Fit, plan: Plan, measured: Sequence[Backbone], model: Sequence[Backbone]) -> tuple[Finding, ...]:
+    """A sentence for each mode whose damping changes with the level otherwise than the model's."""
+    found = []
+    for mode in dict.fromkeys(c.mode for c in plan.conditions):
+        of_mode = [i for i, c in enumerate(plan.conditions) if c.mode == mode]
+        tests = sorted(of_mode, key=lambda i: plan.conditions[i].level)
+        first, last = plan.conditions[tests[0]], plan.conditions[tests[-1]]
+        if len(tests) < 2 or last.level <= first.level:
+            continue
+        ends = [_logs(measured, plan, t, True) for t in (tests[0], tests[-1])]
+        of_model = [_logs(model, plan, t, False) for t in (tests[0], tests[-1])]
+        if any(np.isnan(logs).all() for logs in (*ends, *of_model)):
+            continue
+        grown, models = (float(np.nanmean(b) - np.nanmean(a)) for a, b in (ends, of_model))
+        deviation = np.sqrt(2) * _scatter(DAMPING, fit)
+        significance = (models - grown) / deviation
+        if abs(significance) > _STANDS_OUT and abs(models - grown) > _WORTH:
+            text = (
+                f"{mode}: measured damping {_fold(grown)} from {first.level_name} to {last.level_name}, "
+                f"the model's {_fold(models)}"
+            )
+            found.append(Finding(text, mode, None, DAMPING, "", float(np.expm1(models - grown)), float(significance)))
+    return tuple(found)
+
+
+def _ratios(quantity: str, test: int, plan: Plan, measured: Sequence[Backbone], model: Sequence[Backbone]) -> Floats:
+    """Model over measured: all runs of a test at all sensors."""
+    column = {FREQUENCY: "frequency", DAMPING: "damping"}[quantity]
+    pairs = [(m, c) for m, c in zip(measured, model, strict=True) if m.mode == plan.conditions[test].mode]
+    found = [
+        getattr(c, column)[_places(plan, test, False)] / getattr(m, column)[_places(plan, test, True)] for m, c in pairs
+    ]
+    return np.concatenate(found)
+
+
+def _logs(backbones: Sequence[Backbone], plan: Plan, test: int, is_measured: bool) -> Floats:
+    """Of the damping at a test."""
+    mode = plan.conditions[test].mode
+    return np.log(np.concatenate([b.damping[_places(plan, test, is_measured)] for b in backbones if b.mode == mode]))
+
+
+def _places(plan: Plan, test: int, is_measured: bool) -> list[int]:
+    """Of a test's entries in the backbones of its mode."""
+    mode = plan.conditions[test].mode
+    tests = [o.test for o in plan.observations] if is_measured else range(len(plan.conditions))
+    return [k for k, t in enumerate([t for t in tests if plan.conditions[t].mode == mode]) if t == test]
+
+
+def _scatter(quantity: str, fit: Fit) -> float:
+    """From test to test; that of the damping is no smaller than expected, even where one assembly cannot tell."""
+    scatter = fit.compared.scatter
+    return scatter.drift if quantity == FREQUENCY else max(LOSS_FACTOR.scatter, scatter.parameters[LOSS_FACTOR.name])
+
+
+def _fold(log_ratio: float) -> str:
+    if abs(log_ratio) < 0.05:
+        return "stays"
+    return f"{'grows' if log_ratio > 0 else 'falls'} {np.exp(abs(log_ratio)):.1f}-fold"

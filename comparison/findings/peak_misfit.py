@@ -1,0 +1,209 @@
+"""How far the model's peaks are from the measured ones: resonance frequency, height, and each sensor's height against
+the others', for each test, read off both in the same way.
+
+This asks nothing of the curve but a top. It holds where contacts slip and the phase does not turn as an oscillator's
+does, where the misfit is too large for estimates to first order, and where calibration has ended in a poor compromise.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from updamp.comparison.findings.findings import AMPLITUDE, DAMPING, FREQUENCY, SENSOR, Direction
+from updamp.comparison.findings.peak_reading import SeenBranch, reading_noise, seen_branch, tops_of_run
+from updamp.comparison.fit.fit import Fit
+from updamp.comparison.fit.observations import Observations, Plan
+from updamp.comparison.fit.scatter import Scatter
+from updamp.comparison.prediction.predicted_branch import PredictedBranch
+
+Floats = NDArray[np.float64]
+
+# No top is placed better than to this share of the half-width: steps are a fifth of it.
+_PLACED = 0.02
+# Steepest slope of an oscillator's amplitude, of its peak's height by the half-width.
+_STEEPEST = 2 / (3 * np.sqrt(3))
+_LEAST_STEP = 1e-6  # of a parameter, for derivatives
+
+
+@dataclass(frozen=True)
+class PeakMisfit:
+    """relative: model over measurement less 1; significance: in standard deviations of the scatter, with its sign
+    severity: by how much of the peak's height amplitudes are wrong where they are most so: the logarithm; of a
+        frequency what a shift does on the flank; of a sensor against the others its own part of it
+    """
+
+    direction: Direction
+    relative: float
+    significance: float
+    severity: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Test:
+    """One test's statements, k of them.
+
+    directions: (k,); logs: (repeats, k) of model over measured, nan where a repeat is missing; damping: (repeats, s)
+    common: (q, k) what scatter of assemblies (sensors' gains among it) by one deviation does, the same in all tests
+    by_parameter: (p, k); own: (k, k) covariance of what this test alone scatters by
+    units: (k,) what a severity of 1 is
+    """
+
+    directions: tuple[Direction, ...]
+    logs: Floats
+    damping: Floats
+    common: Floats
+    by_parameter: Floats
+    own: Floats
+    units: Floats
+
+
+def peak_misfits(
+    fit: Fit, plan: Plan, branches: Sequence[PredictedBranch], scatter: Scatter | None = None
+) -> tuple[PeakMisfit, ...]:
+    """Model over measured, as mean over the repeats: of each test the resonance frequency (mean over the sensors), the
+    peak height (likewise), the damping where the phase tells it, and of each sensor its height against the others'.
+
+    Each is held against the scatter by itself and against the mean over the levels of its mode, which is known far
+    better: assemblies differ from each other in all levels alike. The larger significance counts.
+
+    branches: calibrated, one a condition; those of `without_peak` are left out
+    scatter: of assemblies, runs and sensors, the fit's own by default
+    """
+    if scatter is not None:
+        fit = replace(fit, compared=replace(fit.compared, scatter=scatter))
+    tests, without = [], without_peak(plan, branches)
+    for i, branch in enumerate(branches):
+        sensors = [j for j, (_, k) in enumerate(branch.condition.sensors) if k == 1]
+        runs = {o.repeat: o for o in plan.observations if o.test == i}
+        if sensors and runs and i not in without:
+            tests.append(_of_test(fit, i, branch, sensors, [runs.get(r) for r in plan.repeats]))
+    if not tests:
+        return ()
+    directions = [d for t in tests for d in t.directions]
+    logs, units = np.concatenate([t.logs for t in tests], axis=1), np.concatenate([t.units for t in tests])
+    covariance = _covariance(fit, tests, len(plan.repeats))
+    found = []
+    for i, direction in enumerate(directions):
+        mean = float(np.nanmean(logs[:, i]))
+        significance = max(_significance(row, logs, covariance) for row in _held_against(i, directions, plan))
+        signed = float(np.copysign(significance, mean))
+        found.append(PeakMisfit(direction, float(np.expm1(mean)), signed, abs(mean) / float(units[i])))
+    return (*found, *(m for t in tests for m in _of_damping(t, directions, covariance)))
+
+
+def without_peak(plan: Plan, branches: Sequence[PredictedBranch]) -> tuple[int, ...]:
+    """Conditions whose branch has no top where there was measured, at one of the sensors: it is another resonance's, or
+    another branch than the sweep was on."""
+    found = []
+    for i, branch in enumerate(branches):
+        sensors = [j for j, (_, k) in enumerate(branch.condition.sensors) if k == 1]
+        runs = [o for o in plan.observations if o.test == i]
+        if sensors and runs:
+            seen = seen_branch(branch, runs, sensors[0])
+            found += [] if all(seen.has_top(j) for j in sensors) else [i]
+    return tuple(found)
+
+
+def _held_against(i: int, directions: Sequence[Direction], plan: Plan) -> list[Floats]:
+    """Combinations of all statements: one by itself, and less the mean over its mode's levels."""
+    itself, one = np.zeros(len(directions)), directions[i]
+    itself[i] = 1.0
+    mode = plan.conditions[one.test].mode
+    levels = np.array(
+        [(d.quantity, d.sensor, plan.conditions[d.test].mode) == (one.quantity, one.sensor, mode) for d in directions]
+    )
+    return [itself, itself - levels / levels.sum()] if levels.sum() > 1 else [itself]
+
+
+def _significance(row: Floats, logs: Floats, covariance: Floats) -> float:
+    """Size of a combination of statements over its deviation: as scatter makes it, or as the repeats themselves have
+    it, whichever is larger."""
+    used = np.flatnonzero(row)
+    each = logs[:, used] @ row[used]
+    each = each[np.isfinite(each)]
+    if len(each) == 0:
+        return 0.0
+    return abs(float(np.mean(each))) / max(float(np.sqrt(row @ covariance @ row)), _seen(each), 1e-12)
+
+
+def _seen(each: Floats) -> float:
+    """Deviation of the mean of the repeats, as they have it."""
+    return float(np.std(each, ddof=1) / np.sqrt(len(each))) if len(each) > 1 else 0.0
+
+
+def _of_damping(test: _Test, directions: Sequence[Direction], covariance: Floats) -> list[PeakMisfit]:
+    """Where the phase of every sensor tells it in every run: as well as the height is known, at best."""
+    made = test.damping[np.isfinite(test.logs).any(axis=1)]
+    if not np.isfinite(made).all():
+        return []
+    told = np.mean(made, axis=1)
+    i = directions.index(next(d for d in test.directions if d.quantity == AMPLITUDE))
+    mean = float(np.mean(told))
+    significance = mean / max(float(np.sqrt(covariance[i, i])), _seen(told))
+    return [PeakMisfit(Direction(DAMPING, directions[i].test), float(np.expm1(mean)), significance, abs(mean))]
+
+
+def _covariance(fit: Fit, tests: Sequence[_Test], repeats: int) -> Floats:
+    """Of all statements, as mean over the repeats: scatter, and what the fit does not know."""
+    common = np.concatenate([t.common for t in tests], axis=1)
+    by_parameter = np.concatenate([t.by_parameter for t in tests], axis=1)
+    own = scipy.linalg.block_diag(*(t.own for t in tests))
+    return np.asarray(common.T @ common / repeats + by_parameter.T @ fit.covariance @ by_parameter + own)
+
+
+def _of_test(
+    fit: Fit, test: int, branch: PredictedBranch, sensors: Sequence[int], runs: Sequence[Observations | None]
+) -> _Test:
+    made = [o for o in runs if o is not None]
+    seen = seen_branch(branch, made, sensors[0])
+    model = seen.tops(sensors)
+    directions, rows = _statements(test, branch, sensors)
+    logs, damping = np.full((len(runs), len(rows)), np.nan), np.full((len(runs), len(sensors)), np.nan)
+    for i, o in enumerate(runs):
+        if o is not None:
+            measured = tops_of_run(o, sensors)
+            logs[i] = rows @ (model.value + seen.by_drive(o, sensors) - measured.value)
+            damping[i] = np.log(model.loss_factor / measured.loss_factor)
+    half_width = seen.half_width(sensors[int(np.argmax(model.value[len(sensors) :]))])
+    common, by_parameter, own = _scatter(fit, seen, sensors, made, half_width)
+    of_one = len(sensors) / max(len(sensors) - 1, 1)
+    unit = {FREQUENCY: half_width / _STEEPEST, AMPLITUDE: 1.0, SENSOR: of_one}
+    units = np.array([unit[d.quantity] for d in directions])
+    return _Test(directions, logs, damping, common @ rows.T, by_parameter @ rows.T, rows @ own @ rows.T, units)
+
+
+def _statements(test: int, branch: PredictedBranch, sensors: Sequence[int]) -> tuple[tuple[Direction, ...], Floats]:
+    """What is stated, each as a combination of the tops' values (k, 2 s). Of two sensors the first is held against the
+    second, the other way round it is the same."""
+    n = len(sensors)
+    mean, none = np.full(n, 1 / n), np.zeros(n)
+    directions, rows = (
+        [Direction(FREQUENCY, test), Direction(AMPLITUDE, test)],
+        [np.append(mean, none), np.append(none, mean)],
+    )
+    for i in range({1: 0, 2: 1}.get(n, n)):
+        directions.append(Direction(SENSOR, test, branch.condition.sensors[sensors[i]]))
+        rows.append(np.append(none, np.where(np.arange(n) == i, 1.0, -1 / (n - 1))))
+    return tuple(directions), np.array(rows)
+
+
+def _scatter(
+    fit: Fit, seen: SeenBranch, sensors: Sequence[int], runs: Sequence[Observations], half_width: float
+) -> tuple[Floats, Floats, Floats]:
+    """Of the tops' values: what scatter of assemblies by one deviation does (q, 2 s), derivatives by the parameters
+    (p, 2 s), and the covariance (2 s, 2 s) that is this test's own, of the mean over its runs."""
+    s, scatter, nuisances = len(sensors), fit.compared.scatter, fit.parametrisation.nuisances
+    by_parameter = seen.by_parameter(sensors, np.maximum(fit.deviations, _LEAST_STEP))
+    of_parameters = by_parameter[: len(nuisances)] * np.array([scatter.parameters[n.name] for n in nuisances])[:, None]
+    gains = np.concatenate([np.zeros((s, s)), scatter.gain * np.eye(s)], axis=1)
+    frequencies = np.append(np.ones(s), np.zeros(s))
+    together = np.outer(frequencies, frequencies)
+    noise = scatter.noise * np.mean([reading_noise(o, sensors) for o in runs], axis=0)
+    rough = seen.branch.rough_at(seen.places(sensors))
+    jagged = np.append(rough[:, 0], rough[np.arange(s), 1 + 2 * np.array(sensors)])
+    own = (together * scatter.drift**2 + np.diag(noise**2)) / len(runs)
+    own += together * (_PLACED * half_width) ** 2 + np.diag(jagged**2)
+    return np.concatenate([of_parameters, gains]), by_parameter, own

@@ -1,0 +1,173 @@
+"""Tops read off measured runs and off the model in the same way: frequency, height, damping where it is told."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.comparison.findings.backbone import half_power, highest, resonance, summit
+from updamp.comparison.fit.matching import by_drive
+from updamp.comparison.fit.observations import Observations
+from updamp.comparison.prediction.predicted_branch import PredictedBranch
+
+Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+_PLACES = 2000  # looked at along a branch
+# Deviation of the top of a parabola through five points, in units of that of each point; and of its place, in their
+# spacing times the deviation over the curvature there.
+_OF_TOP, _OF_PLACE = 0.7, 0.32
+
+
+@dataclass(frozen=True, eq=False)
+class Tops:
+    """One entry a sensor. value: (2 s,) logarithms of the frequencies [Hz], then of the heights; loss_factor: (s,) nan
+    where the phase does not tell"""
+
+    value: Floats
+    loss_factor: Floats
+
+
+def tops_of_run(o: Observations, sensors: Sequence[int]) -> Tops:
+    """Heights over the measured force, as a share of the condition's."""
+    tops, loss = [], []
+    for j in sensors:
+        log_size = o.observed[:, 1 + 2 * j] - o.log_force
+        height, at = summit(o.frequency, log_size, highest(log_size))
+        tops.append((np.log(at), height))
+        loss.append(_loss_factor(o.frequency, log_size + 1j * o.observed[:, 2 + 2 * j]))
+    return Tops(np.array(tops).T.ravel(), np.array(loss))
+
+
+def reading_noise(o: Observations, sensors: Sequence[int]) -> Floats:
+    """(2 s,) deviations of a run's tops by the sensors' stated noise."""
+    frequency, height = [], []
+    for j in sensors:
+        log_size = o.observed[:, 1 + 2 * j] - o.log_force
+        i, step = _top_and_step(o, j)
+        around = slice(max(i - 2, 0), i + 3)
+        x, noise = o.observed[around, 0] - o.observed[i, 0], float(o.noise[i, 1 + 2 * j])
+        bend = abs(float(np.polyfit(x / step, log_size[around], 2)[0])) if step > 0 and len(x) > 2 else 0.0
+        height.append(_OF_TOP * noise)
+        frequency.append(step * min(_OF_PLACE * noise / (2 * bend) if bend > 0 else np.inf, 2.0))
+    return np.array(frequency + height)
+
+
+def _top_and_step(o: Observations, sensor: int) -> tuple[int, float]:
+    """Place of the largest point (two off the ends at least), and the spacing of log f there."""
+    top = highest(o.observed[:, 1 + 2 * sensor] - o.log_force)
+    i = int(np.clip(top, 2, max(len(o) - 3, 2)))
+    around = o.observed[max(i - 2, 0) : i + 3, 0]
+    return min(i, len(o) - 1), float(np.ptp(around)) / max(len(around) - 1, 1)
+
+
+def _loss_factor(frequency: Floats, log_receptance: Complex) -> float:
+    return resonance(frequency, np.exp(log_receptance), np.ones(len(frequency))).loss_factor
+
+
+@dataclass(frozen=True, eq=False)
+class SeenBranch:
+    """A branch on the parts that the sweep visits, densely. place: (n,); observed: (n, m); slopes: (n, p, m) by the
+    parameters; step: spacing of the measured points at the top, of the logarithm of the frequency"""
+
+    branch: PredictedBranch
+    place: Floats
+    observed: Floats
+    slopes: Floats
+    step: float
+
+    def tops(self, sensors: Sequence[int]) -> Tops:
+        low, high = self.branch.condition.wider
+        seen = self.observed[(self.observed[:, 0] >= np.log(low)) & (self.observed[:, 0] <= np.log(high))]
+        f = np.exp(seen[:, 0])
+        loss = [_loss_factor(f, seen[:, 1 + 2 * j] + 1j * seen[:, 2 + 2 * j]) for j in sensors]
+        return Tops(self._values(sensors, self.observed), np.array(loss))
+
+    def places(self, sensors: Sequence[int]) -> Floats:
+        """(s,) of the tops along the branch"""
+        return self.place[[self._highest(j, self.observed) for j in sensors]]
+
+    def by_parameter(self, sensors: Sequence[int], steps: Floats) -> Floats:
+        """(p, 2 s) derivatives of the tops' values, by central differences."""
+        found = []
+        for k, step in enumerate(steps):
+            ends = [self._values(sensors, self.observed + sign * step * self.slopes[:, k]) for sign in (1, -1)]
+            found.append((ends[0] - ends[1]) / (2 * step))
+        return np.array(found)
+
+    def by_drive(self, o: Observations, sensors: Sequence[int]) -> Floats:
+        """(2 s,) what the force as measured at a run's tops does to the model's."""
+        slopes = self.branch.at(self.places(sensors)).slopes
+        frequency, height = [], []
+        for j, of_place in zip(sensors, slopes, strict=True):
+            i = highest(o.observed[:, 1 + 2 * j] - o.log_force)
+            change = by_drive(o, of_place[None])[i]
+            frequency.append(change[0])
+            height.append(change[1 + 2 * j] - o.log_force[i])
+        return np.array(frequency + height)
+
+    def has_top(self, sensor: int) -> bool:
+        """Whether there is one in the measured window, or just beyond it; no end of what the sweep sees."""
+        i = self._highest(sensor, self.observed)
+        return 0 < i < len(self.observed) - 1
+
+    def half_width(self, sensor: int) -> float:
+        """Over the frequency, by how narrow the peak is at 1/sqrt(2) of its height; a tenth of the window where that
+        is not seen."""
+        frequency, size = np.exp(self.observed[:, 0]), np.exp(self.observed[:, 1 + 2 * sensor])
+        i = self._highest(sensor, self.observed)
+        widths = np.abs(np.array([half_power(frequency, size, i, side) for side in (-1, 1)]) / frequency[i] - 1)
+        widths = widths[widths > 0]
+        low, high = self.branch.condition.window
+        return float(np.mean(widths)) if len(widths) else 0.1 * float(np.log(high / low))
+
+    def _values(self, sensors: Sequence[int], observed: Floats) -> Floats:
+        """(2 s,)"""
+        return np.array([self._top(j, observed) for j in sensors]).T.ravel()
+
+    def _top(self, sensor: int, observed: Floats) -> tuple[float, float]:
+        """Logarithms of frequency and height, by a parabola through five points as far apart as the measured ones."""
+        i = self._highest(sensor, observed)
+        log_f, log_size = observed[:, 0], observed[:, 1 + 2 * sensor]
+        near = _about(log_f, i, 3 * self.step)
+        order = np.argsort(log_f[near])
+        known, size = log_f[near][order], log_size[near][order]
+        f = log_f[i] + self.step * np.arange(-2, 3)
+        if f[0] < known[0] or f[-1] > known[-1]:
+            return float(log_f[i]), float(log_size[i])
+        height, at = summit(f, np.interp(f, known, size), 2)
+        return at, height
+
+    def _highest(self, sensor: int, observed: Floats) -> int:
+        """The highest top inside the measured window, at whose edges the curve may climb to another mode's; where it
+        has none inside, from its highest place uphill to the nearest."""
+        log_size, n = observed[:, 1 + 2 * sensor], len(observed)
+        low, high = np.log(self.branch.condition.window)
+        inside = np.flatnonzero((observed[:, 0] >= low) & (observed[:, 0] <= high))
+        i = int(inside[highest(log_size[inside])]) if len(inside) else int(np.argmax(log_size))
+        while True:
+            best = max(range(max(i - 1, 0), min(i + 2, n)), key=lambda k: log_size[k])
+            if best == i:
+                return i
+            i = best
+
+
+def seen_branch(branch: PredictedBranch, runs: Sequence[Observations], sensor: int) -> SeenBranch:
+    """runs: of the branch's condition; sensor: whose points tell how densely was measured"""
+    place = np.linspace(branch.place[0], branch.place[-1], _PLACES)
+    near = np.clip(np.searchsorted(branch.place, place, side="right") - 1, 0, len(branch.place) - 2)
+    place = place[branch.visited[near] & branch.visited[near + 1]]
+    observed = branch.at(place)
+    step = float(np.median([_top_and_step(o, sensor)[1] for o in runs]))
+    return SeenBranch(branch, place, observed.value, observed.slopes[:, :-1], step)
+
+
+def _about(log_f: Floats, i: int, reach: float) -> slice:
+    """The run of neighbours of a place as far as the frequency goes one way and is within reach."""
+    direction, low, high = np.sign(np.gradient(log_f)), i, i
+    while low > 0 and direction[low - 1] == direction[i] and abs(log_f[low] - log_f[i]) < reach:
+        low -= 1
+    while high < len(log_f) - 1 and direction[high + 1] == direction[i] and abs(log_f[high] - log_f[i]) < reach:
+        high += 1
+    return slice(low, high + 1)

@@ -1,0 +1,150 @@
+"""Misfits of the peaks in words: one sentence for each mode and quantity, levels that agree taken together.
+
+Sentences come by how much of the misfit they account for, as sum of squares over the tests that they name, the largest
+first; that it stands out of the scatter is what lets them be said at all.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import norm
+
+from updamp.comparison.comparison import Finding
+from updamp.comparison.findings.findings import AMPLITUDE, DAMPING, FREQUENCY, SENSOR, in_percent, level_of
+from updamp.comparison.findings.peak_misfit import PeakMisfit
+from updamp.comparison.fit.observations import Plan
+
+# Share of the mean by which levels may differ that are said together.
+_ALIKE = 1 / 3
+# Share of a mode's largest misfit below which a level counts as right.
+_RIGHT = 0.25
+# Misfit of the damping, of its logarithm, that is worth an aside, and the one up to which it is right.
+_LOSSES, _NO_LOSSES = 0.1, 0.05
+
+
+@dataclass(frozen=True)
+class _Sentence:
+    finding: Finding
+    severity: float
+
+
+def peak_findings(
+    misfits: Sequence[PeakMisfit], plan: Plan, names: Mapping[str, str], risk: float = 0.01
+) -> tuple[Finding, ...]:
+    """Sentences on what stands out of the scatter.
+
+    names: of the channels, by point of the model; risk: that an adequate model gets any sentence
+    """
+    read = [m for m in misfits if m.direction.quantity != DAMPING]
+    damping = {m.direction.test: m for m in misfits if m.direction.quantity == DAMPING}
+    # each is held against the scatter in two ways, to two sides
+    limit = float(norm.isf(risk / 4 / max(len(read), 1)))
+    said: list[_Sentence] = []
+    for key in dict.fromkeys((m.direction.quantity, m.direction.sensor) for m in read):
+        same = [m for m in read if (m.direction.quantity, m.direction.sensor) == key]
+        modes = dict.fromkeys(plan.conditions[m.direction.test].mode for m in same)
+        groups = [[m for m in same if plan.conditions[m.direction.test].mode == mode] for mode in modes]
+        if key[0] != FREQUENCY and len(modes) > 1 and _are_alike(same):
+            groups = [same]
+        for group in groups:
+            said += _of_group(group, limit, plan, names, damping)
+    said.sort(key=lambda s: -s.severity)
+    return tuple(s.finding for s in said)
+
+
+def without_peak_findings(tests: Sequence[int], plan: Plan) -> tuple[Finding, ...]:
+    """A sentence for each mode that has conditions (places in the plan) at which the model has no peak to read."""
+    said = []
+    for mode in dict.fromkeys(plan.conditions[i].mode for i in tests):
+        levels = [level_of(plan, i) for i in tests if plan.conditions[i].mode == mode]
+        text = f"{mode}: the model has no peak where it was measured, at {_listed(levels)}"
+        level = next(plan.conditions[i].level for i in tests if plan.conditions[i].mode == mode)
+        said.append(Finding(text, mode, level, FREQUENCY, "", float("nan"), float("nan")))
+    return tuple(said)
+
+
+def _are_alike(group: Sequence[PeakMisfit]) -> bool:
+    logs = np.log1p([m.relative for m in group])
+    return bool(np.all(np.abs(logs - logs.mean()) <= _ALIKE * abs(logs.mean())))
+
+
+def _of_group(
+    group: Sequence[PeakMisfit],
+    limit: float,
+    plan: Plan,
+    names: Mapping[str, str],
+    damping: Mapping[int, PeakMisfit],
+) -> list[_Sentence]:
+    """Of one mode, or of all of them."""
+    largest = max(m.severity for m in group)
+    standing = [m for m in group if abs(m.significance) > limit and m.severity >= _RIGHT * largest]
+    if not standing:
+        return []
+    modes = dict.fromkeys(plan.conditions[m.direction.test].mode for m in group)
+    worst = max(standing, key=lambda m: m.severity)
+    together = len(group) > 1 and _are_alike(group)
+    named = list(group) if together else standing
+    if together:
+        kind = "force level" if plan.conditions[0].unit == "N" else "level"
+        where = "in all runs" if len(modes) > 1 else f"at every {kind}"
+        what = f"{_span(group)} {where}"
+    else:
+        right = [m for m in group if m.severity < _RIGHT * largest]
+        parts = [f"{in_percent(m.relative)} at {level_of(plan, m.direction.test)}" for m in standing]
+        parts += [f"right at {_listed([level_of(plan, m.direction.test) for m in right])}"] if right else []
+        what = ", ".join(parts)
+    mode = next(iter(modes)) if len(modes) == 1 else ""
+    subject, channel = _subject(worst, plan, names, plural=not mode)
+    text = f"{mode}: {subject} {what}" if mode else f"{subject} {what}"
+    text += _aside(named, damping, plan) if worst.direction.quantity == AMPLITUDE else ""
+    level = None if together else plan.conditions[worst.direction.test].level
+    significance = max((m.significance for m in named), key=abs)
+    relative = float(np.expm1(np.mean(np.log1p([m.relative for m in group])))) if together else worst.relative
+    significance = float(np.copysign(significance, relative))
+    finding = Finding(text, mode, level, worst.direction.quantity, channel, relative, significance)
+    return [_Sentence(finding, float(np.linalg.norm([m.severity for m in named])))]
+
+
+def _subject(misfit: PeakMisfit, plan: Plan, names: Mapping[str, str], plural: bool) -> tuple[str, str]:
+    """What reads high or low, and the channel."""
+    if misfit.direction.quantity == FREQUENCY:
+        return "resonance", ""
+    if misfit.direction.quantity != SENSOR:
+        return ("peaks" if plural else "peak"), ""
+    point = misfit.direction.sensor[0]
+    others = [p for p, k in plan.conditions[misfit.direction.test].sensors if k == 1 and p != point]
+    other = names.get(others[0], others[0]) if len(others) == 1 else "the other sensors"
+    name = names.get(point, point)
+    return f"{name} over {other}", name
+
+
+def _span(group: Sequence[PeakMisfit]) -> str:
+    """Such as "15 to 20 % low"."""
+    values = sorted((m.relative for m in group), key=abs)
+    first, last = in_percent(values[0]), in_percent(values[-1])
+    return last if first == last else f"{first.split(' ')[0]} to {last}"
+
+
+def _aside(named: Sequence[PeakMisfit], damping: Mapping[int, PeakMisfit], plan: Plan) -> str:
+    """What the phase tells of the damping at these peaks, where it does: whether the losses are to blame."""
+    told = [(m, damping[m.direction.test]) for m in named if m.direction.test in damping]
+    if not told:
+        return ""
+    sizes = np.array([d.severity for _, d in told])
+    opposite = all(d.relative * m.relative < 0 for m, d in told)
+    where = "" if len(told) == len(named) else f" at {_listed([_name(plan, m) for m, _ in told])}"
+    if opposite and np.all(sizes > _LOSSES):
+        return f" (damping {_span([d for _, d in told])}{where})"
+    small = np.array([d.severity < max(_NO_LOSSES, _RIGHT * m.severity) for m, d in told])
+    return f" (damping right{where})" if small.all() and min(m.severity for m, _ in told) > 2 * _NO_LOSSES else ""
+
+
+def _name(plan: Plan, misfit: PeakMisfit) -> str:
+    several = len(dict.fromkeys(c.mode for c in plan.conditions)) > 1
+    mode = plan.conditions[misfit.direction.test].mode
+    return f"{mode} {level_of(plan, misfit.direction.test)}" if several else level_of(plan, misfit.direction.test)
+
+
+def _listed(levels: Sequence[str]) -> str:
+    return ", ".join(dict.fromkeys(levels))

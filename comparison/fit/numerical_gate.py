@@ -1,0 +1,251 @@
+"""The first question to a misfit: would finer numerics make it go away?"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.comparison.fit.fit import Fit, predict
+from updamp.comparison.fit.matching import across
+from updamp.comparison.fit.observations import Plan
+from updamp.comparison.prediction.branch_tasks import Branches, BranchTask, in_turn
+from updamp.comparison.prediction.numerical_error import UNSURE, NumericalError, difference, jaggedness
+from updamp.comparison.prediction.parameters import Parametrisation
+from updamp.comparison.prediction.predicted_branch import PredictedBranch
+from updamp.comparison.prediction.run_condition import Condition
+from updamp.effects.chosen import ChosenEffect
+from updamp.effects.rig_model import RigModel
+from updamp.hbm.continuation.continuation import ContinuationOptions
+from updamp.hbm.harmonics import Harmonics
+from updamp.model.calibration import nuisances
+
+Floats = NDArray[np.float64]
+
+_MORE_HARMONICS = 2
+# A finer model is traced beyond the measured window by this share of it.
+_FURTHER = 0.4
+# Places taken of it for each of its points.
+_DENSELY = 40
+
+
+def more_harmonics(model: RigModel) -> RigModel:
+    """The same with two more harmonics and twice the time samples."""
+    orders = model.harmonics.orders
+    further = tuple(range(orders[-1] + 1, orders[-1] + 1 + _MORE_HARMONICS))
+    return replace(model, harmonics=Harmonics((*orders, *further)), time_samples=2 * model.time_samples)
+
+
+def finer_than(model: RigModel, finer: Mapping[str, RigModel]) -> dict[str, RigModel]:
+    """The models of finer meshes, and the same with more harmonics and time samples."""
+    return {"harmonics": more_harmonics(model), **finer}
+
+
+def gated(
+    model: RigModel,
+    taken: Sequence[ChosenEffect],
+    plan: Plan,
+    finer: Mapping[str, RigModel],
+    progress: Callable[[str], None] = lambda _: None,
+    branches_of: Branches = in_turn,
+) -> tuple[Parametrisation, tuple[PredictedBranch, ...]]:
+    """The nuisance parameters of a model with its numerical error, and its branches at their nominal values, one a
+    condition and without that error.
+
+    taken: effects of the rig file, which neither model has yet; finer: name -> model with finer numerics; that of more
+        harmonics and time samples is made here
+    raises: BranchStoppedError where a model has no response at the beginning of a run
+    """
+    parametrisation = Parametrisation(model, nuisances(model), taken=tuple(taken))
+    nominal = np.zeros(len(parametrisation))
+    progress("prediction")
+    branches = predict(parametrisation, nominal, plan, None, branches_of)
+    progress("numerical error")
+    models = finer_than(model, finer)
+    return with_numerical_error(parametrisation, nominal, plan, branches, models, branches_of), branches
+
+
+def with_numerical_error(
+    parametrisation: Parametrisation,
+    u: Floats,
+    plan: Plan,
+    branches: Sequence[PredictedBranch],
+    finer: Mapping[str, RigModel],
+    branches_of: Branches = in_turn,
+) -> Parametrisation:
+    """The parametrisation with patterns of numerical error for each of the finer models, mode and test.
+
+    branches: of the parametrisation at u, one a condition; finer: name -> model with the same points
+    raises: BranchStoppedError where a finer model has no response at the beginning of a run
+    """
+    tasks = _finer_tasks(parametrisation, u, branches, finer)
+    traced = branches_of([task for of_model in tasks.values() for task in of_model])
+    return _with_patterns(parametrisation, plan, branches, _by_model(tasks, traced))
+
+
+def _finer_tasks(
+    parametrisation: Parametrisation, u: Floats, branches: Sequence[PredictedBranch], finer: Mapping[str, RigModel]
+) -> dict[str, list[BranchTask]]:
+    """Finer model's name -> tasks, in wider windows, for the conditions where it differs."""
+    found = {}
+    for name, model in finer.items():
+        # at u, and with nothing left to differentiate by: the pattern needs the branch alone
+        there = replace(parametrisation, base=model).model(u)
+        found[name] = [_finer_task(there, b.condition) for b in branches if _differs(model, parametrisation.base, b)]
+    return {name: tasks for name, tasks in found.items() if tasks}
+
+
+def _differs(model: RigModel, base: RigModel, branch: PredictedBranch) -> bool:
+    """Harmonics and time samples change nothing where the response is that of a linear model, all contacts stuck: what
+    the two branches are apart there is how they are interpolated."""
+    linear = branch.proportional or not (model.groups or base.groups)
+    return not (linear and model.components is base.components)
+
+
+def _finer_task(
+    model: RigModel,
+    condition: Condition,
+    numerics: NumericalError | None = None,
+    options: ContinuationOptions | None = None,
+) -> BranchTask:
+    of_model = Parametrisation(model, (), numerics=numerics or NumericalError())
+    return BranchTask(of_model, np.zeros(len(of_model)), _wider(condition), options=options)
+
+
+def _by_model(
+    tasks: Mapping[str, Sequence[BranchTask]], traced: Sequence[PredictedBranch]
+) -> dict[str, dict[str, PredictedBranch]]:
+    """Finer model's name -> condition's name -> its branch; traced: of all tasks, in their order"""
+    following = iter(traced)
+    return {name: {task.condition.name: next(following) for task in of_model} for name, of_model in tasks.items()}
+
+
+def _with_patterns(
+    parametrisation: Parametrisation,
+    plan: Plan,
+    branches: Sequence[PredictedBranch],
+    finer: Mapping[str, Mapping[str, PredictedBranch]],
+) -> Parametrisation:
+    """finer: finer model's name -> condition's name -> its branch, where it differs"""
+    conditions = {c.name: c for c in plan.conditions}
+    coarse = {b.condition.name: unwrapped(b.observed.value) for b in branches}
+    expected = {c: np.zeros_like(observed) for c, observed in coarse.items()}
+    modes = tuple(dict.fromkeys(c.mode for c in plan.conditions))
+    names: list[str] = []
+    patterns: dict[str, list[Floats]] = {c: [] for c in coarse}
+    rough = {c: np.zeros_like(observed) for c, observed in coarse.items()}
+    taken_up: list[Floats] = []
+    for name, traced in finer.items():
+        none = {c: np.zeros_like(observed) for c, observed in coarse.items()}
+        changes = none | {c: _change(coarse[c], b, conditions[c]) for c, b in traced.items()}
+        left, made_up_for = _beyond_calibration(parametrisation, plan, branches, changes)
+        taken_up.append(made_up_for)
+        names += [name, *(f"{name} {mode}" for mode in modes), *(f"{name} {c.name}" for c in plan.conditions)]
+        for c in plan.conditions:
+            expected[c.name] += changes[c.name]
+            patterns[c.name] += [
+                UNSURE * changes[c.name],
+                *(UNSURE * (c.mode == mode) * left[c.name] for mode in modes),
+                *(UNSURE * (c.name == test.name) * left[c.name] for test in plan.conditions),
+            ]
+            rough[c.name] = np.hypot(rough[c.name], jaggedness(changes[c.name]))
+    numerics = NumericalError(
+        tuple(names),
+        coarse,
+        expected,
+        {
+            c: np.stack(each, axis=1) if each else np.zeros((len(coarse[c]), 0, coarse[c].shape[1]))
+            for c, each in patterns.items()
+        },
+        rough,
+        np.array(taken_up) if taken_up else None,
+    )
+    return replace(parametrisation, numerics=numerics)
+
+
+def change_of_branch(
+    model: RigModel,
+    condition: Condition,
+    observed: Floats,
+    numerics: NumericalError | None = None,
+    options: ContinuationOptions | None = None,
+) -> Floats:
+    """(n, m) what another model changes of the observations (n, m) along a branch.
+
+    numerics: error that the observations have been freed of, which is then taken off the other model's too
+    options: of the continuation
+    raises: BranchStoppedError where it has no response at the beginning of the run
+    """
+    return _change(observed, _finer_task(model, condition, numerics, options).predicted(), condition)
+
+
+def _change(observed: Floats, traced: PredictedBranch, condition: Condition) -> Floats:
+    """(n, m) of the observations (n, m) along a branch, by those of another one that was traced further."""
+    return difference(observed, _densely(traced), condition.wider)
+
+
+def _beyond_calibration(
+    parametrisation: Parametrisation, plan: Plan, branches: Sequence[PredictedBranch], changes: Mapping[str, Floats]
+) -> tuple[dict[str, Floats], Floats]:
+    """Changes of all branches (n, m) less what the parameters make up for, within their prior deviations; and the
+    parameters' changes (p,) that do.
+
+    What calibration takes up is no error of the calibrated model, whatever it does to the parameters.
+    """
+    n = parametrisation.n_of_model
+    columns, wanted = [np.diag(1 / parametrisation.deviation[:n])], [np.zeros(n)]
+    slopes = {}
+    for test, branch in enumerate(branches):
+        noise = np.median(np.concatenate([o.noise for o in plan.observations if o.test == test]), axis=0)
+        observed = branch.observed
+        slopes[branch.condition.name] = observed.slopes[:, :n]
+        basis = across(observed.along, np.broadcast_to(noise, observed.along.shape))
+        columns.append(np.einsum("nrm,npm->nrp", basis, observed.slopes[:, :n]).reshape(-1, n))
+        wanted.append(np.einsum("nrm,nm->nr", basis, changes[branch.condition.name]).ravel())
+    made_up_for = np.linalg.lstsq(np.concatenate(columns), np.concatenate(wanted), rcond=None)[0]
+    return {name: change - made_up_for @ slopes[name] for name, change in changes.items()}, made_up_for
+
+
+def _wider(condition: Condition) -> Condition:
+    """Finer numerics may shift the resonance by more than its width."""
+    low, high = condition.window
+    return replace(condition, window=(low - _FURTHER * (high - low), high + _FURTHER * (high - low)))
+
+
+def _densely(branch: PredictedBranch) -> Floats:
+    return unwrapped(branch.at(np.linspace(branch.place[0], branch.place[-1], _DENSELY * len(branch.place))).value)
+
+
+def unwrapped(observed: Floats) -> Floats:
+    """Observations (n, m) along a branch with phases that do not jump."""
+    smooth = observed.copy()
+    smooth[:, 2::2] = np.unwrap(smooth[:, 2::2], axis=0)
+    return smooth
+
+
+# How far the error of the numerics may have moved the parameters of a finished fit.
+
+
+def moved_by_numerics(fitted: Fit) -> Floats:
+    """(p,) standard deviations of the model's parameters, effects among them, 0 for patterns of numerical error.
+
+    What a finer model changes is known to within half of its size. A fit with that half as a pattern of its own tells
+    it from the parameters by details of a thousand points, which are no surer than the pattern's shape; so here
+    parameters make up for all of it as far as they can.
+    """
+    p, n = fitted.parametrisation, fitted.parametrisation.n_of_model
+    _, columns = fitted.compared.equations()
+    prior = np.diag(1 / p.deviation[:n])
+    left = np.vstack([columns[:, :n], prior])
+    found = np.zeros(len(p))
+    for i, name in enumerate(p.names):
+        if name.startswith("numerics.") and _is_whole(name):
+            wanted = np.append(columns[:, i], np.zeros(n))
+            moved = np.linalg.lstsq(left, wanted, rcond=None)[0]
+            found[:n] = np.hypot(found[:n], moved)
+    return found
+
+
+def _is_whole(name: str) -> bool:
+    """Patterns of one mode or one test have its name after a blank."""
+    return " " not in name

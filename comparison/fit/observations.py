@@ -1,0 +1,182 @@
+"""Measured sweeps in the coordinates in which they are compared: logarithm of frequency, of amplitude, and phase."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.comparison.prediction.run_condition import DERIVATIVES, Condition, HeldResponse
+from updamp.measurement.measurement import MeasuredRun, Measurement
+
+Floats = NDArray[np.float64]
+
+# Relative standard deviation of a frequency as the generator sets it.
+FREQUENCY_NOISE = 2e-6
+# Standard deviation of the logarithm of a run's roughness, of some forty points.
+_ROUGHNESS_KNOWN = 0.25
+# Of an amplitude where nothing is stated and too little is measured to tell.
+_AMPLITUDE = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class Observations:
+    """One run of one repeat.
+
+    test: place of its condition; repeat: number of the assembly
+    observed: (n, 1 + 2 n_sensors) as in PredictedBranch; noise: like it, standard deviations of the sensors alone
+    log_force: (n,) logarithm of the measured force over the condition's; log_level: (n,) of the measured response over
+        the one to be held, None where the force was set
+    """
+
+    run: str
+    test: int
+    repeat: int
+    observed: Floats
+    noise: Floats
+    log_force: Floats
+    log_level: Floats | None = None
+
+    def __len__(self) -> int:
+        return len(self.observed)
+
+    @property
+    def frequency(self) -> Floats:
+        """(n,) [Hz]"""
+        return np.exp(self.observed[:, 0])
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """conditions: the tests; observations: all runs and repeats of them"""
+
+    conditions: tuple[Condition, ...]
+    observations: tuple[Observations, ...]
+
+    @property
+    def repeats(self) -> tuple[int, ...]:
+        return tuple(sorted({o.repeat for o in self.observations}))
+
+    def only(self, wanted: Sequence[int]) -> "Plan":
+        """With some of the conditions: their places."""
+        place = {old: new for new, old in enumerate(wanted)}
+        kept = tuple(replace(o, test=place[o.test]) for o in self.observations if o.test in place)
+        return Plan(tuple(self.conditions[i] for i in wanted), kept)
+
+
+def plan_of(measurement: Measurement, harmonics: Sequence[int] = (1,)) -> Plan:
+    """The tests of a measurement: runs of one name are one test.
+
+    harmonics: those to compare, where they were measured
+    """
+    conditions: list[Condition] = []
+    observations: list[Observations] = []
+    for name in dict.fromkeys(run.name for run in measurement.runs):
+        runs = [run for run in measurement.runs if run.name == name]
+        condition = _condition(measurement, runs, harmonics)
+        observations += [_observations(run, len(conditions), condition, measurement) for run in runs]
+        conditions.append(condition)
+    if all(run.noise is None for run in measurement.runs):
+        observations = _pooled(observations, conditions)
+    observations = [_no_better_than(o, measurement.repeatability) for o in observations]
+    if len({c.unit for c in conditions}) > 1:  # forces are the one thing that all of them have
+        conditions = [replace(c, held=None, unit="N") for c in conditions]
+    return Plan(tuple(conditions), tuple(observations))
+
+
+def _condition(measurement: Measurement, runs: Sequence[MeasuredRun], harmonics: Sequence[int]) -> Condition:
+    first = runs[0]
+    common = [c for c in first.channels if all(c in run.channels for run in runs)]
+    orders = [k for k in harmonics if all(k in run.harmonics for run in runs)]
+    force = float(np.median(np.concatenate([np.abs(run.force) for run in runs])))
+    low, high = min(run.frequency.min() for run in runs), max(run.frequency.max() for run in runs)
+    held, unit = (first.level, first.level_unit) if first.held == "response" else (None, "N")
+    sensors = tuple((measurement.channel(c).point, k) for c in common for k in orders)
+    window, control = (float(low), float(high)), _control(measurement, first)
+    return Condition(first.name, first.mode, force, first.upwards, window, sensors, held, unit, control)
+
+
+def _control(measurement: Measurement, run: MeasuredRun) -> HeldResponse | None:
+    """The response that was held; None where none was."""
+    if run.held != "response" or run.level_unit not in DERIVATIVES:
+        return None
+    point = measurement.channel(run.held_channel or run.channels[0]).point
+    return HeldResponse(point, run.level, DERIVATIVES[run.level_unit])
+
+
+def _observations(run: MeasuredRun, test: int, condition: Condition, measurement: Measurement) -> Observations:
+    points = {channel.point: channel.name for channel in measurement.channels}
+    turn = run.force / np.abs(run.force)
+    columns, noise = [np.log(run.frequency)], [np.full(len(run), FREQUENCY_NOISE)]
+    for point, k in condition.sensors:
+        amplitude = run.amplitude(points[point], k) / turn**k
+        deviation = _deviation(run, points[point], k)
+        columns += [np.log(np.abs(amplitude)), np.unwrap(np.angle(amplitude))]
+        noise += [deviation, deviation]
+    log_force = np.log(np.abs(run.force) / condition.force)
+    level = None
+    if condition.control is not None:
+        held = run.amplitude(run.held_channel or run.channels[0])
+        w = 2 * np.pi * run.frequency
+        level = np.log(np.abs(held) * w**condition.control.derivatives / condition.control.level)
+    return Observations(run.name, test, run.repeat, np.column_stack(columns), np.column_stack(noise), log_force, level)
+
+
+def _deviation(run: MeasuredRun, channel: str, k: int) -> Floats:
+    """(n,) relative standard deviation of an amplitude: as stated, or from how rough the run is.
+
+    Its roughness is that of the amplitude over the force: where a controller holds the response, it is the force that
+    carries the noise.
+    """
+    amplitude = run.amplitude(channel, k)
+    if run.noise is not None:
+        stated = run.noise[run.channels.index(channel), run.harmonics.index(k)]
+        return np.asarray(stated / np.abs(amplitude))
+    return np.full(len(run), roughness(np.log(np.abs(amplitude / run.force))))
+
+
+def roughness(values: Floats) -> float:
+    """Standard deviation of the noise on a smooth run of values, from its third differences (variance 20)."""
+    if len(values) < 8:
+        return _AMPLITUDE
+    third = np.diff(values, 3) / np.sqrt(20)
+    # the median is not drawn up by the few places where the run itself is not smooth
+    return max(float(np.median(np.abs(third)) / 0.6745), 1e-4)
+
+
+def _no_better_than(o: Observations, repeatability: float) -> Observations:
+    """With what another test of the same would differ by as noise of every amplitude and phase."""
+    noise = o.noise.copy()
+    noise[:, 1:] = np.hypot(noise[:, 1:], repeatability)
+    return replace(o, noise=noise)
+
+
+def _pooled(observations: Sequence[Observations], conditions: Sequence[Condition]) -> list[Observations]:
+    """With the noise of each sensor shrunk towards what all its runs have in common.
+
+    That of one run is known to a fifth or so only, and weights made of it would be off by half. How much the runs
+    really differ is what is left of their spread (empirical Bayes: C. N. Morris, J. Am. Stat. Assoc. 78 (1983) 47).
+    """
+    levels: dict[tuple[str, int], list[float]] = {}
+    for o in observations:
+        for j, sensor in enumerate(conditions[o.test].sensors):
+            levels.setdefault(sensor, []).append(float(np.median(np.log(o.noise[:, 1 + 2 * j]))))
+    shrunk = {sensor: _shrinkage(np.array(each)) for sensor, each in levels.items()}
+    found = []
+    for o in observations:
+        noise = o.noise.copy()
+        for j, sensor in enumerate(conditions[o.test].sensors):
+            centre, share = shrunk[sensor]
+            columns = slice(1 + 2 * j, 3 + 2 * j)
+            level = np.median(np.log(o.noise[:, 1 + 2 * j]))
+            noise[:, columns] *= np.exp((1 - share) * (centre - level))
+        found.append(replace(o, noise=noise))
+    return found
+
+
+def _shrinkage(levels: Floats) -> tuple[float, float]:
+    """Centre of the logarithms of the noise of several runs, and the share of their distance from it that is real."""
+    if len(levels) < 3:
+        return float(np.mean(levels)), 1.0
+    spread = float(np.var(levels, ddof=1))
+    return float(np.median(levels)), max(0.0, 1 - _ROUGHNESS_KNOWN**2 / spread) if spread > 0 else 0.0

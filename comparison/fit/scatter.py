@@ -1,0 +1,205 @@
+"""What differs from one assembly to the next, and from run to run: random offsets, their sizes learnt from the repeats.
+
+The model is y = f(theta + b) with normal b for each assembly (a nonlinear mixed-effects model, linearised about the
+offsets found: M. J. Lindstrom and D. M. Bates, Biometrics 46 (1990) 673). Offsets are those of the nuisance
+parameters, a drift of frequency for each run and a gain for each sensor.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from updamp.comparison.fit.matching import Matched
+
+Floats = NDArray[np.float64]
+
+DRIFT, GAIN, NOISE = "frequency drift", "sensor gain", "sensor noise"
+# Standard deviations before the repeats have been looked at: relative, and of the logarithm of that guess.
+_DRIFT, _GAIN = 1e-4, 0.01
+_UNSURE, _UNSURE_NOISE = 0.5, 0.3
+# No further from the guess than this many deviations: what would need more is a misfit, and no scatter.
+_FURTHEST = 2.0
+# Of an offset, in standard deviations.
+_FARTHEST = 5.0
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """Standard deviations: of each nuisance parameter's logarithm from assembly to assembly, of the logarithm of a
+    run's frequency, of that of a sensor's gain; noise: factor on the sensors' stated noise"""
+
+    parameters: Mapping[str, float]
+    drift: float = _DRIFT
+    gain: float = _GAIN
+    noise: float = 1.0
+
+    def as_numbers(self) -> dict[str, float]:
+        return {**self.parameters, DRIFT: self.drift, GAIN: self.gain, NOISE: self.noise}
+
+    @staticmethod
+    def of(numbers: Mapping[str, float]) -> "Scatter":
+        rest = {name: value for name, value in numbers.items() if name not in (DRIFT, GAIN, NOISE)}
+        return Scatter(rest, numbers[DRIFT], numbers[GAIN], numbers[NOISE])
+
+
+@dataclass(frozen=True, eq=False)
+class Assembly:
+    """One repeat's equations: residual = common a + random b + noise of unit size.
+
+    residual: (n,) at b = 0 to first order; common: (n, p) by the fitted parameters; random: (n, q) by the offsets
+    kinds: (q,) name of the scatter that each offset belongs to
+    """
+
+    repeat: int
+    residual: Floats
+    common: Floats
+    random: Floats
+    kinds: tuple[str, ...]
+
+    def deviations(self, scatter: Scatter) -> Floats:
+        """(q,) of the offsets, in units of the sensors' noise"""
+        numbers = scatter.as_numbers()
+        return np.array([numbers[kind] for kind in self.kinds]) / scatter.noise
+
+
+@dataclass(frozen=True, eq=False)
+class Offsets:
+    """One assembly's: parameters (p_nuisance,), drift of each run and gain of each sensor, by name."""
+
+    parameters: Floats
+    drift: Mapping[str, float]
+    gain: Mapping[tuple[str, int], float]
+
+    def correction(self, run: str, sensors: Sequence[tuple[str, int]]) -> Floats:
+        """(m,) of the observations of one run"""
+        correction = np.zeros(1 + 2 * len(sensors))
+        correction[0] = self.drift.get(run, 0.0)
+        correction[1::2] = [self.gain.get(sensor, 0.0) for sensor in sensors]
+        return correction
+
+
+def assembly(
+    repeat: int,
+    matched: Sequence[Matched],
+    sensors: Sequence[Sequence[tuple[str, int]]],
+    nuisances: Sequence[str],
+    offsets: Offsets,
+) -> Assembly:
+    """The equations of one repeat from its matched runs; sensors: of each run's condition."""
+    runs = [m.observations.run for m in matched]
+    gains = list(dict.fromkeys(sensor for of_run in sensors for sensor in of_run))
+    kinds = (*nuisances, *(DRIFT for _ in runs), *(GAIN for _ in gains))
+    blocks, residual, common = [], [], []
+    for i, (m, of_run) in enumerate(zip(matched, sensors, strict=True)):
+        n = m.residual.size
+        block = np.zeros((n, len(kinds)))
+        block[:, : len(nuisances)] = m.by_parameter.reshape(n, -1)[:, : len(nuisances)]
+        block[:, len(nuisances) + i] = m.by_observation[:, :, 0].ravel()
+        for j, sensor in enumerate(of_run):
+            place = len(nuisances) + len(runs) + gains.index(sensor)
+            block[:, place] = m.by_observation[:, :, 1 + 2 * j].ravel()
+        b = np.concatenate(
+            [
+                offsets.parameters,
+                [offsets.drift.get(run, 0.0) for run in runs],
+                [offsets.gain.get(sensor, 0.0) for sensor in gains],
+            ]
+        )
+        blocks.append(block)
+        residual.append(m.residual.ravel() + block @ b)
+        common.append(m.by_parameter.reshape(n, -1))
+    return Assembly(repeat, np.concatenate(residual), np.concatenate(common), np.concatenate(blocks), kinds)
+
+
+def split(b: Floats, matched: Sequence[Matched], sensors: Sequence[Sequence[tuple[str, int]]], n: int) -> Offsets:
+    """The offsets of one assembly from their vector; n: nuisance parameters."""
+    runs = [m.observations.run for m in matched]
+    gains = list(dict.fromkeys(sensor for of_run in sensors for sensor in of_run))
+    drift = dict(zip(runs, b[n : n + len(runs)].tolist(), strict=True))
+    return Offsets(b[:n], drift, dict(zip(gains, b[n + len(runs) :].tolist(), strict=True)))
+
+
+def learn(assemblies: Sequence[Assembly], prior: Scatter) -> Scatter:
+    """The scatter that makes the differences between the repeats most likely, with each size lognormal about its prior.
+
+    Restricted maximum likelihood (H. D. Patterson and R. Thompson, Biometrika 58 (1971) 545): the fitted parameters
+    may be anything meanwhile, so that what all repeats have in common is no scatter.
+    """
+    names = list(prior.as_numbers())
+    start = np.log([prior.as_numbers()[name] for name in names])
+    sizes = np.array([_UNSURE_NOISE if name == NOISE else _UNSURE for name in names])
+    products = [_Products.of(a) for a in assemblies]
+
+    def unlikely(z: Floats) -> float:
+        scatter = Scatter.of(dict(zip(names, np.exp(start + sizes * z), strict=True)))
+        pairs = zip(assemblies, products, strict=True)
+        parts = [p.reduced(a.deviations(scatter), scatter.noise) for a, p in pairs]
+        chi2, right, information, log_determinant = (sum(column) for column in zip(*parts, strict=True))
+        # directions that these data do not tell are left alone
+        values, vectors = np.linalg.eigh(information)
+        told = values > 1e-8 * values[-1]
+        free = (vectors[:, told].T @ right) ** 2 / values[told]
+        return float(z @ z + chi2 - free.sum() + log_determinant + np.log(values[told]).sum())
+
+    found = minimize(unlikely, np.zeros(len(names)), method="L-BFGS-B", bounds=[(-_FURTHEST, _FURTHEST)] * len(names))
+    return Scatter.of(dict(zip(names, np.exp(start + sizes * found.x).tolist(), strict=True)))
+
+
+@dataclass(frozen=True, eq=False)
+class _Products:
+    """Of the residual r, the random columns R and the common ones C.
+
+    n: length of r; RR: R^T R; crossed: R^T [r C]; squared: [r C]^T [r C]
+    """
+
+    n: int
+    RR: Floats
+    crossed: Floats
+    squared: Floats
+
+    @staticmethod
+    def of(a: Assembly) -> "_Products":
+        both = np.column_stack([a.residual, a.common])
+        return _Products(len(a.residual), a.random.T @ a.random, a.random.T @ both, both.T @ both)
+
+    def reduced(self, deviations: Floats, noise: float) -> tuple[float, Floats, Floats, float]:
+        """r^T V^-1 r, C^T V^-1 r, C^T V^-1 C and log det V of the covariance V."""
+        inner = np.eye(len(deviations)) + deviations[:, None] * self.RR * deviations
+        factor = scipy.linalg.cho_factor(inner)
+        part = deviations[:, None] * self.crossed
+        all_ = (self.squared - part.T @ scipy.linalg.cho_solve(factor, part)) / noise**2
+        log_determinant = 2 * float(np.sum(np.log(np.diag(factor[0])))) + 2 * self.n * np.log(noise)
+        return float(all_[0, 0]), all_[1:, 0], all_[1:, 1:], log_determinant
+
+
+def offsets_of(a: Assembly, scatter: Scatter) -> tuple[Floats, float]:
+    """The likeliest offsets (q,) of one assembly with the common part taken off, and its chi2: r^T C^-1 r."""
+    deviations = a.deviations(scatter)
+    inner = np.eye(len(deviations)) + deviations[:, None] * (a.random.T @ a.random) * deviations
+    b = deviations * scipy.linalg.solve(inner, deviations * (a.random.T @ a.residual), assume_a="pos")
+    rest = a.residual - a.random @ b
+    chi2 = float(a.residual @ rest) / scatter.noise**2
+    return b, chi2
+
+
+def within_reach(b: Floats, a: Assembly, scatter: Scatter) -> Floats:
+    """The offsets no further off than an assembly can be: a model that fails grossly is not excused by them."""
+    farthest = _FARTHEST * a.deviations(scatter) * scatter.noise
+    return np.clip(b, -farthest, farthest)
+
+
+def whitened(a: Assembly, scatter: Scatter) -> tuple[Floats, Floats]:
+    """C^-1/2 of the residual (n,) and of the common columns (n, p): what least squares sees."""
+    deviations = a.deviations(scatter)
+    left, sizes, _ = np.linalg.svd(a.random * deviations, full_matrices=False)
+    shrink = 1 / np.sqrt(1 + sizes**2) - 1
+
+    def root(values: Floats) -> Floats:
+        spread = left.T @ values
+        return np.asarray((values + left @ (shrink * spread.T).T) / scatter.noise)
+
+    return root(a.residual), root(a.common)

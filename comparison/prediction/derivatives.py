@@ -1,0 +1,199 @@
+"""How a solved point moves with parameters of any kind, without a derivative being written for any of them.
+
+The residual and the observed motion of the changed models are evaluated where the point stands, which needs neither
+tangents nor iterations; the Jacobian that solved the point turns their differences into derivatives.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.hbm.continuation.branch import BranchPoint
+from updamp.hbm.newton.many_right_sides import apply_tangents, solve_many
+from updamp.hbm.newton.structure_response import Loads, respond
+from updamp.hbm.problem.system import Excitation, NonlinearSystem, Receptance
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+# Of the equations for the derivatives: next to a turning point, where the Jacobian is nearly singular, no more is
+# to be had, and a fit does not need more.
+_TOLERANCE = 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """A parameter's change by a finite difference, to one side unless there is an opposite.
+
+    system: the changed one; step: of the parameter, from where the point stands
+    opposite: that changed by the negative step. The structure's response is as curved as its resonance is narrow: a
+        difference to one side would be off by half of step over loss factor, squared
+    contacts_alone: whether the linear structure is that of the point
+    added: points of elements that the changed system has in addition, which exert nothing where the point stands but
+        for the step
+    """
+
+    system: NonlinearSystem
+    step: float
+    contacts_alone: bool = False
+    added: tuple[str, ...] = ()
+    opposite: NonlinearSystem | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Derivatives:
+    """value: (n_rows, n_coefficients) observed motion [m]
+
+    along: its derivative (and w_along that of the angular frequency) by length along the branch
+    by_parameter: (n_parameters, n_rows, n_coefficients) with the place along the branch held (`_held`); w_by_parameter
+    x_by_parameter: (n_parameters, n_relative, n_coefficients) likewise, of the relative displacements [m]
+    by_force: by the logarithm of the force; w_by_force
+    """
+
+    value: Floats
+    along: Floats
+    w_along: float
+    by_parameter: Floats
+    w_by_parameter: Floats
+    x_by_parameter: Floats
+    by_force: Floats
+    w_by_force: float
+
+
+@dataclass(frozen=True, eq=False)
+class Moves:
+    """How observed motion and relative displacements move, at held frequency and force unless said otherwise.
+
+    value: (n_rows, n_coefficients) observed motion [m]
+    dy: (n_rows, n_coefficients, n + 3) of the observed motion: by the n parameters, by the logarithm of the force, by
+        the angular frequency, and along the branch at held force; dx: (n_relative, n_coefficients, n + 3) likewise
+    """
+
+    value: Floats
+    dy: Floats
+    dx: Floats
+
+
+def moves(point: BranchPoint, excitation: Excitation, changes: Sequence[Change], rows: Integers) -> Moves:
+    """raises: RuntimeError where the Jacobian is singular and no correction helps"""
+    equation = point.solution.equation
+    receptance, x = equation.receptance, point.x
+    # That of the solution carries the state before the last Newton step, in which a contact may have been stuck.
+    jacobian = equation.factorised()
+    system = receptance.system
+    here = _Here(receptance, equation.departure.value, equation.departure.frequency_derivative, excitation, rows)
+    differences = [here.difference(change, x) for change in changes]
+    lift = receptance.excitation(excitation)
+    dr = np.stack([*(d[0] for d in differences), -lift, equation.frequency_derivative(excitation), 0 * x], axis=2)
+    dx = np.zeros_like(dr)
+    dx[..., :-1] = solve_many(jacobian, equation.departure, -dr[..., :-1], _TOLERANCE)
+    dx[..., -1] = point.tangent_x
+    forces = Loads.none(receptance, dx.shape[2])
+    forces.forces[: len(x)] = -apply_tangents(system, equation.departure, dx)
+    dy = respond(receptance, forces).at(rows)
+    by_w = here.by_frequency()
+    for j, difference in enumerate(differences):
+        dy[..., j] += difference[1]
+    dy[..., -3] += receptance.excitation(excitation, rows)
+    dy[..., -2] += by_w
+    dy[..., -1] += by_w * point.tangent_w
+    return Moves(here.observed, dy, dx)
+
+
+def derivatives(point: BranchPoint, excitation: Excitation, changes: Sequence[Change], rows: Integers) -> Derivatives:
+    """raises: RuntimeError where the Jacobian is singular and no correction helps"""
+    found = moves(point, excitation, changes, rows)
+    dx, dy = found.dx, found.dy
+    dw = _held(found.value, dy, point.tangent_w, point.w)
+    total = dy[..., :-2] + dy[..., -2:-1] * dw
+    return Derivatives(
+        value=found.value,
+        along=dy[..., -1],
+        w_along=point.tangent_w,
+        by_parameter=total[..., :-1].transpose(2, 0, 1),
+        w_by_parameter=dw[:-1],
+        x_by_parameter=(dx[..., :-3] + dx[..., -2:-1] * dw[:-1]).transpose(2, 0, 1),
+        by_force=total[..., -1],
+        w_by_force=float(dw[-1]),
+    )
+
+
+def _held(observed: Floats, dy: Floats, w_along: float, w: float) -> Floats:
+    """(n,) changes of the angular frequency that go with the first n = columns - 2 of dy, for the place to be held.
+
+    dy: (n_rows, n_coefficients, columns) at held frequency, then by the frequency, then along the branch
+
+    The place is held where the observed motion changes least, relative to each row's size: a resonance that shifts
+    keeps its amplitudes and phases, so that a shift by more than its width still is one of the frequency alone.
+    """
+    size = np.maximum(np.linalg.norm(observed, axis=1), np.finfo(float).tiny)
+    relative = (dy / size[:, None, None]).reshape(-1, dy.shape[2])
+    by_parameter, by_w, along = relative[:, :-2], relative[:, -2] * w, relative[:, -1]
+    along, shift = np.append(along, w_along / w), np.append(by_w, 1.0)
+    return np.asarray(-w * (along[:-1] @ by_parameter) / (along @ shift))
+
+
+def _observed(receptance: Receptance, excitation: Excitation, departure: Floats, rows: Integers) -> Floats:
+    return receptance.excitation(excitation, rows) - receptance.apply(departure, rows)
+
+
+@dataclass(frozen=True, eq=False)
+class _Here:
+    """A solved point; departure: of its elements (n_relative, n_coefficients), departure_rate: its derivative by the
+    angular frequency; rows: observed"""
+
+    receptance: Receptance
+    departure: Floats
+    departure_rate: Floats
+    excitation: Excitation
+    rows: Integers
+
+    @cached_property
+    def observed(self) -> Floats:
+        return _observed(self.receptance, self.excitation, self.departure, self.rows)
+
+    def difference(self, change: Change, x: Floats) -> tuple[Floats, Floats]:
+        """Of the residual and of the observed motion at the same x, over the step."""
+        system, w = change.system, self.receptance.w
+        if change.opposite is not None:
+            ahead, behind = (
+                self.difference(replace(change, system=s, opposite=None), x) for s in (system, change.opposite)
+            )
+            return (ahead[0] - behind[0]) / 2, (ahead[1] - behind[1]) / 2
+        if change.contacts_alone:
+            # the residual as the point's own system has it: with its springs the structure stays the same
+            reference = self.receptance.system.reference_stiffness[:, None]
+            moved = (system.element_forces(x, w) - reference * x - self.departure) / change.step
+            return self.receptance.apply(moved), -self.receptance.apply(moved, self.rows)
+        receptance, n, rows = Receptance(system, w), len(x), self.rows + len(change.added)
+        all_x = np.concatenate([x, self._motion_of(change.added)]) if change.added else x
+        g = self.departure if self._same_elements(system) else system.departure_value(all_x, w)
+        excitation = replace(self.excitation, row=self.excitation.row + len(change.added))
+        residual = all_x - receptance.excitation(excitation) + receptance.apply(g)
+        motion = _observed(receptance, excitation, g, rows)
+        return (residual[:n] - self._residual(x)) / change.step, (motion - self.observed) / change.step
+
+    def _motion_of(self, points: Sequence[str]) -> Floats:
+        """(n_points, n_coefficients)"""
+        rows = np.array([self.receptance.system.free.row(point) for point in points])
+        return _observed(self.receptance, self.excitation, self.departure, rows)
+
+    def by_frequency(self) -> Floats:
+        """Of the observed motion at held relative displacements."""
+        receptance, rows = self.receptance, self.rows
+        return (
+            receptance.excitation_rate(self.excitation, rows)
+            - receptance.apply_rate(self.departure, rows)
+            - receptance.apply(self.departure_rate, rows)
+        )
+
+    def _residual(self, x: Floats) -> Floats:
+        return x - self.receptance.excitation(self.excitation) + self.receptance.apply(self.departure)
+
+    def _same_elements(self, other: NonlinearSystem) -> bool:
+        own = self.receptance.system
+        same = len(other.groups) == len(own.groups) and other.harmonics == own.harmonics
+        return same and all(a is b for a, b in zip(other.groups, own.groups, strict=True))

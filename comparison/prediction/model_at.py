@@ -1,0 +1,103 @@
+"""The model at one place in the space of its parameters, and how it changes around there."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.comparison.prediction.derivatives import Change
+from updamp.comparison.prediction.parameters import Parametrisation
+from updamp.effects.effect import Effect, EffectParameter
+from updamp.effects.rig_model import RigModel
+from updamp.hbm.problem.elements import ElementGroup
+from updamp.hbm.problem.linear_model import LinearModel
+from updamp.hbm.problem.system import NonlinearSystem
+
+Floats = NDArray[np.float64]
+
+_STEP = 1e-5  # of a parameter
+_STEP_OF_EFFECT = 1e-3  # likewise, of its typical size
+
+
+@dataclass(frozen=True, eq=False)
+class ModelAt:
+    """u: (p,) parameters; what is made of them is made once for all branches."""
+
+    parametrisation: Parametrisation
+    u: Floats
+
+    @cached_property
+    def model(self) -> RigModel:
+        return self.parametrisation.model(self.u)
+
+    @cached_property
+    def changes(self) -> tuple[Change, ...]:
+        """A difference for every parameter of the model: for contacts, whose forces have kinks, upwards unless a bound
+        is near; for the structure to both sides unless a bound is."""
+        found = []
+        for j in range(self.parametrisation.n_of_model):
+            step = _STEP if self.u[j] + _STEP <= self.parametrisation.upper[j] else -_STEP
+            change = change_to(self.model, self._moved(j, step), step)
+            if not change.contacts_alone and self.u[j] - _STEP >= self.parametrisation.lower[j] and step > 0:
+                change = replace(change, opposite=_system_of(self._moved(j, -step), self.model))
+            found.append(change)
+        return tuple(found)
+
+    def _moved(self, which: int, step: float) -> RigModel:
+        there = self.u.copy()
+        there[which] += step
+        return self.parametrisation.model(there)
+
+
+def model_at(parametrisation: Parametrisation, u: Floats) -> ModelAt:
+    """The same one as before where nothing else was asked for meanwhile: the branches of a plan come one after the
+    other, and what is made of the parameters serves all of them."""
+    return _last_asked_for(parametrisation, np.asarray(u, dtype=float).tobytes())
+
+
+@lru_cache(maxsize=1)
+def _last_asked_for(parametrisation: Parametrisation, u: bytes) -> ModelAt:
+    return ModelAt(parametrisation, np.frombuffer(u))
+
+
+def change_to(model: RigModel, changed: RigModel, step: float) -> Change:
+    """step: of the parameter between the two; the changed one may have further elements, after those of the model"""
+    points = tuple(point for e in changed.elements[len(model.elements) :] for point in e.points)
+    if not _same_structure(model, changed):
+        return Change(_system_of(changed, model), step, added=points)
+    # the same object: what was worked out for it holds
+    system = NonlinearSystem(model.system.free, changed.groups, changed.harmonics, changed.time_samples)
+    return Change(system, step, contacts_alone=True)
+
+
+def _system_of(changed: RigModel, model: RigModel) -> NonlinearSystem:
+    """With the model's own groups of elements where they have not changed: what was evaluated for them holds."""
+    own = (*model.groups, *changed.groups[len(model.groups) :])
+    groups = tuple(a if _equal_groups(a, b) else b for a, b in zip(own, changed.groups, strict=True))
+    return NonlinearSystem(changed.free, groups, changed.harmonics, changed.time_samples)
+
+
+def change_of_effect(model: RigModel, effect: Effect, parameter: EffectParameter) -> Change:
+    """By one parameter of an effect that the model does not have yet, scaled as in a `Parametrisation`."""
+    step = _STEP_OF_EFFECT
+    value = parameter.null + step * (parameter.typical - parameter.null)
+    return change_to(model, effect.apply(model, {**effect.at_null(), parameter.name: value}), step)
+
+
+def _same_structure(a: RigModel, b: RigModel) -> bool:
+    points = [e.points for e in a.elements] == [e.points for e in b.elements]
+    same = points and a.harmonics == b.harmonics and a.attachments == b.attachments
+    return same and _equal(a.components, b.components)
+
+
+def _equal_groups(a: ElementGroup, b: ElementGroup) -> bool:
+    if a is b:
+        return True
+    same = a.law == b.law and type(a.parameters) is type(b.parameters) and np.array_equal(a.rows, b.rows)
+    return same and all(np.array_equal(x, y) for x, y in zip(a.values, b.values, strict=True))
+
+
+def _equal(a: LinearModel, b: LinearModel) -> bool:
+    arrays = ("omega_squared", "phi", "residual", "hysteretic", "viscous")
+    return a is b or all(np.array_equal(getattr(a, name), getattr(b, name)) for name in arrays)

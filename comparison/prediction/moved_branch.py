@@ -1,0 +1,156 @@
+"""A branch at other parameters from the points that it had before: a fraction of the work of tracing it."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.comparison.prediction.model_at import ModelAt, model_at
+from updamp.comparison.prediction.parameters import Parametrisation
+from updamp.comparison.prediction.predicted_branch import PredictedBranch, observe_swept
+from updamp.comparison.prediction.run_condition import Condition
+from updamp.hbm.continuation.branch import BranchPoint, point_after, point_at
+from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions, continue_branch
+from updamp.hbm.newton.metric import Move
+from updamp.hbm.newton.newton import Arc, NewtonOptions, solve
+from updamp.hbm.problem.system import Excitation, NonlinearSystem
+
+Floats = NDArray[np.float64]
+Points = Sequence[BranchPoint]
+
+# A branch moved by changes of the parameters has to reach beyond them by this much still.
+_SPARE = 0.04
+# Longest step between points, over the longest of a trace: beyond it an interpolation would not follow.
+_STRETCHED = 1.5
+# Share of the points that may be lost on the way.
+_LOST = 0.25
+# A point put between two others has to be nearer to both than this share of their distance.
+_BETWEEN = 0.8
+# Derivatives of a fit need no more.
+_NEWTON = NewtonOptions(tolerance=1e-7, iterations=10, patience=4)
+
+
+def move_branch(
+    parametrisation: Parametrisation, u: Floats, before: PredictedBranch, options: ContinuationOptions | None = None
+) -> PredictedBranch | None:
+    """Each point corrected across the branch from where its derivatives put it; where that leaves gaps points are put
+    between, where it no longer covers the measured window the branch is followed further. None where that fails.
+
+    The branch's parameters may be fewer than those now: its derivatives are of the first ones. A branch with
+    the response held is not moved: it is single-valued in frequency, and soon traced.
+    """
+    if before.condition.control is not None:
+        return None
+    there = model_at(parametrisation, u)
+    system, excitation = there.model.system, there.model.excited_by(before.condition.force)
+    if before.points[0].x.shape != (system.free.n_relative, system.harmonics.n_coefficients):
+        return None  # an effect has brought elements or harmonics of its own
+    moved = _moved(there, before, excitation)
+    if len(moved) < (1 - _LOST) * len(before.points):
+        return None
+    steps = options or ContinuationOptions()
+    filled = _filled(system, excitation, moved, _STRETCHED * steps.largest_step)
+    if filled is None:
+        return None
+    covering = filled if before.stopped else _covering(system, excitation, filled, before.condition, steps)
+    if covering is None:
+        return None
+    found = observe_swept(there, before.condition, covering, before.stopped)
+    return found if _seen_at_gaps(found) <= _seen_at_gaps(before) else None
+
+
+def _seen_at_gaps(branch: PredictedBranch) -> int:
+    """How many gaps the sweep sees an edge of: of what was left out because it does not see it, it is not to."""
+    return sum(bool(branch.visited[i - 1 : i + 1].any()) for i, p in enumerate(branch.points) if i and p.after_gap)
+
+
+def _moved(there: ModelAt, before: PredictedBranch, excitation: Excitation) -> list[BranchPoint]:
+    """Without those that do not converge."""
+    moved: list[BranchPoint] = []
+    gap = False
+    for i, point in enumerate(before.points):
+        known = len(before.w_by_parameter[i])
+        du = there.u[:known] - before.u[:known]
+        x = point.x + np.tensordot(du, before.x_by_parameter[i], axes=1)
+        w = point.w + float(before.w_by_parameter[i] @ du)
+        solution = solve(there.model.system, excitation, x, w, _NEWTON, Arc(x, w, point.tangent, point.metric))
+        gap = gap or point.after_gap
+        if solution.converged:
+            moved.append(point_at(solution, excitation, point.metric.scale_w, point.tangent, point.step, gap))
+            gap = False
+    return moved
+
+
+def _filled(
+    system: NonlinearSystem, excitation: Excitation, points: Points, longest: float
+) -> list[BranchPoint] | None:
+    """With points between those that are too far apart; None where none is found there."""
+    filled = list(points[:1])
+    for point in points[1:]:
+        waiting = [point]
+        while waiting:
+            last, following = filled[-1], waiting[-1]
+            if following.after_gap or last.distance(following) <= longest:
+                filled.append(waiting.pop())
+                continue
+            middle = _between(system, excitation, last, following)
+            if middle is None:
+                return None
+            waiting.append(middle)
+    return filled
+
+
+def _between(system: NonlinearSystem, excitation: Excitation, a: BranchPoint, b: BranchPoint) -> BranchPoint | None:
+    """A point half way; None where there is none that is nearer to both than they are to each other."""
+    dx, dw = a.to(b)
+    length = a.distance(b)
+    # Hermite's cubic through both, half way
+    x = (a.x + b.x) / 2 + length / 8 * (a.tangent_x - b.tangent_x)
+    w = (a.w + b.w) / 2 + length / 8 * (a.tangent_w - b.tangent_w)
+    direction: Move = (dx / length, dw / length)
+    solution = solve(system, excitation, x, w, _NEWTON, Arc(x, w, direction, a.metric))
+    if not solution.converged:
+        return None
+    point = point_after(a, solution, excitation)
+    return point if max(point.step, point.distance(b)) < _BETWEEN * length else None
+
+
+def _covering(
+    system: NonlinearSystem, excitation: Excitation, points: Points, condition: Condition, steps: ContinuationOptions
+) -> list[BranchPoint] | None:
+    """Followed beyond the measured window, with something to spare for shifts to first order, at both ends."""
+    low, high = condition.window
+    spare = _SPARE * (high - low)
+
+    def outside(point: BranchPoint) -> bool:
+        return not low - spare < point.frequency < high + spare
+
+    try:
+        found = list(points)
+        for _ in range(2):
+            if not outside(found[-1]):
+                # the walk does not look at the direction: the points before tell it
+                found += continue_branch(system, excitation, condition.wider, steps, resume_from=found)
+            found = _turned(_trimmed(found, condition))
+    except BranchStoppedError:
+        return None
+    return found
+
+
+def _trimmed(points: list[BranchPoint], condition: Condition) -> list[BranchPoint]:
+    """Without those at the end that lie further outside than the first one beyond the wider window."""
+    low, high = condition.wider
+    last = len(points)
+    while last > 2 and all(not low <= point.frequency <= high for point in points[last - 2 : last]):
+        last -= 1
+    return points[:last]
+
+
+def _turned(points: Points) -> list[BranchPoint]:
+    """The same branch from its other end."""
+    steps = [*((p.step, p.after_gap) for p in points[1:]), (0.0, False)]
+    return [
+        replace(p, tangent_x=-p.tangent_x, tangent_w=-p.tangent_w, step=step, after_gap=gap)
+        for p, (step, gap) in zip(reversed(points), reversed(steps), strict=True)
+    ]

@@ -1,0 +1,117 @@
+"""Solved points of a branch without their matrices, which are 1 to 5 MB each, and with them again.
+
+A branch in a fit is compared with runs, moved and kept; only what differentiates it by something new, or puts measured
+motion into its equations, needs the matrices, and then one evaluation a point makes them.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.comparison.prediction.derivatives import Change, Derivatives, derivatives
+from updamp.comparison.prediction.held_branch import force_at, pairs
+from updamp.comparison.prediction.model_at import ModelAt
+from updamp.comparison.prediction.run_condition import Condition
+from updamp.effects.rig_model import RigModel
+from updamp.hbm.continuation.branch import BranchPoint
+from updamp.hbm.newton.newton import evaluate
+from updamp.hbm.problem.system import Excitation
+
+_NOTHING: Any = None
+
+
+def light(points: Sequence[BranchPoint]) -> tuple[BranchPoint, ...]:
+    """Without equation and factors."""
+    return tuple(
+        replace(p, solution=replace(p.solution, equation=_NOTHING, jacobian=None, by_frequency=None)) for p in points
+    )
+
+
+def with_matrices(model: RigModel, condition: Condition, points: Sequence[BranchPoint]) -> tuple[BranchPoint, ...]:
+    """With the equation at each point, without its factors; model: that they were solved for."""
+    found = []
+    for point in points:
+        equation = evaluate(model.system, model.excited_by(force_at(point, condition)), point.x, point.w)
+        found.append(replace(point, solution=replace(point.solution, equation=equation)))
+    return tuple(found)
+
+
+# A solved point as the sensors see it: what an interpolated branch is made of, without the matrices of the point.
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ObservedPoint:
+    """point: without its matrices; state: (m,), along: (m,) by length of arc, slopes: (p + 1, m), x_by_parameter: (p,
+    n_relative, n_coefficients) and w_by_parameter: (p,) as those of a `PredictedBranch`"""
+
+    point: BranchPoint
+    state: Floats
+    along: Floats
+    slopes: Floats
+    x_by_parameter: Floats
+    w_by_parameter: Floats
+
+    def after_gap(self) -> "ObservedPoint":
+        """As the first one beyond a piece of the branch that is left out."""
+        return replace(self, point=replace(self.point, after_gap=True))
+
+    def turned(self, step: float, after_gap: bool) -> "ObservedPoint":
+        """As one of the branch followed the other way; step, after_gap: from the point that is the one before then."""
+        p = self.point
+        p = replace(p, tangent_x=-p.tangent_x, tangent_w=-p.tangent_w, step=step, after_gap=after_gap)
+        return replace(self, point=p, along=-self.along)
+
+
+def turned_round(points: Sequence[ObservedPoint]) -> list[ObservedPoint]:
+    """The same piece of a branch from its other end."""
+    steps = [(0.0, False), *((o.point.step, o.point.after_gap) for o in reversed(points[1:]))]
+    return [o.turned(step, gap) for o, (step, gap) in zip(reversed(points), steps, strict=True)]
+
+
+@dataclass(frozen=True, eq=False)
+class Observer:
+    """further: changes by parameters that the model does not have yet, after its own"""
+
+    there: ModelAt
+    condition: Condition
+    further: Sequence[Change] = ()
+
+    def __call__(self, point: BranchPoint) -> ObservedPoint:
+        """raises: RuntimeError where the Jacobian is singular and no correction helps"""
+        d = derivatives(point, self._excitation, (*self.there.changes, *self.further), self._rows)
+        state, along, slopes = self._state(d, point.w)
+        # laid out as after a way between processes: sums over arrays laid out otherwise have other last digits
+        kept = replace(
+            light([point])[0], x=np.ascontiguousarray(point.x), tangent_x=np.ascontiguousarray(point.tangent_x)
+        )
+        return ObservedPoint(kept, state, along, slopes, np.ascontiguousarray(d.x_by_parameter), d.w_by_parameter)
+
+    @cached_property
+    def _excitation(self) -> Excitation:
+        return self.there.model.excited_by(self.condition.force)
+
+    @cached_property
+    def _rows(self) -> NDArray[np.int64]:
+        return np.array([self.there.model.system.free.row(point) for point, _ in self.condition.sensors])
+
+    def _state(self, d: Derivatives, w: float) -> tuple[Floats, Floats, Floats]:
+        """State, its derivative along the branch, and by the parameters and the force."""
+        harmonics, orders = self.there.model.system.harmonics, [k for _, k in self.condition.sensors]
+
+        def amplitudes(values: Floats) -> Floats:
+            each = [harmonics.amplitude(values[..., i, :], k) for i, k in enumerate(orders)]
+            return pairs(np.stack(each, axis=-1))
+
+        slopes = amplitudes(np.concatenate([d.by_parameter, d.by_force[None]]))
+        by_w = np.append(d.w_by_parameter, d.w_by_force) / w
+        return (
+            np.append(np.log(w / (2 * np.pi)), amplitudes(d.value)),
+            np.append(d.w_along / w, amplitudes(d.along)),
+            np.column_stack([by_w, slopes]),
+        )

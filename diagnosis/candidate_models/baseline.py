@@ -1,0 +1,155 @@
+"""Where the search starts: the model without further effects, calibrated to some runs, others kept for judging."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.comparison.fit.fit import Fit, FitOptions, compare_at, fit, predict
+from updamp.comparison.fit.numerical_gate import finer_than, gated, with_numerical_error
+from updamp.comparison.fit.observations import Plan
+from updamp.comparison.fit.repeat_scatter import scatter_of_repeats
+from updamp.comparison.prediction.branch_tasks import Branches, in_turn
+from updamp.comparison.prediction.numerical_error import NumericalError
+from updamp.comparison.prediction.predicted_branch import with_patterns
+from updamp.effects.chosen import ChosenEffect
+from updamp.effects.rig_model import RigModel
+
+Floats = NDArray[np.float64]
+# Fewest levels of a mode of which one is kept for judging.
+_ENOUGH = 3
+_ROUNDS = FitOptions(rounds=4)
+
+
+@dataclass(frozen=True, eq=False)
+class Baseline:
+    """plan: all runs; training, held_out: places of its conditions
+
+    fitted: to the training runs, with the scatter that the repeats alone show
+    repeatability: weighted residual RMS of what differs between the repeats
+    finer: models of finer meshes, without effects, by name
+    """
+
+    plan: Plan
+    training: tuple[int, ...]
+    held_out: tuple[int, ...]
+    fitted: Fit
+    repeatability: float
+    finer: Mapping[str, RigModel] = field(default_factory=dict)
+
+    @property
+    def train_plan(self) -> Plan:
+        return self.plan.only(self.training)
+
+    @property
+    def held_out_plan(self) -> Plan:
+        return self.plan.only(self.held_out)
+
+
+def baseline(
+    model: RigModel,
+    taken: tuple[ChosenEffect, ...],
+    plan: Plan,
+    finer: Mapping[str, RigModel],
+    held_out: Sequence[str] | None = None,
+    progress: Callable[[str], None] = lambda _: None,
+    branches_of: Branches = in_turn,
+) -> Baseline:
+    """Numerical gate and calibration.
+
+    held_out: names of runs that no fit sees; by default one level of each mode that was measured at three or more
+    branches_of: traces them, in this process or in others
+    raises: BranchStoppedError where the model has no response at the beginning of a run; ValueError for a run that
+        was not measured
+    """
+    kept = _held_out(plan, held_out)
+    training = tuple(i for i in range(len(plan.conditions)) if i not in kept)
+    parametrisation, before = gated(model, taken, plan, finer, progress, branches_of)
+    train = plan.only(training)
+    at_start = tuple(with_patterns(before[i], parametrisation.numerics) for i in training)
+    start = np.zeros(len(parametrisation))
+    progress("calibration")
+    first = fit(parametrisation, train, start, None, at_start, _ROUNDS, progress, branches_of)
+    scatter, repeatability = scatter_of_repeats(first, train)
+    found = fit(parametrisation, train, first.u, scatter, first.compared.branches, _ROUNDS, progress, branches_of)
+    return Baseline(plan, training, kept, found, repeatability, finer)
+
+
+def _held_out(plan: Plan, names: Sequence[str] | None) -> tuple[int, ...]:
+    """Places of the conditions: the second highest level of each mode, if not said otherwise."""
+    if names is not None:
+        known = [c.name for c in plan.conditions]
+        unknown = [name for name in names if name not in known]
+        if unknown:
+            raise ValueError(f"no run '{unknown[0]}' to hold out; there are {', '.join(known)}")
+        return tuple(i for i, name in enumerate(known) if name in names)
+    kept: list[int] = []
+    for mode in dict.fromkeys(c.mode for c in plan.conditions):
+        levels = sorted({c.level for c in plan.conditions if c.mode == mode})
+        if len(levels) >= _ENOUGH:
+            kept += [i for i, c in enumerate(plan.conditions) if c.mode == mode and c.level == levels[-2]]
+    return tuple(sorted(kept))
+
+
+def error_of(fitted: Fit, plan: Plan, branches_of: Branches = in_turn) -> float:
+    """Weighted residual RMS on runs that the fit may not have seen, parameters and scatter as they are."""
+    if not plan.conditions:
+        return float("nan")
+    branches = predict(fitted.parametrisation, fitted.u, plan, None, branches_of)
+    compared = compare_at(fitted.parametrisation, fitted.u, plan, branches, fitted.compared.scatter)
+    return float(np.sqrt(compared.excess))
+
+
+# Which runs no fit is to see, and how they are called in the verdict.
+
+
+def held_out_runs(plan: Plan, runs: Sequence[str] | None, modes: Sequence[str]) -> tuple[str, ...] | None:
+    """Names of the runs: those given and all of the modes; None where neither is given, for the usual choice.
+
+    raises: ValueError for a mode that was not measured, and where nothing would be left to fit to
+    """
+    if not modes and runs is None:
+        return None
+    known = dict.fromkeys(c.mode for c in plan.conditions)
+    unknown = [mode for mode in modes if mode not in known]
+    if unknown:
+        raise ValueError(f"no mode '{unknown[0]}' to hold out; there are {', '.join(known)}")
+    wanted = {*(runs or ()), *(c.name for c in plan.conditions if c.mode in modes)}
+    if wanted.issuperset(c.name for c in plan.conditions):
+        raise ValueError("all runs are to be held out, and none is left to fit to: hold out fewer")
+    return tuple(sorted(wanted))
+
+
+def unseen(start: Baseline) -> str:
+    """What the held-out error is of, in words."""
+    fitted = {c.mode for c in start.train_plan.conditions}
+    modes = dict.fromkeys(c.mode for c in start.held_out_plan.conditions)
+    if modes and fitted.isdisjoint(modes):
+        return f"{' and '.join(modes)}, of which the fit saw no run,"
+    return "runs that the fit never saw"
+
+
+# The numerical gate once more, for a model with an effect in it.
+#
+# What a finer mesh would change is found for the model without effects. An effect may have a numerical error of its
+# own:
+# where it lets the contacts at the ends of a face slip early, how many elements there are at the ends decides how
+# early.
+# So a fit that explains most of a misfit, and still leaves more than the scatter, is compared with finer models that
+# have the effect too.
+
+
+def gated_again(found: Fit, start: Baseline, options: FitOptions) -> Fit:
+    """The fit gone on with the numerical error of its own model.
+
+    raises: BranchStoppedError where a finer model has no response at the beginning of a run
+    """
+    p = found.parametrisation
+    plain = replace(p, numerics=NumericalError())
+    at = found.u[: len(plain)]
+    branches = predict(plain, at, start.plan)
+    gated = with_numerical_error(plain, at, start.plan, branches, finer_than(p.base, start.finer))
+    u = np.append(at, np.zeros(len(gated) - len(plain)))
+    at_start = [with_patterns(branches[i], gated.numerics) for i in start.training]
+    return fit(gated, start.train_plan, u, found.compared.scatter, at_start, options)

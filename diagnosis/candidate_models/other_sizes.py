@@ -1,0 +1,58 @@
+"""Once an effect explains the data: do other sizes of it explain them as well?
+
+chi2 may have several minima along an effect's size, each as sharp as if it were the only one: contact stiffness, say,
+takes up the rest. A fit finds one of them.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.comparison.fit.fit import Fit, FitOptions, fit, objective
+from updamp.diagnosis.candidate_models.baseline import Baseline
+from updamp.diagnosis.candidate_models.refit import as_given, compared_at
+from updamp.effects.effect import Effect
+
+Floats = NDArray[np.float64]
+
+# Times the size that was fitted.
+SIZES = (0.5, 2.0)
+_ROUNDS = FitOptions(rounds=6)
+# Of chi2, that 95 % of the minima of one parameter lie within.
+_WITHIN = 3.84
+
+
+def have_two_signs(effects: tuple[Effect, ...]) -> bool:
+    return all(effect.has_two_signs for effect in effects)
+
+
+def resized(found: Fit, effects: tuple[Effect, ...], size: float, start: Baseline) -> Fit | None:
+    """The fit from so many times the effects' sizes: the other parameters as they are, or as given, whatever is closer;
+    None where the model has no response at either."""
+    p, scatter = found.parametrisation, found.compared.scatter
+    starts = [_sized(found, effects, size, others) for others in (found.u, as_given(found))]
+    solved = compared_at(p, start.train_plan, starts, found.compared)
+    best = min(solved, key=lambda compared: objective(p, compared), default=None)
+    return fit(p, start.train_plan, best.u, scatter, best.branches, _ROUNDS) if best else None
+
+
+def at_size(found: Fit, effects: tuple[Effect, ...], size: float) -> Fit:
+    """Not fitted: effects of so many times their sizes in the model as given, without branches."""
+    u = _sized(found, effects, size, as_given(found))
+    return replace(found, compared=replace(found.compared, u=u, branches=()))
+
+
+def _sized(found: Fit, effects: tuple[Effect, ...], size: float, others: Floats) -> Floats:
+    p, u = found.parametrisation, others.copy()
+    for effect in effects:
+        place = p.columns(effect.name)
+        u[place] = size * found.u[place]
+    return np.clip(u, p.lower, p.upper)
+
+
+def as_likely(fitted: Fit, best: Fit) -> bool:
+    """Whether the data do not tell one from the other; both of one parametrisation, the misfit that is left taken as
+    noise"""
+    further = objective(fitted.parametrisation, fitted.compared) - objective(best.parametrisation, best.compared)
+    return further < _WITHIN * max(1.0, best.compared.excess)

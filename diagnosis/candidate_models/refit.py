@@ -1,0 +1,176 @@
+"""The fit with an effect in the model: what decides."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.comparison.fit.fit import AS_MANY, TOLERATED, Compared, Fit, FitOptions, compare_at, fit, misfit, predict
+from updamp.comparison.fit.observations import Plan
+from updamp.comparison.fit.scatter import Offsets
+from updamp.comparison.prediction.parameters import Parametrisation
+from updamp.diagnosis.criteria import Criteria
+from updamp.effects.effect import Effect
+from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions
+
+Floats = NDArray[np.float64]
+# Share of it that a start has to bring it down to.
+_FAR = 0.1
+_COARSE = ContinuationOptions(largest_step=0.4)
+_SHORT, FULL = FitOptions(rounds=2), FitOptions(rounds=8)
+
+
+@dataclass(frozen=True, eq=False)
+class Starts:
+    """Of the effects' parameters, (p,) each, in typical sizes: beside the model as given, which are tried first, and
+    beside the calibrated one."""
+
+    as_given: tuple[Floats, ...]
+    calibrated: tuple[Floats, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Refit:
+    """drop: of the misfit from the baseline (`fit.misfit`); delta_bic: gain of the information criterion by it
+
+    at_bound: parameter that stands at a bound beyond which it makes no sense, "" if none
+    gated_again: whether the numerical error is that of the model with the effects (`regate.py`)
+    also: other minima that the data do not tell from this one (`resized.py`), without their branches
+    """
+
+    effects: tuple[Effect, ...]
+    fitted: Fit
+    drop: float
+    delta_bic: float
+    at_bound: str
+    gated_again: bool = False
+    also: tuple[Fit, ...] = ()
+
+    @property
+    def excess(self) -> float:
+        """chi2 a value"""
+        return self.fitted.compared.excess
+
+
+def refit(
+    base: Fit,
+    plan: Plan,
+    effects: Sequence[Effect],
+    starts: Starts,
+    criteria: Criteria,
+    full: bool,
+    near: Fit | None = None,
+) -> Refit | None:
+    """The fit with further effects, from the best start; of effects that are not smooth at their null value the better
+    one of two, from the model as given and from the calibrated one. None where the model has no response at any start.
+
+    near: a fit of the same to go on from
+    """
+    if near is not None:
+        solved = near.compared.branches or None
+        again = fit(near.parametrisation, plan, near.u, base.compared.scatter, solved, _options(full))
+        return judged(base, again, effects, criteria)
+    extended = replace(base.parametrisation, effects=(*base.parametrisation.effects, *effects))
+    p, given = base.parametrisation, as_given(base)
+    kinds = [
+        [p.with_further(given, start) for start in starts.as_given],
+        [p.with_further(base.u, start) for start in starts.calibrated],
+    ]
+    # about a model that does not fail badly the better start is the better valley, unless an effect is not smooth there
+    if fails_badly(base) or not any(effect.finite_step for effect in effects):
+        kinds = [[*kinds[0], *kinds[1]]]
+    found = [_fit_from(base, plan, extended, kind, full) for kind in kinds]
+    return max(
+        (judged(base, fitted, effects, criteria) for fitted in found if fitted is not None),
+        key=lambda r: r.drop,
+        default=None,
+    )
+
+
+def _fit_from(base: Fit, plan: Plan, extended: Parametrisation, starts: Sequence[Floats], full: bool) -> Fit | None:
+    """From the first start that is better than none, else from the best; None where there is no response at any."""
+    before = misfit(base.parametrisation, base.compared)
+    best: tuple[float, Compared] | None = None
+    for compared in compared_at(extended, plan, starts, base.compared, base.compared.offsets):
+        value = misfit(extended, compared)
+        if best is None or value < best[0]:
+            best = value, compared
+        if value < before and _far_better(base, compared.excess):
+            break
+    if best is None:
+        return None
+    return fit(extended, plan, best[1].u, base.compared.scatter, best[1].branches, _options(full))
+
+
+def compared_at(
+    parametrisation: Parametrisation,
+    plan: Plan,
+    starts: Iterable[Floats],
+    near: Compared,
+    offsets: Mapping[int, Offsets] | None = None,
+) -> Iterator[Compared]:
+    """The model at each of the starts, within the bounds, one when it is asked for; where it has no response, none.
+
+    near: whose branches are moved there, and whose scatter it is weighed by
+    """
+    for start in starts:
+        u = np.clip(start, parametrisation.lower, parametrisation.upper)
+        try:
+            branches = predict(parametrisation, u, plan, near.branches or None)
+        except BranchStoppedError:
+            continue
+        yield compare_at(parametrisation, u, plan, branches, near.scatter, offsets)
+
+
+def as_given(fitted: Fit) -> Floats:
+    """The fit's parameters with nuisance parameters and numerical error back at what they were before calibration: a
+    calibration to data with something else in them leads astray."""
+    p, u = fitted.parametrisation, np.zeros_like(fitted.u)
+    effects = slice(len(p.nuisances), p.n_of_model)
+    u[effects] = fitted.u[effects]
+    return u
+
+
+def coarse_enough(base: Fit) -> ContinuationOptions | None:
+    """Of branches that only a first guess depends on. Interpolation between longer steps is off by several times the
+    noise of the sensors at most, which is nothing beside what a model lacks that fails badly."""
+    return _COARSE if fails_badly(base) else None
+
+
+def fails_badly(base: Fit) -> bool:
+    return base.compared.excess > TOLERATED
+
+
+def _far_better(base: Fit, excess: float) -> bool:
+    """Whether other starts need not be tried: where the model fails badly, the first that is better is not enough."""
+    return not fails_badly(base) or excess < max(TOLERATED, _FAR * base.compared.excess)
+
+
+def _options(full: bool) -> FitOptions:
+    return FULL if full else _SHORT
+
+
+def judged(base: Fit, found: Fit, effects: Sequence[Effect], criteria: Criteria) -> Refit:
+    drop = misfit(base.parametrisation, base.compared) - misfit(found.parametrisation, found.compared)
+    parameters = sum(len(e.parameters) for e in effects)
+    delta_bic = gain_of_bic(drop, parameters, found.compared.values)
+    return Refit(tuple(effects), found, drop, delta_bic, _at_bound(found, effects, criteria))
+
+
+def gain_of_bic(drop: float, parameters: int, values: int) -> float:
+    """Of the Bayesian information criterion (G. Schwarz, Ann. Statist. 6 (1978) 461), neighbouring points counted as
+    one: numerics are wrong all along a curve, and a thousand points do not ask for an effect that makes up for that."""
+    return drop / AS_MANY - parameters * float(np.log(values / AS_MANY))
+
+
+def _at_bound(found: Fit, effects: Sequence[Effect], criteria: Criteria) -> str:
+    """Bounds at the null value are no such: there the effect is absent; nor are those that make sense themselves."""
+    values = found.parametrisation.values(found.u)
+    for effect in effects:
+        for q in effect.parameters:
+            near = criteria.at_bound * (q.upper - q.lower)
+            for bound in (q.lower, q.upper):
+                if bound not in (q.null, *q.ends) and abs(values[effect.name][q.name] - bound) < near:
+                    return f"{effect.name}.{q.name}"
+    return ""

@@ -1,0 +1,182 @@
+"""From what the search has found to the verdict that is handed on."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.comparison.compare import calibration
+from updamp.comparison.fit.fit import Fit
+from updamp.comparison.fit.numerical_gate import moved_by_numerics
+from updamp.comparison.fit.repeat_scatter import scatter_of_repeats
+from updamp.diagnosis.candidate_models.baseline import unseen
+from updamp.diagnosis.candidate_models.refit import Refit
+from updamp.diagnosis.criteria import Criteria
+from updamp.diagnosis.decision.decide import Decision, reason_against
+from updamp.diagnosis.decision.signature_curves import signatures
+from updamp.diagnosis.evidence import EffectScore, Trial
+from updamp.diagnosis.score_tests.score import cosines
+from updamp.diagnosis.selection.search import Found
+from updamp.diagnosis.verdict import (
+    Candidate,
+    Confounding,
+    ErrorReached,
+    FittedParameter,
+    MissingForce,
+    NextMeasurement,
+    Step,
+    Verdict,
+)
+from updamp.effects.effect import Effect
+
+Floats = NDArray[np.float64]
+_95 = 1.96
+
+
+def conclude(
+    found: Found,
+    decision: Decision,
+    criteria: Criteria,
+    names: Mapping[str, str],
+    forces: Sequence[MissingForce] = (),
+    provenance: Mapping[str, str] | None = None,
+    next_measurement: Sequence[NextMeasurement] = (),
+) -> Verdict:
+    """names: point of the model -> its channel"""
+    chosen = found.refits.get(decision.trial.effects) if decision.trial is not None else None
+    candidates = _candidates(found, decision, criteria)
+    return Verdict(
+        verdict=decision.outcome,
+        sentence=sentence(decision, found, candidates),
+        effects=decision.effects,
+        group=decision.group,
+        candidates=candidates,
+        error=_error(found, decision.trial),
+        next_measurement=tuple(next_measurement),
+        signatures=signatures(found, names),
+        confounding=_confounding(found, criteria),
+        missing_forces=tuple(forces),
+        history=_history(found, decision),
+        provenance=provenance or {},
+        calibration=calibration(chosen.fitted if chosen is not None else found.baseline.fitted),
+    )
+
+
+def _candidates(found: Found, decision: Decision, criteria: Criteria) -> tuple[Candidate, ...]:
+    listed = []
+    for tested in found.evidence.tested:
+        name = tested.effect
+        # parameters of effects that are missing together are those of the fit with both
+        joint = decision.trial.effects if decision.trial is not None and name in decision.trial.effects else (name,)
+        listed.append(_candidate(found, tested, found.evidence.trial_of(joint), found.refits.get(joint), criteria))
+    return tuple(sorted(listed, key=lambda c: -c.obtained_drop if np.isfinite(c.obtained_drop) else -c.predicted_drop))
+
+
+def _candidate(
+    found: Found, tested: EffectScore, trial: Trial | None, fitted: Refit | None, criteria: Criteria
+) -> Candidate:
+    effect = next(s.effect for s in found.scored if s.effect.name == tested.effect)
+    nan = float("nan")
+    if trial is None or fitted is None:
+        reason = _not_fitted(tested, criteria)
+        return Candidate(
+            effect.name, effect.sentence, tested.score, tested.visibility, tested.drop, nan, nan, nan, (), False, reason
+        )
+    reason = reason_against(trial, found.evidence, criteria)
+    gain = 1 - trial.held_out / found.evidence.held_out if found.evidence.held_out > 0 else nan
+    return Candidate(
+        effect.name,
+        effect.sentence,
+        tested.score,
+        tested.visibility,
+        tested.drop,
+        trial.drop,
+        trial.delta_bic,
+        gain,
+        parameters(fitted, effect),
+        not reason,
+        reason,
+    )
+
+
+def _not_fitted(tested: EffectScore, criteria: Criteria) -> str:
+    if tested.visibility < criteria.visibility:
+        return "not identifiable with these data: the nuisance parameters can imitate it"
+    if tested.score < criteria.score:
+        return "the score test sees nothing of it"
+    return "others explain more; it was not fitted, or the model with it has no response"
+
+
+def parameters(refit: Refit, effect: Effect) -> tuple[FittedParameter, ...]:
+    """Of an effect in the fit, with 95 % intervals that hold those of all minima that are as likely, cut off at the
+    bounds: what the data leave open, and how far the numerics may have moved it."""
+    p, said = refit.fitted.parametrisation, []
+    value = p.values(refit.fitted.u)[effect.name]
+    intervals = [_intervals(fitted, effect) for fitted in (refit.fitted, *refit.also)]
+    for i, q in enumerate(effect.parameters):
+        lower = max(min(each[i][0] for each in intervals), q.lower)
+        upper = min(max(each[i][1] for each in intervals), q.upper)
+        said.append(FittedParameter(q.name, q.unit, value[q.name], lower, upper, q.null, q.lower, q.upper))
+    return tuple(said)
+
+
+def _intervals(fitted: Fit, effect: Effect) -> list[tuple[float, float]]:
+    """Of one minimum, for every parameter."""
+    p, moved = fitted.parametrisation, moved_by_numerics(fitted)
+    place, values = p.columns(effect.name).start, p.values(fitted.u)[effect.name]
+    # where the model leaves more than the scatter, intervals are wider by as much (Birge 1932)
+    excess, found = max(1.0, fitted.compared.excess), []
+    for i, q in enumerate(effect.parameters):
+        deviation = np.hypot(fitted.given_numerics[place + i] * np.sqrt(excess), moved[place + i])
+        half = _95 * float(deviation) * abs(q.typical - q.null)
+        found.append((values[q.name] - half, values[q.name] + half))
+    return found
+
+
+def _error(found: Found, trial: Trial | None) -> ErrorReached:
+    before, held = float(np.sqrt(found.evidence.excess)), found.evidence.held_out
+    if trial is None:
+        return ErrorReached(before, before, held, held, found.evidence.repeatability)
+    # what a misfit leaves in the differences between repeats is gone with it
+    _, repeatability = scatter_of_repeats(found.refits[trial.effects].fitted, found.baseline.train_plan)
+    return ErrorReached(before, float(np.sqrt(trial.excess)), held, trial.held_out, repeatability)
+
+
+def _history(found: Found, decision: Decision) -> tuple[Step, ...]:
+    steps = [Step((), float(np.sqrt(found.evidence.excess)), found.evidence.held_out)]
+    if decision.trial is not None and decision.effects:
+        for n in range(1, len(decision.effects) + 1):
+            trial = found.evidence.trial_of(decision.trial.effects[:n])
+            if trial is not None:
+                steps.append(Step(trial.effects, float(np.sqrt(trial.excess)), trial.held_out))
+    return tuple(steps)
+
+
+def _confounding(found: Found, criteria: Criteria) -> Confounding:
+    names = tuple(s.effect.name for s in found.scored)
+    groups: list[tuple[str, ...]] = [tuple(sorted((a, b))) for a, b, _ in found.evidence.alike]
+    return Confounding(names, cosines(found.scored), criteria.cosine, tuple(dict.fromkeys(groups)))
+
+
+def sentence(decision: Decision, found: Found, candidates: Sequence[Candidate]) -> str:
+    """The verdict in plain words."""
+    said = {c.name: c.sentence for c in candidates}
+    before, trial = float(np.sqrt(found.evidence.excess)), decision.trial
+    if decision.outcome == "adequate":
+        return (
+            f"nothing is missing: the calibrated model is off by {before:.2f} times the scatter of the repeats, and no "
+            "effect predicts better what the fit has not seen"
+        )
+    if decision.outcome == "unknown":
+        best = "" if trial is None else f"; the best of them, {trial.effects[0]}, leaves {trial.excess**0.5:.1f} times"
+        return (
+            f"something is missing that the catalogue does not have: the model is off by {before:.1f} times the "
+            f"scatter, and no effect explains it{best}"
+        )
+    assert trial is not None, "an effect has been chosen by its fit"
+    fall = f"the error falls from {before:.1f} to {trial.excess**0.5:.2f} times the scatter"
+    if np.isfinite(trial.held_out):
+        fall += f", on {unseen(found.baseline)} from {found.evidence.held_out:.1f} to {trial.held_out:.2f}"
+    if decision.outcome == "inseparable":
+        return f"one of {', '.join(decision.group)} is missing, and these data do not tell which: {fall}"
+    return f"{' and '.join(said[e] for e in decision.effects)} ({', '.join(decision.effects)}): {fall}"

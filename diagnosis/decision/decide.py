@@ -1,0 +1,86 @@
+"""From the evidence to the verdict."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from updamp.diagnosis.criteria import Criteria
+from updamp.diagnosis.evidence import Evidence, Trial
+from updamp.diagnosis.verdict import Outcome
+
+
+@dataclass(frozen=True)
+class Decision:
+    """effects: those missing; group: effects of which one is, and the data do not tell which; trial: that rests on"""
+
+    outcome: Outcome
+    effects: tuple[str, ...]
+    group: tuple[str, ...]
+    trial: Trial | None
+
+
+def decide(evidence: Evidence, criteria: Criteria) -> Decision:
+    accepted = [t for t in evidence.trials if not reason_against(t, evidence, criteria)]
+    if not accepted:
+        pair = _best_pair(evidence, criteria, None)
+        if pair is not None:
+            return Decision("identified", pair.effects, (), pair)
+        return Decision("adequate" if evidence.excess < criteria.lack else "unknown", (), (), None)
+    best = min(accepted, key=lambda t: t.excess)
+    pair = _best_pair(evidence, criteria, best)
+    if pair is not None:
+        return Decision("identified", pair.effects, (), pair)
+    if _still_fails(best, criteria):
+        return Decision("unknown", (), (), best)
+    rivals = [t for t in accepted if t is not best and t.excess < (1 + criteria.rival) * best.excess]
+    if rivals:
+        group = (*best.effects, *(name for t in rivals for name in t.effects))
+        return Decision("inseparable", best.effects, group, best)
+    return Decision("identified", best.effects, (), best)
+
+
+def reason_against(trial: Trial, evidence: Evidence, criteria: Criteria) -> str:
+    """Why an effect is not accepted as the explanation, "" if it is."""
+    for name in trial.effects:
+        tested = evidence.test_of(name)
+        if tested is not None and tested.visibility < criteria.visibility:
+            return f"{name} is not identifiable with these data: the nuisance parameters can imitate it"
+    if trial.delta_bic < criteria.delta_bic:
+        return "the data do not ask for it"
+    if not trial.full:
+        return "others explain more"
+    if trial.at_bound:
+        return f"{trial.at_bound} would have to be beyond what is physical"
+    if np.isfinite(trial.held_out) and trial.held_out > _allowed(evidence, criteria):
+        return "runs that the fit never saw are not predicted better"
+    return ""
+
+
+def _allowed(evidence: Evidence, criteria: Criteria) -> float:
+    """Error on held-out runs: below that without the effect, or within the scatter where it was so before, since there
+    is nothing to gain then (what shows at the highest level alone need not show below it)."""
+    within = float(np.sqrt(criteria.look_further))
+    return max((1 - criteria.gain) * evidence.held_out, within if evidence.held_out < within else 0.0)
+
+
+def _best_pair(evidence: Evidence, criteria: Criteria, single: Trial | None) -> Trial | None:
+    """Two effects where one is not enough: both needed, and not two that look alike."""
+    good = [
+        p
+        for p in evidence.pairs
+        if not reason_against(p, evidence, criteria)
+        and not _alike(evidence, p.effects, criteria)
+        and not _still_fails(p, criteria)
+    ]
+    if single is not None:
+        # a second effect has to make up for a misfit that stands out, not for the last tenths of it
+        good = [p for p in good if single.excess > criteria.look_further and p.excess < criteria.second * single.excess]
+    return min(good, key=lambda p: p.excess, default=None)
+
+
+def _still_fails(trial: Trial, criteria: Criteria) -> bool:
+    return trial.excess > criteria.excess or trial.held_out > criteria.unseen  # nan: nothing was held out
+
+
+def _alike(evidence: Evidence, effects: tuple[str, ...], criteria: Criteria) -> bool:
+    return any({a, b} == set(effects) and cosine > criteria.cosine for a, b, cosine in evidence.alike)

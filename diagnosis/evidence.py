@@ -1,0 +1,63 @@
+"""What the search has found out, as plain numbers: all that the decision is made from."""
+
+from dataclasses import dataclass
+
+from updamp.comparison.json_document import JsonDocument
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A fit with effects in the model.
+
+    effects: names; excess: chi2 a value on the runs of the fit; drop: of chi2 and priors, from the model without them
+    delta_bic: from the model with one effect less (of a pair: the better one of its two)
+    held_out: weighted residual RMS on runs that the fit never saw, nan where there are none or it is not full
+    at_bound: parameter at the bound of what is physical, "" if none; full: whether the fit was left to settle
+    """
+
+    effects: tuple[str, ...]
+    excess: float
+    drop: float
+    delta_bic: float
+    held_out: float
+    at_bound: str
+    full: bool
+
+
+@dataclass(frozen=True)
+class EffectScore:
+    """Score test of one effect. score: in standard deviations; alone: that of the residual and the signature alone,
+    neither orthogonal to the nuisance parameters; without_scatter: as if repeats did not differ"""
+
+    effect: str
+    score: float
+    visibility: float
+    drop: float
+    alone: float
+    without_scatter: float
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """excess, held_out: of the model without effects; repeatability: RMS of what differs between repeats
+    tested: the highest score first; trials: of single effects; pairs: of two
+    alike: pairs of effects whose signatures look alike, with the cosine
+    """
+
+    excess: float
+    held_out: float
+    repeatability: float
+    tested: tuple[EffectScore, ...]
+    trials: tuple[Trial, ...]
+    pairs: tuple[Trial, ...]
+    alike: tuple[tuple[str, str, float], ...]
+
+    def trial_of(self, effects: tuple[str, ...]) -> Trial | None:
+        return next((t for t in (*self.trials, *self.pairs) if t.effects == effects), None)
+
+    def test_of(self, effect: str) -> EffectScore | None:
+        return next((t for t in self.tested if t.effect == effect), None)
+
+
+# `evidence.json`, every number kept to the last digit.
+EVIDENCE_JSON = JsonDocument(Evidence, "updamp evidence 1", "updamp diagnose")

@@ -1,0 +1,69 @@
+"""Which effects are worth a refit, in what order, and where their fits start."""
+
+from collections.abc import Callable, Sequence
+from itertools import zip_longest
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.diagnosis.candidate_models.attempts import Attempt
+from updamp.diagnosis.candidate_models.baseline import Baseline
+from updamp.diagnosis.candidate_models.refit import fails_badly
+from updamp.diagnosis.criteria import Criteria
+from updamp.diagnosis.score_tests.probe import probes
+from updamp.diagnosis.score_tests.score import Score
+from updamp.effects.effect import Effect
+from updamp.parallel.workers import Workers, here
+
+Floats = NDArray[np.float64]
+# Of a first guess, in typical sizes of an effect's parameters.
+_FARTHEST = 3.0
+
+
+def attempts(
+    start: Baseline,
+    effects: Sequence[Effect],
+    scored: Sequence[Score],
+    criteria: Criteria,
+    progress: Callable[[str], None],
+    workers: Workers = here,
+) -> list[Attempt]:
+    """Short ones, the most promising first: by the score test; where the model fails badly, by turns with what effects
+    of typical size could do.
+
+    scored: about the model of `start`
+    """
+    visible = [s for s in scored if s.visibility >= criteria.visibility]
+    by_score = {s.effect.name: s for s in visible if s.score >= criteria.score}
+    if not fails_badly(start.fitted):
+        return [Attempt((s.effect,), _starts(s.step), full=False, as_given=_typical(s)) for s in by_score.values()]
+    worth = {s.effect.name for s in visible}
+    tried = [e for e in effects if e.name in worth]
+    by_probe = {p.effect.name: p for p in probes(start, tried, progress, workers)}
+    found = []
+    for name in _by_turns(tuple(by_probe), tuple(by_score)):
+        given = (by_probe[name].start,) if name in by_probe else ()
+        calibrated = _starts(by_score[name].step) if name in by_score else ()
+        effect = next(e for e in effects if e.name == name)
+        found.append(Attempt((effect,), calibrated, full=False, as_given=given))
+    return found
+
+
+def _by_turns(one: Sequence[str], other: Sequence[str]) -> list[str]:
+    """Without repetition."""
+    pairs = zip_longest(one, other)
+    return list(dict.fromkeys(name for pair in pairs for name in pair if name is not None))
+
+
+def _typical(score: Score) -> tuple[Floats, ...]:
+    """Of an effect that has no derivative at its null value first order from there may lead nowhere."""
+    if not score.effect.finite_step:
+        return ()
+    size = np.ones(len(score.step))
+    return (np.copysign(size, score.step[0]) if score.effect.has_two_signs else size,)
+
+
+def _starts(step: Floats) -> tuple[Floats, ...]:
+    """The linear guess, no further than some typical sizes, and where it is further that far too, else a part of it."""
+    size = max(1.0, float(np.max(np.abs(step))) / _FARTHEST)
+    return step / size, (step if size > 1 else step / 3)

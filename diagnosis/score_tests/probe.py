@@ -1,0 +1,121 @@
+"""Where a model fails badly, what each effect could do about it: to first order about a model that has it already.
+
+About a calibrated model that lacks something large, first order tells little: calibration has led it astray, and
+effects of the contacts are not linear that far (an uneven pressure acts with its square at first). So each effect is
+put into the model as given at its typical size, with both signs where it has two, and the rest is linear from there;
+once more from where that leads if it leads as far as it may.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.comparison.fit.fit import Fit, compare_at, fit_linear, misfit, predict
+from updamp.comparison.fit.observations import Plan
+from updamp.comparison.prediction.branch_tasks import BranchesBy
+from updamp.comparison.prediction.parameters import Parametrisation
+from updamp.comparison.prediction.predicted_branch import PredictedBranch
+from updamp.diagnosis.candidate_models.attempts import without_branches
+from updamp.diagnosis.candidate_models.baseline import Baseline
+from updamp.diagnosis.candidate_models.refit import as_given, coarse_enough
+from updamp.effects.effect import Effect
+from updamp.hbm.continuation.continuation import BranchStoppedError
+from updamp.parallel.workers import LongestFirst, Workers, here
+
+Floats = NDArray[np.float64]
+# Of an effect's parameters from their typical size, and of nuisance parameters, in units of their scale.
+_REACH = 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class Probe:
+    """start: (p,) of the effect's parameters in typical sizes, where the misfit is least to first order
+    misfit: there (`fit.misfit`), on the runs that were looked at"""
+
+    effect: Effect
+    start: Floats
+    misfit: float
+
+
+def probes(
+    start: Baseline,
+    effects: Sequence[Effect],
+    progress: Callable[[str], None] = lambda _: None,
+    workers: Workers = here,
+) -> tuple[Probe, ...]:
+    """The best one of each effect, the least misfit first; effects with which the model has no response are left out.
+
+    Looks at the highest level of each mode alone, where most is seen of what depends on the amplitude.
+    """
+    plan = start.train_plan.only(highest_levels(start.train_plan))
+    at = as_given(start.fitted)
+    near = predict(
+        start.fitted.parametrisation, at, plan, None, BranchesBy(workers), options=coarse_enough(start.fitted)
+    )
+    shared = _About(without_branches(start.fitted), plan, at, near)
+    # an effect without derivative is of a law or of harmonics that take longer
+    longest_first = LongestFirst(workers, lambda effect: effect.finite_step)
+    found = longest_first(_best_of, shared, effects, lambda i, _: progress(f"{effects[i].name} at its typical size"))
+    return tuple(sorted((probe for probe in found if probe is not None), key=_misfit))
+
+
+@dataclass(frozen=True, eq=False)
+class _About:
+    """base: without its branches; at: (p,) parameters of the model as given; near: its branches"""
+
+    base: Fit
+    plan: Plan
+    at: Floats
+    near: Sequence[PredictedBranch]
+
+
+def _best_of(about: _About, effect: Effect) -> Probe | None:
+    tried = [_probe(about, effect, np.full(len(effect.parameters), sign)) for sign in _signs(effect)]
+    best = min((t for t in tried if t is not None), key=_misfit, default=None)
+    if best is None or not _at_its_end(best):
+        return best
+    # what goes as far as it may wants to go further
+    again = _probe(about, effect, best.start)
+    return min((t for t in (best, again) if t is not None), key=_misfit)
+
+
+def _misfit(probe: Probe) -> float:
+    return probe.misfit
+
+
+def _at_its_end(probe: Probe) -> bool:
+    return bool(np.max(np.abs(probe.start)) > 0.99 * (1 + _REACH))
+
+
+def highest_levels(plan: Plan) -> tuple[int, ...]:
+    """Places of the conditions: the highest level of each mode."""
+    highest: dict[str, int] = {}
+    for i, condition in enumerate(plan.conditions):
+        best = highest.get(condition.mode)
+        if best is None or condition.level > plan.conditions[best].level:
+            highest[condition.mode] = i
+    return tuple(sorted(highest.values()))
+
+
+def _signs(effect: Effect) -> Iterator[float]:
+    yield 1.0
+    if effect.has_two_signs:
+        yield -1.0
+
+
+def _probe(about: _About, effect: Effect, size: Floats) -> Probe | None:
+    """size: (p,) of the effect's parameters in typical ones"""
+    base, plan = about.base, about.plan
+    extended: Parametrisation = replace(base.parametrisation, effects=(*base.parametrisation.effects, effect))
+    scatter = base.compared.scatter
+    u = base.parametrisation.with_further(about.at, size)
+    u = np.clip(u, extended.lower, extended.upper)
+    try:
+        branches = predict(extended, u, plan, about.near, options=coarse_enough(base))
+    except BranchStoppedError:
+        return None
+    compared = compare_at(extended, u, plan, branches, scatter)
+    ahead = fit_linear(extended, plan, compared, scatter, _REACH)
+    return Probe(effect, ahead.u[extended.columns(effect.name)], misfit(extended, ahead))

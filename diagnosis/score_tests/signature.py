@@ -1,0 +1,127 @@
+"""What each effect would do to the observations, to first order about a calibrated model that does not have it."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.comparison.fit.fit import Compared, Fit, compare_at, predict
+from updamp.comparison.fit.observations import Plan
+from updamp.comparison.prediction.branch_tasks import Branches, BranchesBy
+from updamp.comparison.prediction.derivatives import Change
+from updamp.comparison.prediction.model_at import ModelAt, change_of_effect
+from updamp.comparison.prediction.observed_point import with_matrices
+from updamp.comparison.prediction.parameters import Parametrisation
+from updamp.comparison.prediction.predicted_branch import PredictedBranch, observe, of_state
+from updamp.diagnosis.candidate_models.refit import coarse_enough
+from updamp.diagnosis.score_tests.finite_steps import steps_along
+from updamp.effects.effect import Effect
+from updamp.parallel.workers import Workers, here
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Extended:
+    """A calibrated model with further effects at their null values.
+
+    compared: with one column for each of their parameters, after those of the parametrisation's own effects
+    effects: those that the model has a place for; refused: name -> why it has none
+    """
+
+    parametrisation: Parametrisation
+    compared: Compared
+    effects: tuple[Effect, ...]
+    refused: dict[str, str]
+
+    def answer(self, effect: Effect, step: Floats) -> Floats:
+        """(p,) the effect's step, and what the nuisance parameters do to make up for it as far as they can."""
+        _, columns = self.compared.equations()
+        p, place = self.parametrisation, self.parametrisation.columns(effect.name)
+        first, n = len(p.nuisances), p.n_of_model
+        free = np.r_[0:first, n : len(p)]
+        prior = np.diag(1 / p.deviation[free])
+        wanted = np.concatenate([columns[:, place] @ step, np.zeros(len(free))])
+        made_up = np.linalg.lstsq(np.vstack([columns[:, free], prior]), wanted, rcond=None)[0]
+        found = np.zeros(len(p))
+        found[place], found[free] = step, -made_up
+        return found
+
+
+def extend(
+    fitted: Fit,
+    plan: Plan,
+    effects: Sequence[Effect],
+    progress: Callable[[str], None] = lambda _: None,
+    workers: Workers = here,
+) -> Extended:
+    """The fit's model with signatures of the effects as further columns.
+
+    An effect that cannot be differentiated at its null value is traced at its typical one: its column is the
+    difference over the whole step.
+    """
+    p, u = fitted.parametrisation, fitted.u
+    there = ModelAt(p, u)
+    known, refused = _with_a_place(there, effects)
+    by_step = [e for e in known if _needs_step(there, e)]
+    by_derivative = [e for e in known if e not in by_step]
+    changes = [change_of_effect(there.model, e, q) for e in by_derivative for q in e.parameters]
+    progress(f"signatures of {len(known)} effects")
+    solved = _solved_at(fitted, plan, BranchesBy(workers))
+    steps = steps_along(there, solved, by_step, coarse_enough(fitted), progress, workers)
+    differentiated = workers(_differentiated, (there, changes), solved, lambda i, _: progress(_told(solved[i])))
+    branches = [_with_steps(there, b, len(changes), own) for b, own in zip(differentiated, steps, strict=True)]
+    ordered = (*by_derivative, *by_step)
+    extended = replace(p, effects=(*p.effects, *ordered))
+    longer = p.with_further(u, np.zeros(extended.n_of_model - p.n_of_model))
+    compared = compare_at(extended, longer, plan, branches, fitted.compared.scatter, fitted.compared.offsets)
+    return Extended(extended, compared, ordered, refused)
+
+
+def _told(branch: PredictedBranch) -> str:
+    return f"signatures along {branch.condition.name}"
+
+
+def _solved_at(fitted: Fit, plan: Plan, branches_of: Branches) -> tuple[PredictedBranch, ...]:
+    """Branches of the fit's parameters: a fit that has settled is a linear step beyond those that it solved last."""
+    p, u, branches = fitted.parametrisation, fitted.u, fitted.compared.branches
+    n = p.n_of_model
+    if all(np.array_equal(branch.u[:n], u[:n]) for branch in branches):
+        return branches
+    return predict(p, u, plan, branches, branches_of)
+
+
+def _with_a_place(there: ModelAt, effects: Sequence[Effect]) -> tuple[list[Effect], dict[str, str]]:
+    known, refused = [], {}
+    for effect in effects:
+        try:
+            _ = effect.apply(there.model, effect.at_typical()).system
+        except (ValueError, KeyError, AssertionError) as error:
+            refused[effect.name] = str(error)
+        else:
+            known.append(effect)
+    return known, refused
+
+
+def _needs_step(there: ModelAt, effect: Effect) -> bool:
+    """Whether it has no derivative at its null value, or other harmonics beside it."""
+    return effect.finite_step or effect.apply(there.model, effect.at_typical()).harmonics != there.model.harmonics
+
+
+def _differentiated(shared: tuple[ModelAt, Sequence[Change]], branch: PredictedBranch) -> PredictedBranch:
+    """The branch with columns for changes of its model, before those of the numerical error."""
+    there, changes = shared
+    points = with_matrices(there.model, branch.condition, branch.points)
+    return observe(there, branch.condition, points, branch.stopped, changes)
+
+
+def _with_steps(there: ModelAt, found: PredictedBranch, n_changes: int, steps: Sequence[Floats]) -> PredictedBranch:
+    """The branch with columns for all parameters of the effects, before those of the numerical error."""
+    if not steps:
+        return found
+    n = there.parametrisation.n_of_model + n_changes
+    columns = of_state(np.concatenate(steps, axis=1), found.state)
+    slopes = np.concatenate([found.slopes[:, :n], columns, found.slopes[:, n:]], axis=1)
+    u = np.concatenate([found.u[:n], np.zeros(columns.shape[1]), found.u[n:]])
+    return replace(found, u=u, slopes=slopes)

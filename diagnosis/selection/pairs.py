@@ -1,0 +1,114 @@
+"""Two effects, where one is not enough."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from updamp.comparison.prediction.branch_tasks import BranchesBy
+from updamp.diagnosis.candidate_models.attempts import Attempt, Result, with_branches
+from updamp.diagnosis.candidate_models.baseline import Baseline
+from updamp.diagnosis.candidate_models.fits import Fits, Results, best_first, nearly
+from updamp.diagnosis.candidate_models.refit import Refit, gain_of_bic, judged
+from updamp.diagnosis.score_tests.candidates import attempts
+from updamp.diagnosis.score_tests.score import scores
+from updamp.diagnosis.score_tests.signature import extend
+from updamp.diagnosis.selection.single_effects import numerics_anew
+from updamp.effects.effect import Effect
+
+
+def try_pairs(fits: Fits, effects: Sequence[Effect], singles: Results) -> Results:
+    """Second effects beside the best single one, where that leaves a misfit or explains it by more of itself than there
+    can be, and beside the next one where it explains nearly as much: with a second effect beside them the two may
+    change places."""
+    start, criteria = fits.start, fits.criteria
+    settled = sorted((r.refit for r in singles.values() if r.trial.full), key=lambda r: -r.drop)
+    if not settled or settled[0].drop <= 0:
+        return {}
+    if settled[0].excess < criteria.look_further and not settled[0].at_bound:
+        return {}
+    found: Results = {}
+    for first in (settled[0], *(r for r in settled[1:2] if nearly(r, settled[0], start, criteria))):
+        found = _better(found, _beside(fits, first, effects, singles))
+    return found
+
+
+def exchanged(fits: Fits, effects: Sequence[Effect], singles: Results, pairs: Results) -> tuple[Results, Results]:
+    """Where the best pair still fails though its second effect helps: that one alone, and others beside it. The first
+    was chosen by itself, and may only have stood in for what is missing.
+
+    returns: further single effects, and all pairs
+    """
+    criteria, best = fits.criteria, _best(pairs)
+    if best is None or best.trial.excess <= criteria.excess or best.refit.delta_bic < criteria.delta_bic:
+        return {}, pairs
+    first, second = best.refit.effects
+    if best.trial.excess > criteria.second * singles[(first.name,)].trial.excess:
+        return {}, pairs
+    by_itself = fits.results([_as_in(best, second)])
+    further = {names: r for names, r in by_itself.items() if names not in singles or not singles[names].trial.full}
+    found = pairs
+    for r in by_itself.values():
+        others = [e for e in effects if e.name != first.name]
+        found = _better(found, _beside(fits, r.refit, others, {**singles, **further}))
+    return further, found
+
+
+def _better(some: Results, others: Results) -> Results:
+    """All of them; of pairs that differ by the order of their effects the one that takes off more."""
+    found = dict(some)
+    for names, result in others.items():
+        same = [n for n in (names, names[::-1]) if n in found]
+        if all(result.refit.drop > found[n].refit.drop for n in same):
+            for n in same:
+                del found[n]
+            found[names] = result
+    return found
+
+
+def _best(pairs: Results) -> Result | None:
+    return min(pairs.values(), key=lambda r: r.trial.excess, default=None)
+
+
+def _as_in(pair: Result, effect: Effect) -> Attempt:
+    """The effect alone, from its size in the pair."""
+    fitted = pair.refit.fitted
+    start = fitted.u[fitted.parametrisation.columns(effect.name)]
+    return Attempt((effect,), (start,), full=True, as_given=(start,))
+
+
+def alone(fits: Fits, singles: Results, pairs: Results) -> Results:
+    """Second effects that have not been tried alone, where one explains the data together with a first: it may be all
+    that is missing, and the first one a wrong guess that has become small beside it."""
+    best = _best(pairs)
+    if best is None or best.trial.excess > fits.criteria.excess:
+        return {}
+    second = best.refit.effects[1]
+    if (second.name,) in singles:
+        return {}
+    found = fits.results([_as_in(best, second)])
+    return found | numerics_anew(fits, found)
+
+
+def _beside(fits: Fits, first: Refit, effects: Sequence[Effect], singles: Results) -> Results:
+    (one,), start, criteria = first.effects, fits.start, fits.criteria
+    fits.progress(f"second effect beside {one.name}")
+    beside = replace(fits, start=replace(start, fitted=with_branches(first.fitted, start, BranchesBy(fits.workers))))
+    others = [e for e in effects if e.name != one.name]
+    again = scores(extend(beside.start.fitted, start.train_plan, others, fits.progress, fits.workers))
+    wanted = attempts(beside.start, others, again, criteria, fits.progress, fits.workers)
+    short = beside.results(wanted[: criteria.short])
+    settled = beside.full(best_first(short)[: criteria.full])
+    found: Results = {}
+    for r in (settled | numerics_anew(beside, settled)).values():
+        (second,) = r.refit.effects
+        both = judged(start.fitted, r.refit.fitted, (one, second), criteria)
+        names = (one.name, second.name)
+        trial = replace(r.trial, effects=names, drop=both.drop, delta_bic=_against_parts(start, both, singles))
+        found[names] = Result(both, trial)
+    return found
+
+
+def _against_parts(start: Baseline, pair: Refit, singles: Results) -> float:
+    """BIC gained over the better one of its two effects."""
+    alone = [singles[(e.name,)].refit.drop for e in pair.effects if (e.name,) in singles]
+    fewest, values = min(len(e.parameters) for e in pair.effects), start.fitted.compared.values
+    return gain_of_bic(pair.drop - max(alone, default=0.0), fewest, values)

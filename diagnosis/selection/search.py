@@ -1,0 +1,94 @@
+"""The search: numerical gate, calibration, score tests, refits of the best, pairs where one effect is not enough."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.comparison.prediction.branch_tasks import BranchesBy
+from updamp.diagnosis.candidate_models.attempts import Bench, run_here
+from updamp.diagnosis.candidate_models.baseline import Baseline, error_of
+from updamp.diagnosis.candidate_models.fits import Fits, Progress
+from updamp.diagnosis.candidate_models.refit import Refit
+from updamp.diagnosis.criteria import Criteria
+from updamp.diagnosis.evidence import EffectScore, Evidence
+from updamp.diagnosis.score_tests.score import Score, cosines, scores
+from updamp.diagnosis.score_tests.signature import Extended, extend
+from updamp.diagnosis.selection.pairs import alone, exchanged, try_pairs
+from updamp.diagnosis.selection.single_effects import other_sizes, try_singles
+from updamp.effects.effect import Effect
+from updamp.parallel.workers import Workers, here
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """extended: the calibrated model with all effects at null; scored: about the model without effects
+
+    refits: by the names of their effects
+    """
+
+    baseline: Baseline
+    extended: Extended
+    scored: tuple[Score, ...]
+    refits: Mapping[tuple[str, ...], Refit]
+    evidence: Evidence
+
+
+def search(
+    start: Baseline,
+    effects: Sequence[Effect],
+    criteria: Criteria,
+    progress: Progress = lambda _: None,
+    bench: Bench = run_here,
+    workers: Workers = here,
+) -> Found:
+    """bench: where the fits are run; workers: likewise what leads to them
+
+    raises: BranchStoppedError where the calibrated model has no response at the beginning of a run
+    """
+    base, plan = start.fitted, start.train_plan
+    extended = extend(base, plan, effects, progress, workers)
+    scored = scores(extended)
+    held_out = error_of(base, start.held_out_plan, BranchesBy(workers))
+    fits = Fits(start, criteria, progress, bench, workers)
+    singles = try_singles(fits, effects, scored)
+    singles |= other_sizes(fits, singles)
+    further, pairs = exchanged(fits, effects, singles, try_pairs(fits, effects, singles))
+    singles |= further
+    singles |= alone(fits, singles, pairs)
+    evidence = Evidence(
+        base.compared.excess,
+        held_out,
+        start.repeatability,
+        _tested(extended, scored),
+        tuple(sorted((r.trial for r in singles.values()), key=lambda t: t.excess)),
+        tuple(sorted((r.trial for r in pairs.values()), key=lambda t: t.excess)),
+        _alike(scored, criteria),
+    )
+    refits = {names: r.refit for names, r in {**singles, **pairs}.items()}
+    return Found(start, extended, scored, refits, evidence)
+
+
+def _tested(extended: Extended, scored: Sequence[Score]) -> tuple[EffectScore, ...]:
+    still = {name: 1e-9 * size for name, size in extended.compared.scatter.parameters.items()}
+    stiff = replace(extended.compared.scatter, parameters=still, drift=1e-12, gain=1e-9)
+    without = {
+        s.effect.name: s.score for s in scores(replace(extended, compared=replace(extended.compared, scatter=stiff)))
+    }
+    return tuple(
+        EffectScore(s.effect.name, s.score, s.visibility, s.drop, s.raw, without.get(s.effect.name, 0.0))
+        for s in scored
+    )
+
+
+def _alike(scored: Sequence[Score], criteria: Criteria) -> tuple[tuple[str, str, float], ...]:
+    matrix = np.abs(cosines(scored))
+    return tuple(
+        (scored[i].effect.name, scored[j].effect.name, float(matrix[i, j]))
+        for i in range(len(scored))
+        for j in range(i)
+        if matrix[i, j] > criteria.cosine
+    )

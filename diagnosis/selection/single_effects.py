@@ -1,0 +1,102 @@
+"""Which single effect explains the data: short fits of those that look most likely, full ones of the best."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from updamp.diagnosis.candidate_models.attempts import Attempt, Result, without_branches
+from updamp.diagnosis.candidate_models.baseline import Baseline
+from updamp.diagnosis.candidate_models.fits import Fits, Results, best_first, explains, nearly, telling
+from updamp.diagnosis.candidate_models.other_sizes import SIZES, as_likely, have_two_signs
+from updamp.diagnosis.candidate_models.refit import Refit
+from updamp.diagnosis.criteria import Criteria
+from updamp.diagnosis.score_tests.candidates import attempts
+from updamp.diagnosis.score_tests.score import Score, cosines
+from updamp.effects.effect import Effect
+
+
+def try_singles(fits: Fits, effects: Sequence[Effect], scored: Sequence[Score]) -> Results:
+    """Short refits of those that look most likely, full ones of the best."""
+    start, criteria = fits.start, fits.criteria
+    wanted = attempts(start, effects, scored, criteria, fits.progress, fits.workers)[: criteria.short]
+    half = (len(wanted) + 1) // 2
+    found = fits.results(wanted[:half])
+    enough = _left(start, 1 - criteria.promising)
+    found |= fits.full([r for r in best_first(found)[:1] if r.trial.excess < enough])
+    found |= numerics_anew(fits, found)
+    found |= fits.results(_unless_explained(wanted[half:], found, scored, criteria))
+    best = best_first(found)[: criteria.full]
+    asked_for = [r for r in best if not r.trial.full and r.refit.delta_bic >= criteria.delta_bic]
+    close = [r for r in asked_for if _comes_close(r.refit, best[0].refit, start, criteria)]
+    found |= fits.full(close)
+    return found | numerics_anew(fits, found)
+
+
+def numerics_anew(fits: Fits, found: Results) -> Results:
+    """Full fits that take off most of a misfit, and yet leave some: with the numerical error of their own models. Of
+    the best one this is to be known before a second effect is looked for."""
+    start, criteria = fits.start, fits.criteria
+    if not start.fitted.parametrisation.numerics.names:
+        return {}
+    settled = [r for r in best_first(found) if r.trial.full]
+    most, least = _left(start, criteria.nearly), min((r.trial.excess for r in settled), default=0.0)
+    close = [r for r in settled if r.trial.excess < min(most, criteria.comparable * least)]
+    if not close:
+        close = [r for r in settled[:1] if r.trial.excess < _left(start, criteria.gated)]
+    left = [r for r in close if not r.refit.gated_again and not explains(r.trial, criteria)]
+    again = fits.full(left, gated_again=True)
+    return again | _turned_round(fits, left, again)
+
+
+def _turned_round(fits: Fits, fitted: Sequence[Result], again: Results) -> Results:
+    """Likewise from the other sign, where that is better: a coarse mesh may show an effect of the right sign so weakly
+    that a fit on it ends at the wrong one."""
+    tries = [
+        Attempt(r.refit.effects, (), True, near=r.refit.fitted, gated_again=True, size=-1.0)
+        for r in fitted
+        if have_two_signs(r.refit.effects)
+    ]
+    found = fits.results(tries) if tries else {}
+    return {names: r for names, r in found.items() if names not in again or r.refit.drop > again[names].refit.drop}
+
+
+def other_sizes(fits: Fits, found: Results) -> Results:
+    """The best effect, where it explains the data, fitted from other sizes too: the best of these fits, which knows of
+    those that are as likely."""
+    start, criteria = fits.start, fits.criteria
+    explain = [r for r in best_first(found) if r.trial.full and r.trial.excess <= criteria.excess]
+    if not explain or explain[0].refit.delta_bic < criteria.delta_bic:
+        return {}
+    first = explain[0].refit
+    tries = [Attempt(first.effects, (), True, near=first.fitted, size=size) for size in SIZES]
+    tried = fits.bench(start, criteria, tries, telling(fits.progress))
+    some = [explain[0], *(r for r in tried if r is not None)]
+    best = max(some, key=lambda r: r.refit.drop)
+    also = [r.refit.fitted for r in some if r is not best and as_likely(r.refit.fitted, best.refit.fitted)]
+    refit = replace(best.refit, also=tuple(without_branches(f) for f in also), gated_again=first.gated_again)
+    return {best.trial.effects: replace(best, refit=refit)}
+
+
+def _left(start: Baseline, share: float) -> float:
+    """chi2 a value once so much of the misfit is taken off; what the scatter leaves, 1, is none"""
+    return 1 + (1 - share) * (start.fitted.compared.excess - 1)
+
+
+def _comes_close(one: Refit, best: Refit, start: Baseline, criteria: Criteria) -> bool:
+    return one.excess < criteria.close * best.excess or nearly(one, best, start, criteria)
+
+
+def _unless_explained(
+    some: Sequence[Attempt], found: Results, scored: Sequence[Score], criteria: Criteria
+) -> Sequence[Attempt]:
+    """All of them as long as none before explains a misfit, on runs that no fit saw too; then only those that look like
+    it."""
+    best = min(found.values(), key=lambda r: r.trial.excess, default=None)
+    if best is None or not explains(best.trial, criteria):
+        return some
+    if best.refit.delta_bic < criteria.delta_bic:
+        return ()  # the data ask for none of the best, as where nothing is missing
+    matrix, names = np.abs(cosines(scored)), [s.effect.name for s in scored]
+    alike = matrix[names.index(best.trial.effects[0])]
+    return [a for a in some if alike[names.index(a.effects[0].name)] > criteria.cosine_of_rivals]

@@ -1,0 +1,93 @@
+"""The effects that updamp knows, by name, and a user's own."""
+
+from collections.abc import Mapping
+from importlib.metadata import entry_points
+from types import MappingProxyType
+
+from updamp.effects import (
+    asymmetric_preload,
+    blade_cubic_stiffness,
+    blade_mistuning,
+    clamp_flexibility,
+    contact_viscosity,
+    edge_gap,
+    friction_gradient,
+    joint_cubic,
+    joint_microslip,
+    joint_quadratic,
+    joint_viscoelastic,
+    joint_viscous,
+    material_damping,
+    pressure_crown,
+    pressure_dependent_stiffness,
+    pressure_slope,
+    shaker_attachment,
+    static_dynamic_coupling,
+    sub_patch_microslip,
+    velocity_dependent_friction,
+    wire_stiffness,
+)
+from updamp.effects.effect import Effect
+from updamp.effects.user_effect import EffectError, checked
+
+GROUP = "updamp.effects"
+
+# Of bladed rigs with a damper; in the order in which they are applied where several are.
+CATALOGUE: Mapping[str, Effect] = MappingProxyType(
+    {
+        effect.name: effect
+        for effect in (
+            clamp_flexibility.EFFECT,
+            blade_mistuning.EFFECT,
+            shaker_attachment.EFFECT,
+            wire_stiffness.EFFECT,
+            asymmetric_preload.EFFECT,
+            pressure_crown.EFFECT,
+            pressure_slope.EFFECT,
+            edge_gap.EFFECT,
+            friction_gradient.EFFECT,
+            pressure_dependent_stiffness.EFFECT,
+            sub_patch_microslip.EFFECT,
+            velocity_dependent_friction.EFFECT,
+            contact_viscosity.EFFECT,
+            material_damping.EFFECT,
+            blade_cubic_stiffness.EFFECT,
+            static_dynamic_coupling.EFFECT,
+        )
+    }
+)
+
+
+# Of models whose modes were identified in a test: they stand for a joint that the modes do not show.
+JOINTS: Mapping[str, Effect] = MappingProxyType(
+    {
+        effect.name: effect
+        for effect in (
+            joint_viscous.EFFECT,
+            joint_viscoelastic.EFFECT,
+            joint_cubic.EFFECT,
+            joint_quadratic.EFFECT,
+            joint_microslip.EFFECT,
+        )
+    }
+)
+
+
+def catalogue() -> Mapping[str, Effect]:
+    """The catalogue, the effects of joints, and those that installed packages offer under the entry point group
+    "updamp.effects": each names a module that defines EFFECT, or the effect itself.
+
+    raises: EffectError for an entry point that cannot be loaded, is no effect or has a name that is taken
+    """
+    found = {**CATALOGUE, **JOINTS}
+    for point in entry_points(group=GROUP):
+        origin = f'entry point "{point.name}" ({point.value}) of {GROUP}'
+        try:
+            loaded = point.load()
+        except Exception as error:  # whatever a foreign module stumbles over
+            raise EffectError(f"{origin} cannot be loaded: {error}; correct or uninstall its package") from error
+        effect = checked(getattr(loaded, "EFFECT", loaded), origin)
+        if effect.name in found:
+            raise EffectError(f'{origin}: there is an effect "{effect.name}" already; rename it')
+        found[effect.name] = effect
+    return MappingProxyType(found)

@@ -1,0 +1,60 @@
+"""What an effect is: a change of the model that an engineer has a name for, with parameters that can be fitted."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from updamp.effects.rig_model import RigModel
+
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class EffectParameter:
+    """null: the value at which the effect is absent; lower, upper: bounds; typical: size that rigs of this kind show,
+    where a search starts; unit: as pint reads it, "" for none; source: where the typical size comes from
+    ends: bounds that are as good as any other value, such as the whole where the parameter is a share of something; a
+        fit that stands at another one asks for what makes no sense
+    two_sided: whether both signs (or both sides of the null) make sense
+    """
+
+    name: str
+    null: float
+    lower: float
+    upper: float
+    typical: float
+    unit: str
+    source: str
+    ends: tuple[float, ...] = ()
+
+    @property
+    def two_sided(self) -> bool:
+        return self.lower < self.null < self.upper
+
+
+@dataclass(frozen=True)
+class Effect:
+    """name: for the rig file and the command line; sentence: what an engineer would say is missing
+
+    apply(model, values) -> model: at null values a model with the same response as the one given, and differentiable
+        in the values there. Structural effects change `components` or `attachments`, effects in the contact change
+        `contacts`; all of them leave the rest alone, so that effects can be stacked.
+    finite_step: the effect cannot be differentiated at its null value; its signature is taken from a step to the
+        typical value
+    """
+
+    name: str
+    sentence: str
+    parameters: tuple[EffectParameter, ...]
+    apply: Callable[[RigModel, Values], RigModel]
+    finite_step: bool = False
+
+    @property
+    def has_two_signs(self) -> bool:
+        """Whether the effect turned round makes sense too."""
+        return all(p.two_sided for p in self.parameters)
+
+    def at_null(self) -> dict[str, float]:
+        return {p.name: p.null for p in self.parameters}
+
+    def at_typical(self) -> dict[str, float]:
+        return {p.name: p.typical for p in self.parameters}

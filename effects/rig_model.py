@@ -1,0 +1,118 @@
+"""The model of a test, open to change: everything that a parameter or a missing effect may alter, in one place.
+
+An effect is a function from one `RigModel` to the next; the coupled problem is built from the last.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.geometry.contact_elements import ContactElements
+from updamp.hbm.contact.law import ContactLaw
+from updamp.hbm.contact.modified.modified_law import with_entries
+from updamp.hbm.harmonics import Harmonics
+from updamp.hbm.problem.elements import ElementGroup
+from updamp.hbm.problem.linear_model import LinearModel
+from updamp.hbm.problem.structural_changes import Attachment, attach, with_relative_rows
+from updamp.hbm.problem.system import Excitation, NonlinearSystem
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class PointElement:
+    """A nonlinear element at named points, one for each of its directions, between them and the ground.
+
+    parameters: the law's NamedTuple, each entry (1, ...)
+    """
+
+    name: str
+    points: tuple[str, ...]
+    law: ContactLaw
+    parameters: Any
+
+
+@dataclass(frozen=True, eq=False)
+class RigModel:
+    """components: the free components side by side, neither coupled nor supported by wires
+    owner: (m,) name of the component that each of their modes belongs to
+    attachments: springs, dashpots and masses at named points, the wires among them
+    by_pull: names of those whose stiffness is proportional to the pull of the damper
+    contacts: the friction elements, on the relative rows; None for a model without
+    patches: where they lie; None where they are not laid over faces
+    elements: further nonlinear elements
+    excitation: name of the point that the shaker acts on
+    places: where points and the clamps ("blade_left.root", "blade_right.root") are, name without axis -> (x, y, z)
+        at rest [m]; empty where that is not known
+    identified: whether the modes were identified in a test rather than computed: modal masses are known roughly then
+    stated_pressure: mean over the contacts at rest, as the rig file has it, whatever calibration and effects do to it
+        [Pa]; None where that is not known
+    """
+
+    components: LinearModel
+    owner: tuple[str, ...]
+    attachments: tuple[Attachment, ...]
+    contacts: ElementGroup | None
+    patches: ContactElements | None
+    excitation: str
+    harmonics: Harmonics
+    time_samples: int
+    elements: tuple[PointElement, ...] = ()
+    notes: Mapping[str, float] = field(default_factory=dict)
+    places: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
+    identified: bool = False
+    stated_pressure: float | None = None
+    by_pull: tuple[str, ...] = ()
+
+    @cached_property
+    def system(self) -> NonlinearSystem:
+        """The coupled problem."""
+        return NonlinearSystem(self.free, self.groups, self.harmonics, self.time_samples)
+
+    @cached_property
+    def free(self) -> LinearModel:
+        """The structure without any contact or other element."""
+        return with_relative_rows(
+            attach(self.components, self.attachments), [point for e in self.elements for point in e.points]
+        )
+
+    @cached_property
+    def groups(self) -> tuple[ElementGroup, ...]:
+        """The contacts, then the other elements."""
+        groups: list[ElementGroup] = [] if self.contacts is None else [self.contacts]
+        first = self.components.n_relative
+        for e in self.elements:
+            groups.append(ElementGroup(e.law, e.parameters, np.arange(first, first + len(e.points))[None]))
+            first += len(e.points)
+        return tuple(groups)
+
+    def excited_by(self, force: float) -> Excitation:
+        """force: amplitude [N]"""
+        return Excitation(self.system.free.row(self.excitation), force)
+
+    def with_contacts(self, law: ContactLaw | None = None, **entries: Any) -> "RigModel":
+        """Contacts of another law, or with other entries of the law's parameters; shapes stay.
+
+        Entries that the parameters do not have yet are added to them: what a law around the present one needs.
+        raises: ValueError where the model has no contacts
+        """
+        if self.contacts is None:
+            raise ValueError("this model has no contacts whose parameters could change")
+        parameters = with_entries(self.contacts.parameters, **entries)
+        return replace(self, contacts=replace(self.contacts, law=law or self.contacts.law, parameters=parameters))
+
+    def with_pull(self, factor: float) -> "RigModel":
+        """Under another pull, times the present one: the preload of the contacts, and what the tension gives the wires
+        sideways and against roll.
+
+        raises: ValueError where the model has no contacts
+        """
+        attachments = tuple(
+            replace(a, stiffness=a.stiffness * factor) if a.name in self.by_pull else a for a in self.attachments
+        )
+        preload = None if self.contacts is None else self.contacts.parameters.n0 * factor
+        return replace(self.with_contacts(n0=preload), attachments=attachments)

@@ -1,0 +1,101 @@
+"""What effects of a bolted joint have in common.
+
+They are for models whose modes were identified in a test. The joint is not a point of such a model: its motion goes
+with that of the mode, so an element at the excitation point stands for it, and its parameters are those seen from
+there. With several modes, each of which moves the joint otherwise, they are not the joint's own.
+"""
+
+from dataclasses import replace
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from updamp.effects.rig_model import PointElement, RigModel
+from updamp.hbm.contact.law import ContactLaw
+from updamp.hbm.problem.linear_model import LinearModel
+
+# Fewest samples of a period for laws that are not smooth.
+_SAMPLES = 128
+
+
+def joint_model(model: RigModel) -> RigModel:
+    """raises: ValueError where the model is not one that these effects are for"""
+    if model.contacts is not None:
+        raise ValueError(
+            "this effect stands for a joint in a model of identified modes, and this model has contacts of its own: "
+            "take an effect of the contact, such as sub_patch_microslip"
+        )
+    if not model.identified:
+        raise ValueError(
+            'this effect stands for a joint in a model of identified modes (a rig file with kind = "modal"); the modes '
+            "of this model were computed"
+        )
+    return model
+
+
+def with_joint_element(model: RigModel, name: str, law: ContactLaw, **entries: float) -> RigModel:
+    """The model with an element between its excitation point and the ground; entries: of the law's parameters.
+
+    raises: ValueError where the model is not one of identified modes without contacts
+    """
+    parameters: Any = law.parameters(**{entry: jnp.full(1, value) for entry, value in entries.items()})
+    added = PointElement(name, (joint_model(model).excitation,), law, parameters)
+    return replace(model, elements=(*model.elements, added), time_samples=max(model.time_samples, _SAMPLES))
+
+
+# Elements at the tips of both blades.
+
+TIPS = ("blade_left.tip.x", "blade_right.tip.x")
+
+
+def model_with_tips(model: RigModel) -> RigModel:
+    """raises: ValueError where the model lacks one of the tips"""
+    if missing := [tip for tip in TIPS if tip not in model.components.points]:
+        raise ValueError(f"this effect acts on {' and '.join(TIPS)}; the model has no {' and no '.join(missing)}")
+    return model
+
+
+def with_tip_elements(model: RigModel, name: str, law: ContactLaw, **entries: float) -> RigModel:
+    """The model with one element at each tip, between it and the ground; entries: of the law's parameters.
+
+    raises: ValueError where the model lacks one of the tips
+    """
+    model_with_tips(model)
+    parameters: Any = law.parameters(**{entry: jnp.full(1, value) for entry, value in entries.items()})
+    added = tuple(PointElement(f"{name} at {tip}", (tip,), law, parameters) for tip in TIPS)
+    return replace(model, elements=(*model.elements, *added))
+
+
+# Changes of one component's modes within the side-by-side model: the others and the order of owners stay.
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+BLADES = ("blade_left", "blade_right")
+
+
+def modes_of(model: RigModel, component: str) -> Integers:
+    """Numbers of its modes. raises: ValueError naming the components there are"""
+    modes = np.flatnonzero(np.array(model.owner) == component)
+    if not len(modes):
+        there = ", ".join(dict.fromkeys(model.owner)) or "none"
+        raise ValueError(f"the model has no component '{component}', which this effect changes; there are {there}")
+    return modes
+
+
+def with_block_stiffness(components: LinearModel, modes: Integers, stiffness: Floats) -> LinearModel:
+    """The model with the modal stiffness of these modes (k, k) [rad^2/s^2] brought back to modes of their own."""
+    values, X = scipy.linalg.eigh(stiffness)
+    omega_squared, T = components.omega_squared.copy(), np.eye(len(components.omega_squared))
+    omega_squared[modes] = values
+    T[np.ix_(modes, modes)] = X
+    return replace(
+        components,
+        omega_squared=omega_squared,
+        phi=components.phi @ T,
+        hysteretic=T.T @ components.hysteretic @ T,
+        viscous=T.T @ components.viscous @ T,
+    )

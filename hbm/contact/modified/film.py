@@ -1,0 +1,49 @@
+"""A viscous film in the contact."""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import jax
+import jax.numpy as jnp
+
+from updamp.hbm.contact.modified.modified_law import LawAround, alone_in, compression
+
+
+@dataclass(frozen=True)
+class ViscousFilm(LawAround):
+    """The inner law and a dashpot in all three directions for as long as the contact is closed.
+
+    Parameter viscosity [N s/m].
+    """
+
+    rank: ClassVar[int] = 80
+    entries: ClassVar[tuple[str, ...]] = ("viscosity",)
+
+    @property
+    def rate_dependent(self) -> bool:
+        return True
+
+    @property
+    def acting_alone(self) -> tuple[int, ...]:
+        return alone_in(self.inner)
+
+    def outside(self, force: jax.Array, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
+        closed = closed_share(compression(self.inner, *self.inside(displacement, velocity, parameters)))
+        return force + parameters.viscosity * velocity * closed[:, None]
+
+
+def closed_share(compression: jax.Array) -> jax.Array:
+    """(n_time,) share of the time from half a sample before to half a sample after that the contact is closed.
+
+    On straight lines between the samples, so that the force does not leap when an opening moves past a sample.
+    """
+    before = (jnp.roll(compression, 1) + compression) / 2
+    after = (jnp.roll(compression, -1) + compression) / 2
+    return (_share_above_zero(before, compression) + _share_above_zero(compression, after)) / 2
+
+
+def _share_above_zero(a: jax.Array, b: jax.Array) -> jax.Array:
+    """Of a straight line from a to b."""
+    high, low = jnp.maximum(a, b), jnp.minimum(a, b)
+    crosses = (high > 0) & (low < 0)
+    return jnp.where(crosses, high / jnp.where(crosses, high - low, 1.0), jnp.where(high > 0, 1.0, 0.0))

@@ -1,0 +1,62 @@
+"""Microslip inside one contact element: sliders side by side that give way one after the other (Iwan 1966)."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.hbm.contact.modified.modified_law import LawAround, alone_in, averaged, sticks_with_friction
+
+SLIDERS = 6
+
+
+@dataclass(frozen=True)
+class SubPatchMicroslip(LawAround):
+    """The mean of inner laws whose friction coefficients are spread evenly over mu (1 - w) ... mu (1 + w).
+
+    Each has the same share of the stiffness, so that stiffness and largest force stay what they are.
+
+    Parameter limit_spread w [-] in [0, 1].
+    """
+
+    rank: ClassVar[int] = 40
+    entries: ClassVar[tuple[str, ...]] = ("limit_spread",)
+
+    @property
+    def acting_alone(self) -> tuple[int, ...]:
+        return alone_in(self.inner)
+
+    def surely_sticks(self, displacement: NDArray[np.float64], parameters: Any, between: float) -> NDArray[np.bool_]:
+        """Where the weakest slider does and the inner law can tell: then all of them do."""
+        weakest = 1 - np.asarray(parameters.limit_spread) * (1 - 1 / SLIDERS)
+        return sticks_with_friction(self.inner, parameters.mu * weakest, displacement, parameters, between)
+
+    def force(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
+        return self._of_each(self.inner.force, displacement, velocity, parameters).mean(axis=0)
+
+    def averaged_force(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
+        return self._of_each(averaged(self.inner), displacement, velocity, parameters).mean(axis=0)
+
+    def state(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
+        """Slipping as soon as the weakest slider does; separation is the same for all."""
+        return self._of_each(self.inner.state, displacement, velocity, parameters).max(axis=0)
+
+    def _of_each(
+        self, quantity: Callable[..., jax.Array], displacement: jax.Array, velocity: jax.Array, parameters: Any
+    ) -> jax.Array:
+        spread = 1 + parameters.limit_spread * evenly(SLIDERS)
+
+        def one(factor: jax.Array) -> jax.Array:
+            return quantity(displacement, velocity, parameters._replace(mu=parameters.mu * factor))
+
+        values: jax.Array = jax.vmap(one)(spread)
+        return values
+
+
+def evenly(n: int) -> jax.Array:
+    """(n,) middles of n equal parts of [-1, 1]."""
+    return (2 * jnp.arange(n) + 1) / n - 1

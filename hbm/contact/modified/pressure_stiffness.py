@@ -1,0 +1,65 @@
+"""Contact stiffness that grows with the momentary pressure, as that of rough surfaces does."""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import jax
+import jax.numpy as jnp
+
+from updamp.hbm.contact.modified.modified_law import LawAround, Seen, alone_in, with_entries
+
+# The share of the mean force below which the stiffness that the solver starts from falls no further; it has no
+# influence on the solution.
+_LEAST = 0.01
+
+
+@dataclass(frozen=True)
+class PressureStiffness(LawAround):
+    """dN/du_n = kn (N / N_m)^m, and kt (N / N_m)^m between the surface and the slider; Hertz's contact has m = 1/3.
+
+    Parameters pressure_exponent m [-] in [0, 1) and mean_force N_m [N], the force at which kt and kn are stated.
+
+    Integrated, N^(1-m) is linear in the displacement, and so is the slider's reach mu N / kt(N): the slider goes where
+    that of the inner law goes with kn' = (1 - m) kn and n0' = n0^(1-m) N_m^m. Its forces are then multiplied by
+    (N'/N_m)^(m/(1-m)).
+    """
+
+    rank: ClassVar[int] = 60
+    entries: ClassVar[tuple[str, ...]] = ("pressure_exponent", "mean_force")
+
+    @property
+    def acting_alone(self) -> tuple[int, ...]:
+        return alone_in(self.inner)
+
+    def inside(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> Seen:
+        p, m = parameters, parameters.pressure_exponent
+        n0 = p.mean_force * power(p.n0 / p.mean_force, 1 - m)
+        rest = jnp.maximum(n0 - (1 - m) * p.kn * p.gap, 0.0)
+        factor = self._factor(rest, p)
+        t0 = jnp.where(factor > 0, p.t0 / jnp.where(factor > 0, factor, 1.0), 0.0)
+        return displacement, velocity, with_entries(p, n0=n0, kn=(1 - m) * p.kn, t0=t0)
+
+    def outside(self, force: jax.Array, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
+        *_, p = seen = self.inside(displacement, velocity, parameters)
+        normal, rest = self.inner.normal_force(*seen), jnp.maximum(p.n0 - p.kn * p.gap, 0.0)
+        total = force + jnp.concatenate([p.t0, rest[None]])
+        at_rest = jnp.concatenate([parameters.t0, (rest * self._factor(rest, p))[None]])
+        return total * self._factor(normal, p)[:, None] - at_rest
+
+    def reference_stiffness(self, parameters: Any) -> jax.Array:
+        share = jnp.maximum(parameters.n0 / parameters.mean_force, _LEAST)
+        stiffness: jax.Array = self.inner.reference_stiffness(parameters) * share**parameters.pressure_exponent
+        return stiffness
+
+    def normal_force(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
+        normal = super().normal_force(displacement, velocity, parameters)
+        return normal * self._factor(normal, parameters)
+
+    def _factor(self, force: jax.Array, p: Any) -> jax.Array:
+        return power(force / p.mean_force, p.pressure_exponent / (1 - p.pressure_exponent))
+
+
+def power(base: jax.Array, exponent: jax.Array) -> jax.Array:
+    """base^exponent, 0 where the base is: with derivatives that stay finite there."""
+    positive = base > 0
+    return jnp.where(positive, jnp.where(positive, base, 1.0) ** exponent, 0.0)

@@ -1,0 +1,28 @@
+"""Contacts that see only a share of the mean motion."""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import jax
+import jax.numpy as jnp
+
+from updamp.hbm.contact.modified.modified_law import LawAround, Seen, alone_in
+
+
+@dataclass(frozen=True)
+class StaticShare(LawAround):
+    """The inner law at u - (1 - c) mean(u).
+
+    Parameter static_share c [-]: 1 for the law as it is, 0 for contacts that do not notice where the mean goes.
+    """
+
+    rank: ClassVar[int] = 100
+    entries: ClassVar[tuple[str, ...]] = ("static_share",)
+
+    @property
+    def acting_alone(self) -> tuple[int, ...]:
+        return alone_in(self.inner)
+
+    def inside(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> Seen:
+        unseen = (1 - parameters.static_share) * jnp.mean(displacement, axis=0)
+        return displacement - unseen, velocity, parameters

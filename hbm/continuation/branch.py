@@ -1,0 +1,96 @@
+"""A solved point of a branch, with its direction."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.hbm.newton.metric import Metric, Move
+from updamp.hbm.newton.newton import Solution, Status, evaluate
+from updamp.hbm.problem.system import Forcing, NonlinearSystem
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class BranchPoint:
+    """x: (n_relative, n_coefficients) [m]; w [rad/s]
+
+    tangent_x, tangent_w: direction of the branch, of unit length in `metric`
+    step: length from the point before; after_gap: whether the branch was not followed from there
+    """
+
+    x: Floats
+    w: float
+    tangent_x: Floats
+    tangent_w: float
+    metric: Metric
+    step: float
+    after_gap: bool
+    solution: Solution
+
+    @property
+    def frequency(self) -> float:
+        """[Hz]"""
+        return self.w / (2 * np.pi)
+
+    @property
+    def status(self) -> Status:
+        return self.solution.status
+
+    @property
+    def tangent(self) -> Move:
+        return self.tangent_x, self.tangent_w
+
+    @property
+    def orientation(self) -> float | None:
+        """Sign of det J times that of dw/ds, which stays along a branch; None where J was not factorised."""
+        jacobian = self.solution.jacobian
+        if jacobian is None or not jacobian.factorised:
+            return None
+        return jacobian.determinant_sign * float(np.sign(self.tangent_w))
+
+    def to(self, other: "BranchPoint | Solution") -> Move:
+        return other.x - self.x, other.w - self.w
+
+    def distance(self, other: "BranchPoint | Solution") -> float:
+        """Length of arc to a neighbouring point, in the metric at this one."""
+        return self.metric.length(self.to(other))
+
+
+def point_at(
+    solution: Solution, excitation: Forcing, scale_w: float, onwards: Move, step: float, after_gap: bool = False
+) -> BranchPoint:
+    """The solution with the branch's tangent there, on the side of `onwards` (dx, dw)."""
+    harmonics = solution.equation.receptance.system.harmonics
+    metric = Metric.at(solution.x, harmonics, scale_w)
+    dx, dw = _tangent(solution, excitation)
+    length = metric.length((dx, dw))
+    if metric.product((dx, dw), onwards) < 0:
+        length = -length
+    return BranchPoint(solution.x, solution.w, dx / length, dw / length, metric, step, after_gap, solution)
+
+
+def point_after(last: BranchPoint, solution: Solution, excitation: Forcing) -> BranchPoint:
+    """The solution a step from the last point, with the tangent on the side of the move that led here."""
+    move = last.to(solution)
+    return point_at(solution, excitation, last.metric.scale_w, move, last.metric.length(move))
+
+
+def branch_point(
+    system: NonlinearSystem, excitation: Forcing, x: Floats, w: float, scale_w: float, onwards: Move
+) -> BranchPoint:
+    """A point known to be solved, such as a stored one, with its tangent along `onwards` (dx, dw)."""
+    equation = evaluate(system, excitation, x, w)
+    jacobian = equation.factorised()
+    solution = Solution(x, w, Status.CONVERGED, 0, (equation.error,), equation, jacobian)
+    step = Metric.at(x, system.harmonics, scale_w).length(onwards)
+    return point_at(solution, excitation, scale_w, onwards, step)
+
+
+def _tangent(solution: Solution, excitation: Forcing) -> Move:
+    """Direction of the branch for a unit of angular frequency, by the last Jacobian."""
+    if solution.by_frequency is not None:
+        return -solution.by_frequency, 1.0
+    assert solution.jacobian is not None, "a converged solution carries its Jacobian"
+    return -solution.jacobian.solve(solution.equation.frequency_derivative(excitation)), 1.0

@@ -1,0 +1,116 @@
+"""Round corners: where a contact changes its state the equations have a kink, and the branch turns there at once.
+
+r(x, w) is one smooth function on this side of the kink and another on the far side. Where the branch turns by more than
+a right angle no plane ahead of the corner is met by it, however small the step: it leaves the kink backwards. As in the
+continuation of piecewise linear equations (Katzenelson 1965, Bell Syst. Tech. J. 44) the far side's own tangent tells
+where it goes on, and which way round is told by orientation (Eaves and Scarf 1976, Math. Oper. Res. 1): along a branch
+the sign of det J times that of dw/ds stays, in folds and in corners alike. With n the kink's normal the Jacobians of
+both sides differ by a n^T alone, so that [J; n^T] has one determinant, and the branch crosses the kink the same way on
+either side.
+
+Where contacts that mirror each other change their state together the sign may change although the branch goes straight
+on, as in any symmetric bifurcation; so the other way is tried as well, and neither may lead back along the branch.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import scipy.linalg
+
+from updamp.hbm.continuation.branch import BranchPoint
+from updamp.hbm.newton.metric import Move
+from updamp.hbm.newton.newton import Solution, evaluate
+from updamp.hbm.problem.system import Forcing, NonlinearSystem
+
+# Arc ahead of the last point at which the far side is looked at: one that is too short is still on this side, one that
+# is too long has met the next kink.
+_AHEAD = (1e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3)
+# Steps on the far side, by that length: long enough to come out beyond the corner, wherever before it the kink lies.
+_STEPS, _LONGEST = (10.0, 3.0, 30.0), 0.01
+# Cosine between two tangents above which there is no corner between them.
+_NO_CORNER = 0.98
+
+
+@dataclass(frozen=True, eq=False)
+class Way:
+    """A direction, of unit length in the metric of the last point, in which the branch may go on.
+
+    start: (x, w) beyond the kink; along: (dx, dw); steps: to try from there. A guess that began at the last point
+    would lie on this side of the kink, where Newton's method finds the branch it came along.
+    """
+
+    start: Move
+    along: Move
+    steps: tuple[float, ...]
+
+    def reversed(self) -> "Way":
+        return Way(self.start, (-self.along[0], -self.along[1]), self.steps)
+
+
+def ways_on(system: NonlinearSystem, excitation: Forcing, last: BranchPoint) -> Iterator[Way]:
+    """Ways on beyond a corner close to `last`, with the orientation kept."""
+    here = evaluate(system, excitation, last.x, last.w)
+    orientation = here.factorised().determinant_sign * np.sign(last.tangent_w)
+    for ahead in _AHEAD:
+        there = evaluate(system, excitation, last.x + ahead * last.tangent_x, last.w + ahead * last.tangent_w)
+        try:
+            jacobian = there.factorised()
+        except scipy.linalg.LinAlgError:
+            continue
+        dx, dw = -jacobian.solve(there.frequency_derivative(excitation)), 1.0
+        length = last.metric.length((dx, dw))
+        if not 0 < length < np.inf or abs(last.metric.product(last.tangent, (dx, dw))) > _NO_CORNER * length:
+            continue
+        length = length if jacobian.determinant_sign == orientation else -length
+        steps = tuple(share * ahead for share in _STEPS if share * ahead <= _LONGEST)
+        yield Way((there.x, there.w), (dx / length, dw / length), steps)
+
+
+def leads_back(points: Sequence[BranchPoint], solution: Solution) -> bool:
+    """Whether the solution lies on the branch between two of the last points, as their tangents bend it.
+
+    Both legs of a hairpin are close to each other: the solution counts as on the old one only where it is off it by
+    far less than it is away from the last point, in the mean position too, of which the metric sees little.
+    """
+    last = points[-1]
+    away, moved = last.distance(solution), _mean_size(last, solution.x - last.x)
+    for a, b in pairwise(points[-_RECENT:]):
+        if b.after_gap:
+            continue
+        rest = _off_piece(a, b, solution)
+        if (
+            rest is not None
+            and last.metric.length(rest) < _OFF * away
+            and _mean_size(last, rest[0]) <= _OFF_MEAN * moved
+        ):
+            return True
+    return False
+
+
+# Pieces behind the last point that are looked at, and by how much of its way a solution may lie off them.
+_RECENT, _OFF, _OFF_MEAN = 12, 0.03, 0.3
+
+
+def _mean_size(point: BranchPoint, dx: np.ndarray) -> float:
+    """Of the mean position's move, which the metric hardly weighs."""
+    harmonics = point.solution.equation.receptance.system.harmonics
+    return float(np.linalg.norm(dx[:, harmonics.slices[0]])) if 0 in harmonics.orders else 0.0
+
+
+def _off_piece(a: BranchPoint, b: BranchPoint, solution: Solution) -> Move | None:
+    """From the cubic between two points and their tangents to the solution; None if that lies beyond its ends."""
+    (x, w), (off_x, off_w) = a.to(b), a.to(solution)
+    length = b.metric.length((x, w))
+    share = b.metric.product((x, w), (off_x, off_w)) / length**2
+    if not -0.05 < share < 1.05:
+        return None
+    s = min(max(share, 0.0), 1.0)
+    end = s**2 * (3 - 2 * s)
+    start_slope = length * s * (1 - s) ** 2 / b.metric.length(a.tangent)
+    end_slope = -length * s**2 * (1 - s) / b.metric.length(b.tangent)
+    return (
+        off_x - end * x - start_slope * a.tangent_x - end_slope * b.tangent_x,
+        off_w - end * w - start_slope * a.tangent_w - end_slope * b.tangent_w,
+    )

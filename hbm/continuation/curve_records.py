@@ -1,0 +1,112 @@
+"""What is kept of every point of a curve while it is traced."""
+
+import time
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from updamp.hbm.continuation.branch import BranchPoint
+from updamp.hbm.continuation.continuation import ContinuationOptions
+from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.hbm.newton import observe
+from updamp.hbm.newton import observe as energy
+from updamp.hbm.problem.system import Excitation, NonlinearSystem
+
+
+@dataclass(frozen=True, eq=False)
+class CurveRequest:
+    """What to trace: a branch through `window` [Hz] at constant force, seen at named points.
+
+    mode: its name in the study; upwards: start at the lower end of the window
+    connecting: where a curve is traced from both ends and its pieces cover the window, so many points more are spent,
+        from where they turn back, on what connects them. It may be long: a hysteresis with many contacts that change
+        their states on the way between its folds
+    """
+
+    mode: str
+    excitation: Excitation
+    window: tuple[float, float]
+    points: tuple[str, ...]
+    upwards: bool = True
+    options: ContinuationOptions = field(default_factory=ContinuationOptions)
+    connecting: int = 150
+
+
+class Records:
+    """Columns of the curve, one entry a point."""
+
+    def __init__(
+        self, system: NonlinearSystem, request: CurveRequest, started: float, earlier: ResponseCurve | None = None
+    ) -> None:
+        self.system, self.request, self.started = system, request, started
+        self.rows = np.array([system.free.row(p) for p in request.points])
+        self.earlier = earlier
+        self.columns: dict[str, list[Any]] = {name: [] for name in COLUMNS}
+        if earlier is not None:
+            for name in COLUMNS:
+                self.columns[name].extend(getattr(earlier, name))
+
+    def __len__(self) -> int:
+        return len(self.columns["frequency"])
+
+    def add(self, point: BranchPoint) -> None:
+        equation, excitation = point.solution.equation, self.request.excitation
+        rows = np.append(self.rows, excitation.row)
+        response = observe.response(equation, excitation, rows)
+        assert point.solution.jacobian is not None, "a converged solution carries its Jacobian"
+        entry: dict[str, Any] = {
+            "frequency": point.frequency,
+            "displacement": point.x,
+            "response": response[:-1],
+            "work_in": energy.work_in(self.system, excitation, response[-1]),
+            "friction_loss": float(energy.friction_loss(self.system, point.x, point.w).sum()),
+            "material_loss": energy.material_loss(equation, excitation),
+            "iterations": point.solution.iterations,
+            "error": equation.error,
+            "active": point.solution.jacobian.n_active,
+            "after_gap": point.after_gap,
+        }
+        for name, value in entry.items():
+            self.columns[name].append(value)
+
+    def cut(self, length: int) -> None:
+        """Forget what follows the first `length` points."""
+        for values in self.columns.values():
+            del values[length:]
+
+    def joined(self, second: "Records", complete: bool, stopped: str = "", gap: bool = True) -> ResponseCurve:
+        """This piece, and after it the second one the other way round; gap: whether one lies between them."""
+        if not second.columns["after_gap"]:
+            return self.curve(complete, stopped)
+        # A gap of the second piece comes before the point that follows it in its own direction.
+        second.columns["after_gap"] = [gap and bool(self.columns["after_gap"]), *second.columns["after_gap"][1:]]
+        gaps = np.roll(second.columns["after_gap"], -1)
+        for name in COLUMNS:
+            self.columns[name].extend(reversed(second.columns[name]) if name != "after_gap" else gaps[::-1])
+        return self.curve(complete, stopped)
+
+    def curve(self, complete: bool = False, stopped: str = "") -> ResponseCurve:
+        before = self.earlier.seconds if self.earlier is not None else 0.0
+        columns = {name: np.array(values) for name, values in self.columns.items()}
+        return replace(
+            empty_curve(self.request, self.system),
+            **columns,  # type: ignore[arg-type]
+            complete=complete,
+            stopped=stopped,
+            seconds=before + time.perf_counter() - self.started,
+        )
+
+
+COLUMNS = (
+    "frequency", "displacement", "response", "work_in", "friction_loss", "material_loss",
+    "iterations", "error", "active", "after_gap",
+)  # fmt: skip
+
+
+def empty_curve(request: CurveRequest, system: NonlinearSystem) -> ResponseCurve:
+    none = np.zeros(0)
+    return ResponseCurve(
+        request.mode, request.excitation.force, system.harmonics.orders, request.points,
+        none, none, none, none, none, none, none.astype(int), none, none.astype(int), none.astype(bool), False, "", 0.0,
+    )  # fmt: skip

@@ -1,0 +1,89 @@
+"""Over a place where the response jumps: where contacts give way together the branch turns back and forth in corners
+too sharp and too many to follow, with amplitude and frequency all but standing while the mean position changes.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+from updamp.hbm.continuation.branch import BranchPoint, point_at
+from updamp.hbm.continuation.retracing import Traversed
+from updamp.hbm.newton.metric import Move
+from updamp.hbm.newton.newton import Arc, NewtonOptions, solve
+from updamp.hbm.problem.system import Forcing, NonlinearSystem
+
+# The far side is followed back no nearer than this: two ordinary steps of half the largest size.
+_NO_GAP = 0.1
+
+
+def land_beyond(
+    system: NonlinearSystem,
+    excitation: Forcing,
+    behind: Traversed,
+    lengths: Sequence[float],
+    options: NewtonOptions,
+) -> BranchPoint | None:
+    """A point about one of `lengths` beyond the last one, not on what was traversed; one with the branch's orientation
+    (hbm/continuation/branch_switching.py) rather than a nearer one without.
+    """
+    last, other = behind.last, None
+    for length in lengths:
+        for x, w in _guesses(behind.points, length):
+            way = (x - last.x, w - last.w)
+            size = last.metric.length(way)
+            plane = Arc(x, w, (way[0] / size, way[1] / size), last.metric)
+            solution = solve(system, excitation, x, w, options, plane)
+            if not solution.converged:
+                continue
+            onwards, away = last.to(solution), last.distance(solution)
+            point = point_at(solution, excitation, last.metric.scale_w, onwards, away, after_gap=True)
+            # beyond the last point, and about as far as was leapt: elsewhere it is some other branch
+            near = 0.5 * length < away < 1.6 * length and last.metric.product(onwards, way) > 0
+            if not near or behind.meets(point):
+                continue
+            if point.orientation == last.orientation:
+                return point
+            other = other or point
+    return other
+
+
+def towards_the_gap(backwards: Iterable[BranchPoint], landed: BranchPoint, last: BranchPoint) -> Sequence[BranchPoint]:
+    """The far side of a jump in the order of the branch: `backwards` runs from `landed` towards the gap.
+
+    Followed as long as it comes no nearer to `last` than an ordinary step, and for no longer than the leap was twice.
+    """
+    way, leap, found = 0.0, last.distance(landed), [landed]
+    for point in backwards:
+        way += point.step
+        if last.distance(point) < _NO_GAP or way > 2 * leap or last.metric.product(last.to(point), last.tangent) < 0:
+            break
+        found.append(replace(point, tangent_x=-point.tangent_x, tangent_w=-point.tangent_w))
+    found.reverse()
+    steps = [last.distance(found[0]), *(a.distance(b) for a, b in pairwise(found))]
+    return [
+        replace(point, step=step, after_gap=i == 0) for i, (point, step) in enumerate(zip(found, steps, strict=True))
+    ]
+
+
+def _guesses(points: Sequence[BranchPoint], ahead: float) -> Iterator[Move]:
+    """Places `ahead` of the last point: along the tangent, and by a parabola through points about as far apart."""
+    last = points[-1]
+    yield last.x + ahead * last.tangent_x, last.w + ahead * last.tangent_w
+    apart = [last.distance(p) for p in points]
+    near = next((i for i in reversed(range(len(points))) if apart[i] > ahead / 2), None)
+    far = next((i for i in reversed(range(len(points))) if near is not None and apart[i] > 1.5 * apart[near]), None)
+    if near is not None and far is not None:
+        yield _parabola((points[far], points[near], last), (-apart[far], -apart[near]), ahead)
+
+
+def _parabola(points: tuple[BranchPoint, BranchPoint, BranchPoint], at: tuple[float, float], ahead: float) -> Move:
+    """Extrapolate from places at[0], at[1] and 0 along the branch to `ahead`."""
+    a, b = at
+    weights = (
+        ahead * (ahead - b) / (a * (a - b)),
+        ahead * (ahead - a) / (b * (b - a)),
+        (ahead - a) * (ahead - b) / (a * b),
+    )
+    first, second, third = points
+    c, d, e = weights
+    return c * first.x + d * second.x + e * third.x, c * first.w + d * second.w + e * third.w

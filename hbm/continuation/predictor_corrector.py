@@ -1,0 +1,222 @@
+"""One branch: how its points follow each other. Pseudo-arclength steps, and the ways round what stops them."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from updamp.hbm.continuation.branch import BranchPoint, point_after
+from updamp.hbm.continuation.branch_switching import Way, leads_back, ways_on
+from updamp.hbm.continuation.jump import land_beyond, towards_the_gap
+from updamp.hbm.continuation.retracing import Traversed, goes_on
+from updamp.hbm.newton.metric import Move
+from updamp.hbm.newton.newton import Arc, NewtonOptions, Solution, Status, solve
+from updamp.hbm.problem.system import Forcing, NonlinearSystem
+
+
+@dataclass(frozen=True)
+class ContinuationOptions:
+    """Steps are lengths of arc in the relative metric (hbm/newton/metric.py).
+
+    first_step, smallest_step, largest_step: the corrector's failures shorten the step down to the smallest
+    steps_over, leaps: where no smaller step helps and no way round a corner is found, points so far ahead are tried
+    supports, supported_steps: before that, steps with so much of the contacts' stiffness kept in Newton's tangent of
+        the mean position (`NewtonOptions.support`)
+    wanted_iterations: steps grow where Newton needs fewer and shrink where it needs more
+    frequency_scale: share of the window that counts as one unit of arc
+    outside: where no first point is found at the end of the window, so far beyond it, in shares of its width;
+        negative: so far inside it
+    max_points: at most this many points a branch
+    newton: of the corrector; persistent: of a leap, which has no smaller step to fall back on
+
+    raises: ValueError naming the option that is out of range
+    """
+
+    first_step: float = 0.05
+    smallest_step: float = 1e-4
+    largest_step: float = 0.2
+    steps_over: tuple[float, ...] = (3e-4, 1e-3, 3e-3, 0.01)
+    supports: tuple[float, ...] = (0.0, 1e-5, 1e-3)
+    supported_steps: tuple[float, ...] = (0.01, 1e-3, 1e-4)
+    leaps: tuple[float, ...] = (0.03, 0.1, 0.2, 0.4)
+    wanted_iterations: int = 4
+    frequency_scale: float = 0.5
+    outside: tuple[float, ...] = (-0.01, -0.04, 0.1, 0.3)
+    max_points: int = 2000
+    newton: NewtonOptions = field(default_factory=lambda: NewtonOptions(iterations=8, damped=False, patience=5))
+    persistent: NewtonOptions = field(default_factory=lambda: NewtonOptions(iterations=20))
+
+    def scale_w(self, window: tuple[float, float]) -> float:
+        """Angular frequency that counts as one unit of arc [rad/s]; window [Hz]."""
+        return 2 * np.pi * self.frequency_scale * (window[1] - window[0])
+
+    def __post_init__(self) -> None:
+        if not 0 < self.smallest_step < self.first_step <= self.largest_step:
+            raise ValueError(
+                f"steps {self.smallest_step}, {self.first_step}, {self.largest_step}: "
+                "0 < smallest_step < first_step <= largest_step is needed"
+            )
+        if self.frequency_scale <= 0 or self.max_points < 2:
+            raise ValueError("frequency_scale must be positive and max_points at least 2")
+        if not all(0 <= support < 1 for support in self.supports):
+            raise ValueError(f"supports = {self.supports}: each at least 0 and below 1")
+
+
+class BranchStoppedError(RuntimeError):
+    """A branch that cannot go on. What was computed has been handed out already.
+
+    whose: name of the branch, where the message is to say it
+    """
+
+    def __init__(self, frequency: float, error: float, status: Status, whose: str = "") -> None:
+        self.frequency, self.error, self.status, self.whose = frequency, error, status, whose
+        super().__init__(
+            f"{whose}{': ' if whose else ''}the branch stops at {frequency:.4f} Hz: {status.value}, residual "
+            f"{error:.1e} of the displacement; {status.advice}"
+        )
+
+    def of(self, whose: str) -> "BranchStoppedError":
+        return BranchStoppedError(self.frequency, self.error, self.status, whose)
+
+    def __reduce__(self) -> tuple[type["BranchStoppedError"], tuple[float, float, Status, str]]:
+        return BranchStoppedError, (self.frequency, self.error, self.status, self.whose)
+
+
+@dataclass(frozen=True, eq=False)
+class Walk:
+    """One branch: how its points follow each other."""
+
+    system: NonlinearSystem
+    excitation: Forcing
+    options: ContinuationOptions
+    scale_w: float
+
+    def following(self, behind: Traversed, step: float) -> tuple[Sequence[BranchPoint], float]:
+        """The next point, or those beyond a jump, and the step to try after them.
+
+        raises: BranchStoppedError
+        """
+        options, last = self.options, behind.last
+        while True:
+            for support in sorted({0.0, last.solution.support}, reverse=True):
+                point, solution = self.forward(behind, step, replace(self.options.newton, support=support))
+                if point is not None:
+                    return [point], self._next_step(point, step)
+            if step <= options.smallest_step:
+                break
+            step = max(step / (2 if step > _SHORT else 4), options.smallest_step)
+        for further in (self._supported, self._round_the_corner, self._over_a_step, self._other_way, self._leap):
+            beyond = further(behind) if step < _SHORT else ()
+            if beyond:
+                return beyond, max(min(beyond[-1].step, options.first_step), 8 * options.smallest_step)
+        raise BranchStoppedError(last.frequency, solution.errors[-1], solution.status)
+
+    def forward(
+        self, behind: Traversed, step: float, newton: NewtonOptions | None = None
+    ) -> tuple[BranchPoint | None, Solution]:
+        """The corrector from a step along the tangent; no point where it fails, strays from there, or leads back.
+
+        newton: of the corrector, by default that of the options
+        """
+        last, newton = behind.last, newton or self.options.newton
+        arc = Arc(*_predict(behind.points, step), last.tangent, last.metric)
+        # a long step that was given up too early costs a shorter one, a short one perhaps the branch
+        newton = replace(newton, patience=_LESS_PATIENCE) if step > _SHORT and newton.patience else newton
+        solution = solve(self.system, self.excitation, arc.x0, arc.w0, newton, arc)
+        if not solution.converged:
+            return None, solution
+        point = point_after(last, solution, self.excitation)
+        near = 0.5 * step < point.step < 1.6 * step
+        if near and goes_on(last, point) and not behind.meets(point):
+            return point, solution
+        return None, replace(solution, status=Status.STALLED)
+
+    def _supported(self, behind: Traversed) -> Sequence[BranchPoint]:
+        """The next point, with another support of the mean position than the last one's; none if that does not help, or
+        where the mean position is not among the harmonics.
+
+        The predictor is as good as without: from a residual of 1e-10 the exact step goes astray (`NewtonOptions`).
+        """
+        if 0 not in self.system.harmonics.orders:
+            return []
+        for support in (s for s in self.options.supports if s != behind.last.solution.support):
+            for step in self.options.supported_steps:
+                point, _ = self.forward(behind, step, replace(self.options.newton, support=support))
+                if point is not None:
+                    return [point]
+        return []
+
+    def _round_the_corner(self, behind: Traversed) -> Sequence[BranchPoint]:
+        """A point in the direction in which the branch goes on beyond a kink; none if there is none."""
+        return self._first_of(ways_on(self.system, self.excitation, behind.last), behind)
+
+    def _other_way(self, behind: Traversed) -> Sequence[BranchPoint]:
+        """As `_round_the_corner`, with the orientation changed."""
+        ways = ways_on(self.system, self.excitation, behind.last)
+        return self._first_of((way.reversed() for way in ways), behind)
+
+    def _first_of(self, ways: Iterable[Way], behind: Traversed) -> Sequence[BranchPoint]:
+        last = behind.last
+        for way in ways:
+            (x, w), (dx, dw) = way.start, way.along
+            for step in way.steps:
+                arc = Arc(x + step * dx, w + step * dw, way.along, last.metric)
+                solution = solve(self.system, self.excitation, arc.x0, arc.w0, self.options.newton, arc)
+                if not solution.converged:
+                    continue
+                point = point_after(last, solution, self.excitation)
+                straight = last.metric.product(way.along, last.to(solution)) > 0.7 * point.step
+                if straight and point.step < 3 * step and not leads_back(behind.points, solution):
+                    return [point]
+        return []
+
+    def _over_a_step(self, behind: Traversed) -> Sequence[BranchPoint]:
+        """A point a little ahead, with the orientation kept: where the law, sampled in time, has a step."""
+        point = land_beyond(self.system, self.excitation, behind, self.options.steps_over, self.options.newton)
+        return [point] if point is not None and point.orientation == behind.last.orientation else []
+
+    def _next_step(self, point: BranchPoint, step: float) -> float:
+        growth = np.clip(2.0 ** ((self.options.wanted_iterations - point.solution.iterations) / 2), 0.5, 2.0)
+        return float(np.clip(max(step, point.step) * growth, self.options.smallest_step, self.options.largest_step))
+
+    def _leap(self, behind: Traversed) -> Sequence[BranchPoint]:
+        """The points beyond a jump: from where its far side begins to where the leap landed; none if none is found."""
+        for newton in (self.options.newton, self.options.persistent):
+            landed = land_beyond(self.system, self.excitation, behind, self.options.leaps, newton)
+            if landed is not None:
+                return towards_the_gap(self._backwards(landed), landed, behind.last)
+        return []
+
+    def _backwards(self, start: BranchPoint) -> Iterator[BranchPoint]:
+        """From `start` the other way, until the branch cannot be followed any further."""
+        turned = replace(start, tangent_x=-start.tangent_x, tangent_w=-start.tangent_w)
+        behind, step = Traversed([turned]), self.options.first_step
+        while step >= _SHORT:
+            point, _ = self.forward(behind, step)
+            if point is None:
+                step /= 2
+                continue
+            step = self._next_step(point, step)
+            behind = behind.then([point])
+            yield point
+
+
+# Steps below this are shortened faster: what stops them is a kink.
+_SHORT = 0.01
+# Iterations after which a longer step is given up unless the residual has fallen.
+_LESS_PATIENCE = 4
+
+
+def _predict(points: Sequence[BranchPoint], step: float) -> Move:
+    """Along the tangent, bent by the change of the tangent since the point before (second order)."""
+    last = points[-1]
+    x, w = last.x + step * last.tangent_x, last.w + step * last.tangent_w
+    if len(points) > 1 and last.step > 0 and not last.after_gap:
+        before = points[-2]
+        bend, length = step**2 / (2 * last.step), last.metric.length(before.tangent)
+        # across a corner, and far beyond what it was found from, the change of the tangent says nothing
+        if step > 4 * last.step or last.metric.product(before.tangent, last.tangent) < 0.9 * length:
+            return x, w
+        x = x + bend * (last.tangent_x - before.tangent_x / length)
+        w = w + bend * (last.tangent_w - before.tangent_w / length)
+    return x, w

@@ -1,0 +1,182 @@
+"""Three ways to solve y + T G y = b, the equations of the elements that depart from stuck."""
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from updamp.hbm.newton.krylov import gmres
+from updamp.hbm.newton.tangent import apply_tangent, real_form
+from updamp.hbm.problem.system import Departure, Receptance
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+class DirectForces:
+    """The matrix I + T_S: G_:S on the active rows S, formed and factorised.
+
+    The unknowns are ordered by harmonic, then row, so that what belongs to a harmonic lies together. Factorised is the
+    transpose: in memory it is what LAPACK asks for.
+    """
+
+    def __init__(self, receptance: Receptance, departure: Departure, rows: Integers) -> None:
+        self._rows, self._place = rows, _places(receptance, len(rows))
+        matrix = _active_matrix(receptance, departure, rows, self._place)
+        self._factors = scipy.linalg.lu_factor(matrix.T, overwrite_a=True, check_finite=False)
+
+    def __call__(self, b: Floats, start: Floats | None = None) -> Floats:  # noqa: ARG002  a direct solver needs none
+        y = np.zeros_like(b)
+        y[self._rows] = self.solve(b[self._rows])
+        return y
+
+    def solve(self, right: Floats) -> Floats:
+        """On the active rows: (n_active, n_coefficients, ...) -> same"""
+        ordered = np.empty((self._place.size, *right.shape[2:]))
+        ordered[self._place] = right
+        solution = scipy.linalg.lu_solve(self._factors, ordered, trans=1, overwrite_b=True, check_finite=False)
+        return np.asarray(solution[self._place])
+
+    @property
+    def determinant_sign(self) -> float:
+        """That of det(I + T G) = det J."""
+        return _determinant_sign(self._factors)
+
+
+class KrylovForces:
+    """GMRES with the operator applied through modes and residual.
+
+    No preconditioner is needed: the reference springs are one already. With contact stiffness K and flexibility R the
+    eigenvalues of G K lie at l / (1 + l), l those of R K, so those of I + T G lie between 1 / (1 + max l) and about 1,
+    but for a few of resonant modes. Where it does not converge the equations are solved directly.
+
+    tolerance: of the residual, relative to b; Newton's convergence becomes linear with this factor
+    """
+
+    def __init__(
+        self,
+        receptance: Receptance,
+        departure: Departure,
+        rows: Integers,
+        tolerance: float = 1e-5,
+        iterations: int = 250,
+    ) -> None:
+        self._receptance, self._departure, self._rows = receptance, departure, rows
+        self._tolerance, self._limit = tolerance, iterations
+        self.iterations = 0
+
+    def __call__(self, b: Floats, start: Floats | None = None) -> Floats:
+        """start: a first guess of y, such as the solution for a nearby point"""
+        first = None if start is None else start[self._rows].ravel()
+        found = gmres(self._operator, b[self._rows].ravel(), first, self._tolerance, self._limit)
+        self.iterations += found.iterations
+        return self._spread(found.value) if found.converged else self._direct(b)
+
+    def _operator(self, active: Floats) -> Floats:
+        motion = self._receptance.apply(self._spread(active))
+        return active + apply_tangent(self._receptance.system, self._departure, motion)[self._rows].ravel()
+
+    def _spread(self, active: Floats) -> Floats:
+        system = self._receptance.system
+        forces = np.zeros((system.free.n_relative, system.harmonics.n_coefficients))
+        forces[self._rows] = active.reshape(len(self._rows), -1)
+        return forces
+
+    @property
+    def determinant_sign(self) -> float:
+        """As of `DirectForces`, which it needs: dear."""
+        return self._direct.determinant_sign
+
+    @cached_property
+    def _direct(self) -> DirectForces:
+        return DirectForces(self._receptance, self._departure, self._rows)
+
+
+class ModalForces:
+    """Without residual flexibility G = phi D^-1 phi^T, and y = b - T phi (D + phi^T T phi)^-1 phi^T b."""
+
+    def __init__(self, receptance: Receptance, departure: Departure) -> None:
+        self._receptance, self._departure = receptance, departure
+        self._factors = scipy.linalg.lu_factor(self._matrix(), overwrite_a=True, check_finite=False)
+
+    def __call__(self, b: Floats, start: Floats | None = None) -> Floats:  # noqa: ARG002  a direct solver needs none
+        phi = self._phi
+        modal = scipy.linalg.lu_solve(self._factors, (phi.T @ b).ravel(), check_finite=False)
+        motion = phi @ modal.reshape(phi.shape[1], -1)
+        return b - apply_tangent(self._receptance.system, self._departure, motion)
+
+    @property
+    def determinant_sign(self) -> float:
+        """det J = det(D + phi^T T phi) / det D, and det D > 0: of each harmonic's real form it is |det D_k|^2, and the
+        static stiffness of modes is positive.
+        """
+        return _determinant_sign(self._factors)
+
+    @property
+    def _phi(self) -> Floats:
+        stuck = self._receptance.system.stuck
+        return stuck.phi[: stuck.n_relative]
+
+    def _matrix(self) -> Floats:
+        system, phi = self._receptance.system, self._phi
+        m, c = phi.shape[1], system.harmonics.n_coefficients
+        matrix = np.zeros((m, c, m, c))
+        for group, tangent in zip(system.groups, self._departure.tangents, strict=True):
+            local = phi[group.rows]  # (n, d, m)
+            n, d = local.shape[:2]
+            half = tangent.reshape(n, d * c * d, c).transpose(0, 2, 1).reshape(n, c * d * c, d) @ local
+            # half: (n, [b, d, a], m) with T[n, d, a, e, b] contracted over e
+            half = half.reshape(n, c, d, c, m).transpose(3, 1, 4, 0, 2).reshape(c * c * m, n * d)
+            matrix += (half @ local.reshape(n * d, m)).reshape(c, c, m, m).transpose(3, 0, 2, 1)
+        for k, part in system.harmonics.slices.items():
+            stiffness = system.stuck.modal_dynamic_stiffness(k * self._receptance.w)
+            matrix[:, part, :, part] += real_form(stiffness, k)
+        return matrix.reshape(m * c, m * c)
+
+
+def _determinant_sign(factors: tuple[Floats, NDArray[np.signedinteger[Any]]]) -> float:
+    lu, pivots = factors
+    swaps = np.count_nonzero(pivots != np.arange(len(pivots)))
+    return float(np.prod(np.sign(np.diagonal(lu))) * (-1) ** swaps)
+
+
+def _places(receptance: Receptance, n_active: int) -> Integers:
+    """(n_active, n_coefficients) where the unknowns stand: by harmonic, then row, then cosine and sine."""
+    slices = receptance.system.harmonics.slices.values()
+    parts = [n_active * p.start + np.arange(n_active * (p.stop - p.start)).reshape(n_active, -1) for p in slices]
+    return np.concatenate(parts, axis=1)
+
+
+def _active_matrix(receptance: Receptance, departure: Departure, rows: Integers, places: Integers) -> Floats:
+    """I + T_S: G_:S, ordered as `places` says."""
+    system, n_active = receptance.system, len(rows)
+    matrix = np.empty((places.size, places.size))
+    number = np.full(system.free.n_relative, -1)
+    number[rows] = np.arange(n_active)
+    for group, tangent in zip(system.groups, departure.tangents, strict=True):
+        wanted = number[group.rows] >= 0
+        chosen = np.flatnonzero(wanted.any(axis=1))
+        if not len(chosen):
+            continue
+        rows_seen, wanted = group.rows[chosen], wanted[chosen]
+        targets = places[number[rows_seen[wanted]]]
+        for k, part in system.harmonics.slices.items():
+            G = receptance.block(k, rows_seen.ravel(), rows).reshape(*rows_seen.shape, n_active)
+            product = _times(tangent[chosen][..., part], G, k)[wanted]
+            matrix[targets, n_active * part.start : n_active * part.stop] = product
+    matrix[np.diag_indices_from(matrix)] += 1
+    return matrix
+
+
+def _times(tangent: Floats, G: NDArray[np.complex128], k: int) -> Floats:
+    """T G_k: tangent (n, d, n_coefficients, d, width), G (n, d, n_columns) -> (n, d, n_coefficients, n_columns width).
+
+    width: of k, 1 or 2. With T_cos + i T_sin one complex product gives cosine and sine, as tangent.real_form has them.
+    """
+    n, d, c = tangent.shape[:3]
+    if k == 0:
+        return np.asarray(tangent[..., 0].reshape(n, d * c, d) @ G.real).reshape(n, d, c, -1)
+    product = (tangent[..., 0] + 1j * tangent[..., 1]).reshape(n, d * c, d) @ G
+    return product.view(np.float64).reshape(n, d, c, -1)

@@ -1,0 +1,114 @@
+"""The response at one frequency with its amplitude held, as the controller of a response-controlled test holds it.
+
+The force is unknown in place of the amplitude: Newton's equations of the harmonic balance are bordered by the condition
+that the first harmonic at one row has the amplitude wanted. Where the force sets the response, a softening or hardening
+resonance folds over; with the response held it does not (S. Karaagacli and H. N. Ozguven, MSSP 156 (2021) 107651).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from updamp.hbm.newton.many_right_sides import apply_tangents
+from updamp.hbm.newton.newton import Equation, NewtonOptions, Solution, Status, evaluate, linear_solution
+from updamp.hbm.newton.structure_response import Loads, respond
+from updamp.hbm.problem.system import Excitation, NonlinearSystem, Receptance
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+# Largest change of the logarithm of the force in one step.
+_LARGEST = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Held:
+    """excited, row: rows of the linear model where the force acts and whose response is held; amplitude: of its first
+    harmonic [m]"""
+
+    excited: int
+    row: int
+    amplitude: float
+
+
+@dataclass(frozen=True, eq=False)
+class HeldSolution:
+    """solution: of the harmonic balance with `force` [N]"""
+
+    solution: Solution
+    force: float
+
+    @property
+    def converged(self) -> bool:
+        return self.solution.converged
+
+
+def linear_start(system: NonlinearSystem, held: Held, w: float) -> tuple[Floats, float]:
+    """Relative displacements and force with all elements stuck: the natural first guess."""
+    unit = Excitation(held.excited, 1.0)
+    motion = Receptance(system, w).excitation(unit, np.array([held.row]))
+    force = held.amplitude / float(np.abs(system.harmonics.amplitude(motion[0], 1)))
+    return force * linear_solution(system, w, unit), force
+
+
+def solve_held(
+    system: NonlinearSystem,
+    held: Held,
+    start: tuple[Floats, float],
+    w: float,
+    options: NewtonOptions | None = None,
+) -> HeldSolution:
+    """Newton from the start (x, force) at the angular frequency w [rad/s].
+
+    raises: nothing for want of convergence; the status tells
+    """
+    options = options or NewtonOptions()
+    x, log_force = start[0], float(np.log(start[1]))
+    errors: list[float] = []
+    status, jacobian = Status.TOO_MANY_ITERATIONS, None
+    for _ in range(options.iterations + 1):
+        excitation = Excitation(held.excited, float(np.exp(log_force)))
+        equation = evaluate(system, excitation, x, w)
+        off, by_x, by_log_force = _condition(equation, excitation, held)
+        errors.append(max(equation.error, abs(off)))
+        if not np.isfinite(errors[-1]):
+            status = Status.DIVERGED
+            break
+        if errors[-1] < options.tolerance and jacobian is not None:
+            status = Status.CONVERGED
+            break
+        try:
+            jacobian = equation.factorised()
+        except scipy.linalg.LinAlgError:
+            status = Status.DIVERGED
+            break
+        dx = -jacobian.solve(equation.residual)
+        with_force = jacobian.solve(equation.receptance.excitation(excitation))
+        step = -(off + by_x(dx)) / (by_log_force + by_x(with_force))
+        step = float(np.clip(step, -_LARGEST, _LARGEST))
+        x, log_force = x + dx + with_force * step, log_force + step
+    solution = Solution(x, w, status, len(errors) - 1, tuple(errors), equation, jacobian)
+    return HeldSolution(solution, excitation.force)
+
+
+def _condition(
+    equation: Equation, excitation: Excitation, held: Held
+) -> tuple[float, Callable[[Floats], float], float]:
+    """By how much the logarithm of the amplitude is off, its derivative by x as a function of dx, and that by the
+    logarithm of the force with x held."""
+    receptance, departure = equation.receptance, equation.departure
+    rows, harmonics = np.array([held.row]), receptance.system.harmonics
+    direct = receptance.excitation(excitation, rows)[0]
+    amplitude = complex(harmonics.amplitude(direct - receptance.apply(departure.value, rows)[0], 1))
+
+    def relative(change: Floats) -> float:
+        return float((complex(harmonics.amplitude(change, 1)) / amplitude).real)
+
+    def by_x(dx: Floats) -> float:
+        loads = Loads.none(receptance, 1)
+        loads.forces[: len(dx)] = -apply_tangents(receptance.system, departure, dx[..., None])
+        return relative(respond(receptance, loads).at(rows)[0, :, 0])
+
+    return float(np.log(abs(amplitude) / held.amplitude)), by_x, relative(direct)

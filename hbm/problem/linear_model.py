@@ -1,0 +1,130 @@
+"""The linear structure seen from the contacts: modes plus residual flexibility, and springs added to it exactly.
+
+Rows are generalised displacements: first the relative displacements at the contact elements (damper minus
+platform, in t1, t2, n), then named points.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from updamp.hbm.problem.modal_algebra import ModalInverse, dynamic_stiffness, graded_eigh, modal_inverse
+
+Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, eq=False)
+class LinearModel:
+    """y = H(w) f,  H(w) = phi (omega^2 - w^2 + i (hysteretic + w viscous))^-1 phi^T + residual.
+
+    The hysteretic part acts at w > 0 only: the zero harmonic is static.
+
+    omega_squared: (m,) [rad^2/s^2]
+    phi: (n_rows, m) mass-normalised [kg^-1/2]
+    residual: (n_rows, n_rows) [m/N]
+    hysteretic: (m, m) [rad^2/s^2]; viscous: (m, m) [rad/s]
+    n_relative: rows that are relative displacements
+    points: names of the rows that follow them
+    basis: (m, m) these modes in those of the model that springs were added to (add_springs); None where none were
+    """
+
+    omega_squared: Floats
+    phi: Floats
+    residual: Floats
+    hysteretic: Floats
+    viscous: Floats
+    n_relative: int
+    points: tuple[str, ...]
+    basis: Floats | None = None
+
+    @property
+    def n_rows(self) -> int:
+        return len(self.phi)
+
+    @property
+    def frequencies(self) -> Floats:
+        """(m,) [Hz]"""
+        return np.sqrt(np.maximum(self.omega_squared, 0.0)) / (2 * np.pi)
+
+    @cached_property
+    def has_residual(self) -> bool:
+        """Whether there is residual flexibility at all"""
+        return bool(self.residual.any())
+
+    def row(self, point: str) -> int:
+        """raises: KeyError naming the points there are"""
+        if point not in self.points:
+            raise KeyError(f"no point '{point}' in the model; there are {', '.join(self.points)}")
+        return self.n_relative + self.points.index(point)
+
+    def modal_dynamic_stiffness(self, w: float) -> Complex:
+        """(m, m) at the angular frequency w [rad/s]"""
+        if w > 0:
+            return dynamic_stiffness(self.omega_squared, self.hysteretic, self.viscous, w)
+        return np.diag(self.omega_squared - w**2).astype(np.complex128)
+
+    @cached_property
+    def modal_inverse(self) -> ModalInverse:
+        """Of `modal_dynamic_stiffness` at w > 0"""
+        return modal_inverse(self.omega_squared, self.hysteretic, self.viscous)
+
+    def receptance(
+        self, w: float, rows: Floats | slice = slice(None), columns: Floats | slice = slice(None)
+    ) -> Complex:
+        """H(w) [m/N] between the rows (and columns) chosen"""
+        modal = scipy.linalg.solve(self.modal_dynamic_stiffness(w), self.phi[columns].T)
+        return self.phi[rows] @ modal + self.residual[rows][:, columns]
+
+
+def add_springs(model: LinearModel, directions: Floats, stiffness: Floats) -> LinearModel:
+    """The model with springs on the displacements directions^T y: exact, whatever the modal truncation.
+
+    u = Phi q + R f with f -> f - V W V^T (Phi q + R f), W = (S^-1 + V^T R V)^-1 (Woodbury).
+
+    directions V: (n_rows, n_springs); stiffness S: (n_springs,) [N/m], or (n_springs, n_springs) symmetric
+    """
+    S = np.diag(stiffness) if stiffness.ndim == 1 else stiffness
+    RV, PV = model.residual @ directions, model.phi.T @ directions
+    W = np.linalg.solve(np.eye(len(S)) + S @ (directions.T @ RV), S)
+    W = (W + W.T) / 2
+    residual = model.residual - RV @ W @ RV.T
+    omega_squared, X = graded_eigh(np.diag(model.omega_squared) + PV @ W @ PV.T)
+    return replace(
+        model,
+        omega_squared=omega_squared,
+        phi=(model.phi - RV @ W @ PV.T) @ X,
+        residual=(residual + residual.T) / 2,
+        hysteretic=X.T @ model.hysteretic @ X,
+        viscous=X.T @ model.viscous @ X,
+        basis=X,
+    )
+
+
+def stuck_on(model: LinearModel, stiffness: Floats) -> LinearModel:
+    """The model with every relative displacement on a spring: (n_relative,) [N/m]."""
+    return add_springs(model, np.eye(model.n_rows, model.n_relative), stiffness)
+
+
+def from_matrices(
+    M: Floats, C: Floats, K: Floats, relative: Floats, points: dict[str, Floats] | None = None
+) -> LinearModel:
+    """A model given by its matrices, without residual flexibility.
+
+    M, C, K: (n, n); relative: (n_relative, n) rows that pick the relative displacements; points: name -> (n,) row
+    """
+    points = points or {}
+    omega_squared, X = scipy.linalg.eigh(K, M)
+    rows = np.vstack([relative, *points.values()])
+    return LinearModel(
+        omega_squared=omega_squared,
+        phi=rows @ X,
+        residual=np.zeros((len(rows), len(rows))),
+        hysteretic=np.zeros_like(K),
+        viscous=X.T @ C @ X,
+        n_relative=len(relative),
+        points=tuple(points),
+    )

@@ -1,0 +1,112 @@
+"""Inverses of the modal dynamic stiffness at any frequency, from one decomposition if damping is hysteretic alone.
+
+With S = diag(1 / omega) the stiffness is S^-1 (M - w^2 S^2) S^-1, M = I + i S hysteretic S. M and S^2 are symmetric, so
+that there are Y with Y^T M Y = I and Y^T S^2 Y = diag(mu), and the inverse is (S Y) diag(1 / (1 - w^2 mu)) (S Y)^T.
+Scaled like this, modes that are a thousand times as stiff as others cost these no digits.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+# Of Y^T M Y from the identity, beyond which Y is not used: modes that coincide need not come out orthogonal.
+_ORTHOGONAL = 1e-10
+
+
+class ModalInverse(Protocol):
+    """At w > 0."""
+
+    def at(self, w: float) -> Complex:
+        """(m, m) inverse of the dynamic stiffness at the angular frequency w [rad/s]"""
+        ...
+
+    def rate(self, w: float, inverse: Complex) -> Complex:
+        """(m, m) its derivative with respect to w; inverse: that at w"""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Decomposed:
+    """modes: (m, m) S Y; mu: (m,)"""
+
+    modes: Complex
+    mu: Complex
+
+    def at(self, w: float) -> Complex:
+        return (self.modes / (1 - w**2 * self.mu)) @ self.modes.T
+
+    def rate(self, w: float, inverse: Complex) -> Complex:
+        return np.asarray(2 * w * (inverse @ inverse))
+
+
+@dataclass(frozen=True, eq=False)
+class Direct:
+    """omega_squared: (m,); hysteretic, viscous: (m, m), as in `LinearModel`"""
+
+    omega_squared: Floats
+    hysteretic: Floats
+    viscous: Floats
+
+    def at(self, w: float) -> Complex:
+        return np.asarray(scipy.linalg.inv(dynamic_stiffness(self.omega_squared, self.hysteretic, self.viscous, w)))
+
+    def rate(self, w: float, inverse: Complex) -> Complex:
+        return np.asarray(inverse @ (2 * w * np.eye(len(inverse)) - 1j * self.viscous) @ inverse)
+
+
+def dynamic_stiffness(omega_squared: Floats, hysteretic: Floats, viscous: Floats, w: float) -> Complex:
+    """(m, m) at w > 0, of matrices as in `LinearModel`"""
+    return np.asarray(np.diag(omega_squared - w**2) + 1j * (hysteretic + w * viscous))
+
+
+def modal_inverse(omega_squared: Floats, hysteretic: Floats, viscous: Floats) -> ModalInverse:
+    """Decomposed where it can be, else inverted anew at every frequency."""
+    if viscous.any() or omega_squared.min() <= 0:
+        return Direct(omega_squared, hysteretic, viscous)
+    scale = 1 / np.sqrt(omega_squared)
+    M = np.eye(len(scale)) + 1j * scale[:, None] * hysteretic * scale
+    mu, Y = scipy.linalg.eig(np.linalg.solve(M, np.diag(scale**2)))
+    Y = Y / np.sqrt(np.einsum("ij,ij->j", Y, M @ Y))
+    if np.abs(Y.T @ M @ Y - np.eye(len(scale))).max() > _ORTHOGONAL:
+        return Direct(omega_squared, hysteretic, viscous)
+    return Decomposed(scale[:, None] * Y, mu)
+
+
+# Symmetric eigenproblems whose entries span many orders of magnitude, without loss in the small eigenvalues.
+#
+# LAPACK's usual solvers err by round-off times the largest eigenvalue. Stuck modes of a rig reach from 0.4 to 200 kHz:
+# of
+# the lowest one's frequency squared 11 digits are left, and near resonance at a loss factor of 0.1 % 8 digits of the
+# response. One-sided Jacobi on the Cholesky factor (Demmel and Veselic 1992, SIAM J. Matrix Anal. Appl. 13, 1204-1245)
+# finds every eigenvalue to round-off times the condition of the matrix scaled to a unit diagonal: 14 digits.
+
+# dgejsv: accurate whatever the scaling of rows and columns, left vectors, no right ones, all sizes, not transposed
+_FULL_ACCURACY, _LEFT, _NONE, _ALL_SIZES, _AS_GIVEN, _UNPERTURBED = 2, 0, 3, 0, 0, 0
+
+
+def graded_eigh(matrix: Floats) -> tuple[Floats, Floats]:
+    """Eigenvalues, rising, and eigenvectors (orthonormal columns) of a symmetric matrix (m, m).
+
+    Where it is not positive definite, as with rigid-body modes, those of LAPACK's usual solver.
+    raises: numpy.linalg.LinAlgError where Jacobi's method does not converge
+    """
+    order = np.argsort(-np.diag(matrix), kind="stable")
+    try:
+        factor = np.linalg.cholesky(matrix[np.ix_(order, order)])
+    except np.linalg.LinAlgError:
+        values, vectors = scipy.linalg.eigh(matrix)
+        return values, vectors
+    sizes, left, _, work, _, status = scipy.linalg.lapack.dgejsv(
+        factor, _FULL_ACCURACY, _LEFT, _NONE, _ALL_SIZES, _AS_GIVEN, _UNPERTURBED
+    )
+    if status != 0:
+        raise np.linalg.LinAlgError(f"Jacobi's method for {len(matrix)} modes did not converge (dgejsv: {status})")
+    vectors = np.empty_like(left)
+    vectors[order] = left
+    return (sizes * work[0] / work[1])[::-1] ** 2, vectors[:, ::-1]

@@ -1,0 +1,213 @@
+"""The coupled problem: linear structure, contact elements, excitation.
+
+Every element is split into its reference springs (its stiffness while stuck and closed) and what departs from them,
+g(x) = f_nl(x) - K_ref x. The springs join the linear structure exactly, so that an element which neither slips nor
+separates has g = 0 with its tangent, and only the others enter the Newton equations:
+
+    x - x_lin(w) + G(w) g(x) = 0,   x_lin = G_xe(w) p
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.hbm.harmonics import Harmonics
+from updamp.hbm.problem.elements import ElementGroup, element_forces, force_only
+from updamp.hbm.problem.linear_model import LinearModel, stuck_on
+
+Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Integers = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Excitation:
+    """Harmonic point force force*cos(w t) on one row of the linear model.
+
+    row: row number; force: amplitude [N]
+    """
+
+    row: int
+    force: float
+
+    def at(self, parameter: float) -> tuple[float, "Excitation"]:
+        """parameter: the angular frequency"""
+        return parameter, self
+
+    def rates(self, parameter: float) -> tuple[float, float]:  # noqa: ARG002  the same at all frequencies
+        return 1.0, 0.0
+
+
+class Forcing(Protocol):
+    """What varies along a branch: the frequency at constant force (`Excitation`), or the force
+    (hbm/continuation/first_point.py)."""
+
+    def at(self, parameter: float) -> tuple[float, Excitation]:
+        """Angular frequency [rad/s] and excitation at a place of the branch."""
+        ...
+
+    def rates(self, parameter: float) -> tuple[float, float]:
+        """Derivatives of angular frequency and force with respect to the parameter."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Departure:
+    """g(x) = f_nl(x) - K_ref x with its tangent.
+
+    value: (n_relative, n_coefficients) [N]
+    tangents: for each group (n_elements, d, n_coefficients, d, n_coefficients) [N/m]
+    frequency_derivative: (n_relative, n_coefficients) [N s], zero for rate-independent laws
+    """
+
+    value: Floats
+    tangents: tuple[Floats, ...]
+    frequency_derivative: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class NonlinearSystem:
+    """free: the linear structure without the elements; groups: their rows cover 0..n_relative-1, each once.
+
+    raises: ValueError where the rows of the groups overlap or leave some out
+    """
+
+    free: LinearModel
+    groups: tuple[ElementGroup, ...]
+    harmonics: Harmonics
+    time_samples: int
+
+    def __post_init__(self) -> None:
+        rows = np.concatenate([g.rows.ravel() for g in self.groups])
+        if not np.array_equal(np.sort(rows), np.arange(self.free.n_relative)):
+            raise ValueError(
+                f"the elements act on {len(rows)} rows; each of the model's {self.free.n_relative} relative "
+                "displacements must belong to exactly one element"
+            )
+
+    @cached_property
+    def reference_stiffness(self) -> Floats:
+        """(n_relative,) [N/m]"""
+        stiffness = np.zeros(self.free.n_relative)
+        for group in self.groups:
+            stiffness[group.rows] = group.reference_stiffness()
+        return stiffness
+
+    @cached_property
+    def stuck(self) -> LinearModel:
+        """The structure with every element on its reference springs."""
+        return stuck_on(self.free, self.reference_stiffness)
+
+    @cached_property
+    def static_modal(self) -> Complex:
+        """(m, m) inverse of the stuck modes' static stiffness, the same at all frequencies; diagonal, as damping is not
+        felt at rest
+        """
+        return np.diag(1 / self.stuck.omega_squared).astype(np.complex128)
+
+    def departure(self, x: Floats, w: float) -> Departure:
+        """g and its tangent at the relative displacements x: (n_relative, n_coefficients) [m]."""
+        value, rate = np.empty_like(x), np.zeros_like(x)
+        tangents = []
+        for group in self.groups:
+            forces = element_forces(group, x[group.rows], w, self.harmonics, self.time_samples)
+            stiffness = self.reference_stiffness[group.rows]
+            value[group.rows] = forces.force - stiffness[..., None] * x[group.rows]
+            tangent = forces.tangent
+            for d in range(tangent.shape[1]):
+                diagonal = np.einsum("ecc->ec", tangent[:, d, :, d, :])
+                diagonal -= stiffness[:, d, None]
+            tangents.append(tangent)
+            if forces.frequency_derivative is not None:
+                rate[group.rows] = forces.frequency_derivative
+        return Departure(value, tuple(tangents), rate)
+
+    def departure_value(self, x: Floats, w: float) -> Floats:
+        """g alone."""
+        value = np.empty_like(x)
+        for group in self.groups:
+            force = force_only(group, x[group.rows], w, self.harmonics, self.time_samples)
+            value[group.rows] = force - self.reference_stiffness[group.rows][..., None] * x[group.rows]
+        return value
+
+    def element_forces(self, x: Floats, w: float) -> Floats:
+        """f_nl(x): (n_relative, n_coefficients) [N]."""
+        return self.departure_value(x, w) + self.reference_stiffness[:, None] * x
+
+    def with_harmonics(self, harmonics: Harmonics, time_samples: int | None = None) -> "NonlinearSystem":
+        return NonlinearSystem(self.free, self.groups, harmonics, time_samples or self.time_samples)
+
+
+@dataclass(frozen=True, eq=False)
+class Receptance:
+    """The stuck structure's receptance G at one frequency, as modes and residual: applied, never formed whole.
+
+    modal: harmonic k -> inverse of the modal dynamic stiffness at k w, (m, m) complex
+    modal_rate: its derivative with respect to w
+    """
+
+    system: NonlinearSystem
+    w: float
+
+    @cached_property
+    def modal(self) -> Mapping[int, Complex]:
+        inverse = self.system.stuck.modal_inverse
+        moving = {k: inverse.at(k * self.w) for k in self.system.harmonics.orders if k}
+        return {0: self.system.static_modal, **moving} if 0 in self.system.harmonics.orders else moving
+
+    @cached_property
+    def modal_rate(self) -> Mapping[int, Complex]:
+        inverse = self.system.stuck.modal_inverse
+        return {
+            k: k * inverse.rate(k * self.w, modal) if k else np.zeros_like(modal) for k, modal in self.modal.items()
+        }
+
+    def apply(self, forces: Floats, rows: slice | Integers | None = None) -> Floats:
+        """G forces, from the relative rows (n_relative, n_coefficients) to `rows` (default: the same)."""
+        stuck, n = self.system.stuck, self.system.stuck.n_relative
+        rows = slice(n) if rows is None else rows
+        return stuck.residual[rows, :n] @ forces + self._through_modes(self.modal, forces, rows)
+
+    def apply_rate(self, forces: Floats, rows: slice | Integers | None = None) -> Floats:
+        """dG/dw forces, on `rows` as in `apply`."""
+        rows = slice(self.system.stuck.n_relative) if rows is None else rows
+        return self._through_modes(self.modal_rate, forces, rows)
+
+    def _through_modes(self, modal: Mapping[int, Complex], forces: Floats, rows: slice | Integers) -> Floats:
+        harmonics, stuck = self.system.harmonics, self.system.stuck
+        generalised = stuck.phi[: stuck.n_relative].T @ forces
+        response = np.empty_like(generalised)
+        for k in harmonics.orders:
+            harmonics.set_amplitude(response, k, modal[k] @ harmonics.amplitude(generalised, k))
+        return stuck.phi[rows] @ response
+
+    def excitation(self, excitation: Excitation, rows: slice | Integers | None = None) -> Floats:
+        """Displacement of `rows` (default: the relative ones) under the excitation alone, all elements stuck."""
+        stuck, harmonics = self.system.stuck, self.system.harmonics
+        rows = slice(stuck.n_relative) if rows is None else rows
+        amplitude = excitation.force * (
+            stuck.phi[rows] @ (self.modal[1] @ stuck.phi[excitation.row]) + stuck.residual[rows, excitation.row]
+        )
+        response = np.zeros((len(amplitude), harmonics.n_coefficients))
+        harmonics.set_amplitude(response, 1, amplitude)
+        return response
+
+    def excitation_rate(self, excitation: Excitation, rows: slice | Integers | None = None) -> Floats:
+        """d/dw of `excitation`."""
+        stuck, harmonics = self.system.stuck, self.system.harmonics
+        rows = slice(stuck.n_relative) if rows is None else rows
+        amplitude = excitation.force * (stuck.phi[rows] @ (self.modal_rate[1] @ stuck.phi[excitation.row]))
+        response = np.zeros((len(amplitude), harmonics.n_coefficients))
+        harmonics.set_amplitude(response, 1, amplitude)
+        return response
+
+    def block(self, k: int, rows: Integers, columns: Integers) -> Complex:
+        """G_k between some of the relative rows, by products of real matrices, which cost half of mixed ones."""
+        stuck = self.system.stuck
+        left = (stuck.phi[rows] @ np.ascontiguousarray(self.modal[k]).view(np.float64)).view(np.complex128)
+        through_modes = (stuck.phi[columns] @ np.ascontiguousarray(left.T).view(np.float64)).view(np.complex128).T
+        return through_modes + stuck.residual[np.ix_(rows, columns)]

@@ -1,0 +1,137 @@
+"""What a resonance is: a phase, or the largest first harmonic at constant force.
+
+The maximum (Raze, Volvert and Kerschen 2023 follow it by its own equation) is found here as the phase at which it
+stands. Phase runs evenly through a resonance, turning points included, and no second derivative of the contact law is
+needed, which sampled friction and separation do not have.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from updamp.hbm.newton.newton import NewtonOptions, Status, linear_solution
+from updamp.hbm.resonance.resonance import Place, Plane, ResonanceProblem, ResonanceSolution, at_phase
+
+LARGEST_TURN = 0.4  # [rad] from one phase tried for the maximum to the next
+
+
+class ResonanceCondition(Protocol):
+    """What is meant by resonance."""
+
+    def settle(
+        self, problem: ResonanceProblem, guess: Place, plane: Plane, options: NewtonOptions
+    ) -> ResonanceSolution:
+        """The resonance on `plane`; its status tells whether there is one nearby."""
+        ...
+
+
+@dataclass(frozen=True)
+class PhaseResonance:
+    """target: phase of the observed first harmonic against the force [rad].
+
+    -pi/2 is a displacement a quarter period behind the force: the resonance of a single mode observed where it moves
+    with its excitation, +pi/2 where it moves against it. With modes close together the maximum has another phase.
+    """
+
+    target: float = -np.pi / 2
+
+    def settle(
+        self, problem: ResonanceProblem, guess: Place, plane: Plane, options: NewtonOptions
+    ) -> ResonanceSolution:
+        return at_phase(problem, replace(guess, phase=self.target), plane, options)
+
+
+@dataclass(frozen=True)
+class MaximumResonance:
+    """The largest first harmonic of the observed displacement along the response at constant force.
+
+    tolerance: how near the phase comes to the maximum's [rad]; tries: phases tried at most
+    raises: ValueError for a tolerance that is not a small angle
+    """
+
+    tolerance: float = 1e-3
+    tries: int = 16
+
+    def __post_init__(self) -> None:
+        if not 1e-6 <= self.tolerance <= 0.1 or self.tries < 2:
+            raise ValueError(f"tolerance = {self.tolerance} rad: between 1e-6 and 0.1; tries = {self.tries}: 2 or more")
+
+    def settle(
+        self, problem: ResonanceProblem, guess: Place, plane: Plane, options: NewtonOptions
+    ) -> ResonanceSolution:
+        """Root of lag_to_maximum over the phase: secant steps kept inside the bracket once there is one.
+
+        Sampled contact laws have tangents that jump, so there may be no root but a change of sign: the bracket is
+        then closed to the tolerance.
+        """
+        solution = at_phase(problem, guess, plane, options)
+        iterations, tried = solution.iterations, _Tried()
+        for _ in range(self.tries):
+            if not solution.converged:
+                return solution
+            lag = solution.linearised.lag_to_maximum
+            tried.add(solution.place.phase, lag)
+            if abs(lag) < self.tolerance or tried.width < self.tolerance:
+                return replace(solution, iterations=iterations)
+            onwards = replace(solution.place, phase=tried.next())
+            solution = at_phase(problem, onwards, plane, options)
+            iterations = max(iterations, solution.iterations)
+        return replace(solution, status=Status.TOO_MANY_ITERATIONS, iterations=iterations)
+
+
+class _Tried:
+    """Phases tried for the maximum: before it (lag > 0) and past it (lag < 0)."""
+
+    def __init__(self) -> None:
+        self.before: tuple[float, float] | None = None
+        self.past: tuple[float, float] | None = None
+        self.last: list[tuple[float, float]] = []
+
+    @property
+    def width(self) -> float:
+        return self.before[0] - self.past[0] if self.before and self.past else np.inf
+
+    def add(self, phase: float, lag: float) -> None:
+        if lag > 0 and (self.before is None or phase < self.before[0]):
+            self.before = (phase, lag)
+        if lag <= 0 and (self.past is None or phase > self.past[0]):
+            self.past = (phase, lag)
+        self.last = [*self.last[-1:], (phase, lag)]
+
+    def next(self) -> float:
+        phase, lag = self.last[-1]
+        slope = 1.0
+        if len(self.last) > 1 and phase != self.last[0][0]:
+            slope = (lag - self.last[0][1]) / (phase - self.last[0][0])
+        turn = -lag / slope if slope > 0.2 else -lag
+        proposed = phase + float(np.clip(turn, -LARGEST_TURN, LARGEST_TURN))
+        if self.before and self.past and not self.past[0] < proposed < self.before[0]:
+            return (self.past[0] + self.before[0]) / 2
+        return proposed
+
+
+def linear_peak(problem: ResonanceProblem, window: tuple[float, float], level: float) -> Place:
+    """The largest response of the stuck structure in `window` [Hz]: where following a resonance begins.
+
+    raises: ValueError where no mode of the stuck structure lies in the window
+    """
+    stuck = problem.system.stuck
+    inside = [2 * np.pi * f for f in stuck.frequencies if window[0] <= f <= window[1]]
+    if not inside:
+        near = ", ".join(f"{f:.4g}" for f in stuck.frequencies[:6])
+        raise ValueError(f"no stuck mode between {window[0]:g} and {window[1]:g} Hz; the lowest are {near} Hz")
+
+    def receptance(w: float) -> complex:
+        rows = np.array([problem.observed, problem.excited])
+        return complex(stuck.receptance(w, slice(rows[0], rows[0] + 1), slice(rows[1], rows[1] + 1))[0, 0])
+
+    mode = max(inside, key=lambda w: abs(receptance(w)))
+    damping = stuck.modal_dynamic_stiffness(mode).imag.diagonal()[np.argmin(abs(stuck.omega_squared - mode**2))]
+    width = max(damping / mode, 1e-6 * mode)  # between the half-power points
+    w = minimize_scalar(
+        lambda w: -abs(receptance(w)), bounds=(mode - 2 * width, mode + 2 * width), options={"xatol": 1e-9 * mode}
+    ).x
+    unit = problem.excitation(0.0)
+    return Place(linear_solution(problem.system, w, unit), float(w), level, float(np.angle(receptance(w))))

@@ -1,0 +1,271 @@
+"""Harmonic balance with frequency and force as unknowns too, and the phase of one displacement as a condition.
+
+Unknowns are z = x / F (the response to a unit force, constant while the system is linear), w and ln F; the equations
+are the harmonic balance, the phase of the observed displacement (Peeters, Kerschen and Golinval 2011 call -90 degrees
+phase quadrature), and a hyperplane on which the solution is looked for: constant force, or a step of continuation.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from updamp.hbm.newton import observe
+from updamp.hbm.newton.jacobian import Jacobian
+from updamp.hbm.newton.newton import Equation, NewtonOptions, Status, evaluate
+from updamp.hbm.newton.tangent import apply_tangent
+from updamp.hbm.problem.system import Excitation, NonlinearSystem
+
+Floats = NDArray[np.float64]
+
+PHASE_TOLERANCE = 1e-7  # [rad]; an error e of the phase is one of e^2 / 2 of the peak
+
+
+@dataclass(frozen=True, eq=False)
+class ResonanceProblem:
+    """excited, observed: rows of the linear model that the force acts on and whose first harmonic is followed"""
+
+    system: NonlinearSystem
+    excited: int
+    observed: int
+
+    def excitation(self, level: float) -> Excitation:
+        """level: ln of the force in N"""
+        return Excitation(self.excited, float(np.exp(level)))
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """Where a solution is, or may be: z (n_relative, n_coefficients) [m/N], w [rad/s], ln F, phase [rad]"""
+
+    z: Floats
+    w: float
+    level: float
+    phase: float
+
+
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """<normal, place - origin> = 0; phase takes no part. The metric is relative: z over size_z, w over scale_w."""
+
+    origin: Place
+    normal: Place
+    size_z: float
+    scale_w: float
+
+    def product(self, dz: Floats, dw: float, dlevel: float) -> float:
+        n = self.normal
+        return float(np.vdot(n.z, dz) / self.size_z**2 + n.w * dw / self.scale_w**2 + n.level * dlevel)
+
+    def offset(self, place: Place) -> float:
+        o = self.origin
+        return self.product(place.z - o.z, place.w - o.w, place.level - o.level)
+
+
+def constant_force(place: Place) -> Plane:
+    return Plane(place, Place(np.zeros_like(place.z), 0.0, 1.0, 0.0), 1.0, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Linearised:
+    """The equations about one point; d ln y = d ln |y| + i d(phase) of the observed first harmonic y.
+
+    by_residual, by_frequency, by_level: J^-1 r, J^-1 dr/dw, J^-1 dr/dlnF [m, m s, m]
+    log_residual: d ln y for dx = by_residual
+    log_frequency, log_level: d ln y / dw along the response at constant force [s], d ln y / d ln F at constant w
+    """
+
+    jacobian: Jacobian
+    by_residual: Floats
+    by_frequency: Floats
+    by_level: Floats
+    log_residual: complex
+    log_frequency: complex
+    log_level: complex
+
+    @property
+    def lag_to_maximum(self) -> float:
+        """How far the phase has still to fall to the maximum [rad], in (-pi/2, pi/2); 0 at it.
+
+        The angle between the response's direction and the normal to its Nyquist curve: exact on a circle.
+        """
+        along = self.log_frequency
+        return float(np.arctan(along.real / -along.imag)) if along.imag else np.pi / 2
+
+
+def linearise(problem: ResonanceProblem, equation: Equation, level: float) -> Linearised:
+    """raises: scipy.linalg.LinAlgError where a tangent is not finite"""
+    excitation, receptance = problem.excitation(level), equation.receptance
+    stuck, harmonics = problem.system.stuck, problem.system.harmonics
+    jacobian = equation.factorised()
+    residual = jacobian.solve(equation.residual)
+    frequency = jacobian.solve(equation.frequency_derivative(excitation))
+    by_level = jacobian.solve(-receptance.excitation(excitation))
+
+    phi, seen = stuck.phi[: stuck.n_relative], stuck.phi[problem.observed]
+    row = seen @ receptance.modal[1] @ phi.T + stuck.residual[problem.observed, : stuck.n_relative]
+    direct = seen @ receptance.modal[1] @ stuck.phi[problem.excited] + stuck.residual[problem.observed, problem.excited]
+    load = excitation.force * stuck.phi[problem.excited] - phi.T @ harmonics.amplitude(equation.departure.value, 1)
+    y = excitation.force * direct - row @ harmonics.amplitude(equation.departure.value, 1)
+    rate = seen @ receptance.modal_rate[1] @ load
+    rate -= row @ harmonics.amplitude(equation.departure.frequency_derivative, 1)
+
+    def by_displacement(dx: Floats) -> complex:
+        tangent_force = apply_tangent(problem.system, equation.departure, dx)
+        return complex(-(row @ harmonics.amplitude(tangent_force, 1)) / y)
+
+    return Linearised(
+        jacobian,
+        residual,
+        frequency,
+        by_level,
+        by_displacement(residual),
+        complex(rate / y) - by_displacement(frequency),
+        complex(excitation.force * direct / y) - by_displacement(by_level),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class ResonanceSolution:
+    """One solution of the extended equations.
+
+    response: (n_coefficients,) of the observed displacement [m]
+    iterations: the most that Newton's method needed; error: residual over displacement
+    """
+
+    problem: ResonanceProblem
+    place: Place
+    equation: Equation
+    response: Floats
+    status: Status
+    iterations: int
+    error: float
+
+    @property
+    def converged(self) -> bool:
+        return self.status is Status.CONVERGED
+
+    @property
+    def x(self) -> Floats:
+        """(n_relative, n_coefficients) [m]"""
+        return self.equation.x
+
+    @property
+    def w(self) -> float:
+        return self.place.w
+
+    @property
+    def frequency(self) -> float:
+        """[Hz]"""
+        return self.place.w / (2 * np.pi)
+
+    @property
+    def force(self) -> float:
+        """[N]"""
+        return float(np.exp(self.place.level))
+
+    @property
+    def excitation(self) -> Excitation:
+        return self.problem.excitation(self.place.level)
+
+    @property
+    def amplitude(self) -> complex:
+        """First harmonic of the observed displacement [m]."""
+        return complex(self.problem.system.harmonics.amplitude(self.response, 1))
+
+    @cached_property
+    def linearised(self) -> Linearised:
+        return linearise(self.problem, self.equation, self.place.level)
+
+
+def at_phase(
+    problem: ResonanceProblem, guess: Place, plane: Plane, options: NewtonOptions | None = None
+) -> ResonanceSolution:
+    """Newton's method with step halving for the response on `plane` whose phase is `guess.phase`.
+
+    raises: nothing for want of convergence; the status tells
+    """
+    options = options or NewtonOptions()
+    trial = _Trial.at(problem, guess)
+    iterations = 0
+    while True:
+        if trial.converged(options) and iterations:
+            return trial.solution(Status.CONVERGED, iterations)
+        if not np.isfinite(trial.error):
+            return trial.solution(Status.DIVERGED, iterations)
+        if iterations == options.iterations:
+            return trial.solution(Status.TOO_MANY_ITERATIONS, iterations)
+        try:
+            step = _step(trial, plane)
+        except (scipy.linalg.LinAlgError, np.linalg.LinAlgError):
+            return trial.solution(Status.DIVERGED, iterations)
+        better = _damped(trial, step, options)
+        if better is None:
+            return trial.solution(Status.STALLED, iterations)
+        trial = better
+        iterations += 1
+
+
+@dataclass(frozen=True, eq=False)
+class _Trial:
+    """A place with its residuals; phase_error is the observed phase less the wanted [rad]."""
+
+    problem: ResonanceProblem
+    place: Place
+    equation: Equation
+    response: Floats
+    phase_error: float
+
+    @staticmethod
+    def at(problem: ResonanceProblem, place: Place) -> "_Trial":
+        excitation = problem.excitation(place.level)
+        equation = evaluate(problem.system, excitation, excitation.force * place.z, place.w)
+        response = observe.response(equation, excitation, np.array([problem.observed]))[0]
+        amplitude = problem.system.harmonics.amplitude(response, 1)
+        return _Trial(problem, place, equation, response, float(np.angle(amplitude * np.exp(-1j * place.phase))))
+
+    @property
+    def error(self) -> float:
+        return max(self.equation.error, abs(self.phase_error))
+
+    def converged(self, options: NewtonOptions) -> bool:
+        return self.equation.error < options.tolerance and abs(self.phase_error) < PHASE_TOLERANCE
+
+    def solution(self, status: Status, iterations: int) -> ResonanceSolution:
+        return ResonanceSolution(
+            self.problem, self.place, self.equation, self.response, status, iterations, self.equation.error
+        )
+
+
+def _step(trial: _Trial, plane: Plane) -> tuple[Floats, float, float]:
+    """Newton's step (dz, dw, dlnF) by block elimination: two bordering rows, phase and plane."""
+    line = linearise(trial.problem, trial.equation, trial.place.level)
+    force, place = np.exp(trial.place.level), trial.place
+    columns: list[tuple[Floats, float, float]] = [
+        (-line.by_residual / force, 0.0, 0.0),
+        (-line.by_frequency / force, 1.0, 0.0),
+        (-(line.by_level / force + place.z), 0.0, 1.0),
+    ]
+    on_plane = [plane.product(*column) for column in columns]
+    border = np.array([[line.log_frequency.imag, line.log_level.imag], on_plane[1:]])
+    wanted = np.array([line.log_residual.imag - trial.phase_error, -plane.offset(place) - on_plane[0]])
+    dw, dlevel = np.linalg.solve(border, wanted)
+    return columns[0][0] + dw * columns[1][0] + dlevel * columns[2][0], float(dw), float(dlevel)
+
+
+def _damped(trial: _Trial, step: tuple[Floats, float, float], options: NewtonOptions) -> _Trial | None:
+    """The first of the full, half, ... step that lowers the larger of both errors; None where none does."""
+    damping, place = 1.0, trial.place
+    while damping >= options.smallest_damping:
+        dz, dw, dlevel = step
+        onwards = replace(
+            place, z=place.z + damping * dz, w=place.w + damping * dw, level=place.level + damping * dlevel
+        )
+        if onwards.w > 0:
+            candidate = _Trial.at(trial.problem, onwards)
+            if candidate.error < trial.error or candidate.converged(options):
+                return candidate
+        damping /= 2
+    return None

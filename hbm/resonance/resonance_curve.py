@@ -1,0 +1,174 @@
+"""What following a resonance hands on: peak receptance, frequency and damping against force and amplitude."""
+
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.hbm.contact.law import FrictionLaw
+from updamp.hbm.harmonics import Harmonics
+from updamp.hbm.newton import observe
+from updamp.hbm.newton import observe as energy
+from updamp.hbm.newton.observe import ContactState
+from updamp.hbm.problem.system import NonlinearSystem
+from updamp.hbm.resonance.backbone import ResonanceOptions, ResonancePoint, ResonanceStoppedError, follow_resonance
+from updamp.hbm.resonance.conditions import ResonanceCondition
+from updamp.hbm.resonance.equivalent_damping import damping_ratio_from_phase, loss_factor, stored_energy
+from updamp.hbm.resonance.resonance import Place, ResonanceProblem
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class ResonanceRequest:
+    """What to follow: one mode's resonance, as seen at `point`, under a force at `excited`, both named.
+
+    window: [Hz] where it lies while stuck; forces: [N], met exactly, from the first to the last
+    start: see `follow_resonance`
+    """
+
+    mode: str
+    excited: str
+    point: str
+    window: tuple[float, float]
+    forces: Sequence[float]
+    condition: ResonanceCondition
+    options: ResonanceOptions | None = None
+    start: Place | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class ResonanceCurve:
+    """A resonance against force, its points in the order in which they were met.
+
+    force: (n,) [N]; frequency: (n,) [Hz]
+    response: (n, n_coefficients) displacement of `point` [m], ordered as in hbm/harmonics.py
+    displacement: (n, n_relative, n_coefficients) at the contacts [m]
+    loss_factor: (n,) from energy; damping_from_phase: (n,) ratio, nan where not defined (see
+    hbm/resonance/equivalent_damping.py) work_in, friction_loss, stored_energy: (n,) [J]
+    states: (n, 4) number of contacts in each ContactState; all zero where a law has none
+    asked_for: (n,) whether the force is one of the request
+    turning: (n,) whether the force turned round since the point before
+    active, iterations, error, complete, stopped, seconds: as in ResponseCurve
+    """
+
+    mode: str
+    point: str
+    orders: tuple[int, ...]
+    force: Floats
+    frequency: Floats
+    response: Floats
+    displacement: Floats
+    loss_factor: Floats
+    damping_from_phase: Floats
+    work_in: Floats
+    friction_loss: Floats
+    stored_energy: Floats
+    states: Integers
+    asked_for: NDArray[np.bool_]
+    turning: NDArray[np.bool_]
+    active: Integers
+    iterations: Integers
+    error: Floats
+    complete: bool
+    stopped: str
+    seconds: float
+
+    def __len__(self) -> int:
+        return len(self.force)
+
+    def amplitude(self, k: int = 1) -> NDArray[np.complex128]:
+        """(n,) complex amplitude of harmonic k [m]"""
+        return Harmonics(self.orders).amplitude(self.response, k)
+
+    @property
+    def receptance(self) -> NDArray[np.complex128]:
+        """(n,) first harmonic over force [m/N]"""
+        return self.amplitude() / self.force
+
+    @property
+    def damping_ratio(self) -> Floats:
+        """(n,) half the loss factor"""
+        return self.loss_factor / 2
+
+    def harmonic_content(self) -> Floats:
+        """(n, n_orders) amplitude of every harmonic over that of the first, the mean displacement included."""
+        sizes = np.stack([np.abs(self.amplitude(k)) for k in self.orders], axis=1)
+        return sizes / sizes[:, [self.orders.index(1)]]
+
+    def at_forces(self) -> "ResonanceCurve":
+        """The points at the forces that were asked for."""
+        columns: dict[str, Any] = {name: getattr(self, name)[self.asked_for] for name in COLUMNS}
+        return replace(self, **columns)
+
+
+COLUMNS = tuple(
+    f.name
+    for f in fields(ResonanceCurve)
+    if f.name not in ("mode", "point", "orders", "complete", "stopped", "seconds")
+)
+
+
+def trace_resonance(system: NonlinearSystem, request: ResonanceRequest) -> Iterator[ResonanceCurve]:
+    """The curve so far, after every point; the last one handed out is `complete` or says why it `stopped`.
+
+    raises: KeyError for a name the model has not; ValueError as `follow_resonance`. A resonance that cannot be
+    followed on is not raised: it ends the curve with its sentence in `stopped`
+    """
+    started = time.perf_counter()
+    problem = ResonanceProblem(system, system.free.row(request.excited), system.free.row(request.point))
+    rows: list[dict[str, Any]] = []
+
+    def curve(complete: bool = False, stopped: str = "") -> ResonanceCurve:
+        columns: dict[str, Any] = {name: np.array([row[name] for row in rows]) for name in COLUMNS}
+        seconds = time.perf_counter() - started
+        head = (request.mode, request.point, system.harmonics.orders)
+        return ResonanceCurve(*head, **columns, complete=complete, stopped=stopped, seconds=seconds)
+
+    points = follow_resonance(
+        problem, request.condition, request.window, request.forces, request.options, request.start
+    )
+    try:
+        for point in points:
+            rows.append(_row(system, point))
+            yield curve()
+    except ResonanceStoppedError as stop:
+        yield curve(stopped=str(stop))
+        return
+    reached = bool(rows[-1]["asked_for"]) and np.isclose(rows[-1]["force"], request.forces[-1])
+    turned = "the resonance turned back in force, or max_points were used up, before the last force was reached"
+    yield curve(complete=bool(reached), stopped="" if reached else turned)
+
+
+def _row(system: NonlinearSystem, point: ResonancePoint) -> dict[str, Any]:
+    solution = point.solution
+    excitation, equation = solution.excitation, solution.equation
+    excited = observe.response(equation, excitation, np.array([excitation.row]))[0]
+    work, stored = energy.work_in(system, excitation, excited), stored_energy(equation, excitation)
+    return {
+        "force": solution.force,
+        "frequency": solution.frequency,
+        "response": solution.response,
+        "displacement": solution.x,
+        "loss_factor": loss_factor(work, stored),
+        "damping_from_phase": damping_ratio_from_phase(solution),
+        "work_in": work,
+        "friction_loss": float(energy.friction_loss(system, solution.x, solution.w).sum()),
+        "stored_energy": stored,
+        "states": _states(system, solution.x, solution.w),
+        "asked_for": point.asked_for,
+        "turning": point.turning,
+        "active": solution.linearised.jacobian.n_active,
+        "iterations": solution.iterations,
+        "error": solution.error,
+    }
+
+
+def _states(system: NonlinearSystem, x: Floats, w: float) -> Integers:
+    if not all(isinstance(group.law, FrictionLaw) for group in system.groups):
+        return np.zeros(len(ContactState), dtype=np.int64)
+    return np.bincount(observe.contact_states(system, x, w), minlength=len(ContactState))

@@ -1,0 +1,194 @@
+"""A recorded sweep to a measured run: displacement, peak, SI, positive as the model has it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from updamp.measurement.measurement import MeasuredRun, MeasurementError, near
+from updamp.measurement.measurement_file import ChannelTable, MeasurementFile, RunTable, level_in_si
+from updamp.measurement.quantities import AMPLITUDES, QUANTITIES, si_factor, to_displacement
+from updamp.measurement.recorded import Complex, Floats, RecordedChannel, RecordedSweep
+from updamp.measurement.sweep_checks import (
+    check_channel,
+    check_force,
+    check_frequencies,
+    check_level,
+    check_power,
+    check_statements,
+    in_order_of_the_sweep,
+)
+from updamp.rig.fields import Quantity
+
+
+@dataclass(frozen=True, eq=False)
+class Converted:
+    """reading: in SI of its own quantity, peak; displacement [m], noise [m]: (n_harmonics, n)"""
+
+    reading: Complex
+    displacement: Complex
+    noise: Floats | None
+
+
+def measured_run(
+    path: Path, file: MeasurementFile, run: RunTable, sweep: RecordedSweep, repeat: int
+) -> tuple[MeasuredRun, list[str]]:
+    """The run and what was taken for granted, in sentences. path: of the data file
+
+    raises: MeasurementError naming file, run, channel and value where the data cannot be used
+    """
+    where = f"{path}: run '{run.name}'"
+    check_frequencies(where, sweep.frequency)
+    upwards, reverse, notes = in_order_of_the_sweep(where, sweep, run.sweep or sweep.sweep)
+    order = slice(None, None, -1 if reverse else 1)
+    names = [name for name in run.channels or tuple(file.channels) if name != file.force_channel]
+    recorded = {name: _recorded(where, file, sweep, name) for name in (file.force_channel, *names)}
+    notes += _checked(where, file, sweep, recorded)
+    force_read = recorded[file.force_channel]
+    raw_force = _turned(file, force_read.amplitude[force_read.harmonics.index(1)])
+    force = raw_force * _factor(file.channels[file.force_channel])
+    check_force(where, force, sweep.frequency)
+    harmonics, kept = _common_harmonics(where, file, recorded)
+    notes += kept
+    w = 2 * np.pi * sweep.frequency
+    converted = {
+        name: _converted(f"{where} channel '{name}'", file, name, recorded[name], harmonics, raw_force, w)
+        for name in names
+    }
+    for name in names:
+        if file.channels[name].model_point == file.excitation:
+            check_power(f"{where} channel '{name}'", converted[name].displacement[harmonics.index(1)], force, w)
+    level, level_notes = _level(where, file, run, force, converted, harmonics)
+    measured = MeasuredRun(
+        name=run.name,
+        mode=run.mode,
+        upwards=upwards,
+        held=run.held,
+        level=level,
+        repeat=repeat,
+        channels=tuple(names),
+        harmonics=harmonics,
+        frequency=sweep.frequency[order],
+        force=force[order],
+        response=np.array([converted[name].displacement[:, order] for name in names]),
+        noise=_noise(where, converted, order),
+        level_unit=QUANTITIES[file.channels[run.held_channel].quantity].si if run.held_channel else "N",
+        held_channel=run.held_channel or "",
+    )
+    return measured, [*notes, *level_notes]
+
+
+def _checked(
+    where: str, file: MeasurementFile, sweep: RecordedSweep, recorded: dict[str, RecordedChannel]
+) -> list[str]:
+    """What was taken for granted of the channels, all of them finite and as measurement.toml says."""
+    notes = []
+    for name, channel in recorded.items():
+        here, table = f"{where} channel '{name}'", file.channels[name]
+        check_channel(here, channel, sweep.frequency)
+        notes += check_statements(here, channel, table.quantity, table.unit, table.direction)
+    return notes
+
+
+def _recorded(where: str, file: MeasurementFile, sweep: RecordedSweep, name: str) -> RecordedChannel:
+    label = file.label(name)
+    if label in sweep.channels:
+        return sweep.channels[label]
+    what = "the force, " if name == file.force_channel else ""
+    present = {n for n in file.channels if file.label(n) in sweep.channels} - {file.force_channel}
+    raise MeasurementError(
+        f"{where}: {what}channel '{name}' (label = \"{label}\") is not in the file; {near(label, sweep.others)}. "
+        f"Correct its label, or name those that the run has: channels = {[n for n in file.channels if n in present]}"
+    )
+
+
+def _factor(table: ChannelTable, sort: str | None = None) -> float:
+    """From the reading to a peak value in SI, positive along the model's axis."""
+    peak = AMPLITUDES[sort or table.amplitude or "peak"]
+    return si_factor(table.unit, table.quantity) * peak * (-1.0 if table.negative else 1.0)
+
+
+def _turned(file: MeasurementFile, amplitude: Complex) -> Complex:
+    return np.conj(amplitude) if file.time_convention == "exp(-iwt)" else amplitude
+
+
+def _common_harmonics(
+    where: str, file: MeasurementFile, recorded: dict[str, RecordedChannel]
+) -> tuple[tuple[int, ...], list[str]]:
+    """Those that every sensor has; a mean position is known to displacement sensors only."""
+    sets = []
+    for name, channel in recorded.items():
+        if name != file.force_channel:
+            static = QUANTITIES[file.channels[name].quantity].derivatives == 0
+            sets.append({k for k in channel.harmonics if k > 0 or static})
+    common = tuple(sorted(set.intersection(*sets)))
+    left_out = sorted(
+        {k for name, c in recorded.items() if name != file.force_channel for k in c.harmonics} - set(common)
+    )
+    if not left_out:
+        return common, []
+    return common, [f"{where}: harmonics {left_out} are left out: not every channel has them as a displacement"]
+
+
+def _converted(
+    where: str,
+    file: MeasurementFile,
+    name: str,
+    channel: RecordedChannel,
+    harmonics: Sequence[int],
+    raw_force: Complex,
+    w: Floats,
+) -> Converted:
+    table = file.channels[name]
+    rows = [channel.harmonics.index(k) for k in harmonics]
+    amplitude = _turned(file, channel.amplitude[rows])
+    size = np.ones((1, len(w)))
+    if channel.per_force:
+        if tuple(harmonics) != (1,):
+            raise MeasurementError(f"{where}: a frequency response function has harmonic 1 only, here are {harmonics}")
+        amplitude, size = amplitude * raw_force, np.abs(raw_force)[None]
+    at = np.array(harmonics)[:, None] * w
+    factor = np.where(at > 0, _factor(table), _factor(table, "peak"))  # a mean value is neither RMS nor peak
+    displacement = to_displacement(amplitude * factor, at, table.quantity, table.phase_of)
+    derivatives = QUANTITIES[table.quantity].derivatives or 0
+    noise: Floats | None = None
+    if table.noise is not None:
+        kind = QUANTITIES[table.quantity]
+        peak = AMPLITUDES[table.amplitude or "peak"]
+        noise = Quantity(kind.si, kind.example).to_si(table.noise) * peak / at**derivatives
+    elif channel.noise is not None:
+        noise = channel.noise[rows] * size * np.abs(factor) / at**derivatives
+    return Converted(amplitude * factor, displacement, noise)
+
+
+def _noise(where: str, converted: dict[str, Converted], order: slice) -> Floats | None:
+    known = {name: part.noise[:, order] for name, part in converted.items() if part.noise is not None}
+    if not known:
+        return None
+    if unknown := [name for name in converted if name not in known]:
+        raise MeasurementError(
+            f"{where}: the noise of {', '.join(known)} is known, that of {', '.join(unknown)} is not; state it for all "
+            f'channels, such as noise = "0.2 um/s"'
+        )
+    return np.array(list(known.values()))
+
+
+def _level(
+    where: str,
+    file: MeasurementFile,
+    run: RunTable,
+    force: Complex,
+    converted: dict[str, Converted],
+    harmonics: tuple[int, ...],
+) -> tuple[float, list[str]]:
+    level = level_in_si(file, run)
+    if level is None:
+        level = float(np.median(np.abs(force)))
+        return level, [f"{where}: nothing was held; its level is the median of the measured force, {level:.3g} N"]
+    if run.held == "force":
+        check_level(where, level, np.abs(force), "N")
+    if run.held_channel is not None:
+        reading = converted[run.held_channel].reading[harmonics.index(1)]
+        check_level(where, level, np.abs(reading), QUANTITIES[file.channels[run.held_channel].quantity].si)
+    return level, []

@@ -1,0 +1,136 @@
+"""What was measured, in the model's words and units: peak amplitudes in SI, displacement whatever the sensor was.
+
+Complex amplitudes are those of exp(+i w t): a response that lags the force has a negative phase. Of all readers and
+formats, this is what the rest of updamp sees.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A sensor. name: as in the data files; point: what it looks at in the model, such as "blade_right.tip.x";
+    negative: it was mounted the other way round; the amplitudes of a `MeasuredRun` are turned already
+    """
+
+    name: str
+    point: str
+    negative: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredRun:
+    """One sweep: steps of frequency, each settled.
+
+    name: of the run, repeats excepted: runs of one name are repeats of the same test
+    mode: of the study, such as "OOP"; upwards: direction of the sweep
+    held: what the controller held constant, "force", "response" or "nothing"; level: at which amplitude, in
+        level_unit, SI: "N", or that of the channel whose response was held; held_channel: its name, "" if not stated
+    repeat: number of the assembly: runs of one number were made without taking the damper out in between
+    channels: names, in the order of `response`
+    harmonics: in the order of `response`; 1 is among them
+    frequency: (n,) [Hz]; force: (n,) measured amplitude at the excitation [N]
+    response: (n_channels, n_harmonics, n) displacement [m]
+    noise: (n_channels, n_harmonics, n) stated or estimated standard deviation of its real or imaginary part [m], or
+        None where nothing is known of it
+    """
+
+    name: str
+    mode: str
+    upwards: bool
+    held: str
+    level: float
+    repeat: int
+    channels: tuple[str, ...]
+    harmonics: tuple[int, ...]
+    frequency: Floats
+    force: Complex
+    response: Complex
+    noise: Floats | None = None
+    level_unit: str = "N"
+    held_channel: str = ""
+
+    def __len__(self) -> int:
+        return len(self.frequency)
+
+    def amplitude(self, channel: str, harmonic: int = 1) -> Complex:
+        """(n,) [m]; raises: ValueError naming what there is"""
+        if channel not in self.channels or harmonic not in self.harmonics:
+            raise ValueError(
+                f"run '{self.name}' has no harmonic {harmonic} of channel '{channel}'; it has harmonics "
+                f"{self.harmonics} of {', '.join(self.channels)}"
+            )
+        return np.asarray(self.response[self.channels.index(channel), self.harmonics.index(harmonic)])
+
+    def receptance(self, channel: str) -> Complex:
+        """(n,) first harmonic over the measured force [m/N]"""
+        return self.amplitude(channel) / self.force
+
+
+@dataclass(frozen=True)
+class Feature:
+    """A stated value instead of a curve.
+
+    quantity: "resonance_frequency" or "resonance_frequency_shift"; mode: of the study, or "1F without damper"
+    force: [N], nan where it does not matter; value, lower, upper: in SI, nan where not stated
+    relative_uncertainty: standard deviation over the value
+    """
+
+    quantity: str
+    mode: str
+    force: float
+    value: float
+    lower: float
+    upper: float
+    relative_uncertainty: float
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """pull: damper load [N]; excitation: point of the model such as "blade_right.excitation.x"
+
+    assumptions: what was not stated and how it was read, in sentences
+    hashes: file name -> SHA-256 of what was read
+    repeatability: relative standard deviation of a response from test to test as stated, 0 where the repeats tell
+    """
+
+    title: str
+    pull: float
+    excitation: str
+    channels: tuple[Channel, ...]
+    runs: tuple[MeasuredRun, ...]
+    features: tuple[Feature, ...] = ()
+    assumptions: tuple[str, ...] = ()
+    hashes: Mapping[str, str] | None = None
+    repeatability: float = 0.0
+
+    def channel(self, name: str) -> Channel:
+        """raises: ValueError naming the channels there are"""
+        for channel in self.channels:
+            if channel.name == name:
+                return channel
+        raise ValueError(f"no channel '{name}'; there are {', '.join(c.name for c in self.channels)}")
+
+
+# What is said of data that cannot be used.
+
+
+class MeasurementError(ValueError):
+    """Data that cannot be used as they are; the message names the file, the value and the remedy."""
+
+
+def near(name: str, known: Iterable[str], shown: int = 12) -> str:
+    """ "did you mean a or b?" where something known comes close, else what there is."""
+    names = list(known)
+    if close := get_close_matches(name, names, n=3, cutoff=0.6):
+        return f"did you mean {' or '.join(close)}?"
+    more = f" and {len(names) - shown} more" if len(names) > shown else ""
+    return f"there are {', '.join(names[:shown])}{more}" if names else "there are none"

@@ -1,0 +1,54 @@
+"""Sensors' readings to peak displacements (or forces) in SI."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from updamp.measurement.recorded import Complex, Floats
+from updamp.rig.fields import Quantity
+
+
+@dataclass(frozen=True)
+class SensorQuantity:
+    """si: its unit; example: as a person would write it; derivatives: of the displacement, None for a force"""
+
+    si: str
+    example: str
+    derivatives: int | None
+
+
+QUANTITIES: Mapping[str, SensorQuantity] = {
+    "displacement": SensorQuantity("m", "2 mm", 0),
+    "velocity": SensorQuantity("m/s", "30 mm/s", 1),
+    "acceleration": SensorQuantity("m/s^2", "5 m/s^2", 2),
+    "force": SensorQuantity("N", "17 N", None),
+}
+
+# What a stated amplitude is to be multiplied by to give the peak value.
+AMPLITUDES: Mapping[str, float] = {"peak": 1.0, "rms": float(np.sqrt(2)), "peak_to_peak": 0.5}
+
+
+def si_factor(unit: str, quantity: str) -> float:
+    """One of the unit in SI. raises: ValueError naming the key `unit`, what is wrong and what is allowed"""
+    kind = QUANTITIES[quantity]
+    example = kind.example.split(maxsplit=1)[1]
+    try:
+        return Quantity(kind.si, f"1 {example}").to_si(f"1 {unit}")
+    except ValueError as error:
+        text = str(error).replace(f'"1 {example}"', f'"{example}"')
+        hint = '; for multiples of the standard gravity write "g_0" ("g" is gram)' if unit == "g" else ""
+        raise ValueError(f'unit = "{unit}": for a {quantity}: {text}{hint}') from None
+
+
+def to_displacement(amplitude: Complex, angular_frequency: Floats, quantity: str, phase_of: str | None) -> Complex:
+    """Displacement amplitudes [m] from those of a displacement, velocity or acceleration in SI: x = a / (i w)^d.
+
+    Where the file states the phase of another derivative, p, than its amplitude's: x = |a| exp(i phase) / w^d / i^p.
+
+    angular_frequency: of the amplitude's own harmonic [rad/s], broadcast against it
+    """
+    derivatives, turned = QUANTITIES[quantity].derivatives, QUANTITIES[phase_of or quantity].derivatives
+    assert derivatives is not None
+    assert turned is not None
+    return np.asarray(amplitude / angular_frequency**derivatives * (-1j) ** turned)

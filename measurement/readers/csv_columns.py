@@ -1,0 +1,81 @@
+"""CSV with columns of its own for each channel, one line a frequency: as a spreadsheet has it."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+
+from updamp.measurement.readers.gather import group_rows, repeat_number, sweep_direction, text_of
+from updamp.measurement.readers.registry import register
+from updamp.measurement.readers.table import Codes, Table, header_of, read_table
+from updamp.measurement.recorded import Complex, RecordedChannel, RecordedSweep, complex_of
+from updamp.rig.fields import Section
+
+_TO_RADIANS = {"rad": 1.0, "deg": np.pi / 180}
+Column = Annotated[str, Field(examples=["frequency_Hz"])]
+
+
+class ColumnOptions(Section):
+    """Which columns hold what.
+
+    phase: channel -> column of its phase; imaginary: channel -> column of its imaginary part. A channel with neither
+    has the phase 0: it is what the phases refer to.
+    run, repeat, sweep: columns that tell sweeps of one file apart
+    """
+
+    frequency: Column = "frequency_Hz"
+    phase: Mapping[str, Column] = {}
+    phase_unit: Literal["rad", "deg"] | None = None
+    imaginary: Mapping[str, Column] = {}
+    run: Column | None = None
+    repeat: Column | None = None
+    sweep: Column | None = None
+    delimiter: Literal[",", ";", "\t"] = ","
+
+    @model_validator(mode="after")
+    def _phases_are_clear(self) -> Self:
+        if self.phase and self.phase_unit is None:
+            raise ValueError('phase_unit: missing; add it, such as phase_unit = "deg"')
+        if both := set(self.phase) & set(self.imaginary):
+            raise ValueError(f"phase: {', '.join(sorted(both))} has a phase and an imaginary part; keep one of them")
+        return self
+
+
+@register("csv_columns", options=ColumnOptions)
+def read_csv_columns(path: Path, labels: tuple[str, ...], options: ColumnOptions) -> tuple[RecordedSweep, ...]:
+    """A label is the column of the channel's amplitude, or of its real part where `imaginary` names another column."""
+    header = header_of(path, options.delimiter)
+    present = [label for label in labels if label in header]
+    parts = [table[label] for label in present for table in (options.phase, options.imaginary) if label in table]
+    marks = [name for name in (options.run, options.repeat, options.sweep) if name is not None]
+    table = read_table(path, [*dict.fromkeys((options.frequency, *present, *parts))], marks, options.delimiter)
+    absent = Codes(np.zeros(len(table.numbers[options.frequency]), np.int32), {"": 0})
+    run, repeat, sweep = (
+        table.texts[name] if name is not None else absent for name in (options.run, options.repeat, options.sweep)
+    )
+    used = {options.frequency, *present, *parts, *marks}
+    others = tuple(name for name in header if name not in used)
+    found = []
+    for rows in group_rows(run, repeat, sweep):
+        name = text_of(run, rows)
+        channels = {label: RecordedChannel(_amplitude(table, options, label, rows)[None]) for label in present}
+        number = repeat_number(path, name, text_of(repeat, rows))
+        direction = sweep_direction(path, name, text_of(sweep, rows))
+        frequency = table.numbers[options.frequency][rows]
+        found.append(RecordedSweep(name, number, direction, frequency, channels, others))
+    return tuple(found)
+
+
+def _amplitude(table: Table, options: ColumnOptions, label: str, rows: NDArray[np.intp]) -> Complex:
+    value = table.numbers[label][rows].astype(complex)
+    if label in options.imaginary:
+        return complex_of(value.real, table.numbers[options.imaginary[label]][rows])
+    if label in options.phase:
+        assert options.phase_unit is not None
+        turned = np.exp(1j * _TO_RADIANS[options.phase_unit] * table.numbers[options.phase[label]][rows])
+        with np.errstate(invalid="ignore"):  # infinities are refused later, with their place
+            return np.asarray(value * turned)
+    return value

@@ -1,0 +1,72 @@
+"""CSV in long form: one line an amplitude."""
+
+import csv
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+
+from updamp.measurement.measurement import MeasurementError
+from updamp.measurement.readers.gather import Samples, sweeps_from_samples
+from updamp.measurement.readers.registry import NoOptions, register
+from updamp.measurement.readers.table import Codes, header_of, read_table
+from updamp.measurement.recorded import RecordedSweep, complex_of
+
+COLUMNS = ("run", "repeat", "sweep", "frequency_Hz", "channel", "harmonic", "real", "imag")
+OPTIONAL = ("repeat", "sweep", "harmonic")
+
+
+@register("long_csv", endings=(".csv",))
+def read_long_csv(path: Path, labels: tuple[str, ...], options: NoOptions) -> tuple[RecordedSweep, ...]:  # noqa: ARG001
+    """Header `run,repeat,sweep,frequency_Hz,channel,harmonic,real,imag`, in any order; repeat, sweep and harmonic may
+    be missing (harmonic 1 then). Lines that start with # are comments."""
+    header = header_of(path)
+    _check_header(path, header)
+    numeric = [name for name in ("frequency_Hz", "harmonic", "real", "imag") if name in header]
+    table = read_table(path, numeric, [name for name in ("run", "repeat", "sweep", "channel") if name in header])
+    n = len(table.numbers["real"])
+    absent = Codes(np.zeros(n, np.int32), {"": 0})
+    run, repeat, sweep = (table.texts.get(name, absent) for name in ("run", "repeat", "sweep"))
+    values = table.numbers
+    return sweeps_from_samples(
+        path,
+        Samples(
+            run,
+            repeat,
+            sweep,
+            table.texts["channel"],
+            frequency=values["frequency_Hz"],
+            harmonic=values.get("harmonic", np.ones(n)),
+            amplitude=complex_of(values["real"], values["imag"]),
+            labels=labels,
+        ),
+    )
+
+
+def write_long_csv(path: Path, sweeps: Iterable[RecordedSweep]) -> None:
+    """Numbers with all their digits, one line for each channel, frequency and harmonic.
+
+    raises: ValueError where a channel is divided by force or carries noise, for which this form has no column
+    """
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        for sweep in sweeps:
+            repeat = "" if sweep.repeat is None else sweep.repeat
+            for name, channel in sweep.channels.items():
+                if channel.per_force or channel.noise is not None:
+                    raise ValueError(f"{path}: channel '{name}' has noise or is divided by force; write HDF5 instead")
+                for harmonic, values in zip(channel.harmonics, channel.amplitude.tolist(), strict=True):
+                    for frequency, value in zip(sweep.frequency.tolist(), values, strict=True):
+                        row = (sweep.run, repeat, sweep.sweep, frequency, name, harmonic, value.real, value.imag)
+                        writer.writerow(row)
+
+
+def _check_header(path: Path, header: tuple[str, ...]) -> None:
+    missing = [name for name in COLUMNS if name not in header and name not in OPTIONAL]
+    unknown = [name for name in header if name not in COLUMNS]
+    if missing or unknown:
+        raise MeasurementError(
+            f"{path}: header = {','.join(header)[:80]!r}: wanted is {','.join(COLUMNS)}; where each channel has "
+            f'columns of its own, reader = "csv_columns"; for time signals reader = "time_csv"'
+        )

@@ -1,0 +1,143 @@
+"""Tables of numbers as text, read in pieces: numbers and codes are kept, no text, so a gigabyte fits into memory."""
+
+import csv
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import islice
+from pathlib import Path
+from typing import IO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.measurement.measurement import MeasurementError, near
+from updamp.measurement.readers.registry import usable_file
+
+LARGEST = 2e9  # bytes; the long form takes 1.7 GB of memory for a file of 1 GB
+LINES_AT_ONCE = 100_000
+LONGEST_LINE = 10_000  # characters; a longer one is no line of numbers
+
+Floats = NDArray[np.float64]
+
+
+@dataclass
+class Codes:
+    """Texts of a column as small numbers. codes: (n,); label: what they stand for"""
+
+    codes: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
+    number: dict[str, int] = field(default_factory=dict)
+
+    def of(self, texts: Iterable[str]) -> NDArray[np.int32]:
+        table = self.number
+        return np.array([table.setdefault(text, len(table)) for text in texts], dtype=np.int32)
+
+    @property
+    def label(self) -> tuple[str, ...]:
+        return tuple(self.number)
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """header: all columns; numbers: (n,) by column; texts: by column"""
+
+    header: tuple[str, ...]
+    numbers: dict[str, Floats]
+    texts: dict[str, Codes]
+
+
+def read_table(path: Path, numeric: Collection[str], text: Collection[str] = (), delimiter: str = ",") -> Table:
+    """A header line and lines below it; those that start with # are comments. Columns not named are skipped.
+
+    raises: MeasurementError where the file is missing, empty, too large, no text, has no such columns, is cut off or
+        has something else than numbers in a numeric column
+    """
+    usable_file(path, LARGEST)
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            reader = csv.reader(_lines(path, file), skipinitialspace=True, delimiter=delimiter)
+            header = tuple(name.strip() for name in next(reader, []))
+            _check_columns(path, header, [*numeric, *text])
+            return _body(path, reader, header, numeric, text)
+    except UnicodeDecodeError as error:
+        raise MeasurementError(f"{path}: not a text file ({error}); name the reader that suits it") from None
+    except csv.Error as error:
+        raise MeasurementError(f"{path}: not a table parted by '{delimiter}' ({error})") from None
+
+
+def header_of(path: Path, delimiter: str = ",") -> tuple[str, ...]:
+    """Names of the columns. raises: MeasurementError as in `read_table`"""
+    usable_file(path)
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            reader = csv.reader(_lines(path, file), skipinitialspace=True, delimiter=delimiter)
+            return tuple(name.strip() for name in next(reader, []))
+    except UnicodeDecodeError as error:
+        raise MeasurementError(f"{path}: not a text file ({error}); name the reader that suits it") from None
+
+
+def _lines(path: Path, file: IO[str]) -> Iterator[str]:
+    while line := file.readline(LONGEST_LINE):
+        if len(line) == LONGEST_LINE:
+            raise MeasurementError(
+                f"{path}: a line of more than {LONGEST_LINE} characters; this is no table of numbers"
+            )
+        if line.strip() and not line.startswith("#"):
+            yield line
+
+
+def _check_columns(path: Path, header: tuple[str, ...], wanted: Sequence[str]) -> None:
+    for name in wanted:
+        if name not in header:
+            raise MeasurementError(f"{path}: no column '{name[:60]}'; {near(name, header)}")
+    if len(set(header)) < len(header):
+        raise MeasurementError(f"{path}: header = {','.join(header)[:80]!r}: a column's name stands there twice")
+
+
+def _body(
+    path: Path, reader: Iterator[list[str]], header: tuple[str, ...], numeric: Collection[str], text: Collection[str]
+) -> Table:
+    place = {name: header.index(name) for name in (*numeric, *text)}
+    codes = {name: Codes() for name in text}
+    parts: dict[str, list[NDArray[np.int32]]] = {name: [] for name in text}
+    values: dict[str, list[Floats]] = {name: [] for name in numeric}
+    empty = True
+    while rows := list(islice(reader, LINES_AT_ONCE)):
+        empty = False
+        _check_rows(path, len(header), rows)
+        columns = list(zip(*rows, strict=True))
+        for name in numeric:
+            values[name].append(_numbers(path, name, columns[place[name]]))
+        for name in text:
+            parts[name].append(codes[name].of(columns[place[name]]))
+    if empty:
+        raise MeasurementError(f"{path}: a header and no line below it; export the data again")
+    for name in text:
+        codes[name].codes = np.concatenate(parts.pop(name))
+    return Table(header, {name: np.concatenate(values.pop(name)) for name in numeric}, codes)
+
+
+def _check_rows(path: Path, width: int, rows: list[list[str]]) -> None:
+    for row in rows:
+        if len(row) != width:
+            raise MeasurementError(
+                f"{path}: line {','.join(row)[:60]!r} has {len(row)} columns, the header {width}; the file is cut off "
+                f"or its columns are parted otherwise"
+            )
+
+
+def _numbers(path: Path, column: str, texts: Sequence[str]) -> Floats:
+    try:
+        return np.array(texts, dtype=np.float64)
+    except ValueError:
+        bad = next(text for text in texts if not _is_number(text))
+        raise MeasurementError(
+            f'{path}: {column} = "{bad[:60]}": not a number; write numbers with a decimal point'
+        ) from None
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

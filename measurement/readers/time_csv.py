@@ -1,0 +1,46 @@
+"""CSV of time signals: a column a channel, and one with the commanded frequency where the file holds several steps."""
+
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from updamp.measurement.measurement import MeasurementError, near
+from updamp.measurement.readers.registry import register
+from updamp.measurement.readers.table import header_of, read_table
+from updamp.measurement.readers.time_steps import TimeOptions, TimeStep, sweep_of_steps
+from updamp.measurement.recorded import RecordedSweep
+
+
+class TimeCsvOptions(TimeOptions):
+    """time: column of the time [s]; step: column of the commanded frequency [Hz], which marks the steps"""
+
+    time: Annotated[str, Field(examples=["time_s"])] = "time_s"
+    step: Annotated[str, Field(examples=["frequency_Hz"])] = "frequency_Hz"
+    delimiter: Literal[",", ";", "\t"] = ","
+
+
+@register("time_csv", options=TimeCsvOptions)
+def read_time_csv(path: Path, labels: tuple[str, ...], options: TimeCsvOptions) -> tuple[RecordedSweep, ...]:
+    """One sweep: its steps are the stretches over which the commanded frequency is constant."""
+    header = header_of(path, options.delimiter)
+    if labels[0] not in header:
+        raise MeasurementError(f"{path}: no column '{labels[0]}': the force; {near(labels[0], header)}")
+    present = [label for label in labels if label in header]
+    stepped = options.frequency is None
+    numeric = [options.time, *present, *([options.step] if stepped else [])]
+    table = read_table(path, dict.fromkeys(numeric), (), options.delimiter).numbers
+    time = table[options.time]
+    commanded = table[options.step] if stepped else np.full(len(time), options.frequency)
+    if not (np.isfinite(time).all() and np.isfinite(commanded).all()):
+        raise MeasurementError(f"{path}: a time or a commanded frequency is no finite number; export the file again")
+    edges = [0, *(np.flatnonzero(np.diff(commanded)) + 1).tolist(), len(time)]
+    steps = [
+        TimeStep(float(commanded[a]), time[a:b], {label: table[label][a:b] for label in present})
+        for a, b in pairwise(edges)
+    ]
+    frequency, channels, notes = sweep_of_steps(path, steps, present, options)
+    others = tuple(name for name in header if name not in numeric)
+    return (RecordedSweep("", None, "", frequency, channels, others, notes),)

@@ -1,0 +1,72 @@
+"""Time signals to a sweep: a record for each step of frequency, its harmonics, and the error of getting them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+from pydantic import AfterValidator, Field
+
+from updamp.measurement.harmonic_fit import fit_harmonics
+from updamp.measurement.measurement import MeasurementError
+from updamp.measurement.recorded import Floats, RecordedChannel
+from updamp.rig.fields import Quantity, Section
+
+
+def _with_the_first(harmonics: tuple[int, ...]) -> tuple[int, ...]:
+    if 1 not in harmonics or list(harmonics) != sorted(set(harmonics)):
+        raise ValueError("must increase and contain 1, that of the excitation, such as [1, 2, 3]")
+    return harmonics
+
+
+class TimeOptions(Section):
+    """harmonics: sought; settle: cut off at the start of each step [s]; frequency: of a file with one step [Hz]"""
+
+    harmonics: Annotated[
+        tuple[Annotated[int, Field(strict=True, ge=1)], ...], AfterValidator(_with_the_first), Field(examples=[[1, 2]])
+    ] = (1,)
+    settle: Annotated[float, Quantity("s", "0.5 s", at_least=0)] = 0.0
+    frequency: Annotated[float, Quantity("Hz", "430 Hz", above=0)] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class TimeStep:
+    """frequency: as commanded [Hz]; time: (n,) [s]; signals: label -> (n,)"""
+
+    frequency: float
+    time: Floats
+    signals: Mapping[str, Floats]
+
+
+def sweep_of_steps(
+    path: Path, steps: Sequence[TimeStep], labels: Sequence[str], options: TimeOptions
+) -> tuple[Floats, dict[str, RecordedChannel], tuple[str, ...]]:
+    """Frequencies (n_steps,) [Hz], channels, and what was done in a sentence. labels: the force first
+
+    raises: MeasurementError where a record is not finite, too short, or cannot be fitted
+    """
+    fits = []
+    for step in steps:
+        settled = step.time >= step.time[0] + options.settle
+        signals = np.array([step.signals[label][settled] for label in labels])
+        for label, signal in zip(labels, signals, strict=True):
+            if not np.isfinite(signal).all():
+                raise MeasurementError(
+                    f"{path}: channel '{label}' at {step.frequency:g} Hz: {np.sum(~np.isfinite(signal))} samples are "
+                    f"no finite numbers; leave the step out or export it again"
+                )
+        try:
+            fits.append(fit_harmonics(step.time[settled], signals, step.frequency, options.harmonics))
+        except ValueError as error:
+            raise MeasurementError(f"{path}: step of {step.frequency:g} Hz: {error}") from None
+    amplitude = np.array([fit.amplitude for fit in fits]).transpose(1, 2, 0)
+    deviation = np.array([fit.deviation for fit in fits]).transpose(1, 2, 0)
+    channels = {label: RecordedChannel(amplitude[i], options.harmonics, deviation[i]) for i, label in enumerate(labels)}
+    frequency = np.array([fit.frequency for fit in fits])
+    shift = float(np.max(np.abs(frequency - [step.frequency for step in steps])))
+    note = (
+        f"{path.name}: harmonics by least squares from time signals, the first {options.settle:g} s of each step cut "
+        f"off; frequencies corrected by at most {shift:.2g} Hz from the drift of the force's phase"
+    )
+    return frequency, channels, (note,)

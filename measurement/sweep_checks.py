@@ -1,0 +1,125 @@
+"""What a sweep must be before anything is computed from it: finite, ordered, driven, and in agreement with itself."""
+
+import numpy as np
+
+from updamp.measurement.measurement import MeasurementError
+from updamp.measurement.quantities import si_factor
+from updamp.measurement.recorded import Complex, Floats, RecordedChannel, RecordedSweep
+
+LEVEL_TOLERANCE = 0.25  # of the median measured against the stated level; RMS taken for peak is off by 0.29
+
+
+def check_frequencies(where: str, frequency: Floats) -> None:
+    """raises: MeasurementError where there are none, or they are not finite, positive, distinct and in order"""
+    if len(frequency) == 0:
+        raise MeasurementError(f"{where}: no frequencies; leave the run out or export it again")
+    bad = ~(np.isfinite(frequency) & (frequency > 0))
+    if bad.any():
+        raise MeasurementError(f"{where}: frequency = {frequency[bad][0]:g} Hz at place {np.argmax(bad) + 1}; mend it")
+    values, counts = np.unique(frequency, return_counts=True)
+    if (counts > 1).any():
+        raise MeasurementError(
+            f"{where}: frequency = {values[counts > 1][0]:g} Hz stands there {counts.max()} times; average them, or "
+            f"give the second sweep its own repeat number or name"
+        )
+    steps = np.sign(np.diff(frequency))
+    if len(steps) and not (steps == steps[0]).all():
+        i = int(np.argmax(steps != steps[0])) + 1
+        raise MeasurementError(
+            f"{where}: frequencies turn round at {frequency[i]:g} Hz; a run is one sweep one way, split the file"
+        )
+
+
+def check_channel(where: str, channel: RecordedChannel, frequency: Floats) -> None:
+    """raises: MeasurementError where an amplitude or its noise is not finite"""
+    if 1 not in channel.harmonics:
+        raise MeasurementError(f"{where}: harmonics = {channel.harmonics}: 1, that of the excitation, is missing")
+    bad = ~np.isfinite(channel.amplitude)
+    if bad.any():
+        k, i = np.argwhere(bad)[0]
+        raise MeasurementError(
+            f"{where}: {bad.sum()} of {bad.size} values are no finite numbers, the first {channel.amplitude[k, i]} at "
+            f"{frequency[i]:g} Hz, harmonic {channel.harmonics[k]}; take these frequencies out of the file or mend it"
+        )
+    if channel.noise is not None and not (np.isfinite(channel.noise).all() and (channel.noise >= 0).all()):
+        raise MeasurementError(f"{where}: its noise has values that are negative or no finite numbers; mend the file")
+
+
+def check_force(where: str, force: Complex, frequency: Floats) -> None:
+    """raises: MeasurementError where it is zero: nothing can be divided by it"""
+    zero = np.abs(force) == 0
+    if zero.any():
+        raise MeasurementError(
+            f"{where}: force = 0 at {zero.sum()} of {len(force)} frequencies, the first {frequency[zero][0]:g} Hz; the "
+            f"force is taken as measured at each frequency: check the load cell's channel, or take these lines out"
+        )
+
+
+def check_level(where: str, level: float, measured: Floats, unit: str) -> None:
+    """raises: MeasurementError where what was held is not near its level: then one of them is not what it seems"""
+    median = float(np.median(measured))
+    if not abs(median / level - 1) <= LEVEL_TOLERANCE:
+        hint = " (a factor of 1.41: RMS for peak?)" if 1.35 < max(median / level, level / median) < 1.48 else ""
+        raise MeasurementError(
+            f"{where}: level = {level:g} {unit} but the median of the measured peak values is {median:g} {unit}{hint}; "
+            f'state the level as a peak value, correct unit or amplitude, or state held = "nothing"'
+        )
+
+
+def check_power(where: str, displacement: Complex, force: Complex, angular_frequency: Floats) -> None:
+    """At the excitation itself the force feeds the structure: the displacement lags, Im(x conj(F)) < 0 on the whole.
+
+    raises: MeasurementError where the structure would feed the shaker
+    """
+    power = -0.5 * angular_frequency * np.imag(displacement * np.conj(force))
+    if float(power.sum()) < 0:
+        raise MeasurementError(
+            f"{where}: at the point of excitation the structure would feed the shaker ({power.sum() / len(power):.3g} "
+            f'W on average): the sign of direction is wrong, or time_convention = "exp(-iwt)" holds, or '
+            f'the phase is another quantity\'s than the amplitude (phase_of = "displacement")'
+        )
+
+
+def check_statements(where: str, channel: RecordedChannel, quantity: str, unit: str, direction: str) -> list[str]:
+    """What the file says of its channel against measurement.toml; returns what was taken for granted.
+
+    raises: MeasurementError where quantity or unit contradict each other
+    """
+    notes = []
+    if channel.quantity not in ("", quantity):
+        raise MeasurementError(
+            f'{where}: the file says {channel.quantity}, measurement.toml quantity = "{quantity}"; correct one of them'
+        )
+    if channel.unit:
+        try:
+            stated = si_factor({"g": "g_0"}.get(channel.unit, channel.unit), quantity)
+        except ValueError:
+            notes.append(f"{where}: the file's unit '{channel.unit}' is not understood; {unit} is taken")
+        else:
+            if not np.isclose(stated, si_factor(unit, quantity), rtol=1e-6):
+                raise MeasurementError(
+                    f'{where}: the file says {channel.unit}, measurement.toml unit = "{unit}"; correct one of them'
+                )
+    wanted = direction if direction[0] in "+-" else f"+{direction}"
+    if channel.direction and channel.direction.lower() != wanted:
+        notes.append(f"{where}: the file's direction {channel.direction} is taken for the model's {wanted}")
+    return notes
+
+
+def in_order_of_the_sweep(where: str, sweep: RecordedSweep, stated: str) -> tuple[bool, bool, list[str]]:
+    """(upwards, whether the file has the reverse order, what was taken for granted).
+
+    raises: MeasurementError where a sweep "up" is stored downwards, or a single frequency has no direction
+    """
+    ascending = len(sweep.frequency) > 1 and bool(sweep.frequency[1] > sweep.frequency[0])
+    if not stated:
+        if len(sweep.frequency) == 1:
+            raise MeasurementError(f'{where}: one frequency shows no direction; state sweep = "up" or "down"')
+        word = "up" if ascending else "down"
+        return ascending, False, [f"{where}: the direction of the sweep is not stated; {word}, as the file's order is"]
+    if stated == "up" and not ascending and len(sweep.frequency) > 1:
+        raise MeasurementError(f'{where}: sweep = "up" but the frequencies fall; state sweep = "down"')
+    if stated == "down" and ascending:
+        note = f"{where}: the frequencies of this downward sweep rise in the file; taken as sorted by the recorder"
+        return False, True, [note]
+    return stated == "up", False, []

@@ -1,0 +1,178 @@
+"""The one builder: from a rig and the stages before to the model that is solved, compared and diagnosed.
+
+What a rig has taken up is applied in one order everywhere: calibration first, then effects, as a fit applies them.
+"""
+
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.effects.chosen import resolved, with_effects
+from updamp.effects.rig_model import PointElement, RigModel
+from updamp.fem.lumped_damper import DAMPER_MODELS
+from updamp.fem.reduced_model import ReducedModel
+from updamp.fem.static_contact.rest_state import StaticContact
+from updamp.hbm.contact import CONTACT_LAWS
+from updamp.hbm.contact.friction import FrictionParameters
+from updamp.hbm.contact.springs import CubicParameters, CubicSpring
+from updamp.hbm.harmonics import Harmonics
+from updamp.hbm.problem.elements import ElementGroup
+from updamp.hbm.problem.linear_model import LinearModel
+from updamp.hbm.problem.structural_changes import Attachment
+from updamp.model.calibration import calibrated
+from updamp.rig.modal_rig import ModalRig
+from updamp.rig.rig import Rig
+from updamp.rig.wires import wire_springs
+
+Floats = NDArray[np.float64]
+Point = tuple[float, float, float]
+
+
+def rig_model(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> RigModel:
+    """Blades and damper on its wires, coupled by one contact element a patch, or a face where the damper is lumped,
+    with the calibration and the effects that the rig's file has taken up.
+
+    As in Pesaresi et al. (2017) the dynamic problem starts from the preload without tangential force.
+    raises: ValueError naming an effect or factor that the rig has no place for
+    """
+    return with_effects(rig_before_effects(reduced, rest, rig), resolved(rig.effects))
+
+
+def rig_before_effects(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> RigModel:
+    """The rig with the calibration of its file: the base of a `Parametrisation`, which applies the effects itself.
+
+    raises: ValueError naming a factor that the rig has no place for
+    """
+    return calibrated(_as_built(reduced, rest, rig), rig.calibration)
+
+
+def modal_model(rig: ModalRig) -> RigModel:
+    """A rig given by modes, with the calibration and the effects of its file.
+
+    raises: ValueError naming an effect or factor that the model has no place for
+    """
+    return with_effects(modal_before_effects(rig), resolved(rig.effects))
+
+
+def modal_before_effects(rig: ModalRig) -> RigModel:
+    """As `rig_before_effects`."""
+    return calibrated(_as_identified(rig), rig.calibration)
+
+
+def _as_built(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> RigModel:
+    """Only the study's damper model is applied; harmonics, samples and law are those of the rig file."""
+    reduced, rest = DAMPER_MODELS[rig.damper_model].apply(reduced, rest)
+    return RigModel(
+        components=from_reduced(reduced, rig.material.loss_factor),
+        owner=tuple(component.name for component in reduced.components for _ in component.omega),
+        attachments=wires(rig),
+        by_pull=tuple(spring.name for spring in wire_springs(rig) if spring.by_pull),
+        contacts=contact_elements(reduced.contacts.area, rest, rig),
+        patches=reduced.contacts,
+        excitation=f"blade_{rig.excitation.blade}.excitation.x",
+        harmonics=Harmonics(rig.harmonic_balance.harmonics),
+        time_samples=rig.harmonic_balance.time_samples,
+        places=_places(rig),
+        stated_pressure=float(rest.normal_force.sum() / reduced.contacts.area.sum()),
+    )
+
+
+def _as_identified(rig: ModalRig) -> RigModel:
+    """Its modes as one component; parameters are those of modes identified in a test (`RigModel.identified`)."""
+    balance, modes = rig.harmonic_balance, tuple(rig.modes.values())
+    omega = 2 * np.pi * np.array([mode.frequency for mode in modes])
+    eta = np.array([mode.loss_factor or 0.0 for mode in modes])
+    zeta = np.array([mode.damping_ratio or 0.0 for mode in modes])
+    shapes = [mode.normalised for mode in modes]
+    phi = np.array([[shape.get(point, 0.0) for shape in shapes] for point in rig.points])
+    n = len(rig.points)
+    components = LinearModel(
+        omega**2, phi, np.zeros((n, n)), np.diag(eta * omega**2), np.diag(2 * zeta * omega), 0, rig.points
+    )
+    # The solver needs a relative displacement; a spring of no stiffness gives it one and changes nothing.
+    nothing = PointElement("none", (rig.excitation,), CubicSpring(), CubicParameters(jnp.asarray(np.zeros(1))))
+    return RigModel(
+        components=components,
+        owner=(rig.name,) * len(modes),
+        attachments=(),
+        contacts=None,
+        patches=None,
+        excitation=rig.excitation,
+        harmonics=Harmonics(balance.harmonics),
+        time_samples=balance.time_samples,
+        elements=(nothing,),
+        identified=True,
+    )
+
+
+def contact_elements(area: Floats, rest: StaticContact, rig: Rig) -> ElementGroup:
+    """The rig's contact law on the first 3 n relative rows; area: (n,) of the contact elements [m^2]."""
+    contact, n = rig.contact, len(area)
+    parameters = FrictionParameters(
+        # from numpy: jnp.full's type is "weak", and another value of mu would make the law be compiled again
+        mu=jnp.asarray(np.full(n, contact.friction_coefficient)),
+        kt=jnp.asarray(contact.tangential_stiffness * area),
+        kn=jnp.asarray(contact.normal_stiffness * area),
+        n0=jnp.asarray(rest.normal_force),
+        t0=jnp.zeros((n, 2)),
+        gap=jnp.asarray(rest.gap),
+    )
+    law = CONTACT_LAWS[contact.law](rig.harmonic_balance.cycles)
+    return ElementGroup(law, parameters, np.arange(3 * n).reshape(n, 3))
+
+
+def wires(rig: Rig) -> tuple[Attachment, ...]:
+    """The wires' springs (`rig/wires.py`), at the damper's points."""
+    return tuple(
+        Attachment(
+            spring.name,
+            {f"damper.{point}": factor for point, factor in spring.points.items()},
+            stiffness=spring.stiffness,
+        )
+        for spring in wire_springs(rig)
+    )
+
+
+def _places(rig: Rig) -> dict[str, Point]:
+    """Of the blades' clamps and points; the left blade is the mirror image of the right one."""
+    middle, outer = rig.blade.axis_offset, rig.blade.axis_offset + rig.blade.thickness / 2
+    right = {
+        "root": (middle, 0.0, 0.0),
+        "excitation": (outer, rig.excitation.height, 0.0),
+        "tip": (outer, rig.response_height, 0.0),
+        "platform": (rig.platform.gap / 2, rig.platform.top, 0.0),
+    }
+    return {
+        f"blade_{side}.{name}": (sign * x, y, z)
+        for side, sign in (("left", -1.0), ("right", 1.0))
+        for name, (x, y, z) in right.items()
+    }
+
+
+def from_reduced(reduced: ReducedModel, loss_factor: float) -> LinearModel:
+    """Both blades and the damper, not yet coupled; `loss_factor` of the material of all three.
+
+    Points are named component.point, such as "blade_right.tip.x".
+    """
+    n_relative = 3 * len(reduced.contacts)
+    points = tuple(f"{c.name}.{p}" for c in reduced.components for p in c.points)
+    n_rows = n_relative + len(points)
+    phi, residual, start = [], np.zeros((n_rows, n_rows)), n_relative
+    for component, sign, rows in zip(reduced.components, reduced.contact_sign(), reduced.contact_rows(), strict=True):
+        select = np.zeros((n_rows, len(component.residual)))
+        select[rows, np.arange(len(rows))] = sign
+        n_points = len(component.points)
+        select[start + np.arange(n_points), len(rows) + np.arange(n_points)] = 1
+        start += n_points
+        phi.append(select @ component.phi)
+        residual += select @ component.residual @ select.T
+    omega_squared = np.concatenate([c.omega for c in reduced.components]) ** 2
+    return LinearModel(
+        omega_squared=omega_squared,
+        phi=np.hstack(phi),
+        residual=residual,
+        hysteretic=loss_factor * np.diag(omega_squared),
+        viscous=np.zeros((len(omega_squared), len(omega_squared))),
+        n_relative=n_relative,
+        points=points,
+    )

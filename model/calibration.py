@@ -1,0 +1,144 @@
+"""The calibration that a rig file has taken up:
+
+[calibration]
+origin = "fitted with edge_gap to ..., 2026-11-20"
+friction_coefficient = 0.94       # factors on the rig file's own values
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+
+import numpy as np
+
+from updamp.effects.rig_model import RigModel
+from updamp.rig.effects import Calibration
+from updamp.rig.errors import RigError
+
+
+@dataclass(frozen=True)
+class Nuisance:
+    """A factor on a quantity that is known only roughly, and that differs a little from one assembly to the next.
+
+    The fit sees its logarithm, which is normally distributed about 0.
+
+    deviation: prior standard deviation of the logarithm; largest: bound on its size
+    scatter: what its logarithm is expected to vary by from one assembly to the next (standard deviation), before the
+        repeats have been looked at
+    apply(model, factor) -> model
+    """
+
+    name: str
+    sentence: str
+    deviation: float
+    largest: float
+    scatter: float
+    apply: Callable[[RigModel, float], RigModel]
+
+
+def _stiffness_of_material(model: RigModel, factor: float) -> RigModel:
+    c = model.components
+    changed = replace(
+        c, omega_squared=c.omega_squared * factor, residual=c.residual / factor, hysteretic=c.hysteretic * factor
+    )
+    return replace(model, components=changed)
+
+
+def _loss_factor(model: RigModel, factor: float) -> RigModel:
+    c = model.components
+    return replace(model, components=replace(c, hysteretic=c.hysteretic * factor, viscous=c.viscous * factor))
+
+
+def _modal_mass(model: RigModel, factor: float) -> RigModel:
+    """Frequencies and loss factors stay."""
+    c = model.components
+    return replace(model, components=replace(c, phi=c.phi / np.sqrt(factor), residual=c.residual / factor))
+
+
+@dataclass(frozen=True)
+class _ContactEntry:
+    """A factor on one entry of the contacts' parameters."""
+
+    entry: str
+
+    def __call__(self, model: RigModel, factor: float) -> RigModel:
+        assert model.contacts is not None, "asked for where there are contacts only"
+        return model.with_contacts(**{self.entry: getattr(model.contacts.parameters, self.entry) * factor})
+
+
+YOUNGS_MODULUS = Nuisance(
+    "youngs_modulus", "Young's modulus of blades and damper", 0.01, 0.05, 2e-4, _stiffness_of_material
+)
+LOSS_FACTOR = Nuisance("loss_factor", "material loss factor", 0.5, 1.5, 0.02, _loss_factor)
+FRICTION = Nuisance("friction_coefficient", "friction coefficient", 0.3, 1.5, 0.05, _ContactEntry("mu"))
+TANGENTIAL = Nuisance("tangential_stiffness", "tangential contact stiffness", 0.7, 2.5, 0.05, _ContactEntry("kt"))
+NORMAL = Nuisance("normal_stiffness", "normal contact stiffness", 0.7, 2.5, 0.05, _ContactEntry("kn"))
+PRELOAD = Nuisance("preload", "preload of the contacts", 0.02, 0.1, 0.03, _ContactEntry("n0"))
+# Of modes identified in a test, whose frequencies are known best and whose masses least (half a decibel).
+MODAL_STIFFNESS = Nuisance("modal_stiffness", "modal stiffness", 0.01, 0.05, 2e-4, _stiffness_of_material)
+MODAL_MASS = Nuisance("modal_mass", "modal mass", 0.05, 0.5, 0.01, _modal_mass)
+
+
+OF_STRUCTURE, OF_CONTACTS = (YOUNGS_MODULUS, LOSS_FACTOR), (FRICTION, TANGENTIAL, NORMAL, PRELOAD)
+OF_RIG, OF_MODES = (*OF_STRUCTURE, *OF_CONTACTS), (MODAL_STIFFNESS, LOSS_FACTOR, MODAL_MASS)
+
+
+def nuisances(model: RigModel) -> tuple[Nuisance, ...]:
+    """Those that the model has a place for."""
+    if model.identified:
+        return OF_MODES
+    return OF_RIG if model.contacts else OF_STRUCTURE
+
+
+_KNOWN = {nuisance.name: nuisance for nuisance in (*OF_RIG, *OF_MODES)}
+
+
+def read_calibration(table: object) -> Calibration:
+    """From the table [calibration] of a rig file, as read.
+
+    raises: RigError with every problem found, one a line
+    """
+    if not isinstance(table, Mapping):
+        raise RigError("calibration: a table of factors is wanted: [calibration] with friction_coefficient = 0.94")
+    stated = dict(table)
+    origin = stated.pop("origin", "")
+    problems = [line for name, factor in stated.items() if (line := _problem(name, factor))]
+    if not isinstance(origin, str):
+        problems.append(f"calibration.origin = {origin!r}: text is wanted that says where the factors come from")
+    if problems:
+        raise RigError("\n".join(problems))
+    return Calibration(factors={name: float(factor) for name, factor in stated.items()}, origin=origin)
+
+
+def _problem(name: str, factor: object) -> str:
+    if name not in _KNOWN:
+        close = get_close_matches(name, _KNOWN, n=1)
+        known = f"did you mean {close[0]}?" if close else f"allowed are {', '.join(_KNOWN)}"
+        return f"calibration.{name}: unknown factor; {known}"
+    lowest, highest = bounds(_KNOWN[name])
+    if isinstance(factor, bool) or not isinstance(factor, int | float):
+        return f"calibration.{name} = {factor!r}: a factor is wanted, a plain number such as 1.02"
+    if not lowest <= factor <= highest:
+        return f"calibration.{name} = {factor!r}: out of range: allowed is {lowest:.4g} to {highest:.4g}"
+    return ""
+
+
+def bounds(nuisance: Nuisance) -> tuple[float, float]:
+    """Of its factor."""
+    return math.exp(-nuisance.largest), math.exp(nuisance.largest)
+
+
+def calibrated(model: RigModel, calibration: Calibration) -> RigModel:
+    """The model with the factors applied.
+
+    raises: ValueError for a factor that the model has no place for
+    """
+    places = {nuisance.name: nuisance for nuisance in nuisances(model)}
+    for name, factor in calibration.factors.items():
+        if name not in places:
+            raise ValueError(
+                f"calibration.{name}: this model has no place for it; it has {', '.join(places)}; take the line out"
+            )
+        model = places[name].apply(model, factor)
+    return model

@@ -1,0 +1,61 @@
+"""Rig files of both kinds, read with the effects and factors that there are."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from updamp.rig.effects import Calibration, Readers, TakenEffect
+from updamp.rig.errors import RigError, read_toml
+from updamp.rig.modal_rig import ModalRig
+from updamp.rig.read import read_rig, read_section
+from updamp.rig.rig import Rig
+
+KIND = "modal"
+
+
+# Both are imported on call: they load JAX, which takes 1.5 s, and most rig files state neither table.
+def _effects(tables: object, folder: Path) -> tuple[TakenEffect, ...]:
+    from updamp.effects.chosen import taken_effects
+
+    return taken_effects(tables, folder)
+
+
+def _calibration(table: object) -> Calibration:
+    from updamp.model.calibration import read_calibration
+
+    return read_calibration(table)
+
+
+READERS = Readers(_effects, _calibration)
+
+
+def load_rig(path: str | Path, overrides: Mapping[str, Any] | None = None) -> Rig:
+    """Read and check the file of a rig with geometry.
+
+    path: TOML file; files it names are sought beside it
+    overrides: values as in the file that replace the file's own, by dotted path,
+        such as {"blade.thickness": "7.4 mm"}
+    raises: RigError with every problem found, one a line
+    """
+    return read_rig(Path(path), READERS, overrides)
+
+
+def load_modal(path: str | Path) -> ModalRig:
+    """Read and check a modal rig file (TOML).
+
+    raises: RigError with every problem found, one a line
+    """
+    return read_section(Path(path), ModalRig, READERS, "a modal rig file, such as rigs/brake_reuss.toml")
+
+
+def load_any(path: str | Path) -> Rig | ModalRig:
+    """Of either kind; raises: RigError"""
+    return load_modal(path) if is_modal(path) else load_rig(path)
+
+
+def is_modal(path: str | Path) -> bool:
+    """Whether a rig file gives modes; False for one that cannot be read, which its loader explains better."""
+    try:
+        return read_toml(Path(path), "a rig file").get("kind") == KIND
+    except RigError:
+        return False

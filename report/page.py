@@ -1,0 +1,132 @@
+"""Sections to one page that needs nothing but a browser: styles, plotly.js, data and scripts are all inside."""
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from plotly.offline import get_plotlyjs
+
+from updamp.comparison.comparison import Comparison
+from updamp.diagnosis.verdict import Verdict
+from updamp.report.markup import FOR_SCRIPTS, level_word, pretty
+from updamp.report.registry import SECTIONS
+from updamp.report.section import Content, Report, Section
+
+# Numbers for the page: as many digits as a plot can show, so that a report stays small.
+
+DIGITS = 7  # 430.0001 Hz and 430.0002 Hz stay apart; curves of 0.01 % bandwidth need that
+
+
+def script_json(value: Any) -> str:
+    """JSON that may stand inside a script element. Arrays and floats to 7 digits, nan and infinities as null."""
+    text = json.dumps(_plain(value), allow_nan=False, separators=(",", ":"), ensure_ascii=False)
+    return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return {str(key): _plain(entry) for key, entry in value.items()}
+    if isinstance(value, tuple | list):
+        return [_plain(entry) for entry in value]
+    if isinstance(value, float):
+        return _short(value)
+    return value
+
+
+def _short(value: float) -> float | int | None:
+    if not math.isfinite(value):
+        return None
+    short = float(f"{value:.{DIGITS}g}")
+    return int(short) if short.is_integer() and abs(short) < 1e7 else short
+
+
+# The browser refuses whatever would leave the page; blob: and data: are plotly's way to save a plot as a picture.
+POLICY = (
+    "default-src 'none'; img-src data: blob:; style-src 'unsafe-inline'; script-src 'unsafe-inline'; "
+    "base-uri 'none'; form-action 'none'"
+)
+
+
+def build_page(report: Report, sections: Sequence[Section]) -> str:
+    """HTML of the `sections` that have something to show, in their order"""
+    rendered = [(section, content) for section in sections if (content := section.render(report)) is not None]
+    title = escape(report.comparison.title)
+    data = _page_data(rendered, report.comparison.level_unit)
+    return "\n".join(
+        (
+            '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">',
+            f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">',
+            '<meta name="viewport" content="width=device-width, initial-scale=1">',
+            '<link rel="icon" href="data:,">',
+            f"<title>{title}</title>\n<style>\n{asset('report.css')}</style>\n</head>\n<body>",
+            f"<header>\n<h1>{title}</h1>\n{_contents_list(rendered)}\n</header>\n<main>",
+            *(_section_html(section, content) for section, content in rendered),
+            "</main>",
+            f'<script type="application/json" id="report-data">{data}</script>',
+            f"<script>{get_plotlyjs()}</script>",
+            *(f"<script>\n{asset(name)}</script>" for name in _scripts(rendered)),
+            "</body>\n</html>\n",
+        )
+    )
+
+
+def asset(name: str) -> str:
+    """Text of a file in `assets/`"""
+    return (files("updamp.report") / "assets" / name).read_text(encoding="utf-8")
+
+
+def _contents_list(rendered: Sequence[tuple[Section, Content]]) -> str:
+    links = "".join(
+        f'<li><a href="#{section.identifier}">{escape(section.short or section.title)}</a></li>'
+        for section, _ in rendered
+    )
+    return f'<nav aria-label="Contents"><ul>{links}</ul></nav>'
+
+
+def _section_html(section: Section, content: Content) -> str:
+    name = section.identifier
+    return (
+        f'<section id="{name}" aria-labelledby="{name}-heading">\n'
+        f'<h2 id="{name}-heading">{escape(section.title)}</h2>\n{content.html}\n</section>'
+    )
+
+
+def _page_data(rendered: Sequence[tuple[Section, Content]], unit: str) -> str:
+    return script_json(
+        {
+            "palette": FOR_SCRIPTS,
+            "level": {"unit": pretty(unit), "word": level_word(unit)},
+            "figures": {name: figure for _, content in rendered for name, figure in content.figures.items()},
+            "sections": {section.identifier: content.data for section, content in rendered if content.data},
+        }
+    )
+
+
+def _scripts(rendered: Sequence[tuple[Section, Content]]) -> list[str]:
+    """Each once, the common ones about them."""
+    own = [name for _, content in rendered for name in content.scripts]
+    return list(dict.fromkeys(("core.js", *own, "start.js")))
+
+
+# The report as a file.
+
+NO_PICTURES: Mapping[str, bytes] = {}
+
+
+def write_report(
+    comparison: Comparison, path: Path, pictures: Mapping[str, bytes] = NO_PICTURES, verdict: Verdict | None = None
+) -> None:
+    """One self-contained HTML file.
+
+    pictures: caption -> PNG
+    verdict: of the diagnosis; its sections are left out without one
+    raises: ValueError for a picture that is no PNG, naming it; OSError where the file cannot be written
+    """
+    path.write_text(build_page(Report(comparison, verdict, pictures), SECTIONS), encoding="utf-8")

@@ -1,0 +1,47 @@
+"""Every section of the report, in its order on the page. One that has nothing to show leaves itself out."""
+
+from updamp.report.section import Section
+from updamp.report.sections import (
+    backbones,
+    calibration,
+    confounding,
+    contact_states,
+    diagnosis,
+    error_waterfall,
+    features,
+    frequency_response,
+    missing_force,
+    next_measurement,
+    origin,
+    outcome,
+    pictures,
+    ranked_effects,
+    residual_amplitude,
+    residual_map,
+    scatter,
+    secondary,
+    signatures,
+)
+
+SECTIONS: tuple[Section, ...] = (
+    diagnosis.SECTION,
+    error_waterfall.SECTION,
+    ranked_effects.SECTION,
+    confounding.SECTION,
+    next_measurement.SECTION,
+    outcome.SECTION,
+    residual_map.SECTION,
+    frequency_response.SECTION,
+    signatures.SECTION,
+    residual_amplitude.SECTION,
+    backbones.SECTION,
+    missing_force.SECTION,
+    calibration.SECTION,
+    features.SECTION,
+    scatter.SECTION,
+    contact_states.SECTION,
+    pictures.SECTION,
+    secondary.SECTION,
+    origin.ASSUMPTIONS,
+    origin.PROVENANCE,
+)

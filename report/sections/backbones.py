@@ -1,0 +1,39 @@
+"""Resonance against amplitude: frequency, loss factor and peak receptance, measured and calibrated model."""
+
+from typing import Any
+
+from updamp.comparison.comparison import Backbone
+from updamp.report.markup import figure
+from updamp.report.section import Content, Report, Section
+
+
+def render(report: Report) -> Content | None:
+    measured, model = report.comparison.measured_backbones, report.comparison.model_backbones
+    if not measured and not model:
+        return None
+    html = "<p>Shown for the mode and channel chosen above.</p>" if report.comparison.curves else ""
+    html += figure(
+        "backbones",
+        "Resonance frequency and equivalent loss factor against the displacement amplitude, and peak receptance "
+        "against force: measured as points, calibrated model as a line.",
+        "Points: measured, one symbol a repeat; line: calibrated model.",
+        380,
+    )
+    data = {"measured": [_columns(each) for each in measured], "model": [_columns(each) for each in model]}
+    return Content(html, data=data, scripts=("selection.js", "backbones.js"))
+
+
+def _columns(backbone: Backbone) -> dict[str, Any]:
+    return {
+        "mode": backbone.mode,
+        "channel": backbone.channel,
+        "level": backbone.level,
+        "repeat": backbone.repeat,
+        "amplitude": 1e6 * backbone.amplitude,
+        "frequency": backbone.frequency,
+        "damping": backbone.damping,
+        "receptance": 1e3 * backbone.receptance,
+    }
+
+
+SECTION = Section("backbones", "Resonance against amplitude", render, "Resonance")

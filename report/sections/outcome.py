@@ -1,0 +1,81 @@
+"""On top: the verdict in words, what stands out of the scatter, and the numbers behind it."""
+
+import math
+from html import escape
+
+from updamp.comparison.comparison import Comparison, Finding
+from updamp.report.markup import level_name, level_word, number
+from updamp.report.section import Content, Report, Section
+
+FEW = 5  # findings that are not folded away
+
+
+def render(report: Report) -> Content:
+    comparison = report.comparison
+    kind = "good" if comparison.adequate else "bad"
+    html = f'<p class="verdict {kind}">{escape(verdict_sentence(comparison))}</p>'
+    if comparison.findings:
+        html += _findings([_finding(finding, comparison.level_unit) for finding in comparison.findings])
+    return Content(html + _cards(comparison))
+
+
+def _findings(entries: list[str]) -> str:
+    """The first few, the others folded away: the numbers below are to be seen too."""
+    if len(entries) <= FEW + 1:
+        return f'<ol class="findings">{"".join(entries)}</ol>'
+    return (
+        f'<ol class="findings">{"".join(entries[:FEW])}</ol>'
+        f"<details><summary>{len(entries) - FEW} more</summary>"
+        f'<ol class="findings" start="{FEW + 1}">{"".join(entries[FEW:])}</ol></details>'
+    )
+
+
+def verdict_sentence(comparison: Comparison) -> str:
+    if comparison.adequate:
+        return "The model agrees with the measurement: no misfit beyond repeatability."
+    several = len(comparison.findings)
+    if several == 0:
+        return "The model does not describe the measurement: the misfit exceeds repeatability, without a clear pattern."
+    things = "one thing stands" if several == 1 else f"{several} things stand"
+    return f"The model does not describe the measurement: {things} out of the scatter."
+
+
+def _finding(finding: Finding, unit: str) -> str:
+    where = [
+        finding.mode or "all modes",
+        level_name(finding.level, unit) if finding.level is not None else f"all {level_word(unit)}s",
+    ]
+    where += [finding.channel] if finding.channel else []
+    tags = "".join(f'<span class="tag">{escape(tag)}</span>' for tag in (finding.quantity, *where))
+    sure = (
+        f"{number(abs(finding.significance), 2)} standard deviations of the scatter"
+        if math.isfinite(finding.significance)
+        else "scatter not known"
+    )
+    return f'<li><p>{escape(finding.text)}</p><p class="small">{tags}{sure}</p></li>'
+
+
+def _cards(comparison: Comparison) -> str:
+    free = max(comparison.values - comparison.parameters, 1)
+    rms = [math.sqrt(chi2 / max(comparison.values, 1)) for chi2 in (comparison.chi2_before, comparison.chi2_after)]
+    repeats = {(c.run, m.repeat) for c in comparison.curves for m in c.measured}
+    names = ("Misfit before calibration", "Misfit after calibration") if comparison.calibration else ("Misfit",)
+    cards = [
+        *((name, number(value, 3), "times the scatter") for name, value in zip(names, rms, strict=False)),
+        ("χ² per degree of freedom", number(comparison.chi2_after / free, 3), f"{free} degrees of freedom"),
+    ]
+    if comparison.curves:
+        runs = {curve.run for curve in comparison.curves}
+        channels = {curve.channel for curve in comparison.curves}
+        what = f"{len(repeats)} sweeps in all, {len(channels)} channel{'s' if len(channels) > 1 else ''}"
+        cards.append(("Runs compared", str(len(runs)), what))
+    else:
+        cards.append(("Stated features", str(len(comparison.features)), "no measured curve"))
+    inside = "".join(
+        f'<div class="card"><dt>{name}</dt><dd><strong>{value}</strong><span>{unit}</span></dd></div>'
+        for name, value, unit in cards
+    )
+    return f'<dl class="cards">{inside}</dl>'
+
+
+SECTION = Section("outcome", "Calibrated model against the measurement", render, "Comparison")

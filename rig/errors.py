@@ -1,0 +1,125 @@
+"""Turns the validation's findings into sentences a person can act on."""
+
+import json
+import tomllib
+from collections.abc import Iterator, Mapping
+from difflib import get_close_matches
+from pathlib import Path
+from types import UnionType
+from typing import Any, Union, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
+
+from updamp.rig.fields import Quantity
+
+
+class RigError(ValueError):
+    """A rig file that cannot be used; the message has one line a problem."""
+
+
+def read_toml(path: Path, wanted: str, failure: type[ValueError] = RigError) -> dict[str, Any]:
+    """A TOML file as it is. wanted: what to give in its place where there is none; raises: `failure`"""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise failure(f"{path}: no such file; give {wanted}") from None
+    except OSError as error:
+        raise failure(f"{path}: cannot be read: {error.strerror}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise failure(f"{path}: not valid TOML: {error}") from None
+
+
+def explain(error: ValidationError, model: type[BaseModel]) -> Iterator[str]:
+    """One line a problem: key (dotted path) = value: what is wrong and what would be allowed."""
+    for problem in error.errors(include_url=False):
+        path, table, field = _locate(problem["loc"], model)
+        match problem["type"]:
+            case "value_error":
+                yield from _own(path, problem)
+            case "extra_forbidden":
+                yield f"{path} = {_written(problem['input'])}: unknown key; {_known(str(problem['loc'][-1]), table)}"
+            case "missing":
+                yield f"{path}: missing; {_how_to_add(path, field)}"
+            case "union_tag_not_found":
+                yield f'{path}.model: missing; add it, such as model = "uniform"'
+            case "union_tag_invalid":
+                allowed = problem["ctx"]["expected_tags"].replace("'", '"')
+                yield f"{path}.model = {_written(problem['ctx']['tag'])}: unknown; allowed are {allowed}"
+            case "model_type" | "dict_type":
+                yield f"{path} = {_written(problem['input'])}: a table of keys is wanted, [{path}]"
+            case "string_pattern_mismatch":
+                yield f"{path} = {_written(problem['input'])}: a name is a letter, then letters, digits, _ or -"
+            case _:
+                yield f"{path} = {_written(problem['input'])}: {_pydantic(problem, field)}"
+
+
+def _pydantic(problem: ErrorDetails, field: FieldInfo | None) -> str:
+    text = problem["msg"].replace("Input should", "should").replace("'", '"')
+    return f"{text}, such as {_written(field.examples[0])}" if field and field.examples else text
+
+
+def _own(path: str, problem: ErrorDetails) -> Iterator[str]:
+    """The model's own checks: those of a value get its key, those of a table name the key themselves, from that table
+    on; a RigError's lines are whole."""
+    lines = str(problem["ctx"]["error"]).splitlines()
+    if isinstance(problem["ctx"]["error"], RigError):
+        yield from lines
+    elif not isinstance(problem["input"], Mapping):
+        yield from (f"{path} = {_written(problem['input'])}: {line}" for line in lines)
+    else:
+        yield from (f"{path}.{line}" if path else line for line in lines)
+
+
+def _locate(loc: tuple[int | str, ...], model: type[BaseModel]) -> tuple[str, type[BaseModel], FieldInfo | None]:
+    """Dotted path of a finding, the table it is in and, if the finding is about a key of that table, its field."""
+    path, table = "", model
+    kind: Any = model
+    field: FieldInfo | None = None
+    for part in loc:
+        origin, arguments = get_origin(kind), get_args(kind)
+        if part == "[key]":
+            continue
+        if isinstance(kind, type) and issubclass(kind, BaseModel):
+            table, field = kind, kind.model_fields.get(str(part))
+            path, kind = f"{path}.{part}", field.annotation if field else Any
+        elif origin in (Union, UnionType) and (member := _tagged(arguments, part)):
+            kind = member
+        elif isinstance(part, int):
+            path, kind, field = f"{path}[{part}]", arguments[0] if arguments else Any, None
+        else:
+            path, kind, field = f"{path}.{part}", arguments[-1] if arguments else Any, None
+    return path.removeprefix("."), table, field
+
+
+def _tagged(members: tuple[Any, ...], tag: int | str) -> type[BaseModel] | None:
+    for member in members:
+        if isinstance(member, type) and issubclass(member, BaseModel):
+            annotation = member.model_fields["model"].annotation
+            if tag in get_args(annotation):
+                return member
+    return None
+
+
+def _known(key: str, table: type[BaseModel]) -> str:
+    names = list(table.model_fields)
+    close = get_close_matches(key, names, n=1)
+    return f"did you mean {close[0]}?" if close else f"allowed are {', '.join(names)}"
+
+
+def _how_to_add(path: str, field: FieldInfo | None) -> str:
+    key = path.rsplit(".", 1)[-1]
+    if field is None:
+        return "another entry is wanted"
+    if isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel):
+        return f"add the table [{path}] with {', '.join(field.annotation.model_fields)}"
+    quantities = [entry.example for entry in field.metadata if isinstance(entry, Quantity)]
+    examples = quantities or field.examples or [get_args(field.annotation)[0]]
+    return f"add it, such as {key} = {_written(examples[0])}"
+
+
+def _written(value: object) -> str:
+    """As in the file, nearly; long values are cut."""
+    text = json.dumps(value, default=str, ensure_ascii=False)
+    return text if len(text) <= 60 else f"{text[:57]}..."

@@ -1,0 +1,251 @@
+"""The input model: what a rig file states. Everything in it is in SI."""
+
+import hashlib
+import math
+from collections.abc import Mapping
+from functools import reduce
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import AfterValidator, Field, StringConstraints, model_validator
+from pydantic_core import to_json
+
+from updamp.rig.effects import Calibration, CalibrationTable, Effects
+from updamp.rig.fields import Quantity, Section
+from updamp.rig.pressure import FePressure, PolynomialPressure, TwoAreaPressure, UniformPressure
+
+Length = Annotated[float, Quantity("m", "5 mm", above=0, at_most=10_000)]
+Force = Annotated[float, Quantity("N", "10 N", above=0)]
+Frequency = Annotated[float, Quantity("Hz", "430 Hz", above=0)]
+AreaStiffness = Annotated[float, Quantity("N/m^3", "60000 N/mm^3", above=0)]
+Divisions = Annotated[int, Field(strict=True, ge=1, examples=[4])]
+Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$")]
+
+
+class Material(Section):
+    """Linear elastic material of the blades and the damper. SI."""
+
+    youngs_modulus: Annotated[float, Quantity("Pa", "197 GPa", above=0, at_most=2000)]
+    poissons_ratio: Annotated[float, Field(strict=True, ge=0, le=0.49, examples=[0.3])]
+    density: Annotated[float, Quantity("kg/m^3", "7800 kg/m^3", above=0, at_most=30_000)]
+    loss_factor: Annotated[float, Field(strict=True, ge=0, lt=1, examples=[0.0009])]
+
+
+class Blade(Section):
+    """The right-hand blade, an upright beam clamped at height 0. [m]"""
+
+    height: Annotated[float, Quantity("m", "150 mm", above=0, at_most=10_000)]
+    thickness: Length
+    width: Length
+    axis_offset: Length
+
+
+class Platform(Section):
+    """The platform on the blade's inner side. [m], underside_angle [rad] from the horizontal."""
+
+    top: Length
+    gap: Length
+    edge_thickness: Length
+    underside_angle: Annotated[float, Quantity("rad", "45 deg", at_least=15, at_most=80)]
+
+
+class Damper(Section):
+    """Wedge damper under both platforms; lengths of the face along the underside. [m]
+
+    With apex_height 0 the damper ends at the upper end of its faces and apex_flat has no meaning.
+    """
+
+    face_start: Length
+    face_length: Length
+    apex_height: Annotated[float, Quantity("m", "0.5 mm", at_least=0, at_most=10_000)]
+    apex_flat: Length
+    base_height: Length
+
+
+class Wire(Section):
+    """The pulling wires, one to each end of the damper. [N/m], [m]"""
+
+    axial_stiffness: Annotated[float, Quantity("N/m", "1e6 N/m", above=0)]
+    length: Length
+    attachment_height: Annotated[float, Quantity("m", "3 mm", at_least=-1000, at_most=1000)]
+
+
+class Load(Section):
+    """Static load: the pull of both wires together. [N]"""
+
+    pull: Force
+
+
+class Excitation(Section):
+    """Harmonic force along x on the outer side of one blade, at mid-width. [m]"""
+
+    blade: Literal["left", "right"]
+    height: Length
+
+
+class Response(Section):
+    """Where the blades' response is measured, below their tips. [m]"""
+
+    below_top: Length
+
+
+class Contact(Section):
+    """Contact between damper and platforms. Stiffness per area [N/m^3]; law and coupling by name."""
+
+    law: Literal["jenkins_box", "jenkins_box_sampled", "coulomb_circle"]
+    coupling: Literal["patch", "nearest_node"] = "patch"
+    friction_coefficient: Annotated[float, Field(strict=True, ge=0, le=2, examples=[0.6])]
+    tangential_stiffness: AreaStiffness
+    normal_stiffness: AreaStiffness
+    pressure: Annotated[
+        UniformPressure | TwoAreaPressure | PolynomialPressure | FePressure, Field(discriminator="model")
+    ]
+
+
+class Reduction(Section):
+    """Modes of each component, and the solver of the linear systems by name."""
+
+    modes: Annotated[int, Field(strict=True, ge=1, examples=[24])]
+    solver: Literal["pardiso", "cholmod", "amg"] = "pardiso"
+
+
+class HarmonicBalance(Section):
+    """Harmonics kept, time samples a period, and periods until the hysteresis has settled."""
+
+    harmonics: Annotated[tuple[Annotated[int, Field(strict=True, ge=0)], ...], Field(examples=[[0, 1, 2, 3]])]
+    time_samples: Annotated[int, Field(strict=True, ge=4, examples=[128])]
+    cycles: Annotated[int, Field(strict=True, ge=2, examples=[2])]  # the first one still remembers the start
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        stated = f"harmonics = {list(self.harmonics)}"
+        if 1 not in self.harmonics:
+            raise ValueError(f"{stated}: must contain 1, that of the excitation, such as [0, 1, 2, 3]")
+        if list(self.harmonics) != sorted(set(self.harmonics)):
+            raise ValueError(f"{stated}: must increase, each stated once, such as [0, 1, 2, 3]")
+        if self.time_samples <= (needed := 2 * max(self.harmonics)):
+            raise ValueError(f"time_samples = {self.time_samples}: must be above {needed}, twice the highest harmonic")
+        return self
+
+
+def _ordered(window: tuple[float, float]) -> tuple[float, float]:
+    if not window[0] < window[1]:
+        raise ValueError('the lower frequency comes first and is below the upper one, such as ["434 Hz", "446 Hz"]')
+    return window
+
+
+def _each_once(forces: tuple[float, ...]) -> tuple[float, ...]:
+    if len(set(forces)) < len(forces):
+        raise ValueError('each force level is stated once, such as ["0.96 N", "17 N"]')
+    return forces
+
+
+class ModeStudy(Section):
+    """Frequencies in which a mode's response is sought, (lower, upper). [Hz]"""
+
+    window: Annotated[tuple[Frequency, Frequency], AfterValidator(_ordered), Field(examples=[["434 Hz", "446 Hz"]])]
+
+
+class Study(Section):
+    """Amplitudes of the excitation [N] and the modes to follow."""
+
+    force_levels: Annotated[
+        tuple[Force, ...], Field(min_length=1, examples=[["0.96 N", "17 N"]]), AfterValidator(_each_once)
+    ]
+    modes: Annotated[Mapping[Name, ModeStudy], Field(min_length=1)]
+
+
+class MeshDivisions(Section):
+    """Divisions of the section's edges and of the width; contact_elements counts both faces."""
+
+    width: Annotated[int, Field(strict=True, ge=2, multiple_of=2, examples=[12])]  # a node at mid-width
+    face: Divisions
+    platform_outer: Divisions
+    platform_inner: Divisions
+    platform_height: Divisions
+    stem_thickness: Divisions
+    stem_below_excitation: Divisions
+    stem_below_platform: Divisions
+    stem_above_platform: Divisions
+    stem_top: Divisions
+    damper_across: Divisions
+    damper_apex: Divisions
+    damper_base: Divisions
+    contact_elements: Annotated[int, Field(strict=True, ge=4, multiple_of=2, examples=[36])]
+
+
+class Rig(Section):
+    """A rig and the study made on it: exactly the keys of a rig file, checked, in SI.
+
+    Heights are measured from the root, half-widths from the plane of symmetry.
+    """
+
+    name: Name
+    damper_model: Literal["elastic", "lumped"] = "elastic"
+    material: Material
+    blade: Blade
+    platform: Platform
+    damper: Damper
+    wire: Wire
+    load: Load
+    excitation: Excitation
+    response: Response
+    contact: Contact
+    reduction: Reduction
+    harmonic_balance: HarmonicBalance
+    study: Study
+    mesh: Annotated[Mapping[Name, MeshDivisions], Field(min_length=1)]
+    effects: Effects = ()
+    calibration: CalibrationTable = Calibration()
+
+    @property
+    def underside_length(self) -> float:
+        """Of the platform's sloping underside, from its inner edge to the stem. [m]"""
+        reach = self.blade.axis_offset - self.blade.thickness / 2 - self.platform.gap / 2
+        return reach / math.cos(self.platform.underside_angle)
+
+    @property
+    def edge_height(self) -> float:
+        """Of the underside's upper end, at the gap. [m]"""
+        return self.platform.top - self.platform.edge_thickness
+
+    @property
+    def junction_height(self) -> float:
+        """Of the junction of underside and stem. [m]"""
+        return self.edge_height - self.underside_length * math.sin(self.platform.underside_angle)
+
+    def underside_point(self, distance: float) -> tuple[float, float]:
+        """(x, y) on the right-hand underside at a distance along it from its inner edge. [m]"""
+        angle = self.platform.underside_angle
+        return self.platform.gap / 2 + distance * math.cos(angle), self.edge_height - distance * math.sin(angle)
+
+    @property
+    def face_top(self) -> tuple[float, float]:
+        """(half-width, height) at the upper end of the damper's faces. [m]"""
+        return self.underside_point(self.damper.face_start)
+
+    @property
+    def face_bottom(self) -> tuple[float, float]:
+        """(half-width, height) at the lower end of the damper's faces. [m]"""
+        return self.underside_point(self.damper.face_start + self.damper.face_length)
+
+    @property
+    def face_area(self) -> float:
+        """Of one contact face. [m^2]"""
+        return self.damper.face_length * self.blade.width
+
+    @property
+    def response_height(self) -> float:
+        """Of the response points at the tips. [m]"""
+        return self.blade.height - self.response.below_top
+
+    def digest(self, *keys: str) -> str:
+        """SHA-256 of what stands under the keys (dotted paths, such as "contact.pressure" or "mesh.full")."""
+        return hashlib.sha256(to_json([(key, reduce(_entry, key.split("."), self)) for key in keys])).hexdigest()
+
+    def states(self, key: str) -> bool:
+        """Whether something stands under a key that may be left out, such as "effects"."""
+        return bool(reduce(_entry, key.split("."), self))
+
+
+def _entry(table: Any, key: str) -> Any:
+    return table[key] if isinstance(table, Mapping) else getattr(table, key)

@@ -1,0 +1,329 @@
+"""The command line and the run behind it, on the small mesh with two short curves."""
+
+import csv
+import io
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rich.console import Console
+from typer.testing import CliRunner
+
+from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.model.rig_files import load_rig
+from updamp.parallel.resources import Meter
+from updamp.pictures import scene
+from updamp.pipeline import app
+from updamp.workflow import stages, store
+from updamp.workflow.progress import Display
+from updamp.workflow.run import Run, RunOptions
+from updamp.workflow.stage_functions import StageFunctions
+from updamp.workflow.summary import union_length
+
+RIG = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
+SUMMARY_KEYS = {
+    "mesh": {"blade_elements", "damper_elements", "contact_elements", "min_scaled_jacobian"},
+    "modes": {"per_component", "free_1F_Hz", "max_relative_residual"},
+    "coupled_linear": {"OOP_Hz", "IP_Hz"},
+    "static_contact": {"applied_N", "normal_total_N", "equilibrium_error"},
+    "timing_s": {"mesh", "assembly", "modes", "reduction", "static_contact", "hbm", "total"},
+}
+CURVE_KEYS = {
+    "mode", "force_N", "peak_receptance_mm_per_N", "peak_frequency_Hz", "points", "unconverged", "seconds",
+}  # fmt: skip
+PICTURES = ("mesh.png", "modes.png", "mode.gif", "pressure.png", "frf_OOP.png", "frf_IP.png", "damper_motion.png",
+            "contact_states_OOP.png", "contact_states_IP.png")  # fmt: skip
+
+
+def run_command(*arguments):
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def short_study(folder, oop, ip):
+    """The reference rig with narrow windows at a force that leaves the contacts stuck."""
+    text = RIG.read_text(encoding="utf-8")
+    head, rest = text.split("[study]")
+    mesh = rest[rest.index("[mesh.small]") :]
+    study = (
+        f'[study]\nforce_levels = ["0.01 N"]\n[study.modes.OOP]\nwindow = ["{oop[0]} Hz", "{oop[1]} Hz"]\n'
+        f'[study.modes.IP]\nwindow = ["{ip[0]} Hz", "{ip[1]} Hz"]\n'
+    )
+    path = folder / "short.toml"
+    path.write_text(f"{head}{study}\n{mesh}", encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """A finished run: its rig file, its folder, what it printed."""
+    folder = tmp_path_factory.mktemp("run")
+    rig = short_study(folder, (432, 450), (412, 431))
+    result = run_command("run", rig, "--mesh", "small", "--out", folder / "out", "--jobs", 2)
+    assert result.exit_code == 0, result.output
+    return rig, folder / "out", result.output
+
+
+def test_a_run_writes_all_it_promises(finished):
+    _, out, _ = finished
+    for name in PICTURES:
+        assert 1_000 < (out / "pictures" / name).stat().st_size < 300_000, name
+    for name in ("blade_left", "blade_right", "damper", "contacts"):
+        assert (out / "mesh" / f"{name}.vtu").exists()
+    names = {path.name for path in (out / "stages").glob("*.h5")}
+    assert names == {f"{stage.name}.h5" for stage in stages.STAGES[:4]} | {"curve_OOP_0.01N.h5", "curve_IP_0.01N.h5"}
+
+
+def test_the_summary_has_its_keys_and_sound_numbers(finished):
+    summary = json.loads((finished[1] / "summary.json").read_text())
+    for section, wanted in SUMMARY_KEYS.items():
+        assert wanted <= set(summary[section])
+    assert all(set(entry) >= CURVE_KEYS for entry in summary["curves"])
+    assert {(entry["mode"], entry["force_N"]) for entry in summary["curves"]} == {("OOP", 0.01), ("IP", 0.01)}
+    assert 0.1 < summary["peak_memory_GB"] < 12
+    for entry in summary["curves"]:
+        coupled = summary["coupled_linear"][f"{entry['mode']}_Hz"]
+        assert coupled["reduced"] == pytest.approx(coupled["full"], rel=1e-3)
+        assert entry["peak_frequency_Hz"] == pytest.approx(coupled["reduced"], rel=1e-3)
+        assert entry["unconverged"] == 0
+        assert entry["problem"] == ""
+        assert entry["energy_balance_error"] < 0.01
+    timing = summary["timing_s"]
+    assert timing["total"] > timing["hbm"] > 0
+    assert timing["total"] > timing["assembly"] + timing["modes"] + timing["reduction"]
+
+
+def test_the_csv_holds_the_curves(finished):
+    _, out, _ = finished
+    curve = store.read(out / "stages" / "curve_OOP_0.01N.h5", ResponseCurve)
+    with (out / "frf_OOP.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert list(rows[0]) == ["mode", "force_N", "frequency_Hz", "point", "harmonic", "real_m", "imag_m"]
+    tip = [r for r in rows if r["point"] == "blade_left.tip.x" and r["harmonic"] == "1"]
+    written = np.array([complex(float(r["real_m"]), float(r["imag_m"])) for r in tip])
+    np.testing.assert_allclose(written, curve.amplitude("blade_left.tip.x"), rtol=1e-7, atol=1e-20)
+    np.testing.assert_allclose([float(r["frequency_Hz"]) for r in tip], curve.frequency, rtol=1e-8)
+    assert {r["harmonic"] for r in rows} == {"0", "1", "2", "3"}
+
+
+def test_a_second_run_does_nothing_and_is_quick(finished):
+    rig, out, _ = finished
+    before = {
+        path: path.stat().st_mtime_ns for path in out.rglob("*") if path.is_file() and path.name != "summary.json"
+    }
+    first = json.loads((out / "summary.json").read_text())
+    started = time.perf_counter()
+    result = run_command("run", rig, "--mesh", "small", "--out", out, "--jobs", 2)
+    assert result.exit_code == 0, result.output
+    assert time.perf_counter() - started < 15
+    assert result.output.count("unchanged") == 6
+    assert {path: path.stat().st_mtime_ns for path in before} == before
+    second = json.loads((out / "summary.json").read_text())
+    assert second["timing_s"]["total"] < first["timing_s"]["total"]
+    for summary in (first, second):
+        summary["timing_s"].pop("total")
+        summary.pop("peak_memory_GB")
+    assert second == first, "what the stages once cost is still reported"
+
+
+def must_not_run(*_):
+    raise AssertionError("this stage has to come from its file")
+
+
+def products_again(finished, tmp_path, overrides, functions, **options):
+    """Run in a copy of the finished run; returns the run and what it gave."""
+    rig, out, _ = finished
+    shutil.copytree(out, tmp_path / "out")
+    again = Run(
+        load_rig(rig, overrides),
+        RunOptions("small", tmp_path / "out", workers=2, **options),
+        Display(Console(file=io.StringIO())),
+        functions,
+    )
+    return again, again.products()
+
+
+def test_after_a_change_of_friction_no_finite_elements_are_run(finished, tmp_path):
+    functions = StageFunctions(must_not_run, must_not_run, must_not_run)
+    again, products = products_again(finished, tmp_path, {"contact.friction_coefficient": 0.5}, functions)
+    assert again.executed[0] == "static_contact"
+    assert set(again.executed[1:]) == {"OOP 0.01 N", "IP 0.01 N"}
+    assert all(curve.product.complete for curve in products.curves)
+
+
+def test_after_a_change_of_contact_stiffness_the_check_alone_is_made_again(finished, tmp_path):
+    functions = StageFunctions(must_not_run, must_not_run, static_contact=must_not_run)
+    change = {"contact.normal_stiffness": "30000 N/mm^3"}
+    again, products = products_again(finished, tmp_path, change, functions, until=stages.COUPLED_CHECK)
+    assert again.executed == ["coupled_check"]
+    before = json.loads((finished[1] / "summary.json").read_text())["coupled_linear"]["OOP_Hz"]["full"]
+    check = products.coupled_check.product
+    assert check.full[check.out_of_phase] < before
+    assert check.largest_difference < 1e-3
+
+
+def test_the_check_can_be_left_out(finished, tmp_path):
+    functions = StageFunctions(must_not_run, must_not_run, must_not_run, must_not_run)
+    change = {"contact.normal_stiffness": "30000 N/mm^3"}
+    again, products = products_again(
+        finished, tmp_path, change, functions, check=False, until=stages.STATIC_CONTACT
+    )  # fmt: skip
+    assert again.executed == []
+    assert products.coupled_check is None
+
+
+def test_another_force_is_one_more_curve_and_a_damaged_file_is_made_anew(finished, tmp_path):
+    rig, out, _ = finished
+    shutil.copytree(out, tmp_path / "out")
+    (tmp_path / "out" / "stages" / "static_contact.h5").write_bytes(b"damaged")
+    functions = StageFunctions(must_not_run, must_not_run, must_not_run)
+    options = RunOptions("small", tmp_path / "out", modes=("OOP",), forces=(0.01, 0.02))
+    again = Run(load_rig(rig), options, Display(Console(file=io.StringIO())), functions)
+    products = again.products()
+    assert again.executed == ["static_contact", "OOP 0.02 N"]
+    assert [curve.product.force for curve in products.curves] == [0.01, 0.02]
+    peaks = [curve.product.peak("blade_right.tip.x")[1] for curve in products.curves]
+    assert peaks[0] == pytest.approx(peaks[1], rel=1e-3), "stuck contacts: the receptance is that of a linear system"
+
+
+def test_a_curve_that_stops_early_is_reported_and_the_run_ends_non_zero(finished, tmp_path):
+    rig, out, _ = finished
+    shutil.copytree(out, tmp_path / "out")
+    path = tmp_path / "out" / "stages" / "curve_IP_0.01N.h5"
+    curve, stamp = store.read(path, ResponseCurve), store.read_stamp(path)
+    store.write(path, replace(curve, complete=False, stopped="the branch stops at 424 Hz: stalled"), stamp)
+    result = run_command("run", rig, "--mesh", "small", "--out", tmp_path / "out", "--no-pictures")
+    assert result.exit_code == 1
+    assert "not complete IP 0.01 N: the branch stops at 424 Hz: stalled" in result.output
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert [entry["unconverged"] for entry in summary["curves"]] == [0, 1]
+
+
+def test_a_branch_that_turns_back_is_no_complete_curve(finished, tmp_path):
+    rig, out, _ = finished
+    shutil.copytree(out, tmp_path / "out")
+    path = tmp_path / "out" / "stages" / "curve_IP_0.01N.h5"
+    curve, stamp = store.read(path, ResponseCurve), store.read_stamp(path)
+    middle = curve.frequency.mean()
+    folded = middle - np.abs(curve.frequency - middle)
+    store.write(path, replace(curve, frequency=folded), stamp)
+    result = run_command("run", rig, "--mesh", "small", "--out", tmp_path / "out", "--no-pictures")
+    assert result.exit_code == 1
+    assert "left the window where it had entered" in result.output
+
+
+def test_without_the_libraries_for_rendering_the_rest_is_made(finished, tmp_path, monkeypatch):
+    rig, out, _ = finished
+    shutil.copytree(out, tmp_path / "out")
+    shutil.rmtree(tmp_path / "out" / "pictures")
+    monkeypatch.setattr(scene, "LIBRARIES", {"libnowhere.so.7": "libnowhere7"})
+    result = run_command("run", rig, "--mesh", "small", "--out", tmp_path / "out")
+    assert result.exit_code == 1
+    assert "apt-get install libnowhere7" in result.output
+    drawn = {path.name for path in (tmp_path / "out" / "pictures").iterdir()}
+    assert drawn == set(PICTURES) - {"mesh.png", "modes.png", "mode.gif"}
+
+
+def test_an_interruption_is_survived(finished, tmp_path):
+    """Ctrl-C in the middle of a curve of a real process: the partial file stays and the way on is shown."""
+    _, out, _ = finished
+    rig = short_study(tmp_path, (380, 480), (250, 431))
+    shutil.copytree(out, tmp_path / "out")
+    command = [sys.executable, "-m", "updamp.pipeline", "run", str(rig), "--mesh", "small", "--no-pictures"]
+    command += ["--out", str(tmp_path / "out"), "--mode", "IP", "--force", "17 N", "--jobs", "1"]
+    # What a shell starts in the background ignores Ctrl-C, and so would this process's children.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True
+    )
+    signal.signal(signal.SIGINT, before)
+    partial = tmp_path / "out" / "stages" / "curve_IP_17N.partial.h5"
+    try:
+        while not partial.exists() and process.poll() is None:
+            time.sleep(0.02)
+        os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to the workers as well
+        output, _ = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    assert process.returncode == 130, output
+    assert "run again" in output
+    assert "--force '17 N'" in output
+    assert "Traceback" not in output
+    assert len(store.read(partial, ResponseCurve)) >= 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("run", "missing.toml", "--mesh", "small", "--out", "x"), "missing.toml: no such file"),
+        (("run", RIG, "--mesh", "tiny", "--out", "x"), "--mesh tiny: the rig file has small, medium, full"),
+        (("run", RIG, "--mesh", "small", "--out", "x", "--mode", "XY"), "--mode XY: the rig file has OOP, IP"),
+        (("run", RIG, "--mesh", "small", "--out", "x", "--force", "3.84"), "--force 3.84: state its unit"),
+        (("run", RIG, "--mesh", "small", "--out", "x", "--force", "-1 N"), "--force -1 N: out of range"),
+        (("run", RIG, "--mesh", "small", "--out", "x", "--until", "lunch"), "--until lunch: the stages are mesh, fin"),
+        (("run", RIG, "--mesh", "small", "--out", "x", "--jobs", "0"), "--jobs 0: at least 1"),
+        (("check", "missing.toml"), "missing.toml: no such file"),
+        (("show", "nowhere"), "nowhere/summary.json: no such file; make it with: updamp run RIG"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else None,
+)
+def test_bad_input_is_one_clean_message(arguments, message, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = run_command(*arguments)
+    assert result.exit_code == 2
+    assert f"error: {message}" in result.output
+    assert "Traceback" not in result.output
+    assert list(tmp_path.iterdir()) == [], "nothing is written"
+
+
+def test_with_debug_the_error_itself_comes_through(tmp_path):
+    result = run_command("check", tmp_path / "missing.toml", "--debug")
+    assert type(result.exception).__name__ == "RigError"
+
+
+def test_check_explains_a_rig_file():
+    result = run_command("check", RIG)
+    assert result.exit_code == 0
+    rig = load_rig(RIG)
+    alpha = rig.platform.underside_angle
+    pressure = 960 / (2 * rig.face_area * (np.cos(alpha) + 0.6 * np.sin(alpha))) / 1e6
+    assert f"{pressure:.4f} MPa" in result.output
+    assert "material.youngs_modulus" in result.output
+    assert "1.97e+11" in result.output
+
+
+def test_show_and_version(finished):
+    shown = run_command("show", finished[1])
+    assert shown.exit_code == 0
+    assert "modes.free_1F_Hz" in shown.output
+    assert "OOP" in shown.output
+    assert run_command("--version").output.startswith("updamp ")
+
+
+def test_until_ends_a_run_early(tmp_path):
+    result = run_command("run", RIG, "--mesh", "small", "--out", tmp_path, "--until", "mesh", "--no-pictures")
+    assert result.exit_code == 0, result.output
+    assert [path.name for path in (tmp_path / "stages").glob("*.h5")] == ["mesh.h5"]
+    assert "modes" not in json.loads((tmp_path / "summary.json").read_text())
+
+
+def test_wall_time_of_parallel_work_counts_overlaps_once():
+    assert union_length([(0.0, 2.0), (1.0, 3.0), (10.0, 11.0), (10.2, 10.4)]) == pytest.approx(4.0)
+    assert union_length([]) == 0.0
+
+
+def test_the_meter_sees_memory_and_time():
+    with Meter(every=0.01) as meter:
+        block = np.ones(40_000_000)  # 320 MB
+        time.sleep(0.1)
+        held = block.nbytes
+    assert meter.peak_memory > held
+    assert 0.1 < meter.seconds < 10
+    assert meter.interval[1] - meter.interval[0] == pytest.approx(meter.seconds)

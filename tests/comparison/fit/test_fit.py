@@ -1,0 +1,102 @@
+"""Calibration on synthetic runs: the truth is found, intervals hold it, chi2 is that of the scatter."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.small_model import FINE, NUISANCES, condition, parametrisation, synthetic_plan
+
+from updamp.comparison.findings.findings import findings, misfits
+from updamp.comparison.fit.fit import Fit, compare_at, fit, predict
+from updamp.comparison.fit.observations import Plan, roughness
+from updamp.comparison.fit.scatter import Scatter
+from updamp.comparison.prediction.predicted_branch import trace_branch
+
+CONDITIONS = (condition(10.0), condition(40.0), condition(80.0, upwards=False))
+SCATTER = np.array([n.scatter for n in NUISANCES])
+KNOWN = Scatter({n.name: n.scatter for n in NUISANCES}, drift=5e-5, gain=0.005)
+TRUTH = np.array([0.004, 0.1, 0.2, 0.0])
+
+
+@pytest.fixture(scope="module")
+def runs():
+    return synthetic_plan(parametrisation(), TRUTH, CONDITIONS, SCATTER, seed=3)
+
+
+@pytest.fixture(scope="module")
+def fitted(runs):
+    return fitted_from(runs[0], np.zeros(4))
+
+
+def fitted_from(plan: Plan, start: np.ndarray) -> Fit:
+    p = parametrisation()
+    return fit(p, plan, start, at_start=[trace_branch(p, start, c, FINE) for c in plan.conditions])
+
+
+def test_chi2_at_the_truth_is_that_of_the_scatter(runs):
+    """Each assembly at its own parameters, with drift and gain as they scatter."""
+    plan, drawn = runs
+    known = replace(KNOWN, parameters=dict.fromkeys(KNOWN.parameters, 1e-9))
+    chi2 = values = 0.0
+    for repeat, b in zip(plan.repeats, drawn, strict=True):
+        own = replace(plan, observations=tuple(o for o in plan.observations if o.repeat == repeat))
+        branches = [trace_branch(parametrisation(), TRUTH + b, c, FINE) for c in plan.conditions]
+        found = compare_at(parametrisation(), TRUTH + b, own, branches, known)
+        chi2, values = chi2 + found.chi2, values + found.values
+    assert values == 3 * 3 * 40 * 4
+    assert 0.9 < chi2 / values < 1.1
+
+
+def test_offsets_of_the_assemblies_are_found(runs):
+    """Friction's, which nothing else imitates: within a third of its scatter."""
+    plan, drawn = runs
+    branches = predict(parametrisation(), TRUTH, plan)
+    found = compare_at(parametrisation(), TRUTH, plan, branches, KNOWN)
+    slip = np.array([o.parameters[2] + o.parameters[3] for o in found.offsets.values()])
+    np.testing.assert_allclose(slip, drawn[:, 2] + drawn[:, 3], atol=0.015)
+
+
+def test_the_truth_is_found_from_afar(fitted, runs):
+    mean = TRUTH + runs[1].mean(axis=0)
+    assert fitted.success, fitted.message
+    assert np.all(np.abs(fitted.u - mean) < 3 * fitted.deviations), (fitted.u, mean, fitted.deviations)
+    assert abs(fitted.u[0] - mean[0]) < 3e-4
+    assert abs(fitted.u[1] - mean[1]) < 0.03
+    assert 0.85 < fitted.compared.chi2 / fitted.compared.values < 1.15
+
+
+def test_nothing_stands_out_of_the_scatter(fitted, runs):
+    found = misfits(fitted, runs[0], [1.0] * len(CONDITIONS))
+    assert findings(fitted, runs[0], found) == ()
+
+
+def test_a_shifted_resonance_is_named(runs):
+    """One level's frequencies are moved by 0.3 %: nothing that all levels share explains that."""
+    plan = runs[0]
+    moved = []
+    for o in plan.observations:
+        observed = o.observed.copy()
+        observed[:, 0] += 0.003 * (o.test == 2)
+        moved.append(replace(o, observed=observed))
+    plan = replace(plan, observations=tuple(moved))
+    found = fitted_from(plan, TRUTH)
+    said = findings(found, plan, misfits(found, plan, [1.0] * 3))
+    assert said
+    assert said[0].quantity == "frequency"
+
+
+def test_noise_is_told_from_the_roughness_of_a_run():
+    rng = np.random.default_rng(0)
+    x = np.linspace(0, 3, 400)
+    assert roughness(np.sin(x) + 0.01 * rng.standard_normal(400)) == pytest.approx(0.01, rel=0.15)
+
+
+def test_intervals_know_what_finer_numerics_would_move_the_parameters_by(fitted):
+    """Calibration takes a change up without a trace in the residual; half of it counts, models in quadrature."""
+    p = fitted.parametrisation
+    moved = np.array([[0.003, 0.0, 0.0, 0.04], [0.004, 0.0, 0.1, 0.0]])
+    known = replace(fitted, parametrisation=replace(p, numerics=replace(p.numerics, taken_up=moved)))
+    np.testing.assert_allclose(
+        known.uncertainty**2 - fitted.deviations**2, np.array([0.0025, 0.0, 0.05, 0.02]) ** 2, atol=1e-15
+    )
+    np.testing.assert_array_equal(fitted.uncertainty, fitted.deviations)

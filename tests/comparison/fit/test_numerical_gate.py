@@ -1,0 +1,44 @@
+"""What finer numerics change, and what that leaves open of a parameter."""
+
+import numpy as np
+import pytest
+from support.small_model import condition, parametrisation, small_model, synthetic_plan
+
+from updamp.comparison.fit.fit import FitOptions, fit, predict
+from updamp.comparison.fit.numerical_gate import change_of_branch, moved_by_numerics, unwrapped, with_numerical_error
+from updamp.model.calibration import YOUNGS_MODULUS
+
+STIFFER = 0.002
+
+
+@pytest.fixture(scope="module")
+def gated():
+    """A plan, and the parametrisation with a finer model that is stiffer."""
+    plain = parametrisation()
+    plan, _ = synthetic_plan(plain, np.zeros(4), (condition(30.0),), np.full(4, 1e-4), seed=2)
+    branches = predict(plain, np.zeros(4), plan)
+    finer = {"stiffer": YOUNGS_MODULUS.apply(small_model(), float(np.exp(STIFFER)))}
+    return plan, with_numerical_error(plain, np.zeros(4), plan, branches, finer)
+
+
+def test_the_change_by_another_model_is_free_of_the_error_that_was_taken_off(gated):
+    plan, p = gated
+    (branch,) = predict(p, np.zeros(len(p)), plan)
+    observed = unwrapped(branch.at(branch.place).value)
+    same = change_of_branch(small_model(), branch.condition, observed, p.numerics)
+    assert np.abs(same).max() < 2e-3
+    # else the error itself would count as what the other model changes
+    assert np.abs(change_of_branch(small_model(), branch.condition, observed)[:, 0]).max() > STIFFER / 4
+
+
+def test_a_parameter_is_as_open_as_it_makes_up_for_half_of_what_finer_numerics_change(gated):
+    plan, p = gated
+    found = fit(p, plan, np.zeros(len(p)), options=FitOptions(rounds=2))
+    # given the numerics, the data tell more
+    n = p.n_of_model
+    assert np.all(found.given_numerics[:n] <= found.deviations[:n] * (1 + 1e-9))
+    information = np.linalg.inv(found.covariance)[:n, :n]
+    np.testing.assert_allclose(found.given_numerics[:n], np.sqrt(np.diag(np.linalg.inv(information))), rtol=1e-6)
+    moved = moved_by_numerics(found)
+    assert moved[p.names.index("youngs_modulus")] == pytest.approx(STIFFER / 2, rel=0.05)
+    assert np.all(moved[p.n_of_model :] == 0)

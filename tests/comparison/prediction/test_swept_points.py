@@ -1,0 +1,174 @@
+"""Of branches with a wide hysteresis is kept what the sweep sees: the same points as of the whole branch."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from updamp.comparison.prediction.model_at import ModelAt
+from updamp.comparison.prediction.moved_branch import move_branch
+from updamp.comparison.prediction.parameters import Parametrisation
+from updamp.comparison.prediction.predicted_branch import PredictedBranch, observe, observe_swept, trace_branch
+from updamp.comparison.prediction.run_condition import Condition
+from updamp.comparison.prediction.swept_points import OtherEnd, swept_points
+from updamp.effects.catalogue import JOINTS
+from updamp.hbm.continuation.continuation import BranchStoppedError, continue_branch
+from updamp.hbm.newton.newton import Status
+from updamp.model.build import modal_model
+from updamp.model.calibration import nuisances
+from updamp.model.rig_files import load_modal
+
+POINT = "beam.drive.x"
+# A softening spring bends the resonance by 20 half-widths.
+DOWN = Condition("down", "first", 1.2, False, (76.5, 81.5), ((POINT, 1),))
+SOFTENING = -1.0  # of the typical coefficient
+
+
+@pytest.fixture(scope="module")
+def softening() -> Parametrisation:
+    beam = modal_model(load_modal(Path(__file__).parents[3] / "rigs" / "brake_reuss.toml"))
+    return Parametrisation(beam, nuisances(beam), (JOINTS["joint_cubic"],))
+
+
+def at(p: Parametrisation, stiffer: float = 0.0) -> np.ndarray:
+    return np.array([stiffer, *np.zeros(len(p) - 2), SOFTENING])
+
+
+def whole(p: Parametrisation, u: np.ndarray, condition: Condition) -> PredictedBranch:
+    there = ModelAt(p, u)
+    force = there.model.excited_by(condition.force)
+    points = list(continue_branch(there.model.system, force, condition.wider, upwards=condition.upwards))
+    return observe(there, condition, points, "")
+
+
+def seen(branch: PredictedBranch) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies and logarithms of the amplitude, densely, of what the sweep sees; ordered by frequency"""
+    place = np.linspace(branch.place[0], branch.place[-1], 20 * len(branch.place))
+    near = np.clip(np.searchsorted(branch.place, place, side="right") - 1, 0, len(branch.place) - 2)
+    value = branch.at(place[branch.visited[near] & branch.visited[near + 1]]).value
+    order = np.argsort(value[:, 0])
+    return np.exp(value[order, 0]), value[order, 1]
+
+
+@pytest.mark.parametrize("upwards", [False, True])
+def test_what_is_seen_are_the_same_points_as_of_the_whole_branch(softening, upwards):
+    condition = replace(DOWN, upwards=upwards)
+    there = ModelAt(softening, at(softening))
+    force = there.model.excited_by(condition.force)
+    walk = continue_branch(there.model.system, force, condition.wider, upwards=upwards)
+    short, full = observe_swept(there, condition, walk), whole(softening, at(softening), condition)
+    assert np.sum(~full.visited) > 16
+    assert np.sum(~short.visited) == 8
+    assert sum(point.after_gap for point in short.points) == 1
+    for name in ("state", "slopes", "w_by_parameter"):
+        np.testing.assert_array_equal(getattr(short, name)[short.visited], getattr(full, name)[full.visited])
+
+
+def assert_the_same(a: PredictedBranch, b: PredictedBranch) -> None:
+    """But for the fold and where the sweep lands after its jump, which are known to a step of the branch."""
+    (f, amplitude), (g, reference) = seen(a), seen(b)
+    jump = g[np.argmax(np.diff(reference))]
+    clear = (f > g[0]) & (f < g[-1]) & (np.abs(f / jump - 1) > 0.01)
+    assert np.sum(clear) > 100
+    np.testing.assert_allclose(amplitude[clear], np.interp(f[clear], g, reference), atol=5e-3)
+    folds = [x.frequency[np.argmin(x.visited) - 1] for x in (a, b)]
+    assert folds[0] == pytest.approx(folds[1], rel=5e-4)
+
+
+@pytest.mark.parametrize("upwards", [False, True])
+def test_what_the_sweep_jumps_to_is_found_from_the_other_end(softening, upwards):
+    condition = replace(DOWN, upwards=upwards)
+    short, full = trace_branch(softening, at(softening), condition), whole(softening, at(softening), condition)
+    assert_the_same(short, full)
+    assert np.sum(~short.visited) == 8
+    assert sum(point.after_gap for point in short.points) == 1
+    # the same branch on, in the same direction: tangents and the derivatives along it, where both leave the window
+    first, last = short.points[0], short.points[-1]
+    assert (last.tangent_w > 0) == (first.tangent_w > 0) == upwards
+    np.testing.assert_allclose(short.along[-1, 0], full.along[-1, 0], rtol=0.05)
+
+
+def test_a_branch_with_a_piece_left_out_is_moved(softening):
+    before = trace_branch(softening, at(softening), DOWN)
+    moved = move_branch(softening, at(softening, 2e-3), before)
+    assert moved is not None
+    assert_the_same(moved, whole(softening, at(softening, 2e-3), DOWN))
+
+
+@dataclass(frozen=True)
+class Kept:
+    """What is kept of a point in the tests below."""
+
+    point: SimpleNamespace
+
+    def after_gap(self) -> "Kept":
+        return Kept(SimpleNamespace(w=self.point.w, after_gap=True))
+
+    def turned(self, step: float, after_gap: bool) -> "Kept":  # noqa: ARG002
+        return Kept(SimpleNamespace(w=self.point.w, after_gap=after_gap, step=0.1))
+
+
+def points(*frequencies: float):
+    return iter([SimpleNamespace(w=w, after_gap=False, step=0.1) for w in frequencies])
+
+
+def of(kept: list[Kept]) -> list[tuple[float, bool]]:
+    return [(k.point.w, k.point.after_gap) for k in kept]
+
+
+BACK = [9 - 0.1 * i for i in range(1, 40)]
+
+
+def test_a_short_way_back_is_kept_whole():
+    found, stopped = swept_points(points(8, 9, *BACK[:7], 10, 11), True, Kept)
+    assert of(found) == [(w, False) for w in (8, 9, *BACK[:7], 10, 11)]
+    assert stopped == ""
+
+
+def test_of_a_long_way_back_the_ends_are_kept():
+    found, _ = swept_points(points(8, 9, *BACK, 9.5, 12), True, Kept)
+    assert of(found) == [
+        (8, False), (9, False), *((w, False) for w in BACK[:4]),
+        (BACK[-4], True), *((w, False) for w in BACK[-3:]), (9.5, False), (12, False),
+    ]  # fmt: skip
+
+
+def test_a_branch_that_stops_says_so_and_one_of_three_points_is_none():
+    found, stopped = swept_points(stopping(6, 7, 8, 9), True, Kept)
+    assert len(found) == 4
+    assert "stops" in stopped
+    with pytest.raises(BranchStoppedError):
+        swept_points(stopping(6, 7, 8), True, Kept)
+
+
+def stopping(*frequencies: float):
+    yield from points(*frequencies)
+    raise BranchStoppedError(9.0, 1e-3, Status.STALLED)
+
+
+def test_a_way_back_that_stops_ends_at_what_is_found_from_the_other_end():
+    other = OtherEnd(lambda: points(12, 11, 10, 9.5, 8.9, 8.8, 8.7, 8.6, 8.5), 10.0)
+    found, stopped = swept_points(stopping(6, 7, 8, 9, *BACK[:6]), True, Kept, other)
+    assert stopped == ""
+    ahead = [(8.6, True), (8.7, False), (8.8, False), (8.9, False), *((w, False) for w in (9.5, 10, 11, 12))]
+    assert of(found) == [*((w, False) for w in (6, 7, 8, 9, *BACK[:4])), *ahead]
+
+
+def test_an_other_end_that_turns_back_or_stops_leaves_the_way_back():
+    turning = OtherEnd(lambda: points(12, 11, *(11 + 0.05 * i for i in range(1, 30))), 10.0)
+    for other in (turning, OtherEnd(lambda: stopping(12, 11, 10), 10.0)):
+        found = swept_points(points(8, 9, *BACK, 9.5, 12), True, Kept, other)
+        assert of(found[0]) == of(swept_points(points(8, 9, *BACK, 9.5, 12), True, Kept)[0])
+        assert found[1] == ""
+
+
+def test_a_second_fold_may_be_reached_though_the_first_was_not():
+    """Hysteresis of one mode after the other: from the other end the branch turns back between both folds."""
+    back = [9 - 0.1 * i for i in range(1, 20)]
+    first_fold = points(8, 9, *back, 9.5, 13, *(13 - 0.2 * i for i in range(1, 40)))
+    other = OtherEnd(lambda: points(16, 15, 14, 12.5, 12, 11.5, 11, *(11 + 0.05 * i for i in range(1, 30))), 10.0)
+    found, _ = swept_points(first_fold, True, Kept, other)
+    assert [k.point.w for k in found[-7:]] == [11, 11.5, 12, 12.5, 14, 15, 16]
+    assert 9.5 in [k.point.w for k in found]  # the first way back was followed

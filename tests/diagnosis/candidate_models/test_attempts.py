@@ -1,0 +1,47 @@
+"""Fits on their way to other processes: what is left out of them is made again exactly."""
+
+import pickle
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from support.small_model import condition, parametrisation, synthetic_plan
+
+from updamp.comparison.fit.fit import Fit, compare_at, predict
+from updamp.comparison.fit.scatter import Scatter
+from updamp.comparison.prediction.model_at import ModelAt
+from updamp.comparison.prediction.observed_point import with_matrices
+from updamp.comparison.prediction.predicted_branch import observe
+from updamp.diagnosis.candidate_models.attempts import with_branches, without_branches
+
+U = np.array([0.0, 0.1, 0.05, 0.0])
+
+
+@pytest.fixture(scope="module")
+def fitted() -> Fit:
+    p = parametrisation()
+    plan, _ = synthetic_plan(p, U, (condition(60.0),), np.zeros(4), seed=1, repeats=1)
+    scatter = Scatter({n.name: n.scatter for n in p.nuisances})
+    return Fit(p, compare_at(p, U, plan, predict(p, U, plan), scatter), np.eye(4), True, "")
+
+
+def test_branches_keep_no_matrices_and_are_differentiated_the_same_with_them_again(fitted):
+    assert len(pickle.dumps(without_branches(fitted))) < len(pickle.dumps(fitted)) < 2**20
+    (branch,) = pickle.loads(pickle.dumps(fitted)).compared.branches
+    assert all(point.solution.equation is None for point in branch.points)
+    there = ModelAt(fitted.parametrisation, U)
+    points = with_matrices(there.model, branch.condition, branch.points)
+    again = observe(there, branch.condition, points, branch.stopped)
+    np.testing.assert_array_equal(again.slopes, branch.slopes)
+    np.testing.assert_array_equal(again.state, branch.state)
+
+
+def test_branches_that_are_missing_are_traced(fitted):
+    plan = SimpleNamespace(conditions=(condition(60.0),))
+    (branch,) = with_branches(without_branches(fitted), SimpleNamespace(train_plan=plan)).compared.branches
+    (before,) = fitted.compared.branches
+    np.testing.assert_allclose(branch.frequency, before.frequency)
+
+
+def test_whole_fits_are_left_as_they_are(fitted):
+    assert with_branches(fitted, SimpleNamespace(train_plan=None)) is fitted

@@ -1,0 +1,104 @@
+"""A fit with an effect, and what speaks against it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.small_model import NUISANCES, condition, small_model, synthetic_plan
+
+from updamp.comparison.fit import numerical_gate
+from updamp.comparison.prediction.parameters import Parametrisation
+from updamp.diagnosis.candidate_models.attempts import Attempt, run_here
+from updamp.diagnosis.candidate_models.baseline import baseline, gated_again
+from updamp.diagnosis.candidate_models.fits import Fits
+from updamp.diagnosis.candidate_models.refit import FULL, Starts, refit
+from updamp.diagnosis.criteria import Criteria
+from updamp.diagnosis.selection.single_effects import numerics_anew
+from updamp.effects.effect import Effect, EffectParameter
+from updamp.hbm.problem.structural_changes import Attachment
+
+
+def with_share(model, values):
+    spring = Attachment("at b", points={"b.x": 1.0}, stiffness=3e4 * values["share"])
+    return replace(model, attachments=(*model.attachments, spring))
+
+
+SHARE = EffectParameter("share", 0.0, 0.0, 1.0, 0.5, "", "test")
+
+
+@pytest.mark.parametrize(("ends", "said"), [((), "spring.share"), ((1.0,), "")])
+def test_a_parameter_at_a_bound_is_told_unless_the_bound_makes_sense_itself(monkeypatch, ends, said):
+    monkeypatch.setattr(numerical_gate, "nuisances", lambda _: NUISANCES)
+    truth = Parametrisation(with_share(small_model(), {"share": 1.3}), NUISANCES)
+    plan, _ = synthetic_plan(truth, np.zeros(4), (condition(60.0),), np.array([1e-4, 0.02, 0.02, 0.01]), seed=3)
+    effect = Effect("spring", "there is a spring", (replace(SHARE, ends=ends),), with_share)
+    start = baseline(small_model(), (), plan, {})
+    found = refit(start.fitted, plan, (effect,), Starts((np.ones(1),), ()), Criteria(), full=True)
+    assert found.fitted.parametrisation.values(found.fitted.u)["spring"]["share"] == pytest.approx(1.0, abs=1e-3)
+    assert found.at_bound == said
+
+
+# An effect that a finer mesh shows differently, though the model without it is the same on both.
+
+STIFFNESS = 1e4
+FINE = replace(small_model(), notes={"fine": 1.0})
+
+
+def apply(model, values):
+    """A spring at b, and beside it one at a that only the finer mesh resolves."""
+    k = STIFFNESS * values["size"]
+    springs = [Attachment("at b", points={"b.x": 1.0}, stiffness=k)]
+    if "fine" in model.notes:
+        springs.append(Attachment("at a", points={"a.x": 1.0}, stiffness=0.4 * k))
+    return replace(model, attachments=(*model.attachments, *springs))
+
+
+SPRING = Effect("spring", "there is a spring", (EffectParameter("size", 0.0, 0.0, 5.0, 1.0, "", "test"),), apply)
+
+
+def test_a_fit_that_leaves_a_misfit_of_its_mesh_explains_the_data_once_that_is_known(monkeypatch):
+    monkeypatch.setattr(numerical_gate, "nuisances", lambda _: NUISANCES)
+    truth = Parametrisation(apply(FINE, {"size": 1.0}), NUISANCES)
+    conditions = tuple(condition(f) for f in (10.0, 60.0))
+    plan, _ = synthetic_plan(truth, np.zeros(4), conditions, np.array([1e-4, 0.02, 0.02, 0.01]), seed=7)
+    starts = Starts((np.ones(1),), ())
+    start = baseline(small_model(), (), plan, {"fine": FINE})
+    found = refit(start.fitted, plan, (SPRING,), starts, Criteria(), full=True)
+    again = gated_again(found.fitted, start, FULL)
+    # what the right model leaves: sensors, and the interpolation between points of a single contact's branch
+    right = replace(start.fitted, parametrisation=replace(start.fitted.parametrisation, base=FINE))
+    least = refit(right, plan, (SPRING,), starts, Criteria(), full=True).excess
+    assert found.excess > 20 * least
+    assert again.compared.excess < 2 * least  # what the mesh changes was found where the first fit ended
+    assert again.parametrisation.values(again.u)["spring"]["size"] == pytest.approx(1.0, rel=0.1)
+
+
+def shown_weakly(model, values):
+    """A spring at b of the size; where that is positive a coarse mesh shows half of it, and where it is negative
+    it comes with one at a."""
+    size = values["size"]
+    share = 1.0 if size < 0 or "fine" in model.notes else 0.5
+    springs = [Attachment("at b", points={"b.x": 1.0}, stiffness=STIFFNESS * share * abs(size))]
+    if size < 0:
+        springs.append(Attachment("at a", points={"a.x": 1.0}, stiffness=0.3 * STIFFNESS * abs(size)))
+    return replace(model, attachments=(*model.attachments, *springs))
+
+
+WEAKLY = Effect(
+    "spring", "there is a spring", (EffectParameter("size", 0.0, -3.0, 3.0, 1.0, "", "test"),), shown_weakly
+)
+
+
+def test_a_fit_that_ended_at_the_wrong_sign_is_turned_round(monkeypatch):
+    monkeypatch.setattr(numerical_gate, "nuisances", lambda _: NUISANCES)
+    truth = Parametrisation(shown_weakly(FINE, {"size": 1.0}), NUISANCES)
+    plan, _ = synthetic_plan(truth, np.zeros(4), (condition(60.0),), np.array([1e-4, 0.02, 0.02, 0.01]), seed=7)
+    start, criteria = baseline(small_model(), (), plan, {"fine": FINE}), Criteria()
+    (found,) = run_here(start, criteria, [Attempt((WEAKLY,), (-np.ones(1),), full=True)], lambda *_: None)
+    assert found.refit.fitted.u[found.refit.fitted.parametrisation.columns("spring")] < 0
+    tries = [Attempt((WEAKLY,), (), True, near=found.refit.fitted, gated_again=True, size=size) for size in (1.0, -1.0)]
+    same, turned = run_here(start, criteria, tries, lambda *_: None)
+    best = numerics_anew(Fits(start, criteria, lambda _: None, run_here), {("spring",): found})[("spring",)]
+    assert same.refit.drop < turned.refit.drop == pytest.approx(best.refit.drop)
+    p = best.refit.fitted.parametrisation
+    assert p.values(best.refit.fitted.u)["spring"]["size"] == pytest.approx(1.0, rel=0.3)

@@ -1,0 +1,91 @@
+"""The verdict, from evidence made up."""
+
+from dataclasses import replace
+
+import pytest
+
+from updamp.diagnosis.criteria import Criteria
+from updamp.diagnosis.decision.ablations import ablations
+from updamp.diagnosis.decision.decide import decide, reason_against
+from updamp.diagnosis.evidence import EVIDENCE_JSON, EffectScore, Evidence, Trial
+
+RIGHT = Trial(("right",), 1.05, 9000.0, 8990.0, 1.1, "", True)
+EVIDENCE = Evidence(
+    excess=9.0,
+    held_out=3.0,
+    repeatability=1.0,
+    tested=(EffectScore("right", 90.0, 0.8, 8100.0, 0.6, 200.0), EffectScore("wrong", 60.0, 0.7, 3600.0, 0.7, 300.0)),
+    trials=(RIGHT, Trial(("wrong",), 4.0, 4000.0, 990.0, 2.0, "", True)),
+    pairs=(),
+    alike=(),
+)
+
+
+def outcome(**changes):
+    decision = decide(replace(EVIDENCE, **changes), Criteria())
+    return decision.outcome, decision.group or decision.effects
+
+
+def test_the_effect_that_leaves_the_least_is_identified():
+    assert outcome() == ("identified", ("right",))
+
+
+@pytest.mark.parametrize(
+    "against",
+    [
+        {"delta_bic": 9.0},
+        {"held_out": 2.95},
+        {"at_bound": "right.size"},
+        {"full": False},
+    ],
+)
+def test_what_speaks_against_an_effect(against):
+    trial = replace(RIGHT, **against)
+    assert reason_against(trial, EVIDENCE, Criteria())
+    assert outcome(trials=(trial,)) == ("unknown", ())
+    assert outcome(trials=(trial,), excess=1.1) == ("adequate", ())
+
+
+def test_held_out_runs_that_were_predicted_well_need_not_gain():
+    assert outcome(held_out=1.05) == ("identified", ("right",))
+    assert outcome(held_out=1.05, trials=(replace(RIGHT, held_out=1.2),)) == ("unknown", ())
+
+
+def test_what_nuisance_parameters_can_imitate_is_not_identifiable():
+    hidden = replace(EVIDENCE.tested[0], visibility=0.1)
+    assert outcome(tested=(hidden,), trials=(RIGHT,)) == ("unknown", ())
+
+
+def test_an_effect_that_leaves_a_misfit_is_not_the_answer():
+    assert outcome(trials=(replace(RIGHT, excess=2.5),)) == ("unknown", ())
+    assert outcome(trials=(replace(RIGHT, held_out=1.7),)) == ("unknown", ())
+
+
+def test_rivals_are_named_as_a_group():
+    assert outcome(trials=(RIGHT, replace(RIGHT, effects=("other",), excess=1.1))) == (
+        "inseparable",
+        ("right", "other"),
+    )
+
+
+def test_two_effects_where_one_leaves_a_misfit_and_both_are_needed():
+    single = replace(RIGHT, excess=3.0)
+    pair = Trial(("right", "second"), 1.1, 9500.0, 400.0, 1.05, "", True)
+    assert outcome(trials=(single,), pairs=(pair,)) == ("identified", ("right", "second"))
+    assert outcome(trials=(single,), pairs=(pair,), alike=(("second", "right", 0.95),)) == ("unknown", ())
+    assert outcome(trials=(single,), pairs=(replace(pair, delta_bic=5.0),)) == ("unknown", ())
+    # where one is enough a second is not looked at
+    assert outcome(pairs=(pair,)) == ("identified", ("right",))
+
+
+def test_ablations_say_what_parts_of_the_method_would():
+    said = ablations(EVIDENCE, Criteria())
+    assert said["no orthogonalisation"] == ("identified", ("wrong",), ())
+    assert said["no scatter"] == ("identified", ("wrong",), ())
+    assert said["score only"] == ("identified", ("right",), ())
+    assert said["BIC only"] == ("identified", ("right",), ())
+
+
+def test_evidence_is_kept_to_the_last_digit(tmp_path):
+    EVIDENCE_JSON.write(tmp_path / "evidence.json", EVIDENCE)
+    assert EVIDENCE_JSON.read(tmp_path / "evidence.json") == EVIDENCE

@@ -1,0 +1,84 @@
+"""What an effect of typical size could do, where first order about the model without it says nothing."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.small_model import NUISANCES, condition, small_model, synthetic_plan
+
+from updamp.comparison.fit import numerical_gate
+from updamp.comparison.fit.scatter import Scatter
+from updamp.comparison.prediction.parameters import Parametrisation
+from updamp.diagnosis.candidate_models.baseline import baseline
+from updamp.diagnosis.criteria import Criteria
+from updamp.diagnosis.score_tests.candidates import attempts
+from updamp.diagnosis.score_tests.probe import highest_levels, probes
+from updamp.diagnosis.score_tests.score import scores
+from updamp.diagnosis.score_tests.signature import extend
+from updamp.effects.effect import Effect, EffectParameter
+from updamp.hbm.problem.structural_changes import Attachment
+
+STIFFNESS = 3e4
+
+
+def by_spring(model, stiffness):
+    return replace(
+        model, attachments=(*model.attachments, Attachment("test", points={"b.x": 1.0}, stiffness=stiffness))
+    )
+
+
+# Acts with its square: first order about null sees nothing of it.
+ASKEW = Effect(
+    "askew",
+    "something is askew",
+    (EffectParameter("size", 0.0, -2.0, 2.0, 0.8, "", "test"),),
+    lambda model, values: by_spring(model, STIFFNESS * values["size"] ** 2),
+)
+DASHPOT = Effect(
+    "dashpot",
+    "there is a dashpot",
+    (EffectParameter("c", 0.0, 0.0, 40.0, 2.0, "", "test"),),
+    lambda model, values: replace(
+        model, attachments=(*model.attachments, Attachment("test", points={"a.x": 1.0}, dashpot=values["c"]))
+    ),
+)
+SCATTER = np.array([1e-4, 0.02, 0.02, 0.01])
+CONDITIONS = tuple(condition(f) for f in (10.0, 60.0))
+
+
+@pytest.fixture(scope="module")
+def start():
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(numerical_gate, "nuisances", lambda _: NUISANCES)
+        truth = Parametrisation(by_spring(small_model(), STIFFNESS), NUISANCES)
+        plan, _ = synthetic_plan(truth, np.zeros(4), CONDITIONS, SCATTER, seed=5)
+        return baseline(small_model(), (), plan, {})
+
+
+def test_an_effect_that_acts_with_its_square_is_tried_first_and_near_its_size(start):
+    scored = scores(extend(start.fitted, start.train_plan, (ASKEW, DASHPOT)))
+    assert next(s for s in scored if s.effect is ASKEW).score < next(s for s in scored if s.effect is DASHPOT).score
+    found = probes(start, (DASHPOT, ASKEW))
+    assert [p.effect for p in found] == [ASKEW, DASHPOT]
+    assert abs(0.8 * found[0].start[0]) == pytest.approx(1.0, rel=0.1)
+    assert attempts(start, (DASHPOT, ASKEW), scored, Criteria(), lambda _: None)[0].effects == (ASKEW,)
+
+
+def test_only_the_highest_level_of_each_mode_is_looked_at(start):
+    assert highest_levels(start.plan) == (1,)
+
+
+def test_a_misfit_does_not_go_into_the_scatter(start):
+    """Sizes went to the ends of their range, 2.7 times their guess up or down, while a misfit counted as scatter."""
+    assert start.fitted.compared.excess > 1000
+    guess = Scatter({n.name: n.scatter for n in NUISANCES}).as_numbers()
+    for name, deviation in start.fitted.compared.scatter.as_numbers().items():
+        assert 0.5 < deviation / guess[name] < 2, name
+
+
+def test_what_leads_as_far_as_it_may_is_tried_once_more_from_there(start):
+    """The size that was there is five times the typical one; the first probe reaches three."""
+    small = replace(ASKEW, parameters=(replace(ASKEW.parameters[0], typical=0.2),))
+    (near,), (found,) = probes(start, (ASKEW,)), probes(start, (small,))
+    assert 0.2 * abs(found.start[0]) == pytest.approx(0.8 * abs(near.start[0]), rel=0.2)
+    assert abs(found.start[0]) > 3.5

@@ -1,0 +1,144 @@
+"""The whole search on two masses with a friction contact: hidden effects are named, nothing is found in nothing."""
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from support.small_model import NUISANCES, condition, small_model, synthetic_plan
+
+from updamp.comparison.fit import numerical_gate
+from updamp.comparison.prediction import parameters
+from updamp.comparison.prediction.parameters import Parametrisation
+from updamp.diagnosis.candidate_models.attempts import Attempt, run_here
+from updamp.diagnosis.candidate_models.baseline import baseline
+from updamp.diagnosis.candidate_models.fits import Fits
+from updamp.diagnosis.criteria import Criteria
+from updamp.diagnosis.decision.decide import decide
+from updamp.diagnosis.score_tests.signature import extend
+from updamp.diagnosis.selection import pairs
+from updamp.diagnosis.selection.search import search
+from updamp.effects.effect import Effect, EffectParameter
+from updamp.hbm.problem.structural_changes import Attachment
+
+SCATTER = np.array([1e-4, 0.02, 0.02, 0.01])
+LEVELS = (10.0, 30.0, 60.0)
+
+
+def attached(model, **entries):
+    return replace(model, attachments=(*model.attachments, Attachment("test", **entries)))
+
+
+def effect(name, parameter, typical, apply):
+    return Effect(
+        name, f"there is a {name}", (EffectParameter(parameter, 0.0, 0.0, 20 * typical, typical, "", "test"),), apply
+    )
+
+
+SPRING = effect("spring", "k", 2e3, lambda m, v: attached(m, points={"b.x": 1.0}, stiffness=v["k"]))
+DASHPOT = effect("dashpot", "c", 2.0, lambda m, v: attached(m, points={"a.x": 1.0}, dashpot=v["c"]))
+TWIN = effect("twin", "k", 1e3, lambda m, v: attached(m, points={"b.x": 1.0}, stiffness=v["k"]))
+WEAKER = effect("weaker", "share", 0.3, lambda m, v: m.with_contacts(n0=m.contacts.parameters.n0 * np.exp(-v["share"])))
+
+
+@pytest.fixture(autouse=True)
+def few_nuisances(monkeypatch):
+    monkeypatch.setattr(numerical_gate, "nuisances", lambda _: NUISANCES)
+    assert parameters.nuisances is not numerical_gate.nuisances
+
+
+@lru_cache
+def start(stiffness):
+    """Calibrated to data with a spring hidden in them; once for all tests."""
+    model = small_model()
+    truth = Parametrisation(SPRING.apply(model, {"k": stiffness}) if stiffness else model, NUISANCES)
+    plan, _ = synthetic_plan(truth, np.zeros(4), tuple(condition(f) for f in LEVELS), SCATTER, seed=3)
+    return baseline(model, (), plan, {})
+
+
+def found(stiffness, effects):
+    return search(start(stiffness), effects, Criteria())
+
+
+def test_one_level_is_held_out_and_the_hidden_spring_is_named_with_its_size():
+    result = found(3e3, (SPRING, DASHPOT, WEAKER))
+    assert [result.baseline.plan.conditions[i].force for i in result.baseline.held_out] == [30.0]
+    decision = decide(result.evidence, Criteria())
+    assert (decision.outcome, decision.effects) == ("identified", ("spring",))
+    fitted = result.refits[("spring",)].fitted
+    k = fitted.parametrisation.values(fitted.u)["spring"]["k"]
+    place = fitted.parametrisation.names.index("spring.k")
+    assert k == pytest.approx(3e3, rel=0.15)
+    assert abs(k - 3e3) < 3 * 2e3 * fitted.deviations[place]
+    assert decision.trial.held_out < result.evidence.held_out / 3
+    assert decision.trial.excess < 1.3
+
+
+def test_a_gross_misfit_leads_neither_the_calibration_nor_the_search_astray():
+    """A spring ten times as stiff: numerical error must not be taken to its limits to lessen it a little."""
+    gross = start(3e4)
+    assert gross.fitted.compared.excess > 30
+    numerics = gross.fitted.u[gross.fitted.parametrisation.n_of_model :]
+    assert np.max(np.abs(numerics)) < 1
+    result = found(3e4, (DASHPOT, SPRING, WEAKER))
+    decision = decide(result.evidence, Criteria())
+    assert (decision.outcome, decision.effects) == ("identified", ("spring",))
+    assert decision.trial.excess < 1.3
+    fitted = result.refits[("spring",)].fitted
+    assert fitted.parametrisation.values(fitted.u)["spring"]["k"] == pytest.approx(3e4, rel=0.1)
+
+
+def test_nothing_is_found_where_nothing_is_hidden():
+    result = found(0.0, (SPRING, DASHPOT))
+    assert decide(result.evidence, Criteria()).outcome == "adequate"
+
+
+def test_what_looks_the_same_is_called_inseparable():
+    result = found(3e3, (SPRING, TWIN, DASHPOT))
+    decision = decide(result.evidence, Criteria())
+    assert decision.outcome == "inseparable"
+    assert set(decision.group) == {"spring", "twin"}
+    assert any({a, b} == {"spring", "twin"} and cosine > 0.99 for a, b, cosine in result.evidence.alike)
+
+
+def test_an_effect_without_a_place_in_the_model_is_refused_with_its_reason():
+    def apply(_model, _values):
+        raise ValueError("no such thing in this model")
+
+    nothing = start(0.0)
+    extended = extend(nothing.fitted, nothing.train_plan, (SPRING, effect("impossible", "x", 1.0, apply)))
+    assert extended.refused == {"impossible": "no such thing in this model"}
+    assert [e.name for e in extended.effects] == ["spring"]
+
+
+def test_second_effects_are_looked_for_where_the_first_explains_all_but_stands_at_its_bound(monkeypatch):
+    fits, tried = Fits(start(3e3), Criteria(), lambda _: None, run_here), []
+    singles = fits.results([Attempt((SPRING,), (np.full(1, 1.5),), full=True)])
+    ((names, found_alone),) = singles.items()
+    assert found_alone.trial.excess < Criteria().look_further
+    monkeypatch.setattr(pairs, "_beside", lambda _fits, first, *_: tried.append(first) or {})
+    pairs.try_pairs(fits, (SPRING, DASHPOT), singles)
+    assert tried == []
+    at_bound = replace(found_alone, refit=replace(found_alone.refit, at_bound="spring.k"))
+    pairs.try_pairs(fits, (SPRING, DASHPOT), {names: at_bound})
+    assert tried == [at_bound.refit]
+
+
+def test_pairs_are_given_the_numerical_error_of_the_model_with_both_effects(monkeypatch):
+    """That they help is shown in test_regate.py; here that they are asked for, and that the answer counts."""
+    fits, asked = Fits(start(3e3), Criteria(score=0.0), lambda _: None, run_here), []
+
+    def anew(beside, settled):
+        asked.append((beside.start.fitted.parametrisation.effects, tuple(settled)))
+        return {
+            names: replace(r, refit=replace(r.refit, gated_again=True), trial=replace(r.trial, held_out=0.5))
+            for names, r in settled.items()
+        }
+
+    singles = fits.results([Attempt((DASHPOT,), (np.full(1, 0.5),), full=True)])
+    monkeypatch.setattr(pairs, "numerics_anew", anew)
+    ((names, pair),) = pairs.try_pairs(fits, (SPRING, DASHPOT), singles).items()
+    assert asked == [((DASHPOT,), (("spring",),))]
+    assert names == ("dashpot", "spring") == pair.trial.effects
+    assert pair.trial.held_out == 0.5
+    assert pair.refit.excess < singles[("dashpot",)].refit.excess

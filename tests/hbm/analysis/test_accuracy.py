@@ -1,0 +1,207 @@
+"""Error estimates against converged references, and the search for the cheapest setting."""
+
+import numpy as np
+import pytest
+from support.peers import blades_and_damper_system, one_degree_of_freedom, solved
+
+from updamp.hbm.analysis.accuracy import Selection, estimate_error
+from updamp.hbm.analysis.adaptive import AdaptiveStatus, Limits, Tolerance, adaptive
+from updamp.hbm.analysis.settings import Setting, all_finer, more_harmonics, one_more_cycle, setting_of, with_setting
+from updamp.hbm.contact.coulomb_circle import CoulombCircle
+from updamp.hbm.contact.jenkins import Jenkins, JenkinsParameters
+from updamp.hbm.contact.jenkins_box import JenkinsBox
+from updamp.hbm.contact.springs import CubicParameters, CubicSpring
+from updamp.hbm.continuation.continuation import ContinuationOptions
+from updamp.hbm.continuation.curve import CurveRequest, trace
+from updamp.hbm.continuation.sweeps import turning_points
+from updamp.hbm.problem.elements import ElementGroup
+from updamp.hbm.problem.system import Excitation, NonlinearSystem
+
+FINE = ContinuationOptions(largest_step=0.1)
+
+
+def friction_request(system: NonlinearSystem, force: float = 40.0) -> CurveRequest:
+    excitation = Excitation(system.free.row("excitation"), force)
+    return CurveRequest("1", excitation, (230.6, 232.8), ("tip",), options=ContinuationOptions(frequency_scale=4.0))
+
+
+def duffing(orders: tuple[int, ...] = (0, 1)) -> NonlinearSystem:
+    d = solved("a_duffing_1dof")["definition"]
+    group = ElementGroup(CubicSpring(), CubicParameters(np.array([d["g"]])), np.array([[0]]))
+    return one_degree_of_freedom(d["c"], group, orders, 64)
+
+
+def duffing_request(system: NonlinearSystem, share: float = 1.0, options: ContinuationOptions = FINE) -> CurveRequest:
+    """share: of the force of the solved problem"""
+    force = share * solved("a_duffing_1dof")["definition"]["P"]
+    window = (0.5 / 2 / np.pi, 2.0 / 2 / np.pi)
+    return CurveRequest("1", Excitation(system.free.row("mass"), force), window, ("mass",), options=options)
+
+
+def last(system: NonlinearSystem, request: CurveRequest):
+    *_, curve = trace(system, request)
+    assert curve.complete
+    return curve
+
+
+def at_phase(curve, point: str, phase: float) -> float:
+    """Frequency [Hz] on the first passage through the phase."""
+    lag = -np.unwrap(np.angle(curve.receptance(point)))
+    return float(np.interp(-phase, lag, curve.frequency))
+
+
+def test_estimate_against_a_converged_reference_with_separation():
+    """Harmonics 0-3 and 128 samples at 40 N, against 0-9 and 512 samples."""
+    system = blades_and_damper_system(JenkinsBox(2))
+    request = friction_request(system)
+    curve = last(system, request)
+    converged = last(with_setting(system, Setting(tuple(range(10)), 512, 2)), request)
+    estimate = estimate_error(system, request, curve)
+    error = 100 * (converged.peak("tip")[1] / curve.peak("tip")[1] - 1)
+    assert error < -2
+    assert estimate.together.peak_percent == pytest.approx(error, rel=0.15)
+    assert estimate.harmonics.peak_percent == pytest.approx(error, rel=0.15)
+    top = np.argmax(np.abs(curve.receptance("tip")))
+    phase = float(np.angle(curve.receptance("tip")[top]))
+    shift = at_phase(converged, "tip", phase) - curve.frequency[top]
+    # 0.01 Hz up or down from one harmonic to the next is what is left of the convergence of this resonance
+    assert estimate.together.peak_hertz == pytest.approx(shift, abs=0.015)
+    assert abs(estimate.samples.peak_percent) < 0.01
+    assert estimate.cycles is not None
+    assert abs(estimate.cycles.peak_percent) < 1e-6, "the box law settles in two cycles"
+    assert estimate.together.unsolved == ()
+    assert "tip" in str(estimate)
+
+
+def test_one_more_cycle_of_a_law_that_settles_slowly():
+    """The circle law: from two cycles to three most of what six would change."""
+    system = blades_and_damper_system(CoulombCircle(2), (0, 1), 64)
+    request = friction_request(system)
+    curve = last(system, request)
+    peak = Selection.of(system, request, curve, "tip").only_peak()
+    settled = with_setting(system, Setting((0, 1), 64, 6))
+    converged = peak.deviation(lambda _: setting_of(settled)).peak_percent
+    assert abs(converged) > 1e-4
+    assert 0.5 < peak.deviation(one_more_cycle).peak_percent / converged < 1.0
+
+
+def test_estimate_for_duffing_with_turning_points():
+    system = duffing((0, 1))
+    request = duffing_request(system)
+    curve = last(system, request)
+    estimate = estimate_error(system, request, curve)
+    converged = last(with_setting(system, Setting(tuple(range(12)), 256)), request)
+    error = 100 * (converged.peak("mass")[1] / curve.peak("mass")[1] - 1)
+    assert estimate.percent == pytest.approx(abs(error), rel=0.1)
+    top = np.argmax(np.abs(curve.receptance("mass")))
+    phase = float(np.angle(curve.receptance("mass")[top]))
+    shift = at_phase(converged, "mass", phase) - curve.frequency[top]
+    assert estimate.together.peak_hertz == pytest.approx(shift, rel=0.1)
+    folds = [c.frequency[turning_points(c.frequency)] for c in (curve, converged)]
+    assert estimate.together.turning_hertz == pytest.approx(np.abs(folds[1] - folds[0]).max(), rel=0.1)
+    assert estimate.cycles is None
+
+
+def test_estimate_of_a_converged_curve_is_small():
+    system = duffing(tuple(range(8)))
+    request = duffing_request(system)
+    estimate = estimate_error(system, request, last(system, request))
+    assert estimate.percent < 1e-3
+    assert estimate.hertz < 1e-5
+
+
+LIMITS = Limits(Setting((0, 1), 64), highest_order=9, time_samples=512)
+
+
+def test_stronger_force_takes_more_harmonics():
+    system = duffing()
+    weak, strong = (
+        adaptive(system, duffing_request(system, share), Tolerance(percent=0.02), LIMITS) for share in (0.1, 1.0)
+    )
+    assert weak.status is strong.status is AdaptiveStatus.MET
+    assert len(weak.setting.orders) < len(strong.setting.orders)
+    for found in (weak, strong):
+        assert found.estimate is not None
+        assert found.estimate.percent <= 0.02
+        assert found.curve.orders == found.setting.orders
+
+
+def test_the_chosen_setting_is_that_accurate_and_no_cheaper_one_tried_was():
+    system = duffing()
+    request = duffing_request(system)
+    found = adaptive(system, request, Tolerance(percent=0.02), LIMITS)
+    height = last(with_setting(system, Setting(tuple(range(14)), 256)), request).peak("mass")[1]
+    errors = []
+    for setting in found.tried:
+        curve = last(with_setting(system, setting), request)
+        errors.append(100 * abs(height / curve.peak("mass")[1] - 1))
+    assert errors[-1] <= 0.02
+    assert min(errors[:-1]) > 0.02
+    costs = [setting.cost for setting in found.tried]
+    assert costs == sorted(costs)
+
+
+def test_friction_takes_harmonics_and_no_more_cycles_than_its_law_needs():
+    d = solved("b_jenkins_1dof")["definition"]
+    group = ElementGroup(Jenkins(), JenkinsParameters(np.array([d["kt"]]), np.array([d["muN"]])), np.array([[0]]))
+    system = one_degree_of_freedom(d["c"], group, (0, 1), 64)
+    excitation = Excitation(system.free.row("mass"), d["P"])
+    request = CurveRequest("1", excitation, (0.9 / 2 / np.pi, 1.5 / 2 / np.pi), ("mass",))
+    found = adaptive(system, request, Tolerance(percent=0.3), Limits(Setting((0, 1), 64, 2)))
+    assert found.status is AdaptiveStatus.MET
+    assert found.setting.orders[-1] >= 3
+    assert found.setting.cycles == 2
+
+
+def test_limits_are_said_to_be_reached():
+    system = duffing()
+    tight = Limits(Setting((0, 1), 64), highest_order=3, time_samples=128)
+    found = adaptive(system, duffing_request(system), Tolerance(percent=1e-6), tight)
+    assert found.status is AdaptiveStatus.LIMITS_REACHED
+    assert "limits" in found.status.advice
+    assert found.estimate is not None
+    assert found.estimate.percent > 1e-6
+    assert found.setting.orders[-1] == 3
+
+
+def test_a_curve_that_stops_is_said_to():
+    system = duffing()
+    short = ContinuationOptions(max_points=3)
+    found = adaptive(system, duffing_request(system, options=short), Tolerance(percent=1.0), LIMITS)
+    assert found.status is AdaptiveStatus.NOT_TRACED
+    assert found.estimate is None
+    assert "max_points" in found.curve.stopped
+
+
+def test_refinements():
+    setting = Setting((0, 1, 2, 3), 16, 2)
+    assert more_harmonics(setting) == Setting(tuple(range(8)), 28, 2)
+    assert more_harmonics(Setting((1, 3), 64)).orders == (1, 3, 5, 7)
+    assert all_finer(setting) == Setting(tuple(range(8)), 56, 3)
+    assert one_more_cycle(Setting((0, 1), 64)).cycles is None
+    system = with_setting(blades_and_damper_system(CoulombCircle(3)), setting)
+    assert setting_of(system) == setting
+    assert system.groups[0].law == CoulombCircle(2)
+
+
+@pytest.mark.parametrize(
+    ("make", "name"),
+    [
+        (lambda: Tolerance(percent=0.0), "percent"),
+        (lambda: Tolerance(percent=1.0, hertz=-1.0), "hertz"),
+        (lambda: Setting((0, 1, 2, 3), 6), "time_samples"),
+        (lambda: Setting((0, 1), 64, 0), "cycles"),
+        (lambda: Limits(Setting((0, 1), 64, 5)), "limits"),
+    ],
+)
+def test_bad_values_are_refused_by_name(make, name):
+    with pytest.raises(ValueError, match=name):
+        make()
+
+
+def test_a_single_point_is_no_branch():
+    system = duffing()
+    request = duffing_request(system)
+    first = next(trace(system, request))
+    with pytest.raises(ValueError, match="at least two"):
+        estimate_error(system, request, first)

@@ -1,0 +1,182 @@
+"""Exponents against closed forms, turning points, and multipliers found by marching in time."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.peers import friction, one_degree_of_freedom, solved
+from support.period_map import multipliers
+
+from updamp.hbm.analysis.perturbed_forces import perturbed_tangent
+from updamp.hbm.analysis.stability import StabilityOptions, between_turning_points, stability, stability_of_curve
+from updamp.hbm.contact.jenkins import Jenkins, JenkinsParameters
+from updamp.hbm.contact.jenkins_box import JenkinsBox
+from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
+from updamp.hbm.contact.springs import CubicParameters, CubicSpring
+from updamp.hbm.continuation.continuation import first_point
+from updamp.hbm.continuation.curve import CurveRequest, trace
+from updamp.hbm.continuation.sweeps import turning_points
+from updamp.hbm.harmonics import Harmonics
+from updamp.hbm.newton.observe import ContactState, contact_states, response
+from updamp.hbm.problem.elements import ElementGroup, element_forces
+from updamp.hbm.problem.linear_model import from_matrices
+from updamp.hbm.problem.system import Excitation, NonlinearSystem
+
+ROW = np.array([[0]])
+WINDOW = (0.5 / 2 / np.pi, 2.0 / 2 / np.pi)
+
+
+def _curve(system, force):
+    *_, curve = trace(system, CurveRequest("1", Excitation(system.free.row("mass"), force), WINDOW, ("mass",)))
+    assert curve.complete
+    return curve
+
+
+@pytest.fixture(scope="module")
+def duffing():
+    d = solved("a_duffing_1dof")["definition"]
+    group = ElementGroup(CubicSpring(), CubicParameters(np.array([d["g"]])), ROW)
+    system = one_degree_of_freedom(d["c"], group, tuple(range(8)), 128)
+    return system, _curve(system, d["P"]), d["c"]
+
+
+def test_duffing_is_unstable_between_its_turning_points_and_stable_elsewhere(duffing):
+    system, curve, c = duffing
+    turns, against = turning_points(curve.frequency), between_turning_points(curve.frequency)
+    assert 3 < against.sum() < len(curve) // 2
+    for i, point in enumerate(stability_of_curve(system, curve)):
+        assert point.trusted, point.reason
+        assert point.exponents.sum().real == pytest.approx(-c, rel=1e-9)
+        if i not in turns:
+            assert point.stable != against[i]
+            assert (abs(point.decisive.imag) < 1e-9 and point.decisive.real > 0) == against[i]
+
+
+def test_wrong_side_of_a_turning_point_is_noticed(duffing):
+    system, curve, _ = duffing
+    i = int(np.flatnonzero(between_turning_points(curve.frequency))[2])
+    point = stability(system, curve.displacement[i], 2 * np.pi * curve.frequency[i], against=False)
+    assert not point.trusted
+    assert "1 real exponents grow, outside turning points" in point.reason
+
+
+def test_too_few_harmonics_are_noticed():
+    """A response in the first harmonic that its third makes unstable: three harmonics do not see it, eleven do."""
+    d = solved("a_duffing_1dof")["definition"]
+    group = ElementGroup(CubicSpring(), CubicParameters(np.array([40 * d["g"]])), ROW)
+    system = one_degree_of_freedom(d["c"], group, (0, 1), 128)
+    solution = first_point(system, Excitation(system.free.row("mass"), 2.0), 0.7)
+    coarse, fine = (stability(system, solution.x, 0.7, StabilityOptions(order=order)) for order in (0, 11))
+    assert fine.trusted
+    assert not fine.stable
+    assert not coarse.trusted
+    assert "too few harmonics" in coarse.reason
+
+
+@pytest.fixture(scope="module")
+def friction_system():
+    """Five degrees of freedom, three contacts with all directions coupled: that of test_time_integration."""
+    rng = np.random.default_rng(4)
+    omega = 2 * np.pi * np.array([80.0, 110.0, 190.0, 260.0, 420.0])
+    M, K = np.eye(5), np.diag(omega**2)
+    C = np.diag(2 * omega * np.array([0.03, 0.04, 0.05, 0.06, 0.08]))
+    Q, load = rng.normal(size=(9, 5)), np.array([1.0, 0.4, 0.2, 0.1, 0.3])
+    n0, kt, kn, mu = np.array([1.0, 1.2, 0.8]) * 4, 3e4, 4e4, 0.4
+    points = {"load": load, **{f"q{i}": np.eye(5)[i] for i in range(5)}}
+    linear = from_matrices(M, C, K, Q, points)
+    group = ElementGroup(JenkinsBox(2), friction(3, mu, kt, kn, n0), np.arange(9).reshape(3, 3))
+    system = NonlinearSystem(linear, (group,), Harmonics(tuple(range(12))), 256)
+    every = np.ones(3)
+    return system, (M, C, K, Q, (mu * every, kt * every, kn * every, n0), load)
+
+
+def _by_both(friction_system, force, steps, w=2 * np.pi * 105.0):
+    """Stability of the response, and exponents from multipliers marched in time; imaginary parts modulo w."""
+    system, (M, C, K, Q, p, load) = friction_system
+    excitation = Excitation(system.free.row("load"), force)
+    solution = first_point(system, excitation, w)
+    assert solution.converged
+    y = response(solution.equation, excitation, np.arange(10, 15))
+    q, v = y @ system.harmonics.synthesis(64)[0], w * y @ system.harmonics.synthesis_rate(64)[0]
+    values, _ = multipliers(M, C, K, Q, p, force * load, w, np.concatenate([q, v, np.zeros(6)]), steps, 12, 1e-6)
+    moving = values[np.abs(np.abs(values) - 1) > 1e-4]  # sliders at rest have multiplier 1
+    marched = np.log(moving[:2].astype(complex)) * w / (2 * np.pi)
+    return stability(system, solution.x, w), marched, contact_states(system, solution.x, w)
+
+
+def test_exponents_of_stuck_contacts_are_those_of_the_modes(friction_system):
+    system, w = friction_system[0], 2 * np.pi * 105.0
+    point = stability(system, first_point(system, Excitation(system.free.row("load"), 0.5), w).x, w)
+    stuck = system.stuck
+    A = np.block([[np.zeros((5, 5)), np.eye(5)], [-np.diag(stuck.omega_squared), -stuck.viscous]])
+    exact = np.linalg.eigvals(A)
+    assert point.stable
+    assert point.trusted
+    assert np.abs(exact - point.decisive).min() < 1e-8 * abs(point.decisive)
+    assert point.decisive.real == pytest.approx(exact.real.max(), rel=1e-9)
+
+
+def test_exponents_with_slip_and_separation_are_those_of_time_marching(friction_system):
+    """The sliders' memory is in both: without it the decay is 25 % slower. 5 % are left between them because the march
+    takes closing and reversal at its steps: in the sampled law that alone moves the rate between 23.4 and 26.8 1/s from
+    256 to 2048 samples, in the law that follows events between samples by 0.01 1/s."""
+    point, marched, states = _by_both(friction_system, 400.0, 256)
+    w = 2 * np.pi * 105.0
+    assert ContactState.SEPARATING in states
+    assert point.stable
+    assert point.trusted, point.reason
+    assert point.change < 0.001 * abs(point.decisive.real)
+    assert point.decisive.real == pytest.approx(marched[0].real, rel=0.05)
+    folded = [abs((sign * point.decisive.imag - marched[0].imag + w / 2) % w - w / 2) for sign in (1, -1)]
+    assert min(folded) < 2e-3 * w
+
+
+def test_just_touching_contacts_make_rates_uncertain_and_it_is_said(friction_system):
+    """At 12 N one slider is caught slipping or not, depending on the samples: marching in 256 and in 512 steps gives
+    rates 12 % apart, and so do exponents of the sampled law; the sign is not in doubt. Followed between the samples the
+    same contact leaves no doubt."""
+    system, definition = friction_system
+    sampled = replace(system, groups=(replace(system.groups[0], law=SampledJenkinsBox(2)),))
+    (point, coarse, _), (_, fine, _) = (_by_both((sampled, definition), 12.0, steps) for steps in (256, 512))
+    gap = abs(coarse[0].real - fine[0].real)
+    assert gap > 0.1 * abs(coarse[0].real)
+    assert point.stable
+    assert point.change == pytest.approx(gap, rel=0.1)
+    followed, *_ = _by_both(friction_system, 12.0, 256)
+    assert followed.change < 0.01 * gap
+
+
+def test_tangent_without_growth_is_that_of_the_harmonic_balance(friction_system):
+    system, _ = friction_system
+    solution = first_point(system, Excitation(system.free.row("load"), 400.0), 2 * np.pi * 105.0)
+    group = system.groups[0]
+    x = solution.x[group.rows]
+    still = perturbed_tangent(group, x, solution.w, 0.0, system.harmonics, system.time_samples)
+    expected = element_forces(group, x, solution.w, system.harmonics, system.time_samples).tangent
+    np.testing.assert_allclose(still, expected, atol=1e-9 * np.abs(expected).max())
+
+
+def test_folds_with_friction():
+    """A hardening spring beside a Jenkins element: one real exponent grows between the turning points, with memory."""
+    linear = from_matrices(np.eye(1), 0.02 * np.eye(1), np.eye(1), np.ones((2, 1)), {"mass": np.ones(1)})
+    groups = (
+        ElementGroup(CubicSpring(), CubicParameters(np.array([0.1])), np.array([[0]])),
+        ElementGroup(Jenkins(), JenkinsParameters(np.array([0.3]), np.array([0.02])), np.array([[1]])),
+    )
+    system = NonlinearSystem(linear, groups, Harmonics(tuple(range(6))), 256)
+    curve = _curve(system, 0.15)
+    turns, against = turning_points(curve.frequency), between_turning_points(curve.frequency)
+    assert len(turns) == 2
+    between = (turns[0] + turns[1]) // 2
+    places = [turns[0] // 2, turns[0] - 1, turns[0] + 1, between, turns[1] - 1, turns[1] + 1, turns[1] + 5]
+    for i, point in zip(places, stability_of_curve(system, curve, places), strict=True):
+        assert point.stable != against[i], f"{curve.frequency[i]} Hz"
+        assert point.trusted, point.reason
+
+
+@pytest.mark.parametrize(
+    ("options", "name"), [({"order": -1}, "order"), ({"followed": 0}, "followed"), ({"agreement": 2.0}, "agreement")]
+)
+def test_options_refuse_bad_values_by_name(options, name):
+    with pytest.raises(ValueError, match=name):
+        StabilityOptions(**options)

@@ -1,0 +1,141 @@
+"""Corners: folds without a rounded top, orientation, and steps of a law sampled in time."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.peers import blades_and_damper_system, one_degree_of_freedom, solved
+
+from updamp.hbm.contact.jenkins_box import JenkinsBox
+from updamp.hbm.contact.springs import CubicParameters, CubicSpring, UnilateralParameters, UnilateralSpring
+from updamp.hbm.continuation import predictor_corrector as walk
+from updamp.hbm.continuation.branch_switching import leads_back
+from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions, continue_branch, first_point
+from updamp.hbm.continuation.retracing import traversed
+from updamp.hbm.newton.active_forces import DirectForces, KrylovForces, ModalForces
+from updamp.hbm.newton.jacobian import factorise
+from updamp.hbm.newton.newton import NewtonOptions, evaluate, solve
+from updamp.hbm.problem.elements import ElementGroup
+from updamp.hbm.problem.system import Excitation
+
+ROW = np.array([[0]])
+GAP = 1.0
+WINDOW = (1.2 / 2 / np.pi, 1.6 / 2 / np.pi)
+
+
+@pytest.fixture(scope="module", params=[10.0, 100.0, 1e4])
+def against_a_stop(request):
+    """One degree of freedom of 1 rad/s above its resonance, and a stiff stop seen at eight instants: met coming down
+    in frequency, it sends the branch back up."""
+    stiffness = request.param
+    stop = ElementGroup(UnilateralSpring(), UnilateralParameters(np.array([stiffness]), np.array([GAP])), ROW)
+    system = one_degree_of_freedom(0.01, stop, (1,), 8)
+    force = GAP * abs(1 - 1.35**2)  # touches at 1.35 rad/s
+    return system, Excitation(system.free.row("mass"), force)
+
+
+def walked(system, excitation, points=60):
+    found = []
+    options = ContinuationOptions(max_points=points, leaps=(), steps_over=())
+    try:
+        for point in continue_branch(system, excitation, WINDOW, options, upwards=False):
+            found.append(point)
+    except BranchStoppedError as stop:
+        return found, stop
+    return found, None
+
+
+def test_branch_goes_round_a_fold_without_a_top(against_a_stop):
+    found, stop = walked(*against_a_stop)
+    assert stop is None
+    w, size = np.array([(p.w, np.linalg.norm(p.x)) for p in found]).T
+    turn = int(np.argmin(w))
+    assert w[turn] == pytest.approx(1.35, abs=0.01)
+    assert 0 < turn < len(w) - 1
+    assert (np.diff(w[turn + 1 :]) > 0).all(), "beyond the corner the branch goes up again"
+    assert (size[turn + 1 :] > 0.99 * GAP).all(), "along the stop"
+    assert len({p.orientation for p in found}) == 1
+
+
+def test_without_the_far_sides_tangent_it_stops_there(against_a_stop, monkeypatch):
+    monkeypatch.setattr(walk, "ways_on", lambda *_: iter(()))
+    found, stop = walked(*against_a_stop)
+    assert stop is not None
+    assert found[-1].w == pytest.approx(1.35, abs=0.01)
+
+
+def test_what_leads_back_is_told_from_what_leads_on(against_a_stop):
+    """Points between those of the leg that was walked, found anew, and the leg beyond the corner, close to it."""
+    system, excitation = against_a_stop
+    found, _ = walked(system, excitation)
+    turn = int(np.argmin([p.w for p in found]))
+    down, up = found[:turn], found[turn : turn + 4]
+    a, b = down[-2:]
+    between = solve(system, excitation, (a.x + b.x) / 2, (a.w + b.w) / 2)
+    assert between.converged
+    assert leads_back(down, between)
+    assert not any(leads_back(down, point.solution) for point in up)
+
+
+def duffing():
+    d = solved("a_duffing_1dof")["definition"]
+    group = ElementGroup(CubicSpring(), CubicParameters(np.array([d["g"]])), ROW)
+    system = one_degree_of_freedom(d["c"], group, tuple(range(4)), 64)
+    return system, Excitation(system.free.row("mass"), d["P"])
+
+
+def test_orientation_stays_through_folds():
+    points = list(continue_branch(*duffing(), (0.5 / 2 / np.pi, 2.0 / 2 / np.pi)))
+    backwards = [p for p in points if p.tangent_w < 0]
+    assert 5 < len(backwards) < len(points) - 5
+    assert {p.orientation for p in points} == {1.0}
+
+
+def test_a_branch_walked_back_is_recognised_by_its_orientation():
+    """The same place, walked the same way round and back: only who goes back is on what was traversed."""
+    points = list(continue_branch(*duffing(), (0.5 / 2 / np.pi, 2.0 / 2 / np.pi)))
+    behind, again = traversed(points[:20]), points[15]
+    back = replace(again, tangent_x=-again.tangent_x, tangent_w=-again.tangent_w)
+    assert behind.meets(back)
+    assert behind.meets(again)
+    other_leg = replace(again, tangent_x=-again.tangent_x)  # back, though with the orientation of the way there
+    assert not behind.meets(other_leg)
+
+
+@pytest.mark.parametrize("solver", [DirectForces, KrylovForces, ModalForces])
+def test_sign_of_the_determinant(solver):
+    """Against that of J column by column, at points of either sign: J itself and J reflected in one direction."""
+    system = blades_and_damper_system(JenkinsBox(2), (0, 1), 64)
+    excitation = Excitation(system.free.row("excitation"), 40.0)
+    solution = first_point(system, excitation, 2 * np.pi * 232.0)
+    rng = np.random.default_rng(0)
+    signs = set()
+    for _ in range(6):
+        x = solution.x + rng.normal(size=solution.x.shape) * np.abs(solution.x).max()
+        equation = evaluate(system, excitation, x, solution.w)
+        tangents = tuple(rng.normal() * t for t in equation.departure.tangents)
+        departure = replace(equation.departure, tangents=tangents)
+        jacobian = factorise(equation.receptance, departure)
+        rows = jacobian.rows
+        forces = (
+            solver(equation.receptance, departure)
+            if solver is ModalForces
+            else solver(equation.receptance, departure, rows)
+        )
+        inverse = np.column_stack(
+            [jacobian.solve(e.reshape(x.shape)).ravel() for e in np.eye(x.size)]  # J^-1 has the sign of J
+        )
+        assert forces.determinant_sign == np.linalg.slogdet(inverse)[0]
+        signs.add(forces.determinant_sign)
+    assert signs == {1.0, -1.0}, "both signs are met"
+
+
+def test_undamped_steps_cross_a_kink_at_which_damped_ones_stay(against_a_stop):
+    """From this side the full step rises before it falls."""
+    system, excitation = against_a_stop
+    found, _ = walked(system, excitation)
+    beyond = max(found, key=lambda p: np.linalg.norm(p.x))
+    start, w = 0.9 * beyond.x / np.linalg.norm(beyond.x), beyond.w
+    full = solve(system, excitation, start, w, NewtonOptions(damped=False))
+    assert full.converged
+    assert max(full.errors) >= full.errors[0]

@@ -1,0 +1,163 @@
+"""Branches: through folds, energy balance, resume, sweeps."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.peers import blades_and_damper_system, one_degree_of_freedom, solved
+
+from updamp.hbm.contact.jenkins_box import JenkinsBox
+from updamp.hbm.contact.springs import CubicParameters, CubicSpring
+from updamp.hbm.continuation import curve as curve_module
+from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions, continue_branch
+from updamp.hbm.continuation.curve import CurveRequest, trace
+from updamp.hbm.continuation.sweeps import sweep, turning_points
+from updamp.hbm.newton.newton import NewtonOptions, Status
+from updamp.hbm.problem.elements import ElementGroup
+from updamp.hbm.problem.system import Excitation
+
+ROW = np.array([[0]])
+
+
+@pytest.fixture(scope="module")
+def duffing():
+    d = solved("a_duffing_1dof")["definition"]
+    group = ElementGroup(CubicSpring(), CubicParameters(np.array([d["g"]])), ROW)
+    system = one_degree_of_freedom(d["c"], group, tuple(range(8)), 128)
+    request = CurveRequest(
+        "1", Excitation(system.free.row("mass"), d["P"]), (0.5 / 2 / np.pi, 2.0 / 2 / np.pi), ("mass",)
+    )
+    *_, curve = trace(system, request)
+    return system, request, curve
+
+
+def test_duffing_peak_beyond_the_fold(duffing):
+    """The largest amplitude lies on an overhanging branch; three codes agree on where."""
+    _, _, curve = duffing
+    assert curve.complete
+    assert len(turning_points(curve.frequency)) == 2
+    w, amplitude = solved("a_duffing_1dof")["peak"]["tmdsimpy_parabola"]
+    f, receptance = curve.peak("mass")
+    assert receptance * curve.force == pytest.approx(amplitude, rel=1e-3)
+    assert 2 * np.pi * f == pytest.approx(w, rel=1e-3)
+
+
+def test_sweeps_jump_where_the_branch_turns(duffing):
+    _, _, curve = duffing
+    fold_high, fold_low = curve.frequency[turning_points(curve.frequency)]
+    up, down = sweep(curve.frequency, upwards=True), sweep(curve.frequency, upwards=False)
+    assert up.jumps == pytest.approx([fold_high])
+    assert down.jumps == pytest.approx([fold_low])
+    assert (np.diff(curve.frequency[up.visited]) > 0).all()
+    assert (np.diff(curve.frequency[down.visited]) < 0).all()
+    size = np.abs(curve.amplitude("mass"))
+    assert size[up.visited].max() == size.max()
+    assert size[down.visited].max() < 0.8 * size.max()
+
+
+def test_a_branch_without_folds_is_seen_whole():
+    both = [sweep(np.linspace(1.0, 2.0, 9), upwards) for upwards in (True, False)]
+    np.testing.assert_array_equal(both[0].visited, np.arange(9))
+    np.testing.assert_array_equal(both[1].visited, np.arange(9)[::-1])
+    assert not len(both[0].jumps)
+    with pytest.raises(ValueError, match="two points"):
+        sweep(np.ones(1), True)
+
+
+@pytest.fixture(scope="module")
+def friction_curve():
+    system = blades_and_damper_system(JenkinsBox(2))
+    request = CurveRequest("1", Excitation(system.free.row("excitation"), 40.0), (228.0, 262.0), ("tip", "excitation"))
+    *_, curve = trace(system, request)
+    return system, request, curve
+
+
+def test_energy_balance_at_every_point(friction_curve):
+    """Work of the excitation = friction loss (area of the loops, integrated in time) + material loss."""
+    _, _, curve = friction_curve
+    assert curve.complete
+    np.testing.assert_allclose(curve.friction_loss + curve.material_loss, curve.work_in, rtol=2e-3)
+    assert curve.friction_loss.max() > 0.3 * curve.work_in.max()
+
+
+def test_every_point_is_converged(friction_curve):
+    _, request, curve = friction_curve
+    assert (curve.error < request.options.newton.tolerance).all()
+    assert curve.unconverged == 0
+
+
+def test_interrupted_curve_resumes_as_if_it_had_not_been(friction_curve):
+    system, request, curve = friction_curve
+    keep = (
+        "frequency",
+        "displacement",
+        "response",
+        "work_in",
+        "friction_loss",
+        "material_loss",
+        "iterations",
+        "error",
+        "active",
+        "after_gap",
+    )
+    part = replace(curve, complete=False, **{name: getattr(curve, name)[:20] for name in keep})
+    *_, resumed = trace(system, request, part)
+    assert resumed.complete
+    tops = [c.peak("tip") for c in (resumed, curve)]
+    assert tops[0] == pytest.approx(tops[1], rel=1e-4)
+    np.testing.assert_array_equal(resumed.frequency[:20], curve.frequency[:20])
+
+
+def test_both_directions_find_the_same_peak(friction_curve):
+    system, request, curve = friction_curve
+    *_, backwards = trace(system, replace(request, upwards=False))
+    assert backwards.complete
+    # the points lie elsewhere on the branch, and the peak is read between them: 0.2 of its height apart at most
+    assert backwards.peak("tip") == pytest.approx(curve.peak("tip"), rel=1e-3)
+
+
+def test_a_branch_that_cannot_go_on_says_where_and_keeps_what_it_has():
+    system = blades_and_damper_system(JenkinsBox(2))
+    hopeless = ContinuationOptions(
+        first_step=0.2, smallest_step=0.19, largest_step=0.2, newton=NewtonOptions(tolerance=1e-13, iterations=1)
+    )
+    request = CurveRequest(
+        "1", Excitation(system.free.row("excitation"), 40.0), (226.0, 240.0), ("tip",), options=hopeless
+    )
+    *_, curve = trace(system, request)
+    assert not curve.complete
+    assert curve.unconverged == 1
+    assert len(curve) >= 1
+    assert "Hz" in curve.stopped
+    assert Status.TOO_MANY_ITERATIONS.advice in curve.stopped
+
+
+def test_points_are_handed_out_one_by_one():
+    system = blades_and_damper_system(JenkinsBox(2))
+    branch = continue_branch(system, Excitation(system.free.row("excitation"), 10.0), (220.0, 240.0))
+    first, second = next(branch), next(branch)
+    assert first.frequency == pytest.approx(220.0)
+    assert second.frequency > first.frequency
+
+
+def test_a_branch_that_stops_is_met_from_the_other_end(duffing, monkeypatch):
+    """The forward piece is cut short beyond the folds' first half; the other piece must complete the same curve."""
+    system, request, whole = duffing
+    cut = len(whole) // 2
+
+    def interrupted(system, excitation, window, options, upwards, resume=()):
+        branch = continue_branch(system, excitation, window, options, upwards, resume)
+        for i, point in enumerate(branch):
+            if upwards and i == cut:
+                raise BranchStoppedError(point.frequency, 1.0, Status.STALLED)
+            yield point
+
+    monkeypatch.setattr(curve_module, "continue_branch", interrupted)
+    *_, joined = trace(system, request)
+    assert joined.complete
+    assert not joined.stopped
+    assert np.flatnonzero(joined.after_gap).tolist() == [cut]
+    assert len(turning_points(joined.frequency)) == 2
+    assert joined.peak("mass") == pytest.approx(whole.peak("mass"), rel=1e-3)
+    assert joined.frequency[0] == pytest.approx(whole.frequency[0])
+    assert joined.frequency[-1] == pytest.approx(request.window[1], rel=0.02)

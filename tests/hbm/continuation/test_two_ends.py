@@ -1,0 +1,101 @@
+"""A branch traced from both ends in turn: met within the other piece, and given up where the way between is long."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.peers import one_degree_of_freedom, solved
+
+from updamp.hbm.contact.springs import CubicParameters, CubicSpring
+from updamp.hbm.continuation import curve as curve_module
+from updamp.hbm.continuation.continuation import ContinuationOptions, continue_branch
+from updamp.hbm.continuation.curve import CurveRequest, trace
+from updamp.hbm.continuation.sweeps import sweep, turning_points
+from updamp.hbm.problem.elements import ElementGroup
+from updamp.hbm.problem.system import Excitation
+
+
+@pytest.fixture(scope="module")
+def hysteresis():
+    """Duffing's oscillator between two folds, some hundred points"""
+    d = solved("a_duffing_1dof")["definition"]
+    group = ElementGroup(CubicSpring(), CubicParameters(np.array([d["g"]])), np.array([[0]]))
+    system = one_degree_of_freedom(d["c"], group, tuple(range(8)), 128)
+    window = (0.5 / 2 / np.pi, 2.0 / 2 / np.pi)
+    request = CurveRequest(
+        "1",
+        Excitation(system.free.row("mass"), d["P"]),
+        window,
+        ("mass",),
+        options=ContinuationOptions(largest_step=0.1),
+    )
+    *_, curve = trace(system, request)
+    return system, request, curve
+
+
+@pytest.mark.parametrize("upwards", [True, False])
+@pytest.mark.parametrize("alone", [2, 30])
+def test_the_same_curve_from_both_ends(hysteresis, monkeypatch, alone, upwards):
+    system, request, whole = hysteresis
+    monkeypatch.setattr(curve_module, "_ALONE", alone)
+    *_, curve = trace(system, replace(request, upwards=upwards))
+    assert curve.complete
+    assert not curve.after_gap.any()
+    frequency = curve.frequency if upwards else curve.frequency[::-1]
+    folds, wanted = (f[turning_points(f)] for f in (frequency, whole.frequency))
+    assert len(folds) == 2
+    np.testing.assert_allclose(folds, wanted, rtol=1e-3)
+    assert curve.peak("mass") == pytest.approx(whole.peak("mass"), rel=1e-3)
+    assert len(curve) < 1.1 * len(whole)
+
+
+def test_an_interrupted_curve_goes_on_from_both_ends(hysteresis, monkeypatch):
+    system, request, whole = hysteresis
+    monkeypatch.setattr(curve_module, "_ALONE", 20)
+    for part in trace(system, request):
+        if len(part) == 25:
+            break
+    *_, curve = trace(system, request, part)
+    assert curve.complete
+    assert not curve.after_gap.any()
+    np.testing.assert_array_equal(curve.frequency[:25], part.frequency)
+    assert curve.peak("mass") == pytest.approx(whole.peak("mass"), rel=1e-3)
+
+
+def test_what_a_walk_passed_after_it_was_led_astray_is_left_out(hysteresis, monkeypatch):
+    """Below its first fold the piece from the lower end jumps to the other sheet and goes back along it, for ever."""
+    system, request, whole = hysteresis
+    monkeypatch.setattr(curve_module, "_ALONE", 20)
+    below, low = whole.frequency[turning_points(whole.frequency)][::-1]
+    astray = 0.5 * (below + low)
+
+    def led_astray(system, excitation, window, options, upwards, resume=()):
+        for point in continue_branch(system, excitation, window, options, upwards, resume):
+            yield point
+            if upwards and point.frequency > astray:
+                break
+        else:
+            return
+        while True:
+            yield from continue_branch(system, excitation, (window[0], astray), options, False, ())
+
+    monkeypatch.setattr(curve_module, "continue_branch", led_astray)
+    *_, curve = trace(system, request)
+    assert curve.complete
+    assert not curve.after_gap.any()
+    assert curve.peak("mass") == pytest.approx(whole.peak("mass"), rel=1e-3)
+    assert len(turning_points(curve.frequency)) == 2
+
+
+def test_what_connects_two_pieces_is_not_followed_for_ever(hysteresis, monkeypatch):
+    """Both sheets and their jumps are known before the unstable part between the folds is."""
+    system, request, whole = hysteresis
+    monkeypatch.setattr(curve_module, "_ALONE", 2)
+    *_, curve = trace(system, replace(request, connecting=4))
+    assert curve.complete
+    assert not curve.stopped
+    assert curve.after_gap.sum() == 1
+    assert len(curve) < len(whole)
+    folds = [sweep(curve.frequency, upwards).jumps for upwards in (True, False)]
+    wanted = [sweep(whole.frequency, upwards).jumps for upwards in (True, False)]
+    np.testing.assert_allclose(folds, wanted, rtol=0.02)

@@ -1,0 +1,107 @@
+"""The Jacobian against differences, statuses, and options that refuse bad values by name."""
+
+import numpy as np
+import pytest
+from support.peers import blades_and_damper_system
+
+from updamp.hbm.contact.coulomb_circle import CoulombCircle
+from updamp.hbm.contact.jenkins_box import JenkinsBox
+from updamp.hbm.continuation.continuation import ContinuationOptions, first_point
+from updamp.hbm.newton.jacobian import factorise
+from updamp.hbm.newton.newton import NewtonOptions, Status, evaluate, linear_solution, solve
+from updamp.hbm.problem.system import Excitation
+
+
+@pytest.fixture(params=[JenkinsBox(2), CoulombCircle(3)], ids=["box", "circle"])
+def slipping(request):
+    """A solved point with slip and separation."""
+    system = blades_and_damper_system(request.param)
+    excitation = Excitation(system.free.row("excitation"), 40.0)
+    solution = first_point(system, excitation, 2 * np.pi * 232.0)
+    assert solution.converged
+    return system, excitation, solution
+
+
+def test_jacobian_against_differences(slipping):
+    """J (J^-1 d) = d, with J applied by central differences of the residual, in random directions."""
+    system, excitation, solution = slipping
+    jacobian = factorise(solution.equation.receptance, solution.equation.departure)
+    assert jacobian.n_active > 0
+    rng = np.random.default_rng(0)
+    for _ in range(4):
+        d = rng.normal(size=solution.x.shape) * np.abs(solution.x).max()
+        v = jacobian.solve(d)
+        step = 1e-7 * np.abs(solution.x).max() / np.abs(v).max()
+        ahead, behind = (evaluate(system, excitation, solution.x + s * step * v, solution.w).residual for s in (1, -1))
+        np.testing.assert_allclose((ahead - behind) / (2 * step), d, atol=2e-6 * np.abs(d).max())
+
+
+def test_frequency_derivative_against_differences(slipping):
+    system, excitation, solution = slipping
+    exact = solution.equation.frequency_derivative(excitation)
+    step = 1e-5 * solution.w
+    ahead, behind = (evaluate(system, excitation, solution.x, solution.w + s * step).residual for s in (1, -1))
+    np.testing.assert_allclose((ahead - behind) / (2 * step), exact, atol=1e-5 * np.abs(exact).max())
+
+
+def test_newton_converges_quadratically(slipping):
+    system, excitation, solution = slipping
+    disturbed = solution.x * (1 + 1e-3 * np.random.default_rng(1).normal(size=solution.x.shape))
+    again = solve(system, excitation, disturbed, solution.w, NewtonOptions(tolerance=1e-13))
+    assert again.converged
+    np.testing.assert_allclose(again.x, solution.x, atol=1e-8 * np.abs(solution.x).max())
+    assert again.iterations <= 5
+
+
+def test_stuck_contacts_cost_no_unknowns():
+    system = blades_and_damper_system(JenkinsBox(2))
+    excitation = Excitation(system.free.row("excitation"), 1e-3)
+    w = 2 * np.pi * 232.0
+    solution = solve(system, excitation, linear_solution(system, w, excitation), w)
+    assert solution.converged
+    assert solution.jacobian is not None
+    assert solution.jacobian.n_active == 0
+
+
+def test_status_says_what_to_try(slipping):
+    system, excitation, solution = slipping
+    short = solve(system, excitation, 0.5 * solution.x, solution.w, NewtonOptions(tolerance=1e-13, iterations=1))
+    assert short.status is Status.TOO_MANY_ITERATIONS
+    assert "step" in short.status.advice
+    broken = solve(system, excitation, np.full_like(solution.x, np.nan), solution.w)
+    assert broken.status is Status.DIVERGED
+    assert "wire" in broken.status.advice
+
+
+def test_without_progress_it_is_given_up_after_its_patience(slipping):
+    """Undamped from the motion turned over, where the residual goes up and down: with each patience the same iterates,
+    ended where the residual then is above 0.3 of the first.
+    """
+    system, excitation, solution = slipping
+    start = -solution.x
+    never = solve(system, excitation, start, solution.w, NewtonOptions(damped=False))
+    ended = []
+    for patience in range(1, never.iterations):
+        given = solve(system, excitation, start, solution.w, NewtonOptions(damped=False, patience=patience))
+        ended.append(never.errors[patience] > 0.3 * never.errors[0])
+        assert given.errors == never.errors[: patience + 1 if ended[-1] else None]
+        assert given.status is (Status.STALLED if ended[-1] else never.status)
+    assert any(ended)
+    assert not all(ended)
+
+
+@pytest.mark.parametrize(
+    ("options", "name"),
+    [
+        (lambda: NewtonOptions(tolerance=1.0), "tolerance"),
+        (lambda: NewtonOptions(iterations=0), "iterations"),
+        (lambda: NewtonOptions(patience=0), "patience"),
+        (lambda: NewtonOptions(support=1.0), "support"),
+        (lambda: ContinuationOptions(smallest_step=1.0), "smallest_step"),
+        (lambda: ContinuationOptions(max_points=1), "max_points"),
+        (lambda: ContinuationOptions(supports=(0.0, -0.1)), "supports"),
+    ],
+)
+def test_options_refuse_bad_values_by_name(options, name):
+    with pytest.raises(ValueError, match=name):
+        options()

@@ -1,0 +1,80 @@
+"""Springs added to modes and residual are exact: compared with the full matrices."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+from updamp.hbm.problem.linear_model import LinearModel, add_springs, from_matrices
+
+
+@pytest.fixture
+def chain():
+    """12 masses in a chain, 3 relative displacements and a point."""
+    rng = np.random.default_rng(2)
+    n = 12
+    K = 2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+    M = np.diag(rng.uniform(0.5, 1.5, n))
+    rows = rng.normal(size=(3, n))
+    return M, K, rows, {"tip": np.eye(n)[-1]}
+
+
+def truncated(M, K, rows, points, kept) -> LinearModel:
+    """`kept` modes and the exact static residual of the others."""
+    full = from_matrices(M, np.zeros_like(M), K, rows, points)
+    every = np.vstack([rows, *points.values()])
+    residual = (
+        every @ np.linalg.inv(K) @ every.T - full.phi[:, :kept] / full.omega_squared[:kept] @ full.phi[:, :kept].T
+    )
+    return replace(
+        full,
+        omega_squared=full.omega_squared[:kept],
+        phi=full.phi[:, :kept],
+        residual=residual,
+        hysteretic=np.zeros((kept, kept)),
+        viscous=np.zeros((kept, kept)),
+    )
+
+
+def test_without_truncation_frequencies_and_receptance_are_those_of_the_matrices(chain):
+    M, K, rows, points = chain
+    k = np.array([0.7, 2.0, 0.1])
+    stiffened = add_springs(from_matrices(M, np.zeros_like(M), K, rows, points), np.eye(4, 3), k)
+    K2 = K + rows.T * k @ rows
+    np.testing.assert_allclose(stiffened.omega_squared, scipy.linalg.eigvalsh(K2, M), rtol=1e-10)
+    every = np.vstack([rows, *points.values()])
+    np.testing.assert_allclose(
+        stiffened.receptance(0.37), every @ np.linalg.solve(K2 - 0.37**2 * M, every.T), rtol=1e-9, atol=1e-12
+    )
+
+
+def test_with_truncation_static_flexibility_stays_exact(chain):
+    """The residual takes part: with springs however stiff the static receptance is that of the full model."""
+    M, K, rows, points = chain
+    every = np.vstack([rows, *points.values()])
+    for k in (np.array([0.7, 2.0, 0.1]), np.array([1e4, 1e5, 1e3])):
+        stiffened = add_springs(truncated(M, K, rows, points, 4), np.eye(4, 3), k)
+        np.testing.assert_allclose(
+            stiffened.receptance(0.0).real, every @ np.linalg.solve(K + rows.T * k @ rows, every.T), atol=1e-10
+        )
+
+
+def test_springs_one_by_one_or_all_at_once(chain):
+    model, k = truncated(*chain, 5), np.array([0.7, 2.0, 0.1])
+    at_once = add_springs(model, np.eye(4, 3), k)
+    in_turn = model
+    for i in range(3):
+        in_turn = add_springs(in_turn, np.eye(4)[:, [i]], k[[i]])
+    np.testing.assert_allclose(in_turn.receptance(0.4), at_once.receptance(0.4), rtol=1e-9, atol=1e-12)
+
+
+def test_a_spring_of_no_stiffness_changes_nothing(chain):
+    model = truncated(*chain, 5)
+    same = add_springs(model, np.eye(4, 1), np.zeros(1))
+    np.testing.assert_allclose(same.receptance(0.3), model.receptance(0.3), rtol=1e-11)
+
+
+def test_unknown_point_names_those_there_are(chain):
+    with pytest.raises(KeyError, match="tip"):
+        truncated(*chain, 5).row("root")

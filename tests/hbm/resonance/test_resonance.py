@@ -1,0 +1,193 @@
+"""Peaks followed in force: against response curves, closed forms, and each other."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.special import ellipk
+from support.peers import blades_and_damper_system, one_degree_of_freedom, solved
+
+from updamp.hbm.contact.jenkins_box import JenkinsBox
+from updamp.hbm.contact.springs import CubicParameters, CubicSpring
+from updamp.hbm.continuation.continuation import ContinuationOptions
+from updamp.hbm.continuation.curve import CurveRequest, trace
+from updamp.hbm.newton.newton import NewtonOptions
+from updamp.hbm.problem.elements import ElementGroup
+from updamp.hbm.problem.system import Excitation
+from updamp.hbm.resonance.backbone import ResonanceOptions, ResonanceStoppedError, first_resonance, follow_resonance
+from updamp.hbm.resonance.conditions import MaximumResonance, PhaseResonance, linear_peak
+from updamp.hbm.resonance.equivalent_damping import half_power
+from updamp.hbm.resonance.resonance import ResonanceProblem, at_phase, constant_force
+from updamp.hbm.resonance.resonance_curve import ResonanceRequest, trace_resonance
+
+FINE = ContinuationOptions(first_step=0.02, largest_step=0.05)
+FORCES = (0.1, 20.0, 40.0, 80.0, 200.0)
+WINDOW = (220.0, 250.0)
+DUFFING_WINDOW = (0.5 / 2 / np.pi, 2.0 / 2 / np.pi)
+
+
+@pytest.fixture(scope="module")
+def blades():
+    return blades_and_damper_system(JenkinsBox(2))
+
+
+@pytest.fixture(scope="module")
+def peaks(blades):
+    *_, curve = trace_resonance(blades, ResonanceRequest("1", "excitation", "tip", WINDOW, FORCES, MaximumResonance()))
+    return curve
+
+
+@pytest.fixture(scope="module")
+def duffing():
+    d = solved("a_duffing_1dof")["definition"]
+    group = ElementGroup(CubicSpring(), CubicParameters(np.array([d["g"]])), np.array([[0]]))
+    return one_degree_of_freedom(d["c"], group, tuple(range(8)), 128), d
+
+
+def _problem(system, excited="excitation", observed="tip"):
+    return ResonanceProblem(system, system.free.row(excited), system.free.row(observed))
+
+
+def test_all_forces_are_met_and_every_point_is_converged(peaks):
+    assert peaks.complete
+    np.testing.assert_allclose(peaks.at_forces().force, FORCES)
+    assert (peaks.error < NewtonOptions().tolerance).all()
+
+
+@pytest.mark.parametrize("force", [20.0, 40.0, 80.0, 200.0])
+def test_peak_is_that_of_the_response_curve(blades, peaks, force):
+    """From first slip to separation at many contacts; the curve is traced in steps four times finer than usual."""
+    *_, curve = trace(
+        blades,
+        CurveRequest("1", Excitation(blades.free.row("excitation"), force), (222.0, 236.0), ("tip",), options=FINE),
+    )
+    frequency, receptance = curve.peak("tip")
+    i = FORCES.index(force)
+    at = peaks.at_forces()
+    assert np.abs(at.receptance[i]) == pytest.approx(receptance, rel=1e-3)
+    assert at.frequency[i] == pytest.approx(frequency, rel=1e-4)
+
+
+def test_duffing_peaks_of_three_codes(duffing):
+    """Peak and phase resonance of the overhanging branch, and the first harmonic's closed form at phase resonance."""
+    system, d = duffing
+    w, amplitude = solved("a_duffing_1dof")["peak"]["tmdsimpy_parabola"]
+    problem = _problem(system, "mass", "mass")
+    top = first_resonance(problem, MaximumResonance(), DUFFING_WINDOW, d["P"])
+    assert abs(top.amplitude) == pytest.approx(amplitude, rel=1e-5)
+    assert top.w == pytest.approx(w, rel=1e-4)
+
+
+def test_phase_resonance_of_the_duffing_oscillator(duffing):
+    """At a quarter period's lag; the dashpot takes what the force gives, pi F a_1 = pi c w sum k^2 a_k^2."""
+    system, d = duffing
+    request = ResonanceRequest("1", "mass", "mass", DUFFING_WINDOW, (1e-3, 0.3), PhaseResonance())
+    *_, curve = trace_resonance(system, request)
+    np.testing.assert_allclose(np.angle(curve.amplitude()), -np.pi / 2, atol=1e-6)
+    squares = sum(k**2 * np.abs(curve.amplitude(k)) ** 2 for k in curve.orders)
+    w = 2 * np.pi * curve.frequency
+    np.testing.assert_allclose(d["c"] * w * squares, curve.force * np.abs(curve.amplitude()), rtol=1e-8)
+    np.testing.assert_allclose(curve.loss_factor, d["c"] / w, rtol=1e-7)
+
+
+def test_maximum_is_a_maximum(blades):
+    """Neighbours in phase, at the same force and solved afresh, are lower on both sides."""
+    top = first_resonance(_problem(blades), MaximumResonance(1e-4), WINDOW, 40.0)
+    for turn in (-0.05, 0.05):
+        beside = at_phase(
+            top.problem, replace(top.place, phase=top.place.phase + turn), constant_force(top.place), NewtonOptions()
+        )
+        assert beside.converged
+        assert abs(beside.amplitude) < abs(top.amplitude)
+
+
+def test_with_modes_close_together_the_peak_has_another_phase(blades):
+    """Two stuck modes within 2 %: at a quarter period's lag the response is 0.7 % below its peak."""
+    problem = _problem(blades)
+    quarter = first_resonance(problem, PhaseResonance(), WINDOW, 0.1)
+    top = first_resonance(problem, MaximumResonance(), WINDOW, 0.1)
+    assert np.degrees(top.place.phase) == pytest.approx(-83.4, abs=0.1)
+    assert abs(quarter.amplitude) / abs(top.amplitude) == pytest.approx(0.9933, abs=1e-4)
+    turned = first_resonance(problem, PhaseResonance(top.place.phase), WINDOW, 0.1)
+    assert turned.w == pytest.approx(top.w, rel=1e-7)
+
+
+def test_down_and_up_are_the_same_branch(blades, peaks):
+    request = ResonanceRequest("1", "excitation", "tip", WINDOW, (200.0, 80.0), MaximumResonance())
+    *_, down = trace_resonance(blades, request)
+    assert down.complete
+    up = peaks.at_forces()
+    np.testing.assert_allclose(np.abs(down.at_forces().receptance), np.abs(up.receptance[[4, 3]]), rtol=1e-4)
+
+
+def test_damping_of_a_linear_oscillator_three_ways(duffing):
+    system, d = duffing
+    request = ResonanceRequest("1", "mass", "mass", DUFFING_WINDOW, (1e-4, 2e-4), MaximumResonance())
+    *_, curve = trace_resonance(system, request)
+    *_, response = trace(
+        system, CurveRequest("1", Excitation(system.free.row("mass"), 1e-4), DUFFING_WINDOW, ("mass",), options=FINE)
+    )
+    w = 2 * np.pi * curve.frequency
+    np.testing.assert_allclose(curve.loss_factor, d["c"] / w, rtol=1e-8)
+    np.testing.assert_allclose(curve.damping_from_phase, d["c"] / 2, rtol=1e-3)
+    assert half_power(response, "mass").damping_ratio == pytest.approx(d["c"] / 2, rel=5e-3)
+
+
+def test_damping_with_friction(peaks):
+    """Energy and phase slope agree at the peak within the disturbance by the neighbouring mode; the friction's share
+    rises from nothing, and the half-power width is refused or marked as bent."""
+    at = peaks.at_forces()
+    np.testing.assert_allclose(at.damping_from_phase, at.damping_ratio, rtol=0.08)
+    share = at.friction_loss / at.work_in
+    assert share[0] < 1e-9
+    assert (np.diff(share) > 0).all()
+    np.testing.assert_array_equal(at.states.sum(axis=1), 20)
+    np.testing.assert_array_equal(at.states[0], [20, 0, 0, 0])
+    assert (at.states[-1, 1:3] > 0).all()
+
+
+def test_half_power_is_refused_where_the_response_turns_back(duffing):
+    system, d = duffing
+    *_, curve = trace(system, CurveRequest("1", Excitation(system.free.row("mass"), d["P"]), DUFFING_WINDOW, ("mass",)))
+    refused = half_power(curve, "mass")
+    assert np.isnan(refused.damping_ratio)
+    assert "turns back" in refused.reason
+
+
+def test_equivalent_frequency_against_amplitude(duffing):
+    """The backbone is the frequency of free vibration at that amplitude, an elliptic integral in closed form."""
+    system, d = duffing
+    request = ResonanceRequest("1", "mass", "mass", DUFFING_WINDOW, (1e-3, 0.3), PhaseResonance())
+    *_, curve = trace_resonance(system, request)
+    largest = np.abs(curve.response @ system.harmonics.synthesis(2048).T).max(axis=1)
+    stiffening = d["g"] * largest**2
+    exact = np.pi * np.sqrt(1 + stiffening) / (2 * ellipk(stiffening / (2 * (1 + stiffening))))
+    np.testing.assert_allclose(2 * np.pi * curve.frequency, exact, rtol=1e-4)
+    assert exact[-1] > 1.4
+    assert curve.harmonic_content()[-1, 3] > 0.02
+
+
+def test_what_cannot_be_followed_says_where(blades):
+    hopeless = ResonanceOptions(
+        first_step=0.4, smallest_step=0.39, largest_step=0.4, newton=NewtonOptions(tolerance=1e-13, iterations=1)
+    )
+    problem = _problem(blades)
+    with pytest.raises(ResonanceStoppedError, match=r"N, .* Hz: .*residual"):
+        list(follow_resonance(problem, PhaseResonance(), WINDOW, (5.0, 100.0), hopeless))
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda p: list(follow_resonance(p, PhaseResonance(), WINDOW, (1.0,))), "two or more"),
+        (lambda p: list(follow_resonance(p, PhaseResonance(), WINDOW, (1.0, 3.0, 2.0))), "rise, or fall"),
+        (lambda p: first_resonance(p, PhaseResonance(), WINDOW, 0.0), "force = 0"),
+        (lambda p: linear_peak(p, (1.0, 2.0), 0.0), "no stuck mode between 1 and 2 Hz"),
+        (lambda _: MaximumResonance(tolerance=1.0), "tolerance = 1.0"),
+        (lambda _: ResonanceOptions(first_step=1.0), "first_step"),
+        (lambda _: ResonanceOptions(max_points=1), "max_points"),
+    ],
+)
+def test_bad_input_is_named(blades, call, message):
+    with pytest.raises(ValueError, match=message):
+        call(_problem(blades))

@@ -1,0 +1,203 @@
+"""What cannot be used ends in an error that names the file, the value and the remedy."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.io
+from support.measured_oscillator import FREQUENCY, TOML, recorded
+
+from updamp.measurement.load import load_measurement
+from updamp.measurement.measurement import MeasurementError
+from updamp.measurement.readers.hdf5 import write_hdf5
+from updamp.measurement.readers.long_csv import write_long_csv
+from updamp.measurement.readers.uff import write_uff58
+from updamp.measurement.recorded import RecordedSweep
+
+POINTS = ["mass.drive.x", "mass.tip.x"]
+LEVEL = 'level = "17 N"'
+
+
+def refused(folder: Path, toml: str = TOML, sweep: RecordedSweep | None = None, name: str = "data.csv") -> str:
+    if not (folder / name).exists():
+        write_long_csv(folder / name, [sweep or recorded()])
+    path = folder / "measurement.toml"
+    path.write_text(toml.replace("data.csv", name))
+    with pytest.raises(MeasurementError) as error:
+        load_measurement(path, POINTS, rig="oscillator")
+    return str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('unit = "mm/s"', 'unit = "mm"', ['channels.laser.unit = "mm"', "velocity", '"mm/s"']),
+        ('unit = "mm/s"', 'unit = ""', ['channels.laser.unit = ""', "state its unit", '"mm/s"']),
+        ('unit = "mm/s"\n', "", ["channels.laser.unit: missing", "mm/s"]),
+        ('unit = "mm/s"', 'unit = "furlong/s/s"', ["channels.laser.unit", "wrong dimension"]),
+        ('"g_0"', '"g"', ['unit = "g"', 'write "g_0"', "gram"]),
+        ('"17 N"', '"17"', ['level = "17"', "state its unit"]),
+        ('"960 N"', '"960 mm"', ["damper_load", "960 mm", "wrong dimension"]),
+        ('point = "mass.tip"', 'point = "mass.tpi"', ["channels.laser.point", "mass.tpi.x", "did you mean mass.tip.x"]),
+        ('direction = "-x"', 'direction = "-z"', ["channels.laser.point", "mass.tip.z", "no such point", "mass.tip.x"]),
+        ('excitation = "mass.drive.x"', 'excitation = "mass.tip.x"', ["channels.force.point", "make them one"]),
+        ('quantity = "velocity"', 'quantity = "speed"', ["channels.laser.quantity", "speed", "velocity"]),
+        ('quantity = "force"', 'quantity = "displacement"\nnoise = "1 N"', ["channels.force.unit", "displacement"]),
+        ('amplitude = "rms"\n', "", ["channels.laser.amplitude: missing", "mixed conventions"]),
+        ('amplitude = "rms"', 'amplitude = "effective"', ["channels.laser.amplitude", "effective", "rms"]),
+        ('"rms"', '"rms"\nnoise = "1 um/s"', ["channels.accelerometer.noise: missing", "mixed conventions"]),
+        ('rig = "oscillator"', 'rig = "another"', ["another", "oscillator"]),
+        ('mode = "B"', 'mode = "B"\nzzz = 3', ["runs[0].zzz = 3", "unknown key", "allowed are name, mode, file"]),
+        ('mode = "B"', 'mode = "B"\nrepaet = 3', ["runs[0].repaet", "did you mean repeat"]),
+        ('mode = "B"\n', "", ["runs[0].mode: missing"]),
+        ('held = "force"', 'held = "voltage"', ["runs[0].held", "voltage", '"response" or "nothing"']),
+        ('held = "force"', 'held = "response"', ["runs[0].held_channel"]),
+        (LEVEL, f'{LEVEL}\nchannels = ["lasr"]', ["runs[0].channels", "lasr", "did you mean laser"]),
+        (LEVEL, f"{LEVEL}\noptions = {{ gain = 2 }}", ["runs[0].options.gain", "unknown key"]),
+        (LEVEL, f'{LEVEL}\nreader = "longcsv"', ["longcsv", "did you mean long_csv"]),
+        (LEVEL, f"{LEVEL}\nrepeat = 4", ["data.csv", "repeat 4", "it has repeat 1"]),
+        (LEVEL, f'{LEVEL}\nrun = "B 71 N"', ["data.csv", "no run 'B 71 N'", "did you mean B 17 N"]),
+        ('"17 N"', '"12.02 N"', ["level = 12.02 N", "RMS for peak"]),
+        ('direction = "x"\nunit = "g_0"', 'direction = "-x"\nunit = "g_0"', ["feed the shaker", "direction"]),
+        ("+iwt", "-iwt", ["feed the shaker", "exp(-iwt)"]),
+        ('"g_0"', '"g_0"\nphase_of = "displacement"', ["feed the shaker", "phase_of"]),
+        ('sweep = "up"', 'sweep = "down"', ["data.csv", "no sweep down", "repeat 1 up"]),
+        ("[channels.laser]", '[channels.laser]\nlabel = "vibrometer"', ["data.csv", "vibrometer", "there are laser"]),
+        ('file = "data.csv"', 'file = "dta.csv"', ["dta.csv", "no such file", "did you mean data.csv"]),
+        ('file = "data.csv"', 'file = "."', ["is a folder"]),
+            ("[channels.force]", "[channels.force", ["measurement.toml", "not valid TOML"]),
+    ],
+)  # fmt: skip
+def test_statements(tmp_path: Path, old: str, new: str, words: list[str]) -> None:
+    assert old in TOML
+    message = refused(tmp_path, TOML.replace(old, new, 1))
+    for word in words:
+        assert word in message, message
+
+
+def with_value(channel: str, place: tuple[int, int], value: complex) -> RecordedSweep:
+    sweep = recorded()
+    amplitude = sweep.channels[channel].amplitude.copy()
+    amplitude[place] = value
+    return replace(sweep, channels={**sweep.channels, channel: replace(sweep.channels[channel], amplitude=amplitude)})
+
+
+@pytest.mark.parametrize(
+    ("sweep", "words"),
+    [
+        (with_value("laser", (1, 7), complex(np.nan, 0)), ["laser", "1 of 82", f"{FREQUENCY[7]:g} Hz", "harmonic 3"]),
+        (with_value("accelerometer", (0, 3), complex(0, np.inf)), ["accelerometer", "no finite number", "take these"]),
+        (with_value("force", (0, 5), 0j), ["force = 0", "1 of 41", f"{FREQUENCY[5]:g} Hz"]),
+        (replace(recorded(), frequency=np.where(FREQUENCY > 430, FREQUENCY, np.nan)), ["frequency = nan"]),
+        (replace(recorded(), frequency=np.round(FREQUENCY)), ["frequency = 428 Hz", "times", "average"]),
+        (replace(recorded(), frequency=np.roll(FREQUENCY, 9)), ["turn round", "split"]),
+        (replace(recorded(), frequency=-FREQUENCY), ["frequency = -428", "mend"]),
+    ],
+)
+def test_values(tmp_path: Path, sweep: RecordedSweep, words: list[str]) -> None:
+    message = refused(tmp_path, sweep=sweep)
+    for word in ("data.csv", "B 17 N", *words):
+        assert word in message, message
+
+
+def test_force_is_missing(tmp_path: Path) -> None:
+    sweep = recorded()
+    channels = {name: channel for name, channel in sweep.channels.items() if name != "force"}
+    message = refused(tmp_path, sweep=replace(sweep, channels=channels))
+    assert "the force, channel 'force'" in message
+    assert "not in the file" in message
+
+
+def test_a_file_that_contradicts_the_statement(tmp_path: Path) -> None:
+    sweep = recorded()
+    for key, value, words in (("unit", "m/s", "says m/s"), ("quantity", "acceleration", "says acceleration")):
+        changed = replace(sweep.channels["laser"], **{key: value})
+        write_uff58(tmp_path / "data.uff", [replace(sweep, channels={**sweep.channels, "laser": changed})])
+        message = refused(tmp_path, name="data.uff")
+        assert "channel 'laser'" in message
+        assert words in message
+
+
+def test_repeats_without_numbers(tmp_path: Path) -> None:
+    write_long_csv(tmp_path / "data.csv", [recorded(None)])
+    write_long_csv(tmp_path / "second.csv", [recorded(None)])
+    run = TOML[TOML.index("[[runs]]") :]
+    assert "number their assemblies" in refused(tmp_path, TOML + run.replace("data.csv", "second.csv"))
+    assert "listed twice" in refused(tmp_path, TOML + run)
+    other = run.replace("data.csv", "second.csv").replace('mode = "B"', 'mode = "A"')
+    assert "runs of one name are repeats" in refused(tmp_path, TOML + other)
+
+
+def test_one_repeat_number_for_two_sweeps(tmp_path: Path) -> None:
+    write_hdf5(tmp_path / "data.h5", [recorded(1), recorded(1)])
+    assert "more than one sweep of the same repeat" in refused(tmp_path, name="data.h5")
+    write_long_csv(tmp_path / "data.csv", [recorded(1), recorded(1)])
+    assert "stands there 2 times" in refused(tmp_path)
+
+
+GARBAGE = np.random.default_rng(1).bytes(20_000)
+ENDINGS = [".csv", ".uff", ".mat", ".h5"]
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+@pytest.mark.parametrize(
+    "content", [GARBAGE, b"", b"\x00" * 50_000, b"hello, world\n" * 1000, "Köln\n".encode("latin-1")]
+)
+def test_garbage(tmp_path: Path, ending: str, content: bytes) -> None:
+    (tmp_path / f"data{ending}").write_bytes(content)
+    message = refused(tmp_path, name=f"data{ending}")
+    assert f"data{ending}" in message
+    if not content:
+        assert "empty" in message
+
+
+def write_mat(path: Path, sweeps: list[RecordedSweep]) -> None:
+    scipy.io.savemat(path, {"frequency": FREQUENCY, **{n: c.amplitude for n, c in sweeps[0].channels.items()}})
+
+
+@pytest.mark.parametrize("share", [0.02, 0.3, 0.6, 0.95, 0.99])
+@pytest.mark.parametrize(
+    ("name", "write"), [("d.uff", write_uff58), ("d.h5", write_hdf5), ("d.mat", write_mat), ("d.csv", write_long_csv)]
+)
+def test_cut_off(tmp_path: Path, name: str, write: Callable[[Path, list[RecordedSweep]], None], share: float) -> None:
+    write(tmp_path / name, [recorded()])
+    content = (tmp_path / name).read_bytes()
+    (tmp_path / name).write_bytes(content[: int(share * len(content))])
+    assert name in refused(tmp_path, name=name)
+
+
+def test_records_shorter_than_their_header_says(tmp_path: Path) -> None:
+    path = tmp_path / "data.uff"
+    write_uff58(path, [recorded()], binary=False)
+    lines = path.read_text().splitlines(keepends=True)
+    path.write_text("".join(lines[:20] + lines[24:]))
+    assert "values where its header says 41" in refused(tmp_path, name="data.uff")
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_huge_files_are_refused_before_they_are_read(tmp_path: Path, ending: str) -> None:
+    path = tmp_path / f"data{ending}"
+    with path.open("wb") as file:
+        file.truncate(3_000_000_000)  # sparse: no byte of it is on the disk
+    assert path.name in refused(tmp_path, name=path.name)
+
+
+def test_no_measurement_toml(tmp_path: Path) -> None:
+    with pytest.raises(MeasurementError, match=r"no such file; give a measurement\.toml"):
+        load_measurement(tmp_path / "measurement.toml")
+    with pytest.raises(MeasurementError, match="cannot be read"):
+        load_measurement(tmp_path)
+
+
+def test_every_problem_of_a_file_is_named_at_once(tmp_path: Path) -> None:
+    message = refused(
+        tmp_path, TOML.replace('"mm/s"', '"mm"').replace('"960 N"', '"960"').replace('"force"\nlevel', '"f"\nlevel')
+    )
+    assert len(message.splitlines()) == 4
+
+
+def test_no_run_is_listed(tmp_path: Path) -> None:
+    toml = "runs = []\n" + TOML[: TOML.index("[[runs]]")]
+    assert "runs = []: state at least one run" in refused(tmp_path, toml)

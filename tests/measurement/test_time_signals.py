@@ -1,0 +1,100 @@
+"""Stepped sine as time signals, in CSV and as universal file."""
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+import pyuff
+from numpy.typing import NDArray
+from support.measured_oscillator import FREQUENCY, TOML, displacement, force
+
+from updamp.measurement.load import load_measurement
+from updamp.measurement.measurement import MeasuredRun, MeasurementError
+from updamp.measurement.readers.time_steps import TimeOptions
+from updamp.measurement.readers.uff import uff_records
+from updamp.measurement.readers.uff_time import read_uff_time
+
+RATE, STEPS = 3600.0, range(8, 34, 5)
+UFF = Path(__file__).parents[1] / "data" / "uff"
+OPTIONS = 'repeat = 1\nreader = "{}"\nchannels = ["laser"]\noptions = {{ harmonics = [1, 3], settle = "0.1 s" }}\n'
+
+
+def signals(step: int, noise: float = 1e-6) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """(n,) time [s], force [N], reversed velocity [mm/s], with a start that has not settled."""
+    rng = np.random.default_rng(step)
+    t = np.arange(0, 0.6, 1 / RATE)
+    w = 2 * np.pi * FREQUENCY[step]
+    x = displacement()[:, step, None] * np.exp(1j * w * np.outer([1, 3], t))
+    velocity = np.real(1j * w * np.array([[1], [3]]) * x).sum(axis=0) * (1 + np.exp(-t / 0.004))
+    f = np.real(force()[step] * np.exp(1j * w * t))
+    return t, f + 0.01 * rng.normal(size=len(t)), -1e3 * (velocity + noise * RATE * rng.normal(size=len(t)))
+
+
+def check(run: MeasuredRun) -> None:
+    expected = displacement()[:, list(STEPS)]
+    np.testing.assert_allclose(run.frequency, FREQUENCY[list(STEPS)], atol=2e-4)
+    assert run.noise is not None
+    assert run.noise.shape == run.response.shape == (1, 2, len(STEPS))
+    # The error is a few of the stated deviations, which are small against the signal.
+    turned = run.response[0] / (run.force / np.abs(run.force)) ** np.array([[1], [3]])
+    reference = expected / np.exp(1j * np.array([[1], [3]]) * np.angle(force()[list(STEPS)]))
+    assert np.all(np.abs(turned - reference) < 5 * run.noise[0] + 1e-4 * np.abs(reference))
+    assert np.all(run.noise[0, 0] < 0.02 * np.abs(expected[0]))
+    assert np.all(run.noise[0, 0] > 1e-5 * np.abs(expected[0]))
+
+
+def test_csv(tmp_path: Path) -> None:
+    lines = ["time_s,frequency_Hz,force,laser,trigger"]
+    for step in STEPS:
+        lines += [f"{t:.9g},{FREQUENCY[step]:.9g},{f:.9g},{v:.9g},1" for t, f, v in zip(*signals(step), strict=True)]
+    (tmp_path / "data.csv").write_text("\n".join(lines) + "\n")
+    path = tmp_path / "measurement.toml"
+    path.write_text(TOML.replace('amplitude = "rms"', 'amplitude = "peak"') + OPTIONS.format("time_csv"))
+    measurement = load_measurement(path)
+    check(measurement.runs[0])
+    assert any("least squares" in text for text in measurement.assumptions)
+    assert any("trigger" in text for text in measurement.assumptions)
+
+
+def write_time_uff(path: Path) -> None:
+    file = pyuff.UFF(str(path))
+    for step in STEPS:
+        t, f, v = signals(step)
+        for name, values, kind, unit in (("force", f, 13, "N"), ("laser", v, 11, "mm/s")):
+            record = {
+                "type": 58, "binary": 1, "func_type": 1, "id1": name, "rsp_node": 1, "rsp_dir": 1, "ref_node": 0,
+                "ref_dir": 0, "abscissa_spacing": 0, "abscissa_spec_data_type": 17, "ordinate_spec_data_type": kind,
+                "ordinate_axis_units_lab": unit, "orddenom_spec_data_type": 0, "z_axis_spec_data_type": 18,
+                "z_axis_value": FREQUENCY[step], "data": values, "x": t,
+            }  # fmt: skip
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", ResourceWarning)
+                file.write_sets([record], mode="add")
+
+
+def test_universal_file(tmp_path: Path) -> None:
+    write_time_uff(tmp_path / "data.uff")
+    path = tmp_path / "measurement.toml"
+    toml = TOML.replace('amplitude = "rms"', 'amplitude = "peak"').replace("data.csv", "data.uff")
+    path.write_text(toml + OPTIONS.format("uff_time"))
+    check(load_measurement(path).runs[0])
+    path.write_text(toml)
+    with pytest.raises(MeasurementError, match='holds time signals; read them with reader = "uff_time"'):
+        load_measurement(path)
+
+
+def test_samples_of_pyuff_text_and_binary_are_the_same_signal() -> None:
+    (text,), (binary,) = uff_records(UFF / "Sample_UFF58_ascii.uff"), uff_records(UFF / "Sample_UFF58b_bin.uff")
+    assert len(text["data"]) == 79292
+    np.testing.assert_allclose(text["data"], binary["data"], rtol=1e-5, atol=1e-9)
+
+
+def test_sample_of_pyuff_is_fitted_only_with_a_frequency_it_has() -> None:
+    path = UFF / "Sample_UFF58b_bin.uff"
+    with pytest.raises(MeasurementError, match="does not state its frequency"):
+        read_uff_time(path, ("Mic 01",), TimeOptions())
+    with pytest.raises(MeasurementError, match=r"not at 430 Hz"):
+        read_uff_time(path, ("Mic 01",), TimeOptions.model_validate({"frequency": "430 Hz"}))
+    with pytest.raises(MeasurementError, match="no record 'force', the force; there are Mic 01"):
+        read_uff_time(path, ("force",), TimeOptions())

@@ -1,0 +1,227 @@
+"""The page as text: complete, self-contained, safe with whatever stands in the data."""
+
+import json
+import math
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+import pytest
+from support.synthetic_comparison import features_only, synthetic_comparison
+from support.synthetic_verdict import synthetic_verdict
+
+from updamp.comparison.comparison import Comparison
+from updamp.report.markup import MINUS, MISSING, TIMES, level_name, number, percent, with_unit
+from updamp.report.page import build_page, write_report
+from updamp.report.registry import SECTIONS
+from updamp.report.section import Content, Report, Section
+from updamp.report.sections.outcome import SECTION as OUTCOME
+
+PNG = b"\x89PNG\r\n\x1a\n" + bytes(40)
+HOSTILE = '</script><img src=x onerror="window.broken=1">&<b>'
+
+
+class Tags(HTMLParser):
+    def __init__(self) -> None:
+        super().__init__()
+        self.found: list[tuple[str, dict[str, str | None]]] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.found.append((tag, dict(attrs)))
+
+
+def tags_of(page: str) -> list[tuple[str, dict[str, str | None]]]:
+    parser = Tags()
+    parser.feed(page)
+    return parser.found
+
+
+def data_of(page: str) -> dict[str, Any]:
+    found = re.search(r'<script type="application/json" id="report-data">(.*?)</script>', page, re.DOTALL)
+    assert found
+    data: dict[str, Any] = json.loads(found[1])
+    return data
+
+
+@pytest.fixture(scope="module")
+def comparison() -> Comparison:
+    return synthetic_comparison()
+
+
+@pytest.fixture(scope="module")
+def page(comparison: Comparison) -> str:
+    return build_page(Report(comparison, synthetic_verdict(comparison), {"Slip at 17 N": PNG}), SECTIONS)
+
+
+def test_ten_curves_stay_below_eight_megabytes(comparison: Comparison, tmp_path: Path) -> None:
+    path = tmp_path / "report.html"
+    write_report(comparison, path)
+    assert len({curve.run for curve in comparison.curves}) == 10
+    assert path.stat().st_size < 8e6
+
+
+def test_nothing_is_fetched(page: str) -> None:
+    places = [(tag, a.get("src"), a.get("href")) for tag, a in tags_of(page)]
+    assert not [place for place in places if place[1] and not place[1].startswith("data:")]
+    assert not [place for place in places if place[2] and not place[2].startswith(("#", "data:"))]
+    assert "default-src 'none'" in page
+
+
+def test_every_section_is_there_and_linked(page: str) -> None:
+    ids = [a["id"] for _, a in tags_of(page) if "id" in a]
+    assert len(ids) == len(set(ids))
+    for section in SECTIONS:
+        assert section.identifier in ids
+        assert f'href="#{section.identifier}"' in page
+
+
+def test_pictures_and_plots_say_what_they_show(page: str) -> None:
+    plots = [a for _, a in tags_of(page) if a.get("role") == "img"]
+    assert len(plots) == 10
+    assert all(len(str(a["aria-label"])) > 40 for a in plots)
+    assert [a["alt"] for tag, a in tags_of(page) if tag == "img"] == ["Slip at 17 N"]
+
+
+def test_figures_are_what_plotly_knows(page: str) -> None:
+    figures = data_of(page)["figures"]
+    assert set(figures) == {"contact-states", "gains", "confounding", "missing-force", "waterfall"}
+    for figure in figures.values():
+        go.Figure(figure["data"], figure["layout"])  # raises for an unknown property
+
+
+def test_curves_in_the_page_are_those_compared(comparison: Comparison, page: str) -> None:
+    for shown, curve in zip(data_of(page)["sections"]["response"]["curves"], comparison.curves, strict=True):
+        np.testing.assert_allclose(shown["after"]["a"], 1e3 * np.abs(curve.after.receptance), rtol=1e-6)
+        for values, measured in zip(shown["measured"], curve.measured, strict=True):
+            complex_value = np.array(values["a"]) * np.exp(1j * np.radians(values["p"]))
+            np.testing.assert_allclose(complex_value, 1e3 * measured.receptance, rtol=1e-5)
+            assert np.abs(np.diff(values["p"])).max() < 180  # no curve is cut in two
+
+
+def test_cells_of_the_map_hold_every_residual_once(comparison: Comparison, page: str) -> None:
+    maps = data_of(page)["sections"]["misfit"]["maps"]
+    cells = [cell for each in maps for row in each["cells"] for cell in row if cell]
+    assert sum(cell["n"] for cell in cells) == len(comparison.residuals)
+    total = sum(cell["n"] * cell["size"] ** 2 for cell in cells)
+    assert total == pytest.approx(sum(r.size**2 for r in comparison.residuals), rel=1e-5)
+
+
+def test_page_opens_at_the_worst_curve(comparison: Comparison, page: str) -> None:
+    start = comparison.curves[data_of(page)["sections"]["response"]["start"]]
+    mean: dict[tuple[str, str], float] = {}
+    for curve in comparison.curves:
+        mine = [r.size**2 for r in comparison.residuals if (r.run, r.channel) == (curve.run, curve.channel)]
+        mean[curve.run, curve.channel] = float(np.mean(mine))
+    assert (start.run, start.channel) == max(mean, key=lambda key: mean[key])
+
+
+def test_sections_without_content_are_left_out() -> None:
+    page = build_page(Report(features_only()), SECTIONS)
+    shown = {a["id"] for tag, a in tags_of(page) if tag == "section"}
+    assert shown == {"outcome", "features", "assumptions", "provenance"}
+    assert "selection.js" not in page
+    assert "above the stated range" in page
+
+
+def test_sensor_noise_is_a_factor_the_rest_relative(page: str) -> None:
+    assert f"1.08 {TIMES} stated" in page
+    assert "4 %" in page
+
+
+def test_adequate_model_is_called_so(comparison: Comparison) -> None:
+    page = build_page(Report(replace(comparison, adequate=True, findings=())), SECTIONS)
+    assert "no misfit beyond repeatability" in page
+
+
+def test_every_verdict_has_its_words(comparison: Comparison) -> None:
+    verdict = synthetic_verdict(comparison)
+    group = ("shaker_attachment", "blade_mistuning")
+    page = build_page(Report(comparison, replace(verdict, verdict="inseparable", effects=(), group=group)), SECTIONS)
+    assert "these data cannot tell which" in page
+    assert "Cannot be told apart" in page
+    for outcome in ("adequate", "unknown", "undecidable"):
+        bare = replace(
+            verdict, verdict=outcome, effects=(), history=verdict.history[:1],
+            error=replace(verdict.error, held_out_before=math.nan, held_out_after=math.nan),
+        )  # fmt: skip
+        assert 'class="verdict' in build_page(Report(comparison, bare), SECTIONS)
+
+
+def test_steps_without_held_out_data_say_so(comparison: Comparison) -> None:
+    verdict = synthetic_verdict(comparison)
+    history = tuple(replace(step, held_out=math.nan) for step in verdict.history)
+    data = data_of(build_page(Report(comparison, replace(verdict, history=history)), SECTIONS))
+    assert len(data["figures"]["waterfall"]["data"]) == 1
+    assert any(a["text"] == "nothing was held out" for a in data["figures"]["waterfall"]["layout"]["annotations"])
+
+
+def test_a_step_that_comes_twice_is_two_bars(comparison: Comparison) -> None:
+    verdict = synthetic_verdict(comparison)
+    history = (*verdict.history, *verdict.history[-2:])
+    data = data_of(build_page(Report(comparison, replace(verdict, history=history)), SECTIONS))
+    bars, axis = data["figures"]["waterfall"]["data"][0], data["figures"]["waterfall"]["layout"]["xaxis"]
+    assert bars["x"] == axis["tickvals"] == list(range(len(history) + 1))
+    assert len(set(axis["ticktext"])) < len(axis["ticktext"])
+
+
+def test_many_findings_are_folded_away_after_the_first_ones(comparison: Comparison) -> None:
+    findings = tuple(replace(comparison.findings[0], text=f"finding {k}", significance=-k) for k in range(1, 13))
+    page = build_page(Report(replace(comparison, findings=findings)), SECTIONS)
+    assert re.search(r"<summary>7 more</summary><ol class=\"findings\" start=\"6\"><li><p>finding 6<", page)
+    assert all(f"finding {k}<" in page for k in range(1, 13))
+    assert f"{MINUS}12 standard" not in page
+    assert "more</summary>" not in build_page(Report(comparison), (OUTCOME,))
+
+
+def test_levels_are_named_as_they_were_aimed_at() -> None:
+    assert level_name(31.9901) == "32 N"
+    assert level_name(0.096) == "0.096 N"
+    assert level_name(1234.0, "m/s**2") == "1230 m/s²"
+
+
+def test_words_from_the_data_stay_words(comparison: Comparison) -> None:
+    finding = replace(comparison.findings[0], text=HOSTILE, mode=HOSTILE, channel=HOSTILE)
+    curves = tuple(replace(curve, run=HOSTILE, mode=HOSTILE, channel=HOSTILE) for curve in comparison.curves[:2])
+    hostile = replace(
+        comparison, title=HOSTILE, findings=(finding,), curves=curves, assumptions=(HOSTILE,),
+        provenance={HOSTILE: HOSTILE}, scatter={HOSTILE: 1.0},
+        calibration=(replace(comparison.calibration[0], name=HOSTILE, unit=HOSTILE),),
+        features=(replace(comparison.features[0], quantity=HOSTILE, mode=HOSTILE),),
+    )  # fmt: skip
+    page = build_page(Report(hostile, pictures={HOSTILE: PNG}), SECTIONS)
+    assert [a for tag, a in tags_of(page) if tag == "img" and a.get("src") == "x"] == []
+    assert data_of(page)["sections"]["response"]["curves"][0]["run"] == HOSTILE
+
+
+def test_picture_that_is_no_png_is_named(comparison: Comparison, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="picture 'Slip' is no PNG"):
+        write_report(comparison, tmp_path / "report.html", {"Slip": b"GIF89a"})
+
+
+def test_new_section_needs_no_more_than_itself(comparison: Comparison) -> None:
+    mine = Section("mine", "My section", lambda report: Content(f"<p>{report.comparison.values}</p>", data={"x": 1}))
+    page = build_page(Report(comparison), (*SECTIONS, mine))
+    assert f"<p>{comparison.values}</p>" in page
+    assert data_of(page)["sections"]["mine"] == {"x": 1}
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0"), (393.0, "393"), (269.05, "269.1"), (2.07e11, f"2.07 {TIMES} 10¹¹"), (0.1 + 0.2, "0.3"),
+        (-3.4567e-7, f"{MINUS}3.457 {TIMES} 10⁻⁷"), (math.nan, MISSING), (math.inf, "∞"), (3.79984, "3.800"),
+    ],
+)  # fmt: skip
+def test_numbers_are_written_as_engineers_do(value: float, text: str) -> None:
+    assert number(value) == text
+
+
+def test_units_and_per_cent() -> None:
+    assert with_unit(6e10, "N/m**3") == f"6 {TIMES} 10¹⁰ N/m³"
+    assert with_unit(math.nan, "Pa") == MISSING
+    assert percent(0.0789) == "+7.9 %"
+    assert percent(-0.31) == f"{MINUS}31 %"

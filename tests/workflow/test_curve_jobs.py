@@ -1,0 +1,115 @@
+"""Curves are traced, checkpointed, resumed and kept, one by one and many at once."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.plain_rig import around_first_stuck_mode, plain_reduced_model
+
+from updamp.fem.finite_element_model import FiniteElementResult
+from updamp.fem.static_contact.static_contact import static_contact
+from updamp.geometry.build_mesh import build_mesh
+from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.hbm.newton.newton import solve
+from updamp.model.rig_files import load_rig
+from updamp.workflow import store
+from updamp.workflow.curve_jobs import CurveEnd, CurveJob, curve_problem, trace_all, trace_curve
+from updamp.workflow.store import Stamp
+
+RIG = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
+POINT = "blade_right.tip.x"
+
+
+@pytest.fixture(scope="module")
+def jobs(tmp_path_factory):
+    """Two curves of a plain rig near its first stuck mode; the larger force makes the contacts slip."""
+    folder = tmp_path_factory.mktemp("curves")
+    rig = load_rig(RIG, {"study.modes.OOP.window": around_first_stuck_mode(RIG, 2.0)})
+    mesh = build_mesh(rig, "small")
+    reduced = plain_reduced_model(rig, mesh.contacts)
+    nothing = np.zeros(0)
+    store.write(folder / "fe.h5", FiniteElementResult(reduced, nothing, nothing, nothing, None), Stamp("fe"))
+    store.write(folder / "rest.h5", static_contact(reduced, rig), Stamp("rest"))
+    return tuple(
+        CurveJob(rig, "OOP", force, f"key {force}", folder / "fe.h5", folder / "rest.h5", folder / f"{force}.h5")
+        for force in (0.2, 1.0)
+    )
+
+
+@pytest.fixture(scope="module")
+def uninterrupted(jobs):
+    job = replace(jobs[1], output=jobs[1].output.with_name("uninterrupted.h5"))
+    assert trace_curve(job) is CurveEnd.FINISHED
+    assert not job.partial.exists()
+    return store.read(job.output, ResponseCurve)
+
+
+def test_the_whole_branch_is_traced_with_slip(uninterrupted):
+    assert uninterrupted.complete
+    assert uninterrupted.active.max() > 0
+    assert len(uninterrupted) > 20
+
+
+def test_an_interrupted_curve_goes_on_and_equals_the_uninterrupted_one(jobs, uninterrupted, tmp_path):
+    job = replace(jobs[1], output=tmp_path / "curve.h5")
+    stop_after = len(uninterrupted) // 2
+    seen = []
+    assert trace_curve(job, seen.append, lambda: len(seen) >= stop_after) is CurveEnd.INTERRUPTED
+    assert not job.output.exists()
+    half = store.read(job.partial, ResponseCurve)
+    np.testing.assert_array_equal(half.frequency, uninterrupted.frequency[:stop_after])
+
+    resumed_points = []
+    assert trace_curve(job, resumed_points.append) is CurveEnd.FINISHED
+    assert not job.partial.exists()
+    whole = store.read(job.output, ResponseCurve)
+    assert len(resumed_points) <= len(whole) - stop_after + 1, "what was solved is not solved again"
+    np.testing.assert_array_equal(whole.response[:stop_after], uninterrupted.response[:stop_after])
+    assert whole.complete
+    assert whole.seconds > half.seconds
+    assert len(store.read_stamp(job.output).intervals) == 2
+    assert whole.peak(POINT) == pytest.approx(uninterrupted.peak(POINT), rel=1e-4)
+    assert_same_branch(job, whole, uninterrupted)
+
+
+def assert_same_branch(job, curve, reference):
+    """From the nearest point of `curve`, Newton at the frequencies of `reference` finds the points of `reference`."""
+    system, request = curve_problem(job)
+    for i in range(len(reference) // 2, len(reference), 4):
+        nearest = np.argmin(np.abs(curve.frequency - reference.frequency[i]))
+        w = 2 * np.pi * reference.frequency[i]
+        found = solve(system, request.excitation, curve.displacement[nearest], w)
+        assert found.converged
+        size = np.abs(reference.displacement[i]).max()
+        np.testing.assert_allclose(found.x, reference.displacement[i], rtol=0, atol=1e-6 * size)
+
+
+def test_a_checkpoint_of_other_input_or_a_damaged_one_is_not_used(jobs, uninterrupted, tmp_path):
+    job = replace(jobs[1], output=tmp_path / "curve.h5")
+    first = []
+    store.write(job.partial, uninterrupted, Stamp("another key"))
+    trace_curve(job, first.append, lambda: True)
+    assert first[0].points == 1
+    job.partial.write_bytes(b"damaged")
+    trace_curve(job, first.append, lambda: True)
+    assert first[1].points == 1
+
+
+def test_a_curve_that_fails_leaves_the_others(jobs):
+    lost = replace(jobs[0], rest=jobs[0].rest.with_name("missing.h5"), output=jobs[0].output.with_name("lost.h5"))
+    progress, ended = {}, []
+    outcomes = trace_all(
+        [lost, *jobs], 2, lambda job, p: progress.setdefault(job.name, []).append(p), lambda o: ended.append(o.job)
+    )
+    by_output = {outcome.job.output: outcome for outcome in outcomes}
+    assert by_output[lost.output].end is CurveEnd.FAILED
+    assert "missing.h5: no such file" in by_output[lost.output].message
+    assert len(ended) == 3
+    for job in jobs:
+        assert by_output[job.output].end is CurveEnd.FINISHED
+        assert store.read(job.output, ResponseCurve).complete
+        assert store.read_stamp(job.output).key == job.key
+        shares = [p.share for p in progress[job.name]]
+        assert shares == sorted(shares)
+        assert 0 <= shares[0] <= shares[-1] <= 1

@@ -1,0 +1,150 @@
+"""`updamp diagnose` from files to files, on a beam whose quadratic damping two effects describe alike."""
+
+import io
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rich.console import Console
+from support import measured_beam
+
+from updamp.diagnosis.candidate_models.attempts import Attempt, Done
+from updamp.diagnosis.candidate_models.baseline import Baseline
+from updamp.diagnosis.criteria import Criteria
+from updamp.diagnosis.verdict import VERDICT_JSON, Verdict
+from updamp.workflow import diagnose_run as module
+from updamp.workflow.compare_run import CompareFiles, subject_of
+from updamp.workflow.diagnose_run import DiagnoseOptions, diagnose
+from updamp.workflow.progress import Display
+
+TWINS = {"joint_quadratic", "drag"}
+
+
+def diagnosis(folder: Path, out: str, **changes: Any) -> Verdict:
+    """Two effects are fitted, to the first mode alone; the second one is for judging."""
+    options = {
+        "own": (folder / "drag.py",),
+        "held_out_modes": ("second",),
+        "criteria": Criteria(short=2),
+        **changes,
+    }
+    files = CompareFiles(folder / "beam.toml", folder / "measurement.toml", folder / out)
+    return diagnose(files, "full", DiagnoseOptions(**options), Console(file=io.StringIO()))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    found = tmp_path_factory.mktemp("beam")
+    measured_beam.write(found)
+    (found / "drag.py").write_text(measured_beam.TWIN, encoding="utf-8")
+    return found
+
+
+@pytest.fixture(scope="module")
+def verdict(folder: Path) -> Verdict:
+    return diagnosis(folder, "one")
+
+
+def same(one: Verdict, other: Verdict) -> None:
+    """To the last digit; the next measurement and the missing force are for the report alone."""
+    first, second = (VERDICT_JSON.to_json(replace(v, next_measurement=(), missing_forces=())) for v in (one, other))
+    assert first == second
+
+
+def parameters(verdict: Verdict) -> Mapping[str, float]:
+    return {p.name: p.value for c in verdict.candidates for p in c.parameters}
+
+
+def test_a_mode_that_no_fit_has_seen_is_predicted(verdict: Verdict) -> None:
+    assert (verdict.verdict, set(verdict.group)) == ("inseparable", TWINS)
+    assert verdict.error.held_out_before > 5
+    assert verdict.error.held_out_after < 1
+    before, after = verdict.error.held_out_before, verdict.error.held_out_after
+    assert f"on second, of which the fit saw no run, from {before:.1f} to {after:.2f}" in verdict.sentence
+    assert parameters(verdict)["coefficient"] == pytest.approx(measured_beam.DAMPING, rel=0.02)
+    assert {s.mode for s in verdict.signatures} == {"first"}
+    assert verdict.provenance["held out"] == "second 1 N, second 4 N"
+
+
+def test_the_next_measurement_is_looked_for_and_shown(verdict: Verdict, folder: Path) -> None:
+    (proposed,) = verdict.next_measurement
+    assert set(proposed.effects) == TWINS
+    assert proposed.separation < 0.1
+    assert proposed.sentence.startswith("no run that was looked at tells")
+    assert VERDICT_JSON.read(folder / "one" / "diagnosis.json").next_measurement == verdict.next_measurement
+    assert proposed.sentence in (folder / "one" / "report.html").read_text(encoding="utf-8")
+
+
+def test_nothing_is_done_again(verdict: Verdict, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def must_not_run(*_: object) -> None:
+        raise AssertionError("this is known")
+
+    def nothing_to_run(_start: Baseline, _criteria: Criteria, attempts: Sequence[Attempt], _done: Done) -> list[None]:
+        assert not attempts, "these fits are known"
+        return []
+
+    monkeypatch.setattr(module, "RunBy", lambda _: nothing_to_run)
+    monkeypatch.setattr(module, "_report", lambda *_: None)
+    for name in ("next_measurements", "baseline"):
+        monkeypatch.setattr(module, name, must_not_run)
+    again = diagnosis(folder, "one")
+    same(again, verdict)
+    assert again.next_measurement == verdict.next_measurement
+
+
+def test_what_is_known_is_dropped_when_a_user_s_effect_changes(tmp_path: Path) -> None:
+    """The rig file's own, whose text stays, and one that is looked for."""
+    rig, measurement = measured_beam.write(tmp_path, repeats=1)
+    taken = '\n[[effects]]\nname = "drag"\nfile = "drag.py"\nvalues = { half = 5 }\n'
+    rig.write_text(measured_beam.RIG + taken, encoding="utf-8")
+    files, digests = CompareFiles(rig, measurement, tmp_path / "out"), []
+    for i, (factor, sought) in enumerate(((2, 2), (3, 2), (3, 3), (3, 3))):
+        (tmp_path / "drag.py").write_text(measured_beam.TWIN.replace("2 *", f"{factor} *"), encoding="utf-8")
+        looked_for = measured_beam.TWIN.replace('"drag"', '"more"').replace("2 *", f"{sought} *")
+        (tmp_path / "more.py").write_text(looked_for, encoding="utf-8")
+        options = DiagnoseOptions(own=(tmp_path / "more.py",), jobs=1 + i)
+        with Display(Console(file=io.StringIO())) as display:
+            subject = subject_of(files, "full", 1, display, ())
+        assert [one.effect.name for one in subject.taken] == ["drag"]
+        digests.append(module._digest(files, "full", options, subject, module._effects(subject, options)))
+    assert len(set(digests)) == 3
+    assert digests[2] == digests[3], "how many processes there are makes no difference"
+
+
+def test_two_processes_find_the_same(verdict: Verdict, folder: Path) -> None:
+    same(diagnosis(folder, "two", jobs=2, report=False), verdict)
+
+
+def test_a_dask_cluster_finds_the_same(verdict: Verdict, folder: Path) -> None:
+    distributed = pytest.importorskip("distributed", reason="Dask is optional: pip install 'updamp[cluster]'")
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        found = diagnosis(folder, "dask", scheduler=cluster.scheduler_address, report=False)
+    same(found, verdict)
+
+
+def test_a_scheduler_without_workers_is_not_waited_for_for_ever(
+    verdict: Verdict, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    distributed = pytest.importorskip("distributed", reason="Dask is optional: pip install 'updamp[cluster]'")
+    assert verdict.verdict == "inseparable", "what is known up to the fits is read back"
+    monkeypatch.setattr(module, "_PATIENCE", 0.5)
+    with (
+        distributed.LocalCluster(n_workers=0, dashboard_address=None) as cluster,
+        pytest.raises(ValueError, match=r"no worker has come in 0.5 s; start one: dask worker tcp://"),
+    ):
+        diagnosis(folder, "one", scheduler=cluster.scheduler_address)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"held_out_modes": ("third",)}, "no mode 'third' to hold out; there are first, second"),
+        ({"held_out_modes": ("first", "second")}, "none is left to fit to"),
+        ({"held_out": ("first 3 N",)}, "no run 'first 3 N' to hold out"),
+    ],
+)
+def test_what_cannot_be_held_out_is_refused(folder: Path, changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        diagnosis(folder, "refused", **changes)

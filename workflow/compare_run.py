@@ -1,0 +1,243 @@
+"""`updamp compare`: from a rig file and a measurement to comparison.json and report.html."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+
+from updamp.comparison.compare import CompareOptions, compare
+from updamp.comparison.comparison import COMPARISON_JSON, Comparison, FeatureComparison
+from updamp.comparison.findings.stated_values import WITHOUT_DAMPER, compare_features, needed
+from updamp.comparison.fit.fit import Fit
+from updamp.comparison.prediction.branch_tasks import Branches, InTurn, Report, by_processes
+from updamp.effects.chosen import ChosenEffect, resolved, with_effects
+from updamp.effects.rig_model import RigModel
+from updamp.measurement.load import load_measurement
+from updamp.measurement.measurement import Measurement
+from updamp.model.build import modal_before_effects, rig_before_effects
+from updamp.model.rig_files import is_modal, load_modal, load_rig
+from updamp.report.page import write_report
+from updamp.rig.rig import Rig
+from updamp.workflow import stages
+from updamp.workflow.history import record_comparison
+from updamp.workflow.progress import Display
+from updamp.workflow.run import Run, RunOptions
+
+
+@dataclass(frozen=True)
+class CompareFiles:
+    """What a comparison reads and where it writes."""
+
+    rig: Path
+    measurement: Path
+    out: Path
+
+    @property
+    def comparison(self) -> Path:
+        return self.out / "comparison.json"
+
+    @property
+    def report(self) -> Path:
+        return self.out / "report.html"
+
+
+def run_compare(
+    files: CompareFiles,
+    preset: str,
+    workers: int,
+    console: Console,
+    finer: Sequence[str] = (),
+    options: CompareOptions | None = None,
+) -> tuple[Comparison, Fit | None]:
+    """Build the model where it is not there yet, compare, write both files.
+
+    workers: processes at most; the numbers do not depend on it
+    finer: presets of finer meshes; what each changes counts as numerical error
+
+    raises: RigError, MeasurementError and what the stages raise, naming what to mend
+    """
+    with Display(console) as display:
+        subject = subject_of(files, preset, workers, display, finer)
+        provenance = provenance_of(files, subject, preset)
+        display.update("comparison", 0.0, "prediction")
+        told = _Told(display)
+        with branches_of(subject, workers, told.branch) as branches:
+            comparison, fit = compare(
+                subject.before_effects,
+                subject.measurement,
+                subject.features,
+                provenance,
+                options,
+                told,
+                subject.finer,
+                subject.taken,
+                branches,
+            )
+        display.done("comparison", f"{len(comparison.findings)} findings")
+        files.out.mkdir(parents=True, exist_ok=True)
+        COMPARISON_JSON.write(files.comparison, comparison)
+        write_report(comparison, files.report, pictures_of(files.out))
+        record_comparison(files.rig, tuple(one.effect.name for one in subject.taken), comparison)
+        display.done("files", f"{files.comparison}, {files.report}")
+    return comparison, fit
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """What is compared.
+
+    before_effects: the model, calibrated as the rig file says; taken: effects of the rig file, to be applied after
+        nuisance parameters (`Parametrisation`)
+    mesh: preset, "" for a model without; finer: models with finer numerics, before effects too, by what is finer
+    """
+
+    before_effects: RigModel
+    measurement: Measurement
+    features: tuple[FeatureComparison, ...]
+    mesh: str
+    finer: Mapping[str, RigModel] = field(default_factory=dict)
+    taken: tuple[ChosenEffect, ...] = ()
+
+
+def subject_of(files: CompareFiles, preset: str, workers: int, display: Display, finer: Sequence[str]) -> Subject:
+    """The model, built where it is not there yet, and the measurement.
+
+    raises: RigError, MeasurementError and what the stages raise, naming what to mend
+    """
+    return _of_modal_rig(files) if is_modal(files.rig) else _of_rig(files, preset, workers, display, finer)
+
+
+def _of_rig(files: CompareFiles, preset: str, workers: int, display: Display, finer: Sequence[str]) -> Subject:
+    rig = load_rig(files.rig)
+    measurement = load_measurement(files.measurement, _points(), rig.name)
+    run = Run(rig, RunOptions(preset, files.out, workers, check=False, until=stages.STATIC_CONTACT), display)
+    model, free_frequency = _model(run)
+    features = _features(files, rig, measurement, preset, workers, display, free_frequency)
+    finer_models = {}
+    for name in dict.fromkeys(finer):
+        folder = files.out / name
+        again = Run(rig, RunOptions(name, folder, workers, check=False, until=stages.STATIC_CONTACT), display)
+        finer_models[name] = _model(again)[0]
+    return Subject(model, measurement, features, preset, finer_models, resolved(rig.effects))
+
+
+def _of_modal_rig(files: CompareFiles) -> Subject:
+    rig = load_modal(files.rig)
+    model = modal_before_effects(rig)
+    measurement = load_measurement(files.measurement, model.components.points, rig.name)
+    return Subject(model, measurement, (), "", taken=resolved(rig.effects))
+
+
+@contextmanager
+def branches_of(subject: Subject, workers: int, report: Report) -> Iterator[Branches]:
+    """How the branches of a comparison are traced: in at most so many processes, and no more than it has tests. Those
+    of a model that is linear take less time than a process takes to begin."""
+    tests = len({run.name for run in subject.measurement.runs})
+    linear = not with_effects(subject.before_effects, subject.taken).groups
+    if min(workers, tests) < 2 or linear:
+        yield InTurn(report)
+    else:
+        with by_processes(min(workers, tests), report) as spread:
+            yield spread
+
+
+class _Told:
+    """The fit does not know how many rounds it will need: the bar tells what it is at."""
+
+    def __init__(self, display: Display) -> None:
+        self._display, self._share, self._step = display, 0.0, ""
+
+    def __call__(self, step: str) -> None:
+        self._share, self._step = self._share + (1 - self._share) / 6, step
+        self._display.update("comparison", self._share, step)
+
+    def branch(self, name: str, done: int, of: int) -> None:
+        """One more of the branches that the step needs."""
+        share = self._share + (1 - self._share) / 6 * done / of
+        self._display.update("comparison", share, f"{self._step}: {name}, {done} of {of} branches")
+
+
+def _points() -> tuple[str, ...]:
+    """Names of the points that every model of such a rig has."""
+    of_blade = ("excitation.x", "tip.x", "platform.x", "platform.y")
+    of_damper = ("corner_left.x", "corner_left.y", "corner_right.x", "corner_right.y")
+    blades = [f"blade_{side}.{point}" for side in ("left", "right") for point in of_blade]
+    return (*blades, *(f"damper.{point}" for point in of_damper))
+
+
+def _model(run: Run) -> tuple[RigModel, float]:
+    """The model before effects, and the excited blade's first frequency without damper with them [Hz]."""
+    done = run.products()
+    assert done.finite_elements is not None, "the run goes as far as static contact"
+    assert done.static_contact is not None, "the run goes as far as static contact"
+    model = rig_before_effects(done.finite_elements.product.reduced, done.static_contact.product, run.rig)
+    whole = with_effects(model, resolved(run.rig.effects))
+    of_blade = np.array(whole.owner) == f"blade_{run.rig.excitation.blade}"
+    return model, float(whole.components.frequencies[of_blade].min())
+
+
+def _features(
+    files: CompareFiles,
+    rig: Rig,
+    measurement: Measurement,
+    preset: str,
+    workers: int,
+    display: Display,
+    free_frequency: float,
+) -> tuple[FeatureComparison, ...]:
+    """Stated values: the curves that they need are those of `updamp run`, in the same files."""
+    if not measurement.features:
+        return ()
+    wanted = needed(measurement.features)
+    point = f"blade_{rig.excitation.blade}.tip.x"
+    peaks: dict[tuple[str, float], float] = {}
+    for mode in dict.fromkeys(mode for mode, _ in wanted):
+        forces = tuple(force for of_mode, force in wanted if of_mode == mode)
+        run = Run(rig, RunOptions(preset, files.out, workers, (mode,), forces, check=False, pictures=False), display)
+        for stored in run.products().curves:
+            peaks[mode, stored.product.force] = stored.product.peak(point)[0]
+
+    def resonance(mode: str, force: float) -> float:
+        if WITHOUT_DAMPER in mode:
+            return free_frequency
+        if (mode, force) not in peaks:
+            raise ValueError(f"the curve {mode} {force:g} N was not traced: see the lines above")
+        return peaks[mode, force]
+
+    return compare_features(measurement.features, resonance)
+
+
+def provenance_of(files: CompareFiles, subject: Subject, preset: str) -> Mapping[str, str]:
+    hashes = {f"SHA-256 of {name}": value for name, value in (subject.measurement.hashes or {}).items()}
+    of_mesh = {"mesh": preset} if subject.mesh else {}
+    effects = {"effects of the rig file": ", ".join(one.effect.name for one in subject.taken)} if subject.taken else {}
+    return {
+        "rig file": str(files.rig),
+        "measurement": str(files.measurement),
+        **of_mesh,
+        **effects,
+        "updamp": version("updamp"),
+        **hashes,
+    }
+
+
+def pictures_of(folder: Path) -> dict[str, bytes]:
+    """Those of the contacts, where `updamp run` has drawn them into the same folder."""
+    captions = {
+        "pressure.png": "Pressure at rest",
+        "contact_states_OOP.png": "Contact states, OOP",
+        "contact_states_IP.png": "Contact states, IP",
+    }
+    found = {caption: folder / "pictures" / name for name, caption in captions.items()}
+    return {caption: path.read_bytes() for caption, path in found.items() if path.is_file()}
+
+
+def sentences(comparison: Comparison) -> Sequence[str]:
+    """What the terminal says in the end."""
+    if comparison.adequate:
+        return ("no misfit beyond repeatability",)
+    return tuple(finding.text for finding in comparison.findings)

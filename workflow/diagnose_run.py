@@ -1,0 +1,260 @@
+"""`updamp diagnose`: from a rig file and a measurement to the effect that is missing."""
+
+import hashlib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from datetime import date
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from updamp.comparison.compare import compare
+from updamp.comparison.comparison import COMPARISON_JSON
+from updamp.comparison.fit.observations import Plan, plan_of
+from updamp.comparison.prediction.branch_tasks import Branches, BranchesBy, in_turn
+from updamp.diagnosis.candidate_models.attempts import RunBy
+from updamp.diagnosis.candidate_models.baseline import Baseline, baseline, held_out_runs
+from updamp.diagnosis.criteria import Criteria
+from updamp.diagnosis.decision.ablations import write_ablations
+from updamp.diagnosis.decision.conclude import conclude
+from updamp.diagnosis.decision.decide import Decision, decide
+from updamp.diagnosis.evidence import EVIDENCE_JSON
+from updamp.diagnosis.missing_force.missing_force import missing_forces
+from updamp.diagnosis.next_measurement.next_measurement import next_measurements, rivals
+from updamp.diagnosis.selection.search import Found, search
+from updamp.diagnosis.verdict import VERDICT_JSON, MissingForce, NextMeasurement, Verdict
+from updamp.effects.catalogue import catalogue
+from updamp.effects.chosen import code_of
+from updamp.effects.effect import Effect
+from updamp.effects.user_effect import effect_from_file
+from updamp.hbm.compilation_cache import keeps_compiled
+from updamp.model.rig_files import is_modal, load_rig
+from updamp.parallel.processes import processes
+from updamp.parallel.workers import Elsewhere, Workers, here
+from updamp.report.page import write_report
+from updamp.workflow.compare_run import CompareFiles, Subject, pictures_of, provenance_of, subject_of
+from updamp.workflow.diagnose_stated import diagnose_stated, tables
+from updamp.workflow.memory import Memory, Remembering, digest_of
+from updamp.workflow.progress import Display
+
+_STAGE = "diagnosis"
+# Predicted with each explanation, to find the next measurement: some 6 s of one core with 36 patches.
+_RUNS = 6
+_PATIENCE = 30  # s, with a Dask scheduler that has no workers yet
+
+
+@dataclass(frozen=True)
+class DiagnoseOptions:
+    """finer: presets of finer meshes; held_out: names of runs that no fit sees, None for one level of each mode
+    held_out_modes: modes of which no fit sees a run; with any, only the levels in `held_out` are held out besides
+    own: files of the user's own effects, looked for too
+    jobs: processes; scheduler: address of a Dask scheduler whose workers trace branches and run fits, "" for this
+        machine
+    report: whether to write report.html, with comparison and missing force; next_measurement: whether to look for the
+        run that tells explanations apart, for the report
+    """
+
+    finer: tuple[str, ...] = ()
+    held_out: tuple[str, ...] | None = None
+    held_out_modes: tuple[str, ...] = ()
+    own: tuple[Path, ...] = ()
+    jobs: int = 1
+    scheduler: str = ""
+    report: bool = True
+    next_measurement: bool = True
+    criteria: Criteria = field(default_factory=Criteria)
+
+
+def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console: Console) -> Verdict:
+    """Build the model where it is not there yet, search, write diagnosis.json and report.html.
+
+    A diagnosis that was stopped goes on where it was, as long as nothing that it depends on has changed.
+    raises: RigError, MeasurementError and what the stages raise; ValueError where the measurement has neither curves
+        nor usable stated values, or a run to hold out was not measured
+    """
+    with Display(console) as display:
+        subject = subject_of(files, preset, options.jobs, display, options.finer)
+        provenance = {**provenance_of(files, subject, preset), "date": date.today().isoformat()}
+        if not subject.measurement.runs:
+            return _of_stated(files, options, subject, provenance, display, console)
+        effects = _effects(subject, options)
+        files.out.mkdir(parents=True, exist_ok=True)
+        plan, told = plan_of(subject.measurement), _telling(display)
+        memory = Memory(files.out / "search", _digest(files, preset, options, subject, effects))
+        with _workers(options) as workers:
+            start = _baseline(memory, subject, plan, options, told, BranchesBy(workers))
+            found = search(start, effects, options.criteria, told, Remembering(memory, RunBy(workers)), workers)
+            provenance["held out"] = ", ".join(plan.conditions[i].name for i in start.held_out) or "nothing"
+            names = {channel.point: channel.name for channel in subject.measurement.channels}
+            decision = decide(found.evidence, options.criteria)
+            forces = _forces(found, decision) if options.report else ()
+            following = _following(memory, found, decision, options, told, workers) if options.report else ()
+            verdict = conclude(found, decision, options.criteria, names, forces, provenance, following)
+            VERDICT_JSON.write(files.out / "diagnosis.json", verdict)
+            EVIDENCE_JSON.write(files.out / "evidence.json", found.evidence)
+            write_ablations(files.out / "ablations.json", found.evidence, options.criteria)
+            if options.report:
+                _report(files, subject, verdict, told, BranchesBy(workers))
+        display.done(_STAGE, f"{verdict.verdict}: {', '.join(verdict.effects or verdict.group) or 'no effect'}")
+    return verdict
+
+
+def _of_stated(
+    files: CompareFiles,
+    options: DiagnoseOptions,
+    subject: Subject,
+    provenance: Mapping[str, str],
+    display: Display,
+    console: Console,
+) -> Verdict:
+    """Where no curve was measured: diagnosis.json, report.html and two tables."""
+    if not subject.measurement.features or is_modal(files.rig):
+        raise ValueError(
+            f"{files.measurement}: no runs (curves), and no stated features that a rig with contacts could answer to; "
+            "measure curves with repeats"
+        )
+    rig, told = load_rig(files.rig), _telling(display)
+    found = diagnose_stated(
+        subject.before_effects,
+        {name: mode.window for name, mode in rig.study.modes.items()},
+        f"blade_{rig.excitation.blade}",
+        subject.measurement.features,
+        _effects(subject, options),
+        subject.taken,
+        provenance,
+        told,
+    )
+    files.out.mkdir(parents=True, exist_ok=True)
+    VERDICT_JSON.write(files.out / "diagnosis.json", found.verdict)
+    if options.report:
+        _report(files, subject, found.verdict, told, in_turn)
+    display.done(_STAGE, found.verdict.verdict)
+    for shown in tables(found):
+        console.print(shown)
+    return found.verdict
+
+
+def _effects(subject: Subject, options: DiagnoseOptions) -> tuple[Effect, ...]:
+    """Those of the catalogue and the user's own that the rig file does not have yet."""
+    taken = {one.effect.name for one in subject.taken}
+    known = [*catalogue().values(), *(effect_from_file(path) for path in options.own)]
+    return tuple(effect for effect in known if effect.name not in taken)
+
+
+def _digest(
+    files: CompareFiles, preset: str, options: DiagnoseOptions, subject: Subject, effects: Sequence[Effect]
+) -> str:
+    from importlib.metadata import version
+
+    code = [code_of(one.effect, one.file) for one in subject.taken]
+    code += [hashlib.sha256(path.read_bytes()).hexdigest() for path in options.own]
+    code += [code_of(effect, None) for effect in effects]
+    data = [f"{name} {value}" for name, value in sorted((subject.measurement.hashes or {}).items())]
+    rig = hashlib.sha256(files.rig.read_bytes()).hexdigest()
+    decisive = replace(options, jobs=1, scheduler="", report=True, next_measurement=True, own=())
+    return digest_of([rig, preset, repr(decisive), version("updamp"), *code, *data, *(e.name for e in effects)])
+
+
+def _baseline(
+    memory: Memory,
+    subject: Subject,
+    plan: Plan,
+    options: DiagnoseOptions,
+    told: Callable[[str], None],
+    branches_of: Branches,
+) -> Baseline:
+    start: Baseline | None = memory.recall("baseline")
+    if start is None:
+        held_out = held_out_runs(plan, options.held_out, options.held_out_modes)
+        start = baseline(subject.before_effects, subject.taken, plan, subject.finer, held_out, told, branches_of)
+        memory.keep("baseline", start)
+    return start
+
+
+@contextmanager
+def _workers(options: DiagnoseOptions) -> Iterator[Workers]:
+    """Where branches are traced and fits run."""
+    own, kept = tuple(path.resolve() for path in options.own), keeps_compiled()
+    if options.scheduler:
+        try:
+            from distributed import Client
+        except ImportError as error:
+            raise ValueError(
+                "--scheduler needs Dask: install it with `pip install 'updamp[cluster]'`, on the workers too"
+            ) from error
+        with Client(options.scheduler) as client:
+            _wait_for_workers(client, options.scheduler)
+            yield Elsewhere(client.get_executor(pure=False), own, kept)
+    elif options.jobs > 1:
+        with processes(options.jobs) as pool:
+            yield Elsewhere(pool, own, kept)
+    else:
+        yield here
+
+
+def _wait_for_workers(client: Any, address: str) -> None:
+    try:
+        client.wait_for_workers(1, timeout=_PATIENCE)
+    except TimeoutError as error:
+        raise ValueError(
+            f"--scheduler {address}: no worker has come in {_PATIENCE} s; start one: dask worker {address}"
+        ) from error
+
+
+def _forces(found: Found, decision: Decision) -> tuple[MissingForce, ...]:
+    if decision.outcome == "adequate":
+        return ()
+    fitted = found.baseline.fitted
+    return missing_forces(fitted.compared, fitted.parametrisation, found.baseline.train_plan)
+
+
+def _following(
+    memory: Memory,
+    found: Found,
+    decision: Decision,
+    options: DiagnoseOptions,
+    told: Callable[[str], None],
+    workers: Workers,
+) -> tuple[NextMeasurement, ...]:
+    """The next measurements worth making, where explanations are left to be told apart."""
+    explanations = rivals(found, decision, options.criteria) if options.next_measurement else {}
+    if not explanations:
+        return ()
+    name = f"next measurement {', '.join(explanations)}"
+    proposed: tuple[NextMeasurement, ...] | None = memory.recall(name)
+    if proposed is None:
+        proposed = next_measurements(explanations, found.baseline.plan, told, _RUNS, workers)
+        memory.keep(name, proposed)
+    return proposed
+
+
+def _report(
+    files: CompareFiles, subject: Subject, verdict: Verdict, told: Callable[[str], None], branches_of: Branches
+) -> None:
+    comparison, _ = compare(
+        subject.before_effects,
+        subject.measurement,
+        subject.features,
+        verdict.provenance,
+        None,
+        told,
+        subject.finer,
+        subject.taken,
+        branches_of,
+    )
+    COMPARISON_JSON.write(files.comparison, comparison)
+    write_report(comparison, files.report, pictures_of(files.out), verdict)
+
+
+def _telling(display: Display) -> Callable[[str], None]:
+    """How many fits there will be is not known: the bar tells what it is at."""
+    share = 0.0
+
+    def told(step: str) -> None:
+        nonlocal share
+        share += (1 - share) / 40
+        display.update(_STAGE, share, step)
+
+    return told

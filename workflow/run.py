@@ -1,0 +1,260 @@
+"""One run: the stages in order, each taken from its file where nothing that goes into it has changed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+from updamp.parallel.resources import Meter
+from updamp.rig.rig import Rig
+from updamp.workflow import stages, store
+from updamp.workflow.curve_jobs import CurveEnd, CurveJob, CurveOutcome, CurveProgress, trace_all
+from updamp.workflow.progress import Display
+from updamp.workflow.stage_functions import StageFunctions
+from updamp.workflow.stages import Stage
+
+if TYPE_CHECKING:
+    from updamp.fem.finite_element_model import CoupledCheck, FiniteElementResult
+    from updamp.fem.static_contact.rest_state import StaticContact
+    from updamp.geometry.rig_mesh import RigMesh
+    from updamp.hbm.continuation.response_curve import ResponseCurve
+
+Product = TypeVar("Product")
+
+FINITE_ELEMENT_STEPS = 8  # told by the finite elements as they begin, for the progress bar
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """preset: of the mesh; folder: for all that the run writes; workers: processes that trace curves
+
+    modes, forces: which curves [N]; empty for all of the study
+    check: whether to compare the reduced with the full coupled model; until: last stage, None for all
+    raises: ValueError naming the option that is out of range
+    """
+
+    preset: str
+    folder: Path
+    workers: int = 1
+    modes: tuple[str, ...] = ()
+    forces: tuple[float, ...] = ()
+    check: bool = True
+    pictures: bool = True
+    until: Stage | None = None
+
+    def __post_init__(self) -> None:
+        if self.workers < 1:
+            raise ValueError(f"--jobs {self.workers}: at least 1")
+
+
+@dataclass(frozen=True, eq=False)
+class Stored(Generic[Product]):
+    """A stage's product with its file and stamp."""
+
+    path: Path
+    product: Product
+    stamp: store.Stamp
+
+
+@dataclass(frozen=True, eq=False)
+class Products:
+    """What the stages have given, None where the run did not get so far; curves in the order of the study."""
+
+    mesh: Stored[RigMesh]
+    finite_elements: Stored[FiniteElementResult] | None = None
+    coupled_check: Stored[CoupledCheck] | None = None
+    static_contact: Stored[StaticContact] | None = None
+    curves: tuple[Stored[ResponseCurve], ...] = ()
+    failures: tuple[CurveOutcome, ...] = ()
+
+    @property
+    def stamps(self) -> tuple[store.Stamp, ...]:
+        single = (self.mesh, self.finite_elements, self.coupled_check, self.static_contact)
+        return tuple(entry.stamp for entry in (*single, *self.curves) if entry is not None)
+
+
+@dataclass(eq=False)
+class Run:
+    """What a run has at hand. `executed` names the stages and curves that were computed, not taken from files.
+
+    raises: ValueError where an option names a mesh or mode that the rig file does not have
+    """
+
+    rig: Rig
+    options: RunOptions
+    display: Display
+    functions: StageFunctions = field(default_factory=StageFunctions)
+    executed: list[str] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        _check_names("--mesh", (self.options.preset,), self.rig.mesh)
+        _check_names("--mode", self.options.modes, self.rig.study.modes)
+
+    def file(self, name: str) -> Path:
+        return self.options.folder / "stages" / f"{name}.h5"
+
+    def key(self, stage: Stage, mode: str = "", force: float = 0.0) -> str:
+        return stage.key(self.rig, {"preset": self.options.preset, "mode": mode, "force": repr(force)})
+
+    def wanted(self, stage: Stage) -> bool:
+        """Whether the run goes as far as this stage."""
+        last = self.options.until
+        return last is None or stages.STAGES.index(stage) <= stages.STAGES.index(last)
+
+    def products(self) -> Products:
+        """Run what has to be run.
+
+        raises: what the stages raise; KeyboardInterrupt after an interruption, with all that is solved on disk
+        """
+        done = Products(self._mesh())
+        if not self.wanted(stages.FINITE_ELEMENTS):
+            return done
+        finite_elements, check = self._finite_elements(done.mesh.product)
+        done = replace(done, finite_elements=finite_elements, coupled_check=check)
+        if not self.wanted(stages.STATIC_CONTACT):
+            return done
+        rest = self._static_contact(finite_elements.product)
+        done = replace(done, static_contact=rest)
+        if not self.wanted(stages.CURVE):
+            return done
+        curves, failures = self._curves(finite_elements.path, rest.path)
+        return replace(done, curves=curves, failures=failures)
+
+    def _mesh(self) -> Stored[RigMesh]:
+        from updamp.geometry.rig_mesh import RigMesh
+
+        def compute(meter: Meter) -> tuple[RigMesh, Mapping[str, float]]:
+            mesh = self.functions.mesh(self.rig, self.options.preset)
+            return mesh, {"mesh": meter.seconds}
+
+        return self._obtain(stages.MESH, RigMesh, compute)
+
+    def _finite_elements(self, mesh: RigMesh) -> tuple[Stored[FiniteElementResult], Stored[CoupledCheck] | None]:
+        """Both stages: the check shares the factorisation of the blade where the finite elements have to be run."""
+        from updamp.fem.finite_element_model import CoupledCheck, FiniteElementResult
+
+        check = self.options.check and self.wanted(stages.COUPLED_CHECK)
+        fresh: list[FiniteElementResult] = []
+
+        def reduce(_: Meter) -> tuple[FiniteElementResult, Mapping[str, float]]:
+            progress = self._steps(stages.FINITE_ELEMENTS.name, FINITE_ELEMENT_STEPS)
+            fresh.append(self.functions.finite_elements(self.rig, mesh, check, progress))
+            seconds = {name: value for name, value in fresh[0].seconds.items() if name != stages.COUPLED_CHECK.name}
+            return replace(fresh[0], coupled=None), seconds
+
+        def compare(meter: Meter) -> tuple[CoupledCheck, Mapping[str, float]]:
+            if fresh and fresh[0].coupled is not None:
+                return fresh[0].coupled, {"coupled_check": fresh[0].seconds.get("coupled_check", 0.0)}
+            result = self.functions.coupled_check(self.rig, mesh, finite_elements.product.reduced)
+            return result, {"coupled_check": meter.seconds}
+
+        finite_elements = self._obtain(stages.FINITE_ELEMENTS, FiniteElementResult, reduce)
+        return finite_elements, self._obtain(stages.COUPLED_CHECK, CoupledCheck, compare) if check else None
+
+    def _static_contact(self, finite_elements: FiniteElementResult) -> Stored[StaticContact]:
+        from updamp.fem.static_contact.rest_state import StaticContact
+
+        def compute(meter: Meter) -> tuple[StaticContact, Mapping[str, float]]:
+            rest = self.functions.static_contact(self.rig, finite_elements.reduced)
+            return rest, {"static_contact": meter.seconds}
+
+        return self._obtain(stages.STATIC_CONTACT, StaticContact, compute)
+
+    def _obtain(
+        self,
+        stage: Stage,
+        kind: type[Product],
+        compute: Callable[[Meter], tuple[Product, Mapping[str, float]]],
+    ) -> Stored[Product]:
+        """The stage's product from its file if that fits, else computed and stored.
+
+        compute: takes the running meter; returns the product and the wall time of its parts [s], by name
+        """
+        path, key = self.file(stage.name), self.key(stage)
+        if (found := stored(path, kind, key)) is not None:
+            self.display.unchanged(stage.name)
+            return found
+        with Meter() as meter, self.display.stage(stage.name):
+            product, seconds = compute(meter)
+        self.executed.append(stage.name)
+        stamp = store.Stamp(key, seconds, (meter.interval,), meter.peak_memory)
+        store.write(path, product, stamp)
+        return Stored(path, product, stamp)
+
+    def _steps(self, name: str, count: int) -> Callable[[str], None]:
+        begun = 0
+
+        def progress(step: str) -> None:
+            nonlocal begun
+            self.display.update(name, min(begun / count, 0.99), step)
+            begun += 1
+
+        return progress
+
+    # --- the curves ---
+
+    def jobs(self, finite_elements: Path, rest: Path) -> tuple[CurveJob, ...]:
+        """One a mode and force, as the study or the options have them."""
+        modes = self.options.modes or tuple(self.rig.study.modes)
+        forces = self.options.forces or self.rig.study.force_levels
+        return tuple(
+            CurveJob(
+                self.rig, mode, force, self.key(stages.CURVE, mode, force), finite_elements, rest,
+                self.file(f"curve_{mode}_{force:.12g}N"),
+            )
+            for mode in modes
+            for force in forces
+        )  # fmt: skip
+
+    def _curves(
+        self, finite_elements: Path, rest: Path
+    ) -> tuple[tuple[Stored[ResponseCurve], ...], tuple[CurveOutcome, ...]]:
+        from updamp.hbm.continuation.response_curve import ResponseCurve
+
+        jobs = self.jobs(finite_elements, rest)
+        found = {job.output: stored(job.output, ResponseCurve, job.key) for job in jobs}
+        missing = [job for job in jobs if found[job.output] is None]
+        for job in jobs:
+            if found[job.output] is not None:
+                self.display.unchanged(job.name)
+        if not missing:
+            return tuple(curve for curve in found.values() if curve is not None), ()
+        # Large forces take longest: begun first, they do not leave one worker busy alone at the end.
+        missing.sort(key=lambda job: -job.force)
+        outcomes = trace_all(missing, min(self.options.workers, len(missing)), self._on_progress, self._on_end)
+        for job in missing:
+            found[job.output] = stored(job.output, ResponseCurve, job.key)
+        failures = tuple(outcome for outcome in outcomes if outcome.end is not CurveEnd.FINISHED)
+        return tuple(curve for curve in found.values() if curve is not None), failures
+
+    def _on_progress(self, job: CurveJob, progress: CurveProgress) -> None:
+        self.display.update(job.name, progress.share, f"{progress.frequency:.2f} Hz, {progress.points} points")
+
+    def _on_end(self, outcome: CurveOutcome) -> None:
+        name = outcome.job.name
+        if outcome.end is not CurveEnd.FINISHED:
+            self.display.failed(name, outcome.message or outcome.end.value)
+            return
+        from updamp.hbm.continuation.response_curve import ResponseCurve
+
+        self.executed.append(name)
+        curve = store.read(outcome.job.output, ResponseCurve)
+        show = self.display.failed if curve.stopped else self.display.done
+        show(name, curve.stopped or f"{len(curve)} points, {curve.seconds:.1f} s")
+
+
+def stored(path: Path, kind: type[Product], key: str) -> Stored[Product] | None:
+    """What the file holds if it was made with this key; a file that is missing or damaged counts as stale."""
+    try:
+        stamp = store.read_stamp(path)
+        return Stored(path, store.read(path, kind), stamp) if stamp.key == key else None
+    except store.StoreError:
+        return None
+
+
+def _check_names(option: str, given: Iterable[str], known: Iterable[str]) -> None:
+    for name in given:
+        if name not in known:
+            raise ValueError(f"{option} {name}: the rig file has {', '.join(known)}")

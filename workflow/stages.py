@@ -1,0 +1,103 @@
+"""The stages of a run, what each depends on, and the keys that tell whether one has to run again.
+
+A stage's key is the hash of the sections of the rig file that it reads, of its version, and of the keys of the
+stages before it. Nothing else enters: a stage that would get the same input is not run again.
+"""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:  # the command line reads this table before it says how many threads numpy, loaded by it, is to use
+    from updamp.rig.rig import Rig
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One stage.
+
+    version: to be raised whenever the stage computes something else from the same input
+    sections: dotted paths in the rig file; {preset} and {mode} stand for the choices of the run
+    optional: further ones, which enter where the file states something there: keys from before they existed still hold
+    choices: what else distinguishes one product from another: "force" is the excitation's amplitude
+    after: the stages whose products it takes
+    """
+
+    name: str
+    version: int
+    sections: tuple[str, ...]
+    after: tuple["Stage", ...] = ()
+    choices: tuple[str, ...] = ()
+    optional: tuple[str, ...] = ()
+
+    def key(self, rig: "Rig", choice: Mapping[str, str]) -> str:
+        """SHA-256 of all that goes into the product, hexadecimal.
+
+        choice: values of "preset", "mode" and "force", as far as this stage and those before it use them
+        """
+        sections = (*self.sections, *(section for section in self.optional if rig.states(section)))
+        ingredients = {
+            "stage": self.name,
+            "version": self.version,
+            "rig": rig.digest(*(section.format(**choice) for section in sections)),
+            "choices": {name: choice[name] for name in self.choices},
+            "after": [stage.key(rig, choice) for stage in self.after],
+        }
+        return hashlib.sha256(json.dumps(ingredients, sort_keys=True).encode()).hexdigest()
+
+
+# --- the one table of what depends on what ---
+
+MESH = Stage(
+    name="mesh",
+    version=1,
+    sections=("blade", "platform", "damper", "excitation.height", "response", "mesh.{preset}"),
+)
+FINITE_ELEMENTS = Stage(
+    name="finite_elements",
+    version=1,
+    sections=(
+        "material.youngs_modulus",
+        "material.poissons_ratio",
+        "material.density",
+        "contact.coupling",
+        "reduction",
+    ),
+    after=(MESH,),
+)
+COUPLED_CHECK = Stage(
+    name="coupled_check",
+    version=1,
+    sections=("contact.tangential_stiffness", "contact.normal_stiffness", "wire", "load"),
+    after=(FINITE_ELEMENTS,),
+)
+STATIC_CONTACT = Stage(
+    name="static_contact",
+    version=1,
+    sections=("load", "contact.friction_coefficient", "contact.pressure"),
+    after=(FINITE_ELEMENTS,),
+)
+CURVE = Stage(
+    name="curve",
+    version=6,
+    sections=(
+        "damper_model",
+        "material.loss_factor",
+        "wire",
+        "load",
+        "excitation.blade",
+        "contact.law",
+        "contact.friction_coefficient",
+        "contact.tangential_stiffness",
+        "contact.normal_stiffness",
+        "harmonic_balance",
+        "study.modes.{mode}",
+    ),
+    after=(STATIC_CONTACT,),
+    choices=("force",),
+    optional=("effects", "calibration"),
+)
+
+STAGES = (MESH, FINITE_ELEMENTS, COUPLED_CHECK, STATIC_CONTACT, CURVE)

@@ -1,0 +1,181 @@
+"""What a run found, in numbers: summary.json, the table on the terminal, frequency responses as tidy CSV."""
+
+import csv
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.table import Table
+
+from updamp.fem.finite_element_model import CoupledCheck, FiniteElementResult
+from updamp.fem.static_contact.rest_state import StaticContact
+from updamp.geometry.rig_mesh import RigMesh
+from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.hbm.continuation.sweeps import sweep
+
+CSV_POINTS = ("tip.", "corner_")  # what is written of a curve: the places the lasers look at
+
+
+def mesh_entry(mesh: RigMesh) -> dict[str, Any]:
+    return {
+        "blade_elements": mesh.blade_elements,
+        "damper_elements": mesh.damper_elements,
+        "contact_elements": len(mesh.contacts),
+        "min_scaled_jacobian": mesh.min_scaled_jacobian,
+    }
+
+
+def modes_entry(result: FiniteElementResult) -> dict[str, Any]:
+    return {
+        "per_component": len(result.blade_frequencies),
+        "free_1F_Hz": float(result.blade_frequencies[0]),
+        "max_relative_residual": result.reduced.max_relative_residual,
+    }
+
+
+def coupled_entry(check: CoupledCheck) -> dict[str, Any]:
+    def of(mode: int) -> dict[str, float]:
+        return {"full": float(check.full[mode]), "reduced": float(check.reduced[mode])}
+
+    return {
+        "OOP_Hz": of(check.out_of_phase),
+        "IP_Hz": of(check.in_phase),
+        "first_modes_Hz": {"full": check.full.tolist(), "reduced": check.reduced.tolist()},
+        "largest_difference": check.largest_difference,
+        "max_relative_residual": check.max_relative_residual,
+    }
+
+
+def static_entry(rest: StaticContact) -> dict[str, Any]:
+    return {
+        "applied_N": rest.applied,
+        "normal_total_N": rest.normal_total,
+        "equilibrium_error": rest.equilibrium_error,
+        "pressure_model": rest.model,
+    }
+
+
+def curve_entry(curve: ResponseCurve, point: str) -> dict[str, Any]:
+    """point: where the peak is taken, first harmonic; a branch that found no point at all has no peak"""
+    entry: dict[str, Any] = {
+        "mode": curve.mode,
+        "force_N": curve.force,
+        "peak_receptance_mm_per_N": None,
+        "peak_frequency_Hz": None,
+        "points": len(curve),
+        "unconverged": curve.unconverged,
+        "seconds": round(curve.seconds, 2),
+        "response_point": point,
+        "problem": problem(curve),
+    }
+    return {**entry, **_solved(curve, point)} if len(curve) else entry
+
+
+def _solved(curve: ResponseCurve, point: str) -> dict[str, Any]:
+    frequency, peak = curve.peak(point)
+    at_peak = int(np.abs(curve.receptance(point)).argmax())
+    return {
+        "peak_receptance_mm_per_N": 1e3 * peak,
+        "peak_frequency_Hz": frequency,
+        "gaps_Hz": curve.gaps().tolist(),
+        "largest_residual": float(curve.error.max()),
+        "energy_balance_error": energy_balance_error(curve),
+        "friction_share_of_loss_at_peak": float(curve.friction_loss[at_peak] / curve.work_in[at_peak]),
+        "jumps_up_Hz": jumps(curve, upwards=True),
+        "jumps_down_Hz": jumps(curve, upwards=False),
+    }
+
+
+def problem(curve: ResponseCurve) -> str:
+    """Why the curve is not the whole branch through its window; "" where it is."""
+    if curve.stopped or not len(curve):
+        return curve.stopped or "the branch has no point"
+    first, last = curve.frequency[0], curve.frequency[-1]
+    if abs(last - first) < np.ptp(curve.frequency) / 2:
+        return (
+            f"the branch turned back and left the window where it had entered, at {last:.4f} Hz: "
+            "take smaller steps, or start from the other end"
+        )
+    return ""
+
+
+def energy_balance_error(curve: ResponseCurve) -> float:
+    """Largest |work of the excitation - friction loss - material loss| over that work, of all points."""
+    return float(np.max(np.abs(curve.work_in - curve.friction_loss - curve.material_loss) / np.abs(curve.work_in)))
+
+
+def jumps(curve: ResponseCurve, upwards: bool) -> list[float]:
+    """Frequencies at which a slow sweep jumps [Hz]; none are known of a branch that did not cross it."""
+    return sweep(curve.frequency, upwards).jumps.tolist() if curve.complete and not problem(curve) else []
+
+
+def union_length(intervals: Sequence[tuple[float, float]]) -> float:
+    """Time covered by at least one of the intervals: the wall time of work done in parallel."""
+    total, reached = 0.0, -np.inf
+    for start, end in sorted(intervals):
+        total += max(end - max(start, reached), 0.0)
+        reached = max(reached, end)
+    return float(total)
+
+
+def write_summary(path: Path, summary: Mapping[str, Any]) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_suffix(".tmp")
+    temporary.write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
+    temporary.replace(path)
+
+
+def write_responses(path: Path, curves: Sequence[ResponseCurve]) -> None:
+    """Tidy CSV, one line a point, place and harmonic; amplitudes X_k = Xc_k - i Xs_k in metres."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        lines = csv.writer(file)
+        lines.writerow(["mode", "force_N", "frequency_Hz", "point", "harmonic", "real_m", "imag_m"])
+        for curve in sorted(curves, key=lambda c: c.force):
+            frequency = [f"{f:.9g}" for f in curve.frequency]
+            for point in (p for p in curve.points if any(part in p for part in CSV_POINTS)):
+                for k in curve.orders:
+                    amplitude = curve.amplitude(point, k)
+                    start = (curve.mode, f"{curve.force:g}")
+                    lines.writerows(
+                        (*start, f, point, k, f"{x.real:.9g}", f"{x.imag:.9g}")
+                        for f, x in zip(frequency, amplitude, strict=True)
+                    )
+
+
+def curves_table(entries: Sequence[Mapping[str, Any]]) -> Table:
+    table = Table(title="Response curves", title_justify="left", header_style="bold")
+    for heading in ("mode", "force N", "peak mm/N", "at Hz", "jumps up Hz", "jumps down Hz", "points", "s", ""):
+        table.add_column(heading, justify="left" if heading in ("mode", "") else "right")
+    for entry in entries:
+        table.add_row(
+            entry["mode"],
+            f"{entry['force_N']:g}",
+            f"{entry['peak_receptance_mm_per_N']:.5f}" if entry["points"] else "",
+            f"{entry['peak_frequency_Hz']:.2f}" if entry["points"] else "",
+            ", ".join(f"{f:.2f}" for f in entry.get("jumps_up_Hz", ())),
+            ", ".join(f"{f:.2f}" for f in entry.get("jumps_down_Hz", ())),
+            str(entry["points"]),
+            f"{entry['seconds']:.0f}",
+            "[red]not complete[/]" if entry["problem"] else "",
+        )
+    return table
+
+
+def overview_table(summary: Mapping[str, Any]) -> Table:
+    """Everything but the curves: name and value, as far as the run has come."""
+    table = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
+    for section, values in summary.items():
+        if isinstance(values, Mapping):
+            for name, value in values.items():
+                table.add_row(f"{section}.{name}", _short(value))
+        elif section != "curves":
+            table.add_row(section, _short(values))
+    return table
+
+
+def _short(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return ", ".join(f"{name} {_short(entry)}" for name, entry in value.items())
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
