@@ -8,6 +8,7 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
+from pydantic_core import to_json
 from rich.console import Console
 
 from updamp.comparison.compare import compare
@@ -30,14 +31,16 @@ from updamp.effects.chosen import code_of
 from updamp.effects.effect import Effect
 from updamp.effects.user_effect import effect_from_file
 from updamp.hbm.compilation_cache import keeps_compiled
-from updamp.model.rig_files import is_modal, load_rig
+from updamp.model.rig_files import is_modal, load_any, load_rig
 from updamp.parallel.processes import processes
 from updamp.parallel.workers import Elsewhere, Workers, here
 from updamp.report.page import write_report
+from updamp.workflow.code_version import SEARCH, code_version
 from updamp.workflow.compare_run import CompareFiles, Subject, pictures_of, provenance_of, subject_of
 from updamp.workflow.diagnose_stated import diagnose_stated, tables
-from updamp.workflow.memory import Memory, Remembering, digest_of
+from updamp.workflow.kept_results import ResultKey, inputs_digest
 from updamp.workflow.progress import Display
+from updamp.workflow.search_cache import CachedAttempts, SearchCache
 
 _STAGE = "diagnosis"
 # Predicted with each explanation, to find the next measurement: some 6 s of one core with 36 patches.
@@ -82,15 +85,15 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
         effects = _effects(subject, options)
         files.out.mkdir(parents=True, exist_ok=True)
         plan, told = plan_of(subject.measurement), _telling(display)
-        memory = Memory(files.out / "search", _digest(files, preset, options, subject, effects))
+        cache = _cache(files, preset, options, subject, effects, display)
         with _workers(options) as workers:
-            start = _baseline(memory, subject, plan, options, told, BranchesBy(workers))
-            found = search(start, effects, options.criteria, told, Remembering(memory, RunBy(workers)), workers)
+            start = _baseline(cache, subject, plan, options, told, BranchesBy(workers))
+            found = search(start, effects, options.criteria, told, CachedAttempts(cache, RunBy(workers)), workers)
             provenance["held out"] = ", ".join(plan.conditions[i].name for i in start.held_out) or "nothing"
             names = {channel.point: channel.name for channel in subject.measurement.channels}
             decision = decide(found.evidence, options.criteria)
             forces = _forces(found, decision) if options.report else ()
-            following = _following(memory, found, decision, options, told, workers) if options.report else ()
+            following = _following(cache, found, decision, options, told, workers) if options.report else ()
             verdict = conclude(found, decision, options.criteria, names, forces, provenance, following)
             VERDICT_JSON.write(files.out / "diagnosis.json", verdict)
             EVIDENCE_JSON.write(files.out / "evidence.json", found.evidence)
@@ -143,33 +146,45 @@ def _effects(subject: Subject, options: DiagnoseOptions) -> tuple[Effect, ...]:
     return tuple(effect for effect in known if effect.name not in taken)
 
 
+def _cache(
+    files: CompareFiles,
+    preset: str,
+    options: DiagnoseOptions,
+    subject: Subject,
+    effects: Sequence[Effect],
+    display: Display,
+) -> SearchCache:
+    """What was found so far, if it was by this version of updamp and from the same inputs."""
+    key = ResultKey(code_version(*SEARCH), _digest(files, preset, options, subject, effects))
+    return SearchCache(files.out / "search", key, lambda sentence: display.note(_STAGE, sentence)).without_stale()
+
+
 def _digest(
     files: CompareFiles, preset: str, options: DiagnoseOptions, subject: Subject, effects: Sequence[Effect]
 ) -> str:
-    from importlib.metadata import version
-
-    code = [code_of(one.effect, one.file) for one in subject.taken]
-    code += [hashlib.sha256(path.read_bytes()).hexdigest() for path in options.own]
+    """Of all that the results depend on beside updamp itself. The rig file counts as it is read: what the files that it
+    names hold counts too, comments do not."""
+    code = [hashlib.sha256(path.read_bytes()).hexdigest() for path in options.own]
     code += [code_of(effect, None) for effect in effects]
     data = [f"{name} {value}" for name, value in sorted((subject.measurement.hashes or {}).items())]
-    rig = hashlib.sha256(files.rig.read_bytes()).hexdigest()
+    rig = to_json(load_any(files.rig)).decode()
     decisive = replace(options, jobs=1, scheduler="", report=True, next_measurement=True, own=())
-    return digest_of([rig, preset, repr(decisive), version("updamp"), *code, *data, *(e.name for e in effects)])
+    return inputs_digest(rig, preset, repr(decisive), *code, *data, *(e.name for e in effects))
 
 
 def _baseline(
-    memory: Memory,
+    cache: SearchCache,
     subject: Subject,
     plan: Plan,
     options: DiagnoseOptions,
     told: Callable[[str], None],
     branches_of: Branches,
 ) -> Baseline:
-    start: Baseline | None = memory.recall("baseline")
+    start: Baseline | None = cache.read("baseline")
     if start is None:
         held_out = held_out_runs(plan, options.held_out, options.held_out_modes)
         start = baseline(subject.before_effects, subject.taken, plan, subject.finer, held_out, told, branches_of)
-        memory.keep("baseline", start)
+        cache.write("baseline", start)
     return start
 
 
@@ -211,7 +226,7 @@ def _forces(found: Found, decision: Decision) -> tuple[MissingForce, ...]:
 
 
 def _following(
-    memory: Memory,
+    cache: SearchCache,
     found: Found,
     decision: Decision,
     options: DiagnoseOptions,
@@ -223,10 +238,10 @@ def _following(
     if not explanations:
         return ()
     name = f"next measurement {', '.join(explanations)}"
-    proposed: tuple[NextMeasurement, ...] | None = memory.recall(name)
+    proposed: tuple[NextMeasurement, ...] | None = cache.read(name)
     if proposed is None:
         proposed = next_measurements(explanations, found.baseline.plan, told, _RUNS, workers)
-        memory.keep(name, proposed)
+        cache.write(name, proposed)
     return proposed
 
 

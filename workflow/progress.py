@@ -58,6 +58,11 @@ class Display:
     def unchanged(self, name: str, detail: str = "") -> None:
         self.done(name, detail, mark="unchanged", style="dim")
 
+    def note(self, name: str, sentence: str) -> None:
+        """A line that the user should read; the bar stays."""
+        line = Text.assemble((f"{'note':<10}", "yellow"), f"{name:<16} {sentence}")
+        self.console.print(line, highlight=False, soft_wrap=True)
+
     def failed(self, name: str, detail: str) -> None:
         self.done(name, detail, mark="stopped", style="red")
 

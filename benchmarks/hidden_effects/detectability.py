@@ -38,7 +38,7 @@ from updamp.benchmarks.virtual_rig.bench import (  # noqa: E402
     Hidden,
     bench_of,
 )
-from updamp.benchmarks.virtual_rig.bodies import bodies_of  # noqa: E402
+from updamp.benchmarks.virtual_rig.bodies import LABORATORY, bodies_of  # noqa: E402
 from updamp.benchmarks.virtual_rig.laboratory import (  # noqa: E402
     grid,
     quick_sweep,
@@ -49,6 +49,7 @@ from updamp.benchmarks.virtual_rig.periodic import NotSolvedError, SolverOptions
 from updamp.benchmarks.virtual_rig.sensors import LOOSE, loose  # noqa: E402
 from updamp.benchmarks.virtual_rig.stepped_sine import StepMotor  # noqa: E402
 from updamp.model.rig_files import load_rig  # noqa: E402
+from updamp.workflow.code_version import code_version  # noqa: E402
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -68,6 +69,8 @@ class Factor:
 def _entry(name: str) -> Callable[[Bench, float], Bench]:
     return lambda bench, factor: bench.with_patches(**{name: factor * getattr(bench.patches, name)})
 
+
+CODE = (*LABORATORY, "benchmarks/hidden_effects/detectability.py")
 
 # Harmonics and samples of the model that is fitted.
 COARSE = SolverOptions(3, 128)
@@ -217,13 +220,14 @@ def look(case: Case, layout: Layout) -> Looked:
     signatures = {one.name: b.signature(one) for one in case.hidden}
     found = expected(signatures, b.noise, b.allowed)
     effects = {name: asdict(one) for name, one in found.items()}
-    write_whole(layout.expected(case.name), {"case": case.name, "digest": case.digest, "effects": effects})
+    content = {"case": case.name, "digest": case.digest, "code": code_version(*CODE), "effects": effects}
+    write_whole(layout.expected(case.name), content)
     return Looked(case.name, time.perf_counter() - started)
 
 
 def is_known(case: Case, layout: Layout) -> bool:
     known = read(layout.expected(case.name))
-    return known is not None and known["digest"] == case.digest
+    return known is not None and (known["digest"], known.get("code")) == (case.digest, code_version(*CODE))
 
 
 def main(

@@ -5,10 +5,10 @@ truth, does the comparison say that nothing is amiss? Resumable.
 """
 
 import os
-import pickle
 import time
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from hashlib import sha256
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -40,12 +40,15 @@ from updamp.comparison.prediction.predicted_branch import (  # noqa: E402
 )
 from updamp.measurement.load import load_measurement  # noqa: E402
 from updamp.model.calibration import LOSS_FACTOR  # noqa: E402
+from updamp.workflow.code_version import SEARCH, code_version  # noqa: E402
 from updamp.workflow.compare_run import CompareFiles, subject_of  # noqa: E402
+from updamp.workflow.kept_results import ResultKey, inputs_digest, read_result, write_result  # noqa: E402
 from updamp.workflow.progress import Display  # noqa: E402
 
 Floats = NDArray[np.float64]
 
 FITTED, FINER = "diagnosis", ("diagnosis_fine", "diagnosis_contacts")
+CODE = (*SEARCH, "benchmarks/hidden_effects/null_draws.py")
 SEEDS = 9300  # beyond those of the blind benchmark
 _WIDER = 0.25  # the windows of all draws lie within the first one's by this share of it to either side
 _ROUNDS = 5
@@ -106,13 +109,13 @@ def _widened(window: tuple[float, float]) -> tuple[float, float]:
     return low - _WIDER * (high - low), high + _WIDER * (high - low)
 
 
-def compare_draw(draw: Draw, prepared: Path, results: Path) -> Result:
-    """Compare one measurement and store what is found."""
+def compare_draw(draw: Draw, prepared: Path, key: ResultKey, results: Path) -> Result:
+    """Compare one measurement and store what is found. key: of the file with what all draws share"""
     started = time.perf_counter()
     results.mkdir(parents=True, exist_ok=True)
     if not draw.measurement.is_file():
         make_measurement(draw.measurement.parent, seed=draw.seed)
-    shared: Prepared = pickle.loads(prepared.read_bytes())
+    shared: Prepared = read_result(prepared, key, _say)
     parametrisation = shared.parametrisation
     measurement = load_measurement(draw.measurement, parametrisation.base.components.points, "virtual_rig")
     plan = plan_of(measurement)
@@ -127,11 +130,11 @@ def compare_draw(draw: Draw, prepared: Path, results: Path) -> Result:
     names = {channel.point: channel.name for channel in measurement.channels}
     said = tuple(f.text for f in all_findings(fitted, plan, after, found, names, (), ()))
     n, c = len(parametrisation.nuisances), fitted.compared
-    (results / f"{draw.name}.pkl").write_bytes(pickle.dumps((fitted, plan, shares)))
+    write_result(results / f"{draw.name}.pkl", key, (fitted, plan, shares))
     write_whole(
         results / f"{draw.name}.json",
         {
-            "name": draw.name,
+            "name": draw.name, "code": key.code,
             "chi2": c.chi2, "values": c.values, "message": fitted.message, "lack_of_fit": lack_of_fit(fitted),
             "truth": {"chi2": truth.chi2, "scatter": truth.scatter.as_numbers()},
             "scatter": c.scatter.as_numbers(),
@@ -222,14 +225,29 @@ def main(
     first, prepared, results = wanted[0], out / "prepared.pkl", out / "results"
     if not first.measurement.is_file():
         make_measurement(first.measurement.parent, seed=first.seed)
-    if not prepared.is_file():
-        prepared.parent.mkdir(parents=True, exist_ok=True)
-        prepared.write_bytes(pickle.dumps(prepare(first.measurement, out / "models")))
-    left = [d for d in wanted if not (results / f"{d.name}.json").is_file()]
-    work = partial(compare_draw, prepared=prepared, results=results)
+    key = ResultKey(code_version(*CODE), _digest(RIG, *sorted(first.measurement.parent.iterdir())))
+    if read_result(prepared, key, _say) is None:
+        write_result(prepared, key, prepare(first.measurement, out / "models"))
+    left = [d for d in wanted if not _is_done(results / f"{d.name}.json", key)]
+    work = partial(compare_draw, prepared=prepared, key=key, results=results)
     in_turn(work, left, jobs, "draws", lambda r: f"{r.seconds:.0f} s, {'; '.join(r.said) or 'no misfit'}")
     found = [content for d in wanted if (content := read(results / f"{d.name}.json")) is not None]
     typer.echo("\n".join(Summary(tuple(found)).lines()))
+
+
+def _digest(*files: Path) -> str:
+    return inputs_digest(*(sha256(path.read_bytes()).hexdigest() for path in files if path.is_file()))
+
+
+def _is_done(result: Path, key: ResultKey) -> bool:
+    known = read(result)
+    if known is not None and known.get("code") != key.code:
+        _say(f"{result}: of another version of updamp; compared anew")
+    return known is not None and known.get("code") == key.code
+
+
+def _say(sentence: str) -> None:
+    typer.echo(sentence, err=True)
 
 
 def _draws(out: Path, n: int, known: Path | None) -> list[Draw]:

@@ -6,10 +6,11 @@
 import os
 import shutil
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from updamp.parallel.resources import thread_limits
 
@@ -23,6 +24,7 @@ from updamp.benchmarks.hidden_effects.fitted_model import FINER, build, diagnose
 from updamp.benchmarks.hidden_effects.in_turn import in_turn
 from updamp.benchmarks.hidden_effects.layout import RIG, Layout, read, write_whole
 from updamp.diagnosis.verdict import VERDICT_JSON
+from updamp.workflow.code_version import SEARCH, code_version
 
 
 @dataclass(frozen=True)
@@ -43,8 +45,16 @@ class Task:
 
     @property
     def done(self) -> bool:
-        ran = read(self.out / "run.json")
-        return ran is not None and ran["digest"] == self.digest
+        return self._ran.get("digest") == self.digest
+
+    @property
+    def by_this_version(self) -> bool:
+        """Whether this version of updamp has given the verdict."""
+        return self._ran.get("code") == code_version(*SEARCH)
+
+    @property
+    def _ran(self) -> Mapping[str, Any]:
+        return read(self.out / "run.json") or {}
 
 
 @dataclass(frozen=True)
@@ -65,8 +75,11 @@ def diagnose(task: Task) -> Ran:
     VERDICT_JSON.write(task.out / "diagnosis.json", verdict)
     write_whole(
         task.out / "run.json",
-        {"case": task.name, "digest": task.digest, "preset": task.preset, "seconds": seconds, "processor": processor},
-    )
+        {
+            "case": task.name, "digest": task.digest, "code": code_version(*SEARCH), "preset": task.preset,
+            "seconds": seconds, "processor": processor,
+        },
+    )  # fmt: skip
     return Ran(task.name, verdict.verdict, seconds)
 
 
@@ -98,6 +111,8 @@ def main(
         typer.echo(f"{len(missing)} cases have no data yet (make_data.py): {', '.join(missing)}", err=True)
     left = [task for task in found if again or not task.done]
     typer.echo(f"{len(found) - len(left)} of {len(found)} cases are diagnosed already")
+    if older := [task.name for task in found if task not in left and not task.by_this_version]:
+        typer.echo(f"by another version of updamp: {', '.join(older)}; --again diagnoses them anew", err=True)
     for preset in dict.fromkeys(task.preset for task in left):
         for one in (preset, *FINER[preset]):
             build(RIG, one, layout.folder / "models")

@@ -28,12 +28,13 @@ from numpy.typing import NDArray
 from updamp.benchmarks.hidden_effects.cases import Case
 from updamp.benchmarks.hidden_effects.layout import RIG, read, write_whole
 from updamp.benchmarks.virtual_rig.bench import Bench, bench_of
-from updamp.benchmarks.virtual_rig.bodies import bodies_of
+from updamp.benchmarks.virtual_rig.bodies import LABORATORY, bodies_of
 from updamp.benchmarks.virtual_rig.laboratory import with_hidden
 from updamp.benchmarks.virtual_rig.plan import SIX_CURVES
 from updamp.benchmarks.virtual_rig.visibility import USUAL, peak
 from updamp.comparison.comparison import Comparison, CurvePair, Finding
 from updamp.model.rig_files import load_rig
+from updamp.workflow.code_version import code_version
 
 Floats = NDArray[np.float64]
 Changes = Mapping[str, Mapping[str, float]]
@@ -163,13 +164,14 @@ def _top(frequency: Floats, size: Floats, allowed: Callable[[Floats], NDArray[np
 
 
 def laboratory_changes(case: Case, folder: Path) -> dict[str, dict[str, float]]:
-    """What a case's effects do to the laboratory's peaks, without noise or scatter: kept by their names."""
+    """What a case's effects do to the laboratory's peaks, without noise or scatter: kept by their names, and made anew
+    when the laboratory's source has changed."""
     if not case.hidden:
         return {}
     path = folder / ("+".join(f"{one.name}_{one.strength}" for one in case.hidden) + ".json")
-    known = read(path)
-    if known is not None:
-        return {test: dict(values) for test, values in known.items()}
+    known, code = read(path), code_version(*LABORATORY)
+    if known is not None and known.get("code") == code:
+        return {test: dict(values) for test, values in known["changes"].items()}
     rig, plain = load_rig(RIG), _peaks_without(case.laboratory)
     changed = _peaks(with_hidden(_nominal(case.laboratory), list(case.hidden), rig))
     found = {}
@@ -180,7 +182,7 @@ def laboratory_changes(case: Case, folder: Path) -> dict[str, dict[str, float]]:
             HEIGHT: float(np.log(right / right0 * left / left0)) / 2,
             SIDES: float(np.log(left / right / (left0 / right0))),
         }
-    write_whole(path, found)
+    write_whole(path, {"code": code, "changes": found})
     return found
 
 

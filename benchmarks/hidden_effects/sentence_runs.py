@@ -1,9 +1,10 @@
 """Calibrations behind the sentences, kept: `updamp compare` but for what is said in the end."""
 
-import pickle
+import sys
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from hashlib import sha256
 from pathlib import Path
 
 from updamp.benchmarks.hidden_effects.cases import Case
@@ -12,7 +13,9 @@ from updamp.benchmarks.hidden_effects.layout import RIG, Layout
 from updamp.comparison.compare import Calibration, calibrate
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.measurement.measurement import Measurement
+from updamp.workflow.code_version import SEARCH, code_version
 from updamp.workflow.compare_run import CompareFiles, provenance_of, subject_of
+from updamp.workflow.kept_results import ResultKey, inputs_digest, read_result, write_result
 from updamp.workflow.progress import Display
 
 FITTED, FINER = "diagnosis", ("diagnosis_fine",)
@@ -29,10 +32,10 @@ class Kept:
 
 
 def calibrated(case: Case, data: Layout, folder: Path, models: Path) -> Kept:
-    """As `updamp compare` does it, from the folder where it is there already."""
-    store = folder / "calibration.pkl"
-    if store.is_file():
-        found: Kept = pickle.loads(store.read_bytes())
+    """As `updamp compare` does it, from the folder where this version of updamp has done it already."""
+    store, key = folder / "calibration.pkl", _key(data.data(case.name))
+    found: Kept | None = read_result(store, key, lambda sentence: print(sentence, file=sys.stderr))
+    if found is not None:
         return found
     place(models / FITTED, folder, FINER)
     started = time.perf_counter()
@@ -42,10 +45,15 @@ def calibrated(case: Case, data: Layout, folder: Path, models: Path) -> Kept:
     done = calibrate(subject.before_effects, subject.measurement, finer=subject.finer, taken=subject.taken)
     seconds = time.perf_counter() - started
     kept = Kept(_slim(done), subject.measurement, provenance_of(files, subject, FITTED), seconds)
-    partial = store.with_suffix(".partial")
-    partial.write_bytes(pickle.dumps(kept))
-    partial.replace(store)
+    write_result(store, key, kept)
     return kept
+
+
+def _key(measured: Path) -> ResultKey:
+    """measured: folder with the files of the measurement"""
+    files = [RIG, *sorted(path for path in measured.iterdir() if path.is_file())]
+    code = code_version(*SEARCH, "benchmarks/hidden_effects/sentence_runs.py")
+    return ResultKey(code, inputs_digest(FITTED, *FINER, *(sha256(path.read_bytes()).hexdigest() for path in files)))
 
 
 def _slim(done: Calibration) -> Calibration:

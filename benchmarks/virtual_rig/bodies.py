@@ -3,9 +3,12 @@
 The finite elements are updamp's, on a mesh of their own; nothing of updamp's harmonic balance is used from here on.
 """
 
+import os
+import sys
 from contextlib import ExitStack
 from dataclasses import dataclass, fields
 from pathlib import Path
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +21,14 @@ from updamp.fem.solvers import solver_named
 from updamp.geometry.build_mesh import build_mesh
 from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements
 from updamp.rig.rig import Rig
+from updamp.workflow.code_version import code_version
 
 Floats = NDArray[np.float64]
 
 KEPT = Path(__file__).parents[2] / "results" / "virtual_rig"
-# Raise it whenever something else is computed from the same rig.
-VERSION = 2
+# What of the source enters the bodies, and all that the laboratory measures on them.
+SOURCE = ("rig", "geometry", "fem", "benchmarks/virtual_rig/bodies.py")
+LABORATORY = ("rig", "geometry", "fem", "benchmarks/virtual_rig")
 # What of the rig file enters.
 SECTIONS = (
     "blade", "platform", "damper", "excitation.height", "response", "reduction", "contact.coupling",
@@ -69,17 +74,33 @@ class Bodies:
 
 
 def bodies_of(rig: Rig, preset: str, kept: Path = KEPT) -> Bodies:
-    """From the file where the same was computed before; else by finite elements (half a minute), and kept."""
-    path = kept / f"{preset}_{rig.digest(*SECTIONS, f'mesh.{preset}')[:16]}_{VERSION}.npz"
-    if path.is_file():
-        with np.load(path) as file:
-            return Bodies(**{name: file[name] for name in file.files})
+    """From the file where the same code has computed the same; else by finite elements (half a minute), and kept.
+
+    Files of the same rig and mesh that another version of updamp has made are removed.
+    """
+    name = f"{preset}_{rig.digest(*SECTIONS, f'mesh.{preset}')[:16]}"
+    path = kept / f"{name}_{code_version(*SOURCE)[:16]}.npz"
+    if path.is_file() and (found := _read(path)) is not None:
+        return found
+    for stale in kept.glob(f"{name}_*.npz"):
+        print(f"{stale}: made by another version of updamp, or damaged; made anew", file=sys.stderr)
+        stale.unlink(missing_ok=True)
     bodies = computed(rig, preset)
     kept.mkdir(parents=True, exist_ok=True)
-    partial = path.with_suffix(".partial.npz")
-    np.savez(partial, **{f.name: getattr(bodies, f.name) for f in fields(bodies)})
+    partial = path.with_suffix(f".{os.getpid()}.partial")
+    with partial.open("wb") as file:
+        np.savez(file, **{f.name: getattr(bodies, f.name) for f in fields(bodies)})
     partial.replace(path)
     return bodies
+
+
+def _read(path: Path) -> Bodies | None:
+    """None where the file is damaged."""
+    try:
+        with np.load(path) as file:
+            return Bodies(**{name: file[name] for name in file.files})
+    except (OSError, ValueError, TypeError, KeyError, EOFError, BadZipFile):
+        return None
 
 
 def computed(rig: Rig, preset: str) -> Bodies:

@@ -70,6 +70,23 @@ def test_finished_cases_are_left_and_changed_ones_done_again(layout: Layout, mon
     assert not first.done
 
 
+def test_verdicts_of_another_version_are_named(
+    layout: Layout, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(run, "diagnose_case", lambda *_: ADEQUATE)
+    monkeypatch.setattr(run, "build", lambda *_: None)
+    run.main(layout.folder, only=["resolution"])
+    run.main(layout.folder, only=["resolution"])
+    assert "another version" not in capsys.readouterr().err
+    monkeypatch.setattr(run, "code_version", lambda *_: "code of another day")
+    run.main(layout.folder, only=["resolution"])
+    names = ", ".join(task.name for task in tasks(layout, ("resolution",))[0])
+    assert f"by another version of updamp: {names}; --again" in capsys.readouterr().err
+    run.main(layout.folder, only=["resolution"], again=True)
+    run.main(layout.folder, only=["resolution"])
+    assert "another version" not in capsys.readouterr().err
+
+
 def test_a_failed_diagnosis_leaves_no_result(layout: Layout, monkeypatch: pytest.MonkeyPatch) -> None:
     def failing(*_: object) -> Verdict:
         raise ArithmeticError("stalled")

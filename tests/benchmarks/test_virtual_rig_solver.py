@@ -1,11 +1,13 @@
 """The virtual laboratory's frequency-domain solver: its law's derivatives, and its motions against marching in time."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from support.tiny_mesh import TINY
 
+from updamp.benchmarks.virtual_rig import bodies as bodies_module
 from updamp.benchmarks.virtual_rig.assembled import Assembled, assembled
 from updamp.benchmarks.virtual_rig.bench import Bench, Patches, bench_of
 from updamp.benchmarks.virtual_rig.bodies import Bodies, bodies_of
@@ -39,6 +41,26 @@ def bodies(rig: Rig, tmp_path_factory: pytest.TempPathFactory) -> Bodies:
     assert np.array_equal(first.blade_residual, kept.blade_residual)
     assert len(list(folder.iterdir())) == 1
     return kept
+
+
+def test_bodies_of_other_code_and_damaged_ones_are_made_anew(
+    rig: Rig, bodies: Bodies, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    made = []
+    monkeypatch.setattr(bodies_module, "computed", lambda *_: made.append(1) or bodies)
+    bodies_of(rig, "tiny", tmp_path)
+    bodies_of(rig, "tiny", tmp_path)
+    assert len(made) == 1
+    monkeypatch.setattr(bodies_module, "code_version", lambda *_: "code of another day")
+    bodies_of(rig, "tiny", tmp_path)
+    assert len(made) == 2
+    assert "made by another version of updamp" in capsys.readouterr().err
+    (kept,) = tmp_path.iterdir()
+    kept.write_bytes(kept.read_bytes()[:-100])
+    assert np.array_equal(bodies_of(rig, "tiny", tmp_path).blade_residual, bodies.blade_residual)
+    assert len(made) == 3
+    bodies_of(rig, "tiny", tmp_path)
+    assert len(made) == 3
 
 
 @pytest.fixture(scope="module")

@@ -1,9 +1,11 @@
 """`updamp diagnose` from files to files, on a beam whose quadratic damping two effects describe alike."""
 
 import io
+import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -111,6 +113,50 @@ def test_what_is_known_is_dropped_when_a_user_s_effect_changes(tmp_path: Path) -
         digests.append(module._digest(files, "full", options, subject, module._effects(subject, options)))
     assert len(set(digests)) == 3
     assert digests[2] == digests[3], "how many processes there are makes no difference"
+
+
+class BegunAnewError(Exception):
+    """In the place of what takes long."""
+
+
+def test_what_another_version_has_found_is_not_used(
+    verdict: Verdict, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert verdict.group, "a search is kept"
+    shutil.copytree(folder / "one" / "search", folder / "older" / "search")
+
+    def begun(*_: object) -> None:
+        raise BegunAnewError
+
+    monkeypatch.setattr(module, "baseline", begun)
+    monkeypatch.setattr(module, "code_version", lambda *_: "of another day")
+    said = io.StringIO()
+    files = CompareFiles(folder / "beam.toml", folder / "measurement.toml", folder / "older")
+    with pytest.raises(BegunAnewError):
+        diagnose(files, "full", DiagnoseOptions(own=(folder / "drag.py",)), Console(file=said, width=500))
+    assert f"the search kept in {folder / 'older' / 'search'} was made by another version of updamp" in said.getvalue()
+    assert list((folder / "older" / "search").iterdir()) == []
+
+
+def test_files_that_the_rig_file_names_count_and_its_comments_do_not(tmp_path: Path) -> None:
+    rig, film = tmp_path / "rig.toml", tmp_path / "film.csv"
+    text = (Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml").read_text(encoding="utf-8")
+    uniform = 'model = "uniform"'
+    assert uniform in text
+    mapped = text.replace(uniform, 'model = "polynomial"\nmap = "film.csv"')
+    subject: Any = SimpleNamespace(measurement=SimpleNamespace(hashes={"sweeps.csv": "..."}))
+
+    def digest(text: str, pressure: float) -> str:
+        rig.write_text(text, encoding="utf-8")
+        samples = [f"{s / 4},{z / 4},{pressure + s}" for s in range(-3, 4) for z in range(-3, 4)]
+        film.write_text("\n".join(["s,z,pressure", *samples]), encoding="utf-8")
+        files = CompareFiles(rig, tmp_path / "measurement.toml", tmp_path / "out")
+        return module._digest(files, "small", DiagnoseOptions(), subject, ())
+
+    known = digest(mapped, 5.0)
+    assert digest(f"# looked at again\n{mapped}", 5.0) == known
+    assert digest(mapped, 6.0) != known
+    assert digest(mapped.replace("[load]", "[load] # heavy"), 5.0) == known
 
 
 def test_two_processes_find_the_same(verdict: Verdict, folder: Path) -> None:

@@ -1,0 +1,72 @@
+"""What a search has found so far, on disk, so that one that was stopped goes on where it was."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from updamp.diagnosis.candidate_models.attempts import Attempt, Bench, Done, Result, without_branches
+from updamp.diagnosis.candidate_models.baseline import Baseline
+from updamp.diagnosis.criteria import Criteria
+from updamp.workflow.kept_results import Message, ResultKey, made_with, read_result, write_result
+
+
+@dataclass(frozen=True)
+class SearchCache:
+    """folder: of the files; key: of everything that the results depend on; message: takes a sentence for the user"""
+
+    folder: Path
+    key: ResultKey
+    message: Message
+
+    def without_stale(self) -> "SearchCache":
+        """Files of another version of updamp are removed; those of other inputs stay until they are written over."""
+        codes = {path: made_with(path) for path in self.folder.glob("*.pickle")}
+        stale = [path for path, made_by in codes.items() if made_by.get("code") != self.key.code]
+        for path in stale:
+            path.unlink()
+        if stale:
+            self.message(f"the search kept in {self.folder} was made by another version of updamp: begun anew")
+        elif any(made_by["inputs"] != self.key.inputs for made_by in codes.values()):
+            self.message(
+                f"the search kept in {self.folder} is of another rig file, measurement or other options: begun anew"
+            )
+        return self
+
+    def read(self, name: str) -> Any | None:
+        """None where nothing is known, or what is known belongs to something else or was not written to its end."""
+        path = self._path(name)
+        if path.is_file() and made_with(path).get("inputs") != self.key.inputs:
+            return None
+        return read_result(path, self.key, self.message)
+
+    def write(self, name: str, value: Any) -> None:
+        write_result(self._path(name), self.key, value)
+
+    def _path(self, name: str) -> Path:
+        return self.folder / f"{name.replace(', ', '__').replace(' ', '_')}.pickle"
+
+
+@dataclass(frozen=True)
+class CachedAttempts:
+    """Refits of which those that are in the cache are not made again; what `bench` makes is written there."""
+
+    cache: SearchCache
+    bench: Bench
+
+    def __call__(
+        self, start: Baseline, criteria: Criteria, attempts: Sequence[Attempt], done: Done
+    ) -> list[Result | None]:
+        beside = "".join(f"{e.name}__" for e in start.fitted.parametrisation.effects)
+        known: list[Result | None] = [self.cache.read(beside + a.name) for a in attempts]
+
+        def kept(attempt: Attempt, result: Result | None) -> None:
+            if result is not None:
+                self.cache.write(beside + attempt.name, result.with_fit(without_branches(result.refit.fitted)))
+            done(attempt, result)
+
+        missing = [i for i, result in enumerate(known) if result is None]
+        made = self.bench(start, criteria, [attempts[i] for i in missing], kept)
+        for i, result in zip(missing, made, strict=True):
+            known[i] = result
+        return known
