@@ -13,8 +13,8 @@ import numpy as np
 
 from updamp.hbm.continuation.branch import BranchPoint
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions, continue_branch
+from updamp.hbm.newton import active_forces, newton
 from updamp.hbm.newton.krylov import gmres
-from updamp.hbm.newton.newton import active_forces, newton
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 from updamp.parallel.resources import environment, thread_limits
 

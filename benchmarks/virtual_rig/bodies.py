@@ -97,8 +97,8 @@ def bodies_of(rig: Rig, preset: str, kept: Path = KEPT) -> Bodies:
 def _read(path: Path) -> Bodies | None:
     """None where the file is damaged."""
     try:
-        with np.load(path) as file:
-            return Bodies(**{name: file[name] for name in file.files})
+        with path.open("rb") as file, np.load(file) as arrays:
+            return Bodies(**{name: arrays[name] for name in arrays.files})
     except (OSError, ValueError, TypeError, KeyError, EOFError, BadZipFile):
         return None
 

@@ -48,7 +48,7 @@ def test_order_and_ends_of_lines_do_not_count() -> None:
 def test_versions_of_libraries_count(monkeypatch: pytest.MonkeyPatch) -> None:
     assert hash_of(FILES, ["numpy 2.4.0"]) != hash_of(FILES, ["numpy 2.5.0"])
     known = code_version.__wrapped__("rig")
-    monkeypatch.setattr(module, "version", lambda name: "0.0.1")
+    monkeypatch.setattr(module, "version", lambda _: "0.0.1")
     assert code_version.__wrapped__("rig") != known
 
 
