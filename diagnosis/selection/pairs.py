@@ -5,9 +5,8 @@ from dataclasses import replace
 
 from updamp.comparison.prediction.branch_tasks import BranchesBy
 from updamp.diagnosis.candidate_models.attempts import Attempt, Result, with_branches
-from updamp.diagnosis.candidate_models.baseline import Baseline
 from updamp.diagnosis.candidate_models.fits import Fits, Results, best_first, nearly
-from updamp.diagnosis.candidate_models.refit import Refit, gain_of_bic, judged
+from updamp.diagnosis.candidate_models.refit import Refit, judged
 from updamp.diagnosis.score_tests.candidates import attempts
 from updamp.diagnosis.score_tests.score import scores
 from updamp.diagnosis.score_tests.signature import extend
@@ -102,13 +101,13 @@ def _beside(fits: Fits, first: Refit, effects: Sequence[Effect], singles: Result
         (second,) = r.refit.effects
         both = judged(start.fitted, r.refit.fitted, (one, second), criteria)
         names = (one.name, second.name)
-        trial = replace(r.trial, effects=names, drop=both.drop, delta_bic=_against_parts(start, both, singles))
+        trial = replace(r.trial, effects=names, drop=both.drop, delta_bic=gain_over_one(both, singles))
         found[names] = Result(both, trial)
     return found
 
 
-def _against_parts(start: Baseline, pair: Refit, singles: Results) -> float:
-    """BIC gained over the better one of its two effects."""
-    alone = [singles[(e.name,)].refit.drop for e in pair.effects if (e.name,) in singles]
-    fewest, values = min(len(e.parameters) for e in pair.effects), start.fitted.compared.values
-    return gain_of_bic(pair.drop - max(alone, default=0.0), fewest, values)
+def gain_over_one(pair: Refit, singles: Results) -> float:
+    """Gain of the information criterion by a pair over the better one of its two effects alone, which has fewer
+    parameters by those of the other one."""
+    alone = [singles[(e.name,)].refit.delta_bic for e in pair.effects if (e.name,) in singles]
+    return pair.delta_bic - max(alone, default=0.0)

@@ -1,0 +1,49 @@
+"""What a pair of effects has to gain over one of them, with made-up fits."""
+
+import pytest
+
+from updamp.diagnosis.candidate_models.attempts import Result
+from updamp.diagnosis.candidate_models.refit import Refit, gain_of_bic
+from updamp.diagnosis.evidence import Trial
+from updamp.diagnosis.selection.pairs import gain_over_one
+from updamp.effects.effect import Effect, EffectParameter
+
+VALUES = 400
+
+
+def effect(name, parameters):
+    quantities = (EffectParameter(f"q{i}", 0.0, 0.0, 1.0, 0.1, "", "test") for i in range(parameters))
+    return Effect(name, f"there is a {name}", tuple(quantities), lambda model, _: model)
+
+
+def refit(*effects, drop):
+    parameters = sum(len(e.parameters) for e in effects)
+    return Refit(effects, None, drop, gain_of_bic(drop, parameters, VALUES), "")
+
+
+def singles(*refits):
+    found = {}
+    for r in refits:
+        names = tuple(e.name for e in r.effects)
+        found[names] = Result(r, Trial(names, 1.0, r.drop, r.delta_bic, float("nan"), "", True))
+    return found
+
+
+ONE, THREE = effect("one", 1), effect("three", 3)
+
+
+@pytest.mark.parametrize(("drops", "further"), [((3000.0, 1000.0), 3), ((1000.0, 3000.0), 1)])
+def test_a_pair_pays_for_the_parameters_that_it_has_beyond_the_better_one_of_its_effects(drops, further):
+    alone = singles(refit(ONE, drop=drops[0]), refit(THREE, drop=drops[1]))
+    for order in ((ONE, THREE), (THREE, ONE)):
+        assert gain_over_one(refit(*order, drop=4000.0), alone) == pytest.approx(gain_of_bic(1000.0, further, VALUES))
+
+
+def test_the_better_one_of_two_is_the_one_that_gains_more_with_its_parameters_paid_for():
+    alone = singles(refit(ONE, drop=1000.0), refit(THREE, drop=1001.0))
+    assert gain_over_one(refit(ONE, THREE, drop=4000.0), alone) == pytest.approx(gain_of_bic(3000.0, 3, VALUES))
+
+
+def test_where_one_of_them_has_not_been_fitted_alone_the_other_one_counts():
+    alone = singles(refit(ONE, drop=1000.0))
+    assert gain_over_one(refit(ONE, THREE, drop=4000.0), alone) == pytest.approx(gain_of_bic(3000.0, 3, VALUES))
