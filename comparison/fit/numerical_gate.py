@@ -16,29 +16,32 @@ from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.comparison.prediction.run_condition import Condition
 from updamp.effects.chosen import ChosenEffect
 from updamp.effects.rig_model import RigModel
+from updamp.hbm.analysis.settings import Setting, more_harmonics, twice_the_samples
 from updamp.hbm.continuation.continuation import ContinuationOptions
 from updamp.hbm.harmonics import Harmonics
 from updamp.model.calibration import nuisances
 
 Floats = NDArray[np.float64]
 
-_MORE_HARMONICS = 2
+# How far the finer model's harmonics reach beyond the highest. Half of what they change counts as uncertainty, so they
+# need not settle it.
+_FURTHER_ORDERS = 2
 # A finer model is traced beyond the measured window by this share of it.
 _FURTHER = 0.4
 # Places taken of it for each of its points.
 _DENSELY = 40
 
 
-def more_harmonics(model: RigModel) -> RigModel:
-    """The same with two more harmonics and twice the time samples."""
-    orders = model.harmonics.orders
-    further = tuple(range(orders[-1] + 1, orders[-1] + 1 + _MORE_HARMONICS))
-    return replace(model, harmonics=Harmonics((*orders, *further)), time_samples=2 * model.time_samples)
+def with_finer_harmonics(model: RigModel) -> RigModel:
+    """The same with harmonics continued by two orders (`more_harmonics`) and twice the time samples."""
+    setting = Setting(model.harmonics.orders, model.time_samples)
+    finer = more_harmonics(twice_the_samples(setting), _FURTHER_ORDERS)
+    return replace(model, harmonics=Harmonics(finer.orders), time_samples=finer.time_samples)
 
 
 def finer_than(model: RigModel, finer: Mapping[str, RigModel]) -> dict[str, RigModel]:
     """The models of finer meshes, and the same with more harmonics and time samples."""
-    return {"harmonics": more_harmonics(model), **finer}
+    return {"harmonics": with_finer_harmonics(model), **finer}
 
 
 def gated(

@@ -7,7 +7,7 @@ from typing import Any
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.problem.system import NonlinearSystem
 
-FURTHER_ORDERS = 4  # that a refinement of the harmonics reaches beyond the highest
+FURTHER_ORDERS = 4  # that the harmonics of an error estimate reach beyond the highest
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,8 @@ Refinement = Callable[[Setting], Setting]
 
 
 def more_harmonics(setting: Setting, further: int = FURTHER_ORDERS) -> Setting:
-    """Orders continued in the step of the last two (all, or odd ones only); samples raised where those need it."""
+    """Orders continued in the step of the last two (all, or odd ones only), up to `further` beyond the highest; samples
+    raised where those need it. What finer harmonics are, here and in the numerical gate of comparisons."""
     orders = setting.orders
     step = orders[-1] - orders[-2] if len(orders) > 1 else 1
     orders += tuple(range(orders[-1] + step, orders[-1] + further + 1, step))

@@ -1,11 +1,20 @@
 """What finer numerics change, and what that leaves open of a parameter."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from support.small_model import condition, parametrisation, small_model, synthetic_plan
 
 from updamp.comparison.fit.fit import FitOptions, fit, predict
-from updamp.comparison.fit.numerical_gate import change_of_branch, moved_by_numerics, unwrapped, with_numerical_error
+from updamp.comparison.fit.numerical_gate import (
+    change_of_branch,
+    finer_than,
+    moved_by_numerics,
+    unwrapped,
+    with_numerical_error,
+)
+from updamp.hbm.harmonics import Harmonics
 from updamp.model.calibration import YOUNGS_MODULUS
 
 STIFFER = 0.002
@@ -42,3 +51,22 @@ def test_a_parameter_is_as_open_as_it_makes_up_for_half_of_what_finer_numerics_c
     moved = moved_by_numerics(found)
     assert moved[p.names.index("youngs_modulus")] == pytest.approx(STIFFER / 2, rel=0.05)
     assert np.all(moved[p.n_of_model :] == 0)
+
+
+@pytest.mark.parametrize(
+    ("orders", "finer"),
+    [
+        ((1, 2, 3), (1, 2, 3, 4, 5)),
+        ((0, 1, 2, 3), (0, 1, 2, 3, 4, 5)),
+        ((1, 3), (1, 3, 5)),  # even ones are left out of a model on purpose
+    ],
+)
+def test_finer_harmonics_go_on_in_the_step_of_the_models_own(orders, finer):
+    model = replace(small_model(), harmonics=Harmonics(orders))
+    found = finer_than(model, {})["harmonics"]
+    assert (found.harmonics.orders, found.time_samples) == (finer, 2 * model.time_samples)
+
+
+def test_finer_harmonics_have_the_samples_that_they_need():
+    model = replace(small_model(), harmonics=Harmonics((1, 3, 5, 7)), time_samples=16)
+    assert finer_than(model, {})["harmonics"].time_samples == 4 * 9
