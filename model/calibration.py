@@ -2,7 +2,10 @@
 
 [calibration]
 origin = "fitted with edge_gap to ..., 2026-11-20"
-friction_coefficient = 0.94       # factors on the rig file's own values
+sliding_friction = 0.94           # factors on the rig file's own values
+
+`sliding_friction` is the factor on the friction coefficient in vibration alone: the preload stays that of the stated
+coefficient, which eq. (5) of Pesaresi et al. (2017) and static contact take from the rig file.
 """
 
 import math
@@ -71,7 +74,9 @@ YOUNGS_MODULUS = Nuisance(
     "youngs_modulus", "Young's modulus of blades and damper", 0.01, 0.05, 2e-4, _stiffness_of_material
 )
 LOSS_FACTOR = Nuisance("loss_factor", "material loss factor", 0.5, 1.5, 0.02, _loss_factor)
-FRICTION = Nuisance("friction_coefficient", "friction coefficient", 0.3, 1.5, 0.05, _ContactEntry("mu"))
+FRICTION = Nuisance(
+    "sliding_friction", "friction coefficient in vibration, preload as stated", 0.3, 1.5, 0.05, _ContactEntry("mu")
+)
 TANGENTIAL = Nuisance("tangential_stiffness", "tangential contact stiffness", 0.7, 2.5, 0.05, _ContactEntry("kt"))
 NORMAL = Nuisance("normal_stiffness", "normal contact stiffness", 0.7, 2.5, 0.05, _ContactEntry("kn"))
 PRELOAD = Nuisance("preload", "preload of the contacts", 0.02, 0.1, 0.03, _ContactEntry("n0"))
@@ -92,6 +97,13 @@ def nuisances(model: RigModel) -> tuple[Nuisance, ...]:
 
 
 _KNOWN = {nuisance.name: nuisance for nuisance in (*OF_RIG, *OF_MODES)}
+# Earlier name -> present one.
+_RENAMED = {"friction_coefficient": FRICTION.name}
+
+
+def present_name(name: str) -> str:
+    """Of a factor that a diagnosis made by an earlier version may name otherwise."""
+    return _RENAMED.get(name, name)
 
 
 def read_calibration(table: object) -> Calibration:
@@ -100,7 +112,7 @@ def read_calibration(table: object) -> Calibration:
     raises: RigError with every problem found, one a line
     """
     if not isinstance(table, Mapping):
-        raise RigError("calibration: a table of factors is wanted: [calibration] with friction_coefficient = 0.94")
+        raise RigError("calibration: a table of factors is wanted: [calibration] with sliding_friction = 0.94")
     stated = dict(table)
     origin = stated.pop("origin", "")
     problems = [line for name, factor in stated.items() if (line := _problem(name, factor))]
@@ -112,6 +124,12 @@ def read_calibration(table: object) -> Calibration:
 
 
 def _problem(name: str, factor: object) -> str:
+    if name in _RENAMED:
+        return (
+            f"calibration.{name}: is now called {_RENAMED[name]}, since the factor acts on friction in vibration alone "
+            f"and leaves the preload as stated; write {_RENAMED[name]} = {factor}. To change the preload too, change "
+            f"contact.{name} instead"
+        )
     if name not in _KNOWN:
         close = get_close_matches(name, _KNOWN, n=1)
         known = f"did you mean {close[0]}?" if close else f"allowed are {', '.join(_KNOWN)}"

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from updamp.diagnosis.verdict import VERDICT_JSON, Candidate, FittedParameter, Verdict
 from updamp.effects.user_effect import effect_from_file
+from updamp.model.calibration import present_name
 from updamp.model.rig_files import load_any
 from updamp.rig.errors import RigError
 from updamp.workflow import rig_text
@@ -67,7 +68,7 @@ def add(rig: Path, names: Sequence[str], folder: Path, options: AddOptions | Non
         file = os.path.relpath(own[candidate.name], out.parent) if candidate.name in own else ""
         text = rig_text.with_effect(text, _stated(candidate, where, file))
     if options.with_calibration:
-        factors = {entry.name: entry.after for entry in verdict.calibration}
+        factors = {present_name(entry.name): entry.after for entry in verdict.calibration}
         text = rig_text.with_calibration(text, factors, f"fitted together with {', '.join(names)} to {where}")
     step = _added(verdict, rig, out, names, tuple(effect.name for effect in present), _day(verdict, source))
     _write(rig, out, text, step)

@@ -72,7 +72,7 @@ def test_problems_of_effects_come_with_those_of_all_other_keys():
             {
                 "blade.height": "150",
                 "effects": [{"name": "edge_gab", "values": {}}, {"name": "edge_gap", "values": {"depth": "1 mm"}}],
-                "calibration": {"friction_coeff": 0.9, "preload": 2.0, "loss_factor": "high"},
+                "calibration": {"sliding_frictoin": 0.9, "preload": 2.0, "loss_factor": "high"},
             },
         )
     lines = str(caught.value).splitlines()[1:]
@@ -82,7 +82,7 @@ def test_problems_of_effects_come_with_those_of_all_other_keys():
             "blade.height =",
             'effects[0].name = "edge_gab": no such effect; did you mean edge_gap?',
             "effects[1].values.depth = '1 mm': out of range: allowed is 0 to 5e-06 m",
-            "calibration.friction_coeff: unknown factor; did you mean friction_coefficient?",
+            "calibration.sliding_frictoin: unknown factor; did you mean sliding_friction?",
             "calibration.preload = 2.0: out of range: allowed is 0.9048 to 1.105",
             "calibration.loss_factor = 'high': a factor is wanted",
         ),
@@ -113,13 +113,13 @@ def test_reading_a_rig_without_effects_does_not_load_the_diagnosis():
 
 
 def test_check_shows_them():
-    rig = with_effects(SHAKER, **{"calibration.friction_coefficient": 0.93})
+    rig = with_effects(SHAKER, **{"calibration.sliding_friction": 0.93})
     console = Console(width=200, file=io.StringIO())
     console.print(values_table(rig))
     lines = [line.split() for line in console.file.getvalue().splitlines()]
     cells = [[cell for cell in line if cell not in "│┃"] for line in lines]
     assert ["effects.shaker_attachment.mass", "0.05", "kg"] in cells
-    assert ["calibration.friction_coefficient", "0.93"] in cells
+    assert ["calibration.sliding_friction", "0.93"] in cells
 
 
 # --- hashes ---
@@ -241,6 +241,37 @@ def test_a_calibration_is_what_a_fit_applies():
     np.testing.assert_array_equal(calibrated.components.omega_squared, model.components.omega_squared)
     np.testing.assert_array_equal(calibrated.components.hysteretic, model.components.hysteretic)
     np.testing.assert_array_equal(calibrated.contacts.parameters.mu, model.contacts.parameters.mu)
+
+
+def test_calibrated_friction_leaves_the_preload_that_a_stated_coefficient_changes():
+    rig = load_rig(RIG)
+    mu = rig.contact.friction_coefficient
+    reduced = plain_reduced_model(rig, build_mesh(rig, "small").contacts)
+
+    def contacts(**changes):
+        changed = load_rig(RIG, changes)
+        return rig_model(reduced, static_contact(reduced, changed), changed).contacts.parameters
+
+    plain = contacts()
+    calibrated, stated = (
+        contacts(**{"calibration": {"sliding_friction": 0.5}}),
+        contacts(**{"contact.friction_coefficient": mu / 2}),
+    )
+    np.testing.assert_allclose(calibrated.mu, stated.mu, rtol=1e-15)
+    np.testing.assert_array_equal(calibrated.n0, plain.n0)
+    alpha = rig.platform.underside_angle
+    ratio = (np.cos(alpha) + mu * np.sin(alpha)) / (np.cos(alpha) + mu / 2 * np.sin(alpha))  # eq. (5)
+    assert ratio > 1.02
+    np.testing.assert_allclose(stated.n0, ratio * np.asarray(plain.n0), rtol=1e-12)
+
+
+def test_the_earlier_name_of_a_factor_is_told_with_the_present_one():
+    with pytest.raises(RigError) as caught:
+        load_rig(RIG, {"calibration": {"friction_coefficient": 0.94}})
+    (line,) = str(caught.value).splitlines()[1:]
+    assert line.startswith("calibration.friction_coefficient: is now called sliding_friction, since")
+    assert "write sliding_friction = 0.94." in line
+    assert "change contact.friction_coefficient instead" in line
 
 
 @pytest.mark.parametrize(

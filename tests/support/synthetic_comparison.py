@@ -116,7 +116,7 @@ def synthetic_comparison(
         measured_backbones=tuple(_measured_backbones(curves)),
         model_backbones=tuple(_model_backbones(levels)),
         features=_features(),
-        scatter={"friction coefficient": FRICTION, "frequency drift": DRIFT, "sensor gain": GAIN, "sensor noise": 1.08},
+        scatter={"sliding_friction": FRICTION, "frequency drift": DRIFT, "sensor gain": GAIN, "sensor noise": 1.08},
         chi2_before=31.0 * size.size * 2,
         chi2_after=float(np.sum(size**2)) * 2,
         values=size.size * 2,
@@ -265,7 +265,7 @@ def _calibration() -> tuple[Calibrated, ...]:
     return (
         Calibrated("Young's modulus", "Pa", 2.07e11, 0.02, 1.993e11, 1.981e11, 2.005e11),
         Calibrated("loss factor", "", 3e-3, 0.5, 2.2e-3, 2.0e-3, 2.4e-3),
-        Calibrated("friction coefficient", "", 0.45, 0.2, 0.471, 0.452, 0.490),
+        Calibrated("sliding_friction", "", 0.45, 0.2, 0.471, 0.452, 0.490),
         Calibrated("tangential contact stiffness", "N/m^3", 6e10, 0.4, 4.35e10, 4.02e10, 4.70e10),
         Calibrated("normal contact stiffness", "N/m^3", 6e10, 0.4, 2.1e10, 1.2e10, 3.7e10),
     )

@@ -201,22 +201,27 @@ def test_a_value_at_its_bound_is_not_rounded_beyond_it(rig, diagnosed):
 
 def test_the_calibration_comes_along_when_asked_for(rig, diagnosed):
     fitted = tuple(Calibrated(name, "", 1.0, 0.3, after, 0.9 * after, 1.1 * after) for name, after in
-                   (("friction_coefficient", 0.9), ("preload", 1.05)))  # fmt: skip
+                   (("sliding_friction", 0.9), ("preload", 1.05)))  # fmt: skip
     VERDICT_JSON.write(diagnosed / "diagnosis.json", verdict(calibration=fitted))
     result = updamp("add", rig, "--from", diagnosed, "--with-calibration", "--debug")
     assert result.exit_code == 0, result.output
     new = rig.with_name("rig+shaker_attachment.toml")
-    assert load_rig(new).calibration.factors == {"friction_coefficient": 0.9, "preload": 1.05}
+    assert load_rig(new).calibration.factors == {"sliding_friction": 0.9, "preload": 1.05}
     assert "fitted together with shaker_attachment to test/measurement.toml, 2026-11-20" in new.read_text()
     again = add(new, (), diagnosed, AddOptions(new, replace=True, with_calibration=True)).rig
-    assert load_rig(again).calibration.factors["friction_coefficient"] == pytest.approx(0.81), (
-        "found about what was there"
-    )
+    assert load_rig(again).calibration.factors["sliding_friction"] == pytest.approx(0.81), "found about what was there"
     changed = remove(new, ["shaker_attachment"])
     assert "calibration stays" in changed.notes[0]
     assert not load_rig(remove(changed.rig, ["calibration"]).rig).calibration
     with pytest.raises(ValueError, match="it was fitted together with shaker_attachment; add just that"):
         add(rig, ["edge_gap"], diagnosed, AddOptions(with_calibration=True))
+
+
+def test_a_factor_by_its_earlier_name_is_taken_over_under_the_present_one(rig, diagnosed):
+    fitted = (Calibrated("friction_coefficient", "", 1.0, 0.3, 0.9, 0.8, 1.0),)
+    VERDICT_JSON.write(diagnosed / "diagnosis.json", verdict(calibration=fitted))
+    new = add(rig, (), diagnosed, AddOptions(with_calibration=True)).rig
+    assert load_rig(new).calibration.factors == {"sliding_friction": 0.9}
 
 
 # --- refusals ---
