@@ -27,7 +27,7 @@ import tomlkit  # noqa: E402
 
 from updamp.comparison.prediction.parameters import Parametrisation  # noqa: E402
 from updamp.comparison.prediction.predicted_branch import PredictedBranch, trace_branch  # noqa: E402
-from updamp.comparison.prediction.run_condition import Condition  # noqa: E402
+from updamp.comparison.prediction.run_condition import RunCondition  # noqa: E402
 from updamp.hbm.compilation_cache import keep_compiled  # noqa: E402
 from updamp.model.build import rig_before_effects  # noqa: E402
 from updamp.model.calibration import nuisances  # noqa: E402
@@ -70,7 +70,7 @@ def make(rig: Rig, mesh: str, out: Path) -> Path:
         for force in rig.study.force_levels:
             name = f"{mode} {force:g} N"
             sensors = tuple((point, 1) for point in SENSORS.values())
-            branch = trace_branch(p, TRUTH, Condition(name, mode, force, False, study.window, sensors))
+            branch = trace_branch(p, TRUTH, RunCondition(name, mode, force, False, study.window, sensors))
             stuck = stuck or float(branch.frequency[np.argmax(np.abs(branch.amplitude[:, 1]))])
             place = _places(branch, stuck)
             runs.append({"name": name, "mode": mode, "file": "sweeps.csv", "held": "force", "level": f"{force!r} N",

@@ -49,7 +49,7 @@ class CompareOptions:
 
 
 @dataclass(frozen=True, eq=False)
-class Calibration:
+class CalibrationResult:
     """What a comparison rests on, and all of it that takes long.
 
     before, after: branches as the rig file has the model and as calibrated, one a condition
@@ -95,7 +95,7 @@ def calibrate(
     finer: Mapping[str, RigModel] | None = None,
     taken: Sequence[ChosenEffect] = (),
     branches_of: Branches = in_turn,
-) -> Calibration:
+) -> CalibrationResult:
     """As for `compare`, of a measurement with runs."""
     options = options or CompareOptions()
     plan = plan_of(measurement, options.harmonics)
@@ -106,11 +106,11 @@ def calibrate(
     fitted = fit(parametrisation, plan, start, None, before, options.fit, progress, branches_of)
     progress("curves")
     after = predict(parametrisation, fitted.u, plan, fitted.compared.branches, branches_of)
-    return Calibration(plan, before, fitted, tuple(at_sizes(branch, fitted.u) for branch in after))
+    return CalibrationResult(plan, before, fitted, tuple(at_sizes(branch, fitted.u) for branch in after))
 
 
 def comparison_of(
-    calibrated: Calibration,
+    calibrated: CalibrationResult,
     measurement: Measurement,
     features: Sequence[FeatureComparison] = (),
     provenance: Mapping[str, str] | None = None,

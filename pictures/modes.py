@@ -24,7 +24,7 @@ LENGTHWISE = (0.35, 0.2, 1.0)  # the eye looks along the damper, so that bending
 
 
 @dataclass(frozen=True, eq=False)
-class Shape:
+class ModeShape:
     """A deformed rig.
 
     parts: the bodies, each with the displacement of its vertices (n_vertices, 3), to any scale common to all
@@ -34,7 +34,7 @@ class Shape:
     parts: tuple[tuple[ComponentMesh, Floats], ...]
 
 
-def panel(path: Path, shapes: Sequence[Shape]) -> None:
+def panel(path: Path, shapes: Sequence[ModeShape]) -> None:
     """The shapes side by side, coloured by size of displacement, on the outline at rest."""
     pv = load_pyvista()
     columns = min(len(shapes), 3)
@@ -49,7 +49,7 @@ def panel(path: Path, shapes: Sequence[Shape]) -> None:
     save(plotter, path)
 
 
-def animation(path: Path, shape: Shape) -> None:
+def animation(path: Path, shape: ModeShape) -> None:
     """One period of a shape as an animated GIF."""
     pv = load_pyvista()
     plotter = pv.Plotter(window_size=(420, 520), off_screen=True)
@@ -71,7 +71,7 @@ def animation(path: Path, shape: Shape) -> None:
     )
 
 
-def _add(plotter: Plotter, shape: Shape, phase: float) -> "list[tuple[pv.PolyData, Floats, Floats]]":
+def _add(plotter: Plotter, shape: ModeShape, phase: float) -> "list[tuple[pv.PolyData, Floats, Floats]]":
     """Draw the rest and the deformed bodies; returns these, with their points at rest and displacement [mm]."""
     height = 1e3 * max(float(np.ptp(body.vertices[:, 1])) for body, _ in shape.parts)
     sizes = [np.linalg.norm(displacement, axis=1) for _, displacement in shape.parts]

@@ -15,7 +15,7 @@ from updamp.comparison.comparison import Comparison
 from updamp.diagnosis.verdict import Verdict
 from updamp.report.markup import FOR_SCRIPTS, level_word, pretty
 from updamp.report.registry import SECTIONS
-from updamp.report.section import Content, Report, Section
+from updamp.report.section import Content, Report, ReportSection
 
 # Numbers for the page: as many digits as a plot can show, so that a report stays small.
 
@@ -54,7 +54,7 @@ POLICY = (
 )
 
 
-def build_page(report: Report, sections: Sequence[Section]) -> str:
+def build_page(report: Report, sections: Sequence[ReportSection]) -> str:
     """HTML of the `sections` that have something to show, in their order"""
     rendered = [(section, content) for section in sections if (content := section.render(report)) is not None]
     title = escape(report.comparison.title)
@@ -82,7 +82,7 @@ def asset(name: str) -> str:
     return (files("updamp.report") / "assets" / name).read_text(encoding="utf-8")
 
 
-def _contents_list(rendered: Sequence[tuple[Section, Content]]) -> str:
+def _contents_list(rendered: Sequence[tuple[ReportSection, Content]]) -> str:
     links = "".join(
         f'<li><a href="#{section.identifier}">{escape(section.short or section.title)}</a></li>'
         for section, _ in rendered
@@ -90,7 +90,7 @@ def _contents_list(rendered: Sequence[tuple[Section, Content]]) -> str:
     return f'<nav aria-label="Contents"><ul>{links}</ul></nav>'
 
 
-def _section_html(section: Section, content: Content) -> str:
+def _section_html(section: ReportSection, content: Content) -> str:
     name = section.identifier
     return (
         f'<section id="{name}" aria-labelledby="{name}-heading">\n'
@@ -98,7 +98,7 @@ def _section_html(section: Section, content: Content) -> str:
     )
 
 
-def _page_data(rendered: Sequence[tuple[Section, Content]], unit: str) -> str:
+def _page_data(rendered: Sequence[tuple[ReportSection, Content]], unit: str) -> str:
     return script_json(
         {
             "palette": FOR_SCRIPTS,
@@ -109,7 +109,7 @@ def _page_data(rendered: Sequence[tuple[Section, Content]], unit: str) -> str:
     )
 
 
-def _scripts(rendered: Sequence[tuple[Section, Content]]) -> list[str]:
+def _scripts(rendered: Sequence[tuple[ReportSection, Content]]) -> list[str]:
     """Each once, the common ones about them."""
     own = [name for _, content in rendered for name in content.scripts]
     return list(dict.fromkeys(("core.js", *own, "start.js")))

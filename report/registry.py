@@ -1,6 +1,6 @@
 """Every section of the report, in its order on the page. One that has nothing to show leaves itself out."""
 
-from updamp.report.section import Section
+from updamp.report.section import ReportSection
 from updamp.report.sections import (
     backbones,
     calibration,
@@ -23,7 +23,7 @@ from updamp.report.sections import (
     signatures,
 )
 
-SECTIONS: tuple[Section, ...] = (
+SECTIONS: tuple[ReportSection, ...] = (
     diagnosis.SECTION,
     error_waterfall.SECTION,
     ranked_effects.SECTION,

@@ -39,7 +39,7 @@ class Content:
 
 
 @dataclass(frozen=True)
-class Section:
+class ReportSection:
     """identifier: a word, for links; title: its heading; render: None where there is nothing to show
 
     short: its name in the list of contents, where the heading is too long for it

@@ -9,7 +9,7 @@ from rich.table import Table
 from updamp.comparison.findings.stated_values import RESONANCE, WITHOUT_DAMPER
 from updamp.diagnosis.stated.low_force_modes import LowForceModes, low_force_modes
 from updamp.diagnosis.stated.stated_explanations import Explanation, Explanations, LowForceProblem, explanations
-from updamp.diagnosis.stated.stated_predictions import Prediction, Quantity, predict, quantities
+from updamp.diagnosis.stated.stated_predictions import MeasurableQuantity, StatedPrediction, predict, quantities
 from updamp.diagnosis.stated.stated_score import stated_score
 from updamp.diagnosis.stated.stated_verdict import reason_against, rivals, verdict_of
 from updamp.diagnosis.verdict import Verdict
@@ -29,8 +29,8 @@ class StatedDiagnosis:
     verdict: Verdict
     problem: LowForceProblem
     found: Explanations
-    predictions: tuple[Prediction, ...]
-    wanted: tuple[Quantity, ...]
+    predictions: tuple[StatedPrediction, ...]
+    wanted: tuple[MeasurableQuantity, ...]
     left_out: tuple[Feature, ...]
 
 

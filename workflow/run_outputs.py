@@ -48,7 +48,7 @@ class Outputs:
 if TYPE_CHECKING:
     from updamp.hbm.continuation.response_curve import ResponseCurve
     from updamp.hbm.problem.system import NonlinearSystem
-    from updamp.pictures.modes import Shape
+    from updamp.pictures.modes import ModeShape
 
 CSV_VERSION = PICTURE_VERSION = VTU_VERSION = 1  # to be raised when a file of the same products looks different
 
@@ -167,10 +167,10 @@ def _renderings(products: Products) -> list[Picture]:
     return pictures
 
 
-def mode_shapes(products: Products) -> tuple[Shape, ...]:
+def mode_shapes(products: Products) -> tuple[ModeShape, ...]:
     """The stuck OOP and IP modes where the coupled check was made, then the first of the free blade."""
     from updamp.geometry.rig_mesh import mirrored
-    from updamp.pictures.modes import Shape
+    from updamp.pictures.modes import ModeShape
 
     mesh, result = products.mesh.product, products.finite_elements
     assert result is not None, "mode shapes come with the finite elements"
@@ -181,10 +181,12 @@ def mode_shapes(products: Products) -> tuple[Shape, ...]:
             shape = check.shapes[mode]
             bodies = ((mesh.blade, "blade_right"), (left, "blade_left"), (mesh.damper, "damper"))
             parts = tuple((body, shape[name]) for body, name in bodies)
-            shapes.append(Shape(f"{mode}, stuck: {check.full[number]:.1f} Hz", parts))
+            shapes.append(ModeShape(f"{mode}, stuck: {check.full[number]:.1f} Hz", parts))
     blade = result.product
     for i, shape in enumerate(blade.blade_shapes[:BLADE_SHAPES]):
-        shapes.append(Shape(f"free blade, mode {i + 1}: {blade.blade_frequencies[i]:.1f} Hz", ((mesh.blade, shape),)))
+        shapes.append(
+            ModeShape(f"free blade, mode {i + 1}: {blade.blade_frequencies[i]:.1f} Hz", ((mesh.blade, shape),))
+        )
     return tuple(shapes)
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from updamp.benchmarks.hidden_effects.cases import Case
 from updamp.benchmarks.hidden_effects.fitted_model import place
 from updamp.benchmarks.hidden_effects.layout import RIG, Layout
-from updamp.comparison.compare import Calibration, calibrate
+from updamp.comparison.compare import CalibrationResult, calibrate
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.measurement.measurement import Measurement
 from updamp.workflow.code_version import SEARCH, code_version
@@ -25,7 +25,7 @@ FITTED, FINER = "diagnosis", ("diagnosis_fine",)
 class Kept:
     """A finished calibration. seconds: that it took, on the clock"""
 
-    calibration: Calibration
+    calibration: CalibrationResult
     measurement: Measurement
     provenance: Mapping[str, str]
     seconds: float
@@ -56,7 +56,7 @@ def _key(measured: Path) -> ResultKey:
     return ResultKey(code, inputs_digest(FITTED, *FINER, *(sha256(path.read_bytes()).hexdigest() for path in files)))
 
 
-def _slim(done: Calibration) -> Calibration:
+def _slim(done: CalibrationResult) -> CalibrationResult:
     """Without what only moving a branch needs."""
 
     def slim(branches: Sequence[PredictedBranch]) -> tuple[PredictedBranch, ...]:

@@ -13,7 +13,7 @@ from updamp.comparison.prediction.branch_tasks import Branches, BranchTask, in_t
 from updamp.comparison.prediction.numerical_error import UNSURE, NumericalError, difference, jaggedness
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
-from updamp.comparison.prediction.run_condition import Condition
+from updamp.comparison.prediction.run_condition import RunCondition
 from updamp.effects.chosen import ChosenEffect
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.analysis.settings import Setting, more_harmonics, twice_the_samples
@@ -107,7 +107,7 @@ def _differs(model: RigModel, base: RigModel, branch: PredictedBranch) -> bool:
 
 def _finer_task(
     model: RigModel,
-    condition: Condition,
+    condition: RunCondition,
     numerics: NumericalError | None = None,
     options: ContinuationOptions | None = None,
 ) -> BranchTask:
@@ -168,7 +168,7 @@ def _with_patterns(
 
 def change_of_branch(
     model: RigModel,
-    condition: Condition,
+    condition: RunCondition,
     observed: Floats,
     numerics: NumericalError | None = None,
     options: ContinuationOptions | None = None,
@@ -182,7 +182,7 @@ def change_of_branch(
     return _change(observed, _finer_task(model, condition, numerics, options).predicted(), condition)
 
 
-def _change(observed: Floats, traced: PredictedBranch, condition: Condition) -> Floats:
+def _change(observed: Floats, traced: PredictedBranch, condition: RunCondition) -> Floats:
     """(n, m) of the observations (n, m) along a branch, by those of another one that was traced further."""
     return difference(observed, _densely(traced), condition.wider)
 
@@ -209,7 +209,7 @@ def _beyond_calibration(
     return {name: change - made_up_for @ slopes[name] for name, change in changes.items()}, made_up_for
 
 
-def _wider(condition: Condition) -> Condition:
+def _wider(condition: RunCondition) -> RunCondition:
     """Finer numerics may shift the resonance by more than its width."""
     low, high = condition.window
     return replace(condition, window=(low - _FURTHER * (high - low), high + _FURTHER * (high - low)))

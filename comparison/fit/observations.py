@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.prediction.run_condition import DERIVATIVES, Condition, HeldResponse
+from updamp.comparison.prediction.run_condition import DERIVATIVES, HeldResponse, RunCondition
 from updamp.measurement.measurement import MeasuredRun, Measurement
 
 Floats = NDArray[np.float64]
@@ -50,7 +50,7 @@ class Observations:
 class Plan:
     """conditions: the tests; observations: all runs and repeats of them"""
 
-    conditions: tuple[Condition, ...]
+    conditions: tuple[RunCondition, ...]
     observations: tuple[Observations, ...]
 
     @property
@@ -69,7 +69,7 @@ def plan_of(measurement: Measurement, harmonics: Sequence[int] = (1,)) -> Plan:
 
     harmonics: those to compare, where they were measured
     """
-    conditions: list[Condition] = []
+    conditions: list[RunCondition] = []
     observations: list[Observations] = []
     for name in dict.fromkeys(run.name for run in measurement.runs):
         runs = [run for run in measurement.runs if run.name == name]
@@ -84,7 +84,7 @@ def plan_of(measurement: Measurement, harmonics: Sequence[int] = (1,)) -> Plan:
     return Plan(tuple(conditions), tuple(observations))
 
 
-def _condition(measurement: Measurement, runs: Sequence[MeasuredRun], harmonics: Sequence[int]) -> Condition:
+def _condition(measurement: Measurement, runs: Sequence[MeasuredRun], harmonics: Sequence[int]) -> RunCondition:
     first = runs[0]
     common = [c for c in first.channels if all(c in run.channels for run in runs)]
     orders = [k for k in harmonics if all(k in run.harmonics for run in runs)]
@@ -93,7 +93,7 @@ def _condition(measurement: Measurement, runs: Sequence[MeasuredRun], harmonics:
     held, unit = (first.level, first.level_unit) if first.held == "response" else (None, "N")
     sensors = tuple((measurement.channel(c).point, k) for c in common for k in orders)
     window, control = (float(low), float(high)), _control(measurement, first)
-    return Condition(first.name, first.mode, force, first.upwards, window, sensors, held, unit, control)
+    return RunCondition(first.name, first.mode, force, first.upwards, window, sensors, held, unit, control)
 
 
 def _control(measurement: Measurement, run: MeasuredRun) -> HeldResponse | None:
@@ -104,7 +104,7 @@ def _control(measurement: Measurement, run: MeasuredRun) -> HeldResponse | None:
     return HeldResponse(point, run.level, DERIVATIVES[run.level_unit])
 
 
-def _observations(run: MeasuredRun, test: int, condition: Condition, measurement: Measurement) -> Observations:
+def _observations(run: MeasuredRun, test: int, condition: RunCondition, measurement: Measurement) -> Observations:
     points = {channel.point: channel.name for channel in measurement.channels}
     turn = run.force / np.abs(run.force)
     columns, noise = [np.log(run.frequency)], [np.full(len(run), FREQUENCY_NOISE)]
@@ -151,7 +151,7 @@ def _no_better_than(o: Observations, repeatability: float) -> Observations:
     return replace(o, noise=noise)
 
 
-def _pooled(observations: Sequence[Observations], conditions: Sequence[Condition]) -> list[Observations]:
+def _pooled(observations: Sequence[Observations], conditions: Sequence[RunCondition]) -> list[Observations]:
     """With the noise of each sensor shrunk towards what all its runs have in common.
 
     That of one run is known to a fifth or so only, and weights made of it would be off by half. How much the runs

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from updamp.comparison.prediction.moved_branch import move_branch
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch, trace_branch
-from updamp.comparison.prediction.run_condition import Condition
+from updamp.comparison.prediction.run_condition import RunCondition
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions
 from updamp.parallel.processes import processes
 from updamp.parallel.workers import Elsewhere, LongestFirst, WorkerLostError, Workers
@@ -36,7 +36,7 @@ class BranchTask:
 
     parametrisation: Parametrisation
     u: Floats
-    condition: Condition
+    condition: RunCondition
     near: PredictedBranch | None = None
     options: ContinuationOptions | None = None
 

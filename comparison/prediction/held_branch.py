@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from updamp.comparison.prediction.derivatives import Change, moves
 from updamp.comparison.prediction.model_at import ModelAt
-from updamp.comparison.prediction.run_condition import Condition, HeldResponse
+from updamp.comparison.prediction.run_condition import HeldResponse, RunCondition
 from updamp.hbm.continuation.branch import BranchPoint, point_at
 from updamp.hbm.continuation.continuation import BranchStoppedError
 from updamp.hbm.newton.held_response import Held, HeldSolution, linear_start, solve_held
@@ -34,12 +34,12 @@ class HeldPoint(BranchPoint):
     force: float = 0.0
 
 
-def force_at(point: BranchPoint, condition: Condition) -> float:
+def force_at(point: BranchPoint, condition: RunCondition) -> float:
     """[N] that a solved point of the condition's branch was solved with"""
     return point.force if isinstance(point, HeldPoint) else condition.force
 
 
-def trace_held(there: ModelAt, condition: Condition) -> tuple[list[HeldPoint], str]:
+def trace_held(there: ModelAt, condition: RunCondition) -> tuple[list[HeldPoint], str]:
     """Points through the measured window, and why they end inside it ("" where they do not).
 
     raises: BranchStoppedError where not even the first few are found
@@ -57,7 +57,7 @@ def trace_held(there: ModelAt, condition: Condition) -> tuple[list[HeldPoint], s
 
 
 def _points(
-    system: NonlinearSystem, excitation: str, condition: Condition, control: HeldResponse
+    system: NonlinearSystem, excitation: str, condition: RunCondition, control: HeldResponse
 ) -> Iterator[HeldPoint]:
     """In the direction of the test, closer to each other where the response turns faster."""
     excited, row = system.free.row(excitation), system.free.row(control.point)
@@ -116,7 +116,7 @@ class HeldState:
     slopes: Floats
 
 
-def held_state(there: ModelAt, condition: Condition, point: HeldPoint, further: Sequence[Change]) -> HeldState:
+def held_state(there: ModelAt, condition: RunCondition, point: HeldPoint, further: Sequence[Change]) -> HeldState:
     """raises: RuntimeError where the Jacobian is singular and no correction helps"""
     assert condition.control is not None, "asked for where the response was held"
     system, w = there.model.system, point.w

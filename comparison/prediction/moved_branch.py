@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from updamp.comparison.prediction.model_at import ModelAt, model_at
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch, observe_swept
-from updamp.comparison.prediction.run_condition import Condition
+from updamp.comparison.prediction.run_condition import RunCondition
 from updamp.hbm.continuation.branch import BranchPoint, point_after, point_at
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions, continue_branch
 from updamp.hbm.newton.metric import Move
@@ -117,7 +117,7 @@ def _between(system: NonlinearSystem, excitation: Excitation, a: BranchPoint, b:
 
 
 def _covering(
-    system: NonlinearSystem, excitation: Excitation, points: Points, condition: Condition, steps: ContinuationOptions
+    system: NonlinearSystem, excitation: Excitation, points: Points, condition: RunCondition, steps: ContinuationOptions
 ) -> list[BranchPoint] | None:
     """Followed beyond the measured window, with something to spare for shifts to first order, at both ends."""
     low, high = condition.window
@@ -138,7 +138,7 @@ def _covering(
     return found
 
 
-def _trimmed(points: list[BranchPoint], condition: Condition) -> list[BranchPoint]:
+def _trimmed(points: list[BranchPoint], condition: RunCondition) -> list[BranchPoint]:
     """Without those at the end that lie further outside than the first one beyond the wider window."""
     low, high = condition.wider
     last = len(points)

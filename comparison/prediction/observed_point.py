@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from updamp.comparison.prediction.derivatives import Change, Derivatives, derivatives
 from updamp.comparison.prediction.held_branch import force_at, pairs
 from updamp.comparison.prediction.model_at import ModelAt
-from updamp.comparison.prediction.run_condition import Condition
+from updamp.comparison.prediction.run_condition import RunCondition
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.continuation.branch import BranchPoint
 from updamp.hbm.newton.newton import evaluate
@@ -31,7 +31,7 @@ def light(points: Sequence[BranchPoint]) -> tuple[BranchPoint, ...]:
     )
 
 
-def with_matrices(model: RigModel, condition: Condition, points: Sequence[BranchPoint]) -> tuple[BranchPoint, ...]:
+def with_matrices(model: RigModel, condition: RunCondition, points: Sequence[BranchPoint]) -> tuple[BranchPoint, ...]:
     """With the equation at each point, without its factors; model: that they were solved for."""
     found = []
     for point in points:
@@ -79,7 +79,7 @@ class Observer:
     """further: changes by parameters that the model does not have yet, after its own"""
 
     there: ModelAt
-    condition: Condition
+    condition: RunCondition
     further: Sequence[Change] = ()
 
     def __call__(self, point: BranchPoint) -> ObservedPoint:

@@ -19,7 +19,7 @@ from updamp.comparison.prediction.model_at import ModelAt, model_at
 from updamp.comparison.prediction.numerical_error import NumericalError
 from updamp.comparison.prediction.observed_point import ObservedPoint, Observer, light
 from updamp.comparison.prediction.parameters import Parametrisation
-from updamp.comparison.prediction.run_condition import Condition
+from updamp.comparison.prediction.run_condition import RunCondition
 from updamp.comparison.prediction.swept_points import OtherEnd, swept_points
 from updamp.hbm.continuation.branch import BranchPoint
 from updamp.hbm.continuation.continuation import ContinuationOptions, continue_branch
@@ -51,7 +51,7 @@ class PredictedBranch:
         hold the frequency, and are exact however far the measured force is from the condition's
     """
 
-    condition: Condition
+    condition: RunCondition
     u: Floats
     points: tuple[BranchPoint, ...]
     place: Floats
@@ -124,7 +124,7 @@ class Observed:
 
 
 def trace_branch(
-    parametrisation: Parametrisation, u: Floats, condition: Condition, options: ContinuationOptions | None = None
+    parametrisation: Parametrisation, u: Floats, condition: RunCondition, options: ContinuationOptions | None = None
 ) -> PredictedBranch:
     """Follow the branch through the measured window by continuation, and keep what the test's sweep sees of it.
 
@@ -145,7 +145,7 @@ def trace_branch(
 
 def observe_swept(
     there: ModelAt,
-    condition: Condition,
+    condition: RunCondition,
     points: Iterable[BranchPoint],
     stopped: str = "",
     other_end: OtherEnd | None = None,
@@ -161,7 +161,7 @@ def observe_swept(
 
 
 def observe(
-    there: ModelAt, condition: Condition, points: Sequence[BranchPoint], stopped: str, further: Sequence[Change] = ()
+    there: ModelAt, condition: RunCondition, points: Sequence[BranchPoint], stopped: str, further: Sequence[Change] = ()
 ) -> PredictedBranch:
     """Solved points as a branch; further: changes by parameters that the model does not have yet, after its own."""
     if condition.control is not None:
@@ -171,7 +171,7 @@ def observe(
 
 
 def _of_observed(
-    there: ModelAt, condition: Condition, observed: Sequence[ObservedPoint], stopped: str, further: int = 0
+    there: ModelAt, condition: RunCondition, observed: Sequence[ObservedPoint], stopped: str, further: int = 0
 ) -> PredictedBranch:
     state, along, slopes = (np.array([getattr(o, part) for o in observed]) for part in ("state", "along", "slopes"))
     by_parameter = tuple(o.x_by_parameter for o in observed), np.array([o.w_by_parameter for o in observed])
@@ -181,7 +181,7 @@ def _of_observed(
 
 
 def _observe_held(
-    there: ModelAt, condition: Condition, points: Sequence[BranchPoint], stopped: str, further: Sequence[Change]
+    there: ModelAt, condition: RunCondition, points: Sequence[BranchPoint], stopped: str, further: Sequence[Change]
 ) -> PredictedBranch:
     each = [held_state(there, condition, p, further) for p in points if isinstance(p, HeldPoint)]
     direction = 1.0 if condition.upwards else -1.0
@@ -193,7 +193,7 @@ def _observe_held(
 
 def _branch(
     there: ModelAt,
-    condition: Condition,
+    condition: RunCondition,
     points: Sequence[BranchPoint],
     stopped: str,
     observed: tuple[Floats, Floats, Floats],
@@ -267,7 +267,7 @@ def of_state(patterns: Floats, state: Floats) -> Floats:
     return np.concatenate([patterns[..., :1], pairs(change)], axis=-1)
 
 
-def _length(change: Floats, state: Floats, condition: Condition) -> Floats:
+def _length(change: Floats, state: Floats, condition: RunCondition) -> Floats:
     """(n,) of changes of the state: amplitudes relative to all of them, and the whole window in frequency as much as
     half a turn of phase."""
     of_frequency = np.pi * change[:, 0] / np.log(condition.wider[1] / condition.wider[0])

@@ -23,7 +23,7 @@ class HeldResponse:
 
 
 @dataclass(frozen=True)
-class Condition:
+class RunCondition:
     """A test as the model sees it: one run without its repeats.
 
     force: amplitude [N], of a response-controlled test the median; window: measured frequencies [Hz]

@@ -17,7 +17,7 @@ first order in what is still unknown, observations y off by the sensors' noise e
 S the branch's slopes by the calibration. All points of a mode are one least squares problem with covariance
 M (noise + U U^T) M^T, so that repeats do not count as independent where an assembly's offset moves a run as a whole.
 Unknowns pieced by amplitude are averages over repeats, with their standard deviations: the picture. Calibration is held
-for these values; what it may have taken up is left to the reading (force_shapes.py).
+for these values; what it may have taken up is left to the reading (force_laws.py).
 """
 
 from collections.abc import Callable, Sequence
@@ -33,8 +33,8 @@ from updamp.comparison.prediction.observed_point import with_matrices
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.diagnosis.missing_force.expanded_run import ExpandedRun, expanded_run
-from updamp.diagnosis.missing_force.force_reading import Place, reading
-from updamp.diagnosis.missing_force.force_shapes import DAMPING, LEVELS, POWERS, STIFFNESS, Column, Squares, shapes
+from updamp.diagnosis.missing_force.force_laws import DAMPING, LEVELS, POWERS, STIFFNESS, Column, Squares, force_laws
+from updamp.diagnosis.missing_force.force_reading import ReferenceMotion, reading
 from updamp.diagnosis.missing_force.resonant_mode import ResonantMode, resonant_mode
 from updamp.diagnosis.verdict import MissingForce
 
@@ -56,21 +56,21 @@ def missing_forces(compared: Compared, parametrisation: Parametrisation, plan: P
     modes = _resonant_modes(compared, parametrisation, plan)
     runs = _expanded(compared, parametrisation, plan, modes)
     modes = {mode: resonant for mode, resonant in modes.items() if _of(mode, plan, runs)}
-    places = {mode: _place(resonant, _of(mode, plan, runs)) for mode, resonant in modes.items()}
+    references = {mode: _reference(resonant, _of(mode, plan, runs)) for mode, resonant in modes.items()}
     pieces = _pieces(plan, runs)
     laws = [Column(m, q, p) for m in modes for q, powers in POWERS.items() for p in powers]
     names = laws + [Column(piece.mode, LEVELS) for piece in pieces for _ in (STIFFNESS, DAMPING)]
 
     def unknowns(run: ExpandedRun) -> Floats:
-        of_laws = [_law_column(run, plan, column, places) for column in laws]
+        of_laws = [_law_column(run, plan, column, references) for column in laws]
         of_pieces = [_piece_column(run, piece, i) for piece in pieces for i in (0, 1)]
         return np.stack([*of_laws, *of_pieces], axis=2)
 
     residual, calibration, extra = _equations(compared, parametrisation, plan, runs, unknowns)
     squares = Squares(residual, calibration, parametrisation.deviation, compared.u, extra, names)
-    found = shapes(squares, tuple(modes))
+    found = force_laws(squares, tuple(modes))
     values = _in_pieces(residual, extra[:, len(laws) :], squares.noise)
-    return tuple(_missing_force(mode, pieces, values, reading(found[mode], places[mode])) for mode in modes)
+    return tuple(_missing_force(mode, pieces, values, reading(found[mode], references[mode])) for mode in modes)
 
 
 def _with_matrices(branch: PredictedBranch, parametrisation: Parametrisation) -> PredictedBranch:
@@ -95,10 +95,10 @@ def _of(mode: str, plan: Plan, runs: Sequence[ExpandedRun]) -> list[ExpandedRun]
     return [run for run in runs if plan.conditions[run.test].mode == mode]
 
 
-def _place(resonant: ResonantMode, runs: Sequence[ExpandedRun]) -> Place:
+def _reference(resonant: ResonantMode, runs: Sequence[ExpandedRun]) -> ReferenceMotion:
     """With the frequency at which most is seen of the mode."""
     amplitude, w = (np.concatenate([getattr(run, name) for run in runs]) for name in ("amplitude", "w"))
-    return Place(resonant.point, float(amplitude.max()), float(np.average(w, weights=amplitude**2)))
+    return ReferenceMotion(resonant.point, float(amplitude.max()), float(np.average(w, weights=amplitude**2)))
 
 
 def _resonant_modes(compared: Compared, parametrisation: Parametrisation, plan: Plan) -> dict[str, ResonantMode]:
@@ -160,12 +160,12 @@ def _groups(amplitude: Floats) -> list[list[int]]:
     return groups
 
 
-def _law_column(run: ExpandedRun, plan: Plan, column: Column, places: dict[str, Place]) -> Floats:
+def _law_column(run: ExpandedRun, plan: Plan, column: Column, references: dict[str, ReferenceMotion]) -> Floats:
     """(n, 2)"""
     of_quantity = run.by_force[:, :, (STIFFNESS, DAMPING).index(column.quantity)]
     if plan.conditions[run.test].mode != column.mode:
         return np.zeros_like(of_quantity)
-    return of_quantity * (run.amplitude[:, None] / places[column.mode].amplitude) ** column.power
+    return of_quantity * (run.amplitude[:, None] / references[column.mode].amplitude) ** column.power
 
 
 def _piece_column(run: ExpandedRun, piece: _Piece, quantity: int) -> Floats:

@@ -12,7 +12,7 @@ import numpy as np
 
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.parameters import Parametrisation
-from updamp.comparison.prediction.run_condition import Condition
+from updamp.comparison.prediction.run_condition import RunCondition
 
 RUN, SENSOR, LOAD = 1 / 6, 1 / 2, 2.0  # hours
 _FACTOR = 2.0  # of the force, beyond the levels measured
@@ -34,7 +34,7 @@ class Recording:
 class CandidateRun:
     """condition: with every sensor that any of the recordings has; load: of the damper, over the present one"""
 
-    condition: Condition
+    condition: RunCondition
     load: float
     recordings: tuple[Recording, ...]
 
@@ -50,7 +50,7 @@ def candidate_runs(plan: Plan, parametrisation: Parametrisation, most: int) -> t
     return tuple(run for run in in_turn if run is not None)[:most]
 
 
-def _of_mode(conditions: Sequence[Condition], parametrisation: Parametrisation) -> Iterator[CandidateRun | None]:
+def _of_mode(conditions: Sequence[RunCondition], parametrisation: Parametrisation) -> Iterator[CandidateRun | None]:
     """First what is likely to tell most: a higher level, other harmonics and sensors, another load."""
     lowest, highest = (pick(conditions, key=lambda c: c.force) for pick in (min, max))
     usual = tuple(dict.fromkeys(sensor for c in conditions for sensor in c.sensors if sensor[1] == 1))
@@ -61,7 +61,7 @@ def _of_mode(conditions: Sequence[Condition], parametrisation: Parametrisation) 
         )
     window = _window(conditions)
 
-    def run(like: Condition, force: float, upwards: bool, what: str, load: float = 1.0) -> CandidateRun:
+    def run(like: RunCondition, force: float, upwards: bool, what: str, load: float = 1.0) -> CandidateRun:
         name = f"{like.mode} {force:.4g} N {'up' if upwards else 'down'} load {load:g}"
         condition = replace(
             like,
@@ -95,12 +95,14 @@ def _of_mode(conditions: Sequence[Condition], parametrisation: Parametrisation) 
     yield from loaded
 
 
-def _window(conditions: Sequence[Condition]) -> tuple[float, float]:
+def _window(conditions: Sequence[RunCondition]) -> tuple[float, float]:
     low, high = min(c.window[0] for c in conditions), max(c.window[1] for c in conditions)
     return low - _WIDER * (high - low), high + _WIDER * (high - low)
 
 
-def _with_more(again: CandidateRun, parametrisation: Parametrisation, conditions: Sequence[Condition]) -> CandidateRun:
+def _with_more(
+    again: CandidateRun, parametrisation: Parametrisation, conditions: Sequence[RunCondition]
+) -> CandidateRun:
     """The same run once more: as it was, with other harmonics, or with a further sensor."""
     usual, recorded = again.condition.sensors, {sensor for c in conditions for sensor in c.sensors}
     points = dict.fromkeys(point for point, _ in usual)

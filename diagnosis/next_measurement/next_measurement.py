@@ -22,7 +22,7 @@ from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.decision.decide import Decision
 from updamp.diagnosis.evidence import Trial
 from updamp.diagnosis.next_measurement.candidate_runs import CandidateRun, Recording, candidate_runs
-from updamp.diagnosis.next_measurement.separation import Prediction, separation
+from updamp.diagnosis.next_measurement.separation import PredictedRun, separation
 from updamp.diagnosis.selection.search import Found
 from updamp.diagnosis.verdict import NextMeasurement
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions
@@ -93,7 +93,9 @@ def _best(measurements: list[NextMeasurement]) -> list[NextMeasurement]:
     return worth[:_KEPT] or sorted(known, key=lambda m: -m.separation)[:1]
 
 
-def _measurement(pair: tuple[str, str], one: Prediction, other: Prediction, recording: Recording) -> NextMeasurement:
+def _measurement(
+    pair: tuple[str, str], one: PredictedRun, other: PredictedRun, recording: Recording
+) -> NextMeasurement:
     apart = separation(one, other, recording.sensors)
     a, b = pair
     if apart < _NOTHING:
@@ -118,7 +120,7 @@ def _noise(plan: Plan) -> dict[str, float]:
 
 def _prediction(
     shared: tuple[Mapping[str, Fit], Mapping[str, float]], wanted: tuple[CandidateRun, str]
-) -> Prediction | None:
+) -> PredictedRun | None:
     """None where the model has no response there. shared: explanations, and noise; wanted: run, and whose prediction"""
     (fits, noise), (run, name) = shared, wanted
     fit = fits[name]
@@ -132,7 +134,7 @@ def _prediction(
     except BranchStoppedError:
         return None
     names = tuple(nuisance.name for nuisance in parametrisation.nuisances)
-    return Prediction(branch, fit.covariance[:n, :n], names, fit.compared.scatter, noise)
+    return PredictedRun(branch, fit.covariance[:n, :n], names, fit.compared.scatter, noise)
 
 
 # Explanations that the data so far leave side by side, for a next measurement to tell apart.

@@ -37,7 +37,7 @@ _POINTS = 40  # of the run
 
 
 @dataclass(frozen=True, eq=False)
-class Prediction:
+class PredictedRun:
     """A run as one explanation has it. covariance: (p, p) of the branch's parameters, the first of which are the
     nuisance parameters named in `scatter`; noise: point -> relative standard deviation of the sensor there"""
 
@@ -54,7 +54,7 @@ class Prediction:
         return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
 
 
-def separation(one: Prediction, other: Prediction, sensors: Sequence[Sensor]) -> float:
+def separation(one: PredictedRun, other: PredictedRun, sensors: Sequence[Sensor]) -> float:
     """In standard deviations, for a run with these sensors; nan where the branches have no frequency in common.
 
     sensors: with the first harmonic at each point, and among those of both branches' conditions
@@ -63,7 +63,7 @@ def separation(one: Prediction, other: Prediction, sensors: Sequence[Sensor]) ->
     return float(min(both)) if np.all(np.isfinite(both)) else float("nan")
 
 
-def _one_way(truth: Prediction, model: Prediction, sensors: Sequence[Sensor]) -> float:
+def _one_way(truth: PredictedRun, model: PredictedRun, sensors: Sequence[Sensor]) -> float:
     place = _places(truth.branch, model.branch)
     if not len(place):
         return float("nan")
@@ -91,7 +91,7 @@ def distance(residual: Floats, spread: Floats) -> float:
     return float(np.sqrt(max(residual @ residual - along @ (along * sizes**2 / (1 + sizes**2)), 0.0)))
 
 
-def _scatter(local: "_Local", slopes: Floats, scale: Floats, model: Prediction, project: Project) -> Floats:
+def _scatter(local: "_Local", slopes: Floats, scale: Floats, model: PredictedRun, project: Project) -> Floats:
     """(n, k) U, one assembly's"""
     sizes = [model.scatter.parameters.get(name, 0.0) for name in model.nuisances]
     n, m = local.state.shape
@@ -133,7 +133,7 @@ def _columns(branch: PredictedBranch, sensors: Sequence[Sensor]) -> list[int]:
     return [0, *(column for i in places for column in (1 + 2 * i, 2 + 2 * i))]
 
 
-def _scale(local: _Local, sensors: Sequence[Sensor], truth: Prediction) -> Floats:
+def _scale(local: _Local, sensors: Sequence[Sensor], truth: PredictedRun) -> Floats:
     """(n, n_sensors) amplitudes that relative noise is relative to: of the first harmonic at the same point; at a point
     that no noise is known of, no less than where it is known, since a further sensor is no better than the others."""
     size = {s: np.abs(local.amplitude[:, i]) for i, s in enumerate(sensors) if s[1] == 1}
@@ -155,7 +155,7 @@ def _places(branch: PredictedBranch, other: PredictedBranch) -> Floats:
     return usable[np.unique(np.argmin(np.abs(usable[None] - even[:, None]), axis=1))]
 
 
-def _matched(truth: Prediction, model: Prediction, place: Floats, sensors: Sequence[Sensor]) -> Floats:
+def _matched(truth: PredictedRun, model: PredictedRun, place: Floats, sensors: Sequence[Sensor]) -> Floats:
     """(n,) places on the model's branch, told by the first harmonics that are measured anyway."""
     first = [s for s in sensors if s[1] == 1 and s[0] in truth.noise]
     a, b = _restricted(truth.branch, first), _restricted(model.branch, first)

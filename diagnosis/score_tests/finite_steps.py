@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from updamp.comparison.fit.numerical_gate import change_of_branch, unwrapped
 from updamp.comparison.prediction.model_at import ModelAt
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
-from updamp.comparison.prediction.run_condition import Condition
+from updamp.comparison.prediction.run_condition import RunCondition
 from updamp.effects.effect import Effect
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions
@@ -28,7 +28,7 @@ class _Step:
     """
 
     effect: Effect
-    condition: Condition
+    condition: RunCondition
     observed: Floats
     motions: tuple[tuple[Floats, float], ...]
     options: ContinuationOptions | None

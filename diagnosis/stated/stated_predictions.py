@@ -55,7 +55,7 @@ class Rival:
 
 
 @dataclass(frozen=True)
-class Quantity:
+class MeasurableQuantity:
     """what: to be measured, in words; deviation: standard deviation of the measurement, of the value where relative
     read(model solved at the measurement's load, one at another load) -> value"""
 
@@ -98,7 +98,7 @@ class Solved:
 
 
 @dataclass(frozen=True, eq=False)
-class Prediction:
+class StatedPrediction:
     """value: (n_quantities,); deviation: (n_quantities,) from what the stated values leave open"""
 
     rival: Rival
@@ -106,24 +106,30 @@ class Prediction:
     deviation: Floats
 
 
-def quantities(modes: LowForceModes) -> tuple[Quantity, ...]:
+def quantities(modes: LowForceModes) -> tuple[MeasurableQuantity, ...]:
     """Those that a rig of two blades and a damper offers, mode by mode."""
     found = []
     study = tuple(modes.windows)
     for m in study:
         found += [
-            Quantity(f"{m}: left tip over right tip", "", _RATIO, RUN, 1.0, _reader(Solved.ratio_of_tips, m)),
-            Quantity(f"{m}: damper's corner over tip", "", _MOTION, RUN + SENSOR, 1.0, _reader(Solved.damper, m)),
-            Quantity(f"{m}: force where contacts begin to slip", "N", _ONSET, 4 * RUN, 1.0, _reader(Solved.onset, m)),
+            MeasurableQuantity(f"{m}: left tip over right tip", "", _RATIO, RUN, 1.0, _reader(Solved.ratio_of_tips, m)),
+            MeasurableQuantity(
+                f"{m}: damper's corner over tip", "", _MOTION, RUN + SENSOR, 1.0, _reader(Solved.damper, m)
+            ),
+            MeasurableQuantity(
+                f"{m}: force where contacts begin to slip", "N", _ONSET, 4 * RUN, 1.0, _reader(Solved.onset, m)
+            ),
         ]
         for words, load in _LOADS.items():
             what = f"{m}: resonance at {words}"
-            found.append(Quantity(what, "Hz", _FREQUENCY, RUN + LOAD, load, _reader(Solved.frequency, m)))
+            found.append(MeasurableQuantity(what, "Hz", _FREQUENCY, RUN + LOAD, load, _reader(Solved.frequency, m)))
     for m in modes.others:
-        found.append(Quantity(f"{m}: resonance", "Hz", _FREQUENCY, RUN, 1.0, _reader(Solved.frequency, m)))
+        found.append(MeasurableQuantity(f"{m}: resonance", "Hz", _FREQUENCY, RUN, 1.0, _reader(Solved.frequency, m)))
     for m in study[1:]:
         read = _ratio_of_peaks(m, study[0])
-        found.append(Quantity(f"low-force peak of {m} over that of {study[0]}", "", _PEAK, 2 * RUN, 1.0, read))
+        found.append(
+            MeasurableQuantity(f"low-force peak of {m} over that of {study[0]}", "", _PEAK, 2 * RUN, 1.0, read)
+        )
     return tuple(found)
 
 
@@ -135,12 +141,14 @@ def _ratio_of_peaks(mode: str, other: str) -> Callable[[Solved], float]:
     return lambda solved: solved.peak(mode) / solved.peak(other)
 
 
-def predict(rivals: Sequence[Rival], modes: LowForceModes, wanted: Sequence[Quantity]) -> tuple[Prediction, ...]:
+def predict(
+    rivals: Sequence[Rival], modes: LowForceModes, wanted: Sequence[MeasurableQuantity]
+) -> tuple[StatedPrediction, ...]:
     """Of each rival, with what its parameters' uncertainty makes of it to first order."""
     return tuple(_predicted(rival, modes, wanted) for rival in rivals)
 
 
-def _predicted(rival: Rival, modes: LowForceModes, wanted: Sequence[Quantity]) -> Prediction:
+def _predicted(rival: Rival, modes: LowForceModes, wanted: Sequence[MeasurableQuantity]) -> StatedPrediction:
     e = rival.explanation
     lower, upper = e.parametrisation.lower, e.parametrisation.upper
     value, slopes = _values(rival, e.u, modes, wanted), np.zeros((len(wanted), len(e.u)))
@@ -153,10 +161,10 @@ def _predicted(rival: Rival, modes: LowForceModes, wanted: Sequence[Quantity]) -
     for u in e.as_good:
         # two standard deviations off at most
         deviation = np.maximum(deviation, np.abs(_values(rival, u, modes, wanted) - value) / 2)
-    return Prediction(rival, value, deviation)
+    return StatedPrediction(rival, value, deviation)
 
 
-def _values(rival: Rival, u: Floats, modes: LowForceModes, wanted: Sequence[Quantity]) -> Floats:
+def _values(rival: Rival, u: Floats, modes: LowForceModes, wanted: Sequence[MeasurableQuantity]) -> Floats:
     solved = {}
     for load in dict.fromkeys(q.load for q in wanted):
         model = rival.model(u, load)
@@ -164,7 +172,9 @@ def _values(rival: Rival, u: Floats, modes: LowForceModes, wanted: Sequence[Quan
     return np.array([q.read(solved[q.load]) for q in wanted])
 
 
-def separating(predictions: Sequence[Prediction], wanted: Sequence[Quantity]) -> tuple[NextMeasurement, ...]:
+def separating(
+    predictions: Sequence[StatedPrediction], wanted: Sequence[MeasurableQuantity]
+) -> tuple[NextMeasurement, ...]:
     """For each pair of rivals the measurements that separate them best per hour; a pair that none separates has one."""
     found = []
     for a, b in combinations(predictions, 2):
@@ -178,7 +188,7 @@ def _rate(measurement: NextMeasurement) -> float:
     return measurement.separation / measurement.hours
 
 
-def _measurement(a: Prediction, b: Prediction, i: int, q: Quantity) -> NextMeasurement:
+def _measurement(a: StatedPrediction, b: StatedPrediction, i: int, q: MeasurableQuantity) -> NextMeasurement:
     one, other = float(a.value[i]), float(b.value[i])
     noise = q.deviation * max(abs(one), abs(other))
     apart = abs(one - other) / max(float(np.sqrt(noise**2 + a.deviation[i] ** 2 + b.deviation[i] ** 2)), 1e-300)

@@ -10,7 +10,7 @@ import numpy as np
 
 from updamp.comparison.comparison import Calibrated
 from updamp.diagnosis.stated.stated_explanations import MET, Explanation, Explanations, LowForceProblem
-from updamp.diagnosis.stated.stated_predictions import Prediction, Quantity, Rival, separating
+from updamp.diagnosis.stated.stated_predictions import MeasurableQuantity, Rival, StatedPrediction, separating
 from updamp.diagnosis.stated.stated_score import StatedScore
 from updamp.diagnosis.verdict import Candidate, Confounding, ErrorReached, FittedParameter, Outcome, Step, Verdict
 from updamp.effects.effect import Effect
@@ -27,8 +27,8 @@ def verdict_of(
     found: Explanations,
     scored: Mapping[str, StatedScore],
     effects: Sequence[Effect],
-    predictions: Sequence[Prediction],
-    wanted: Sequence[Quantity],
+    predictions: Sequence[StatedPrediction],
+    wanted: Sequence[MeasurableQuantity],
     provenance: Mapping[str, str],
 ) -> Verdict:
     """predictions: of `rivals(found)`, of the quantities `wanted`"""

@@ -4,7 +4,7 @@ from typing import Any
 
 from updamp.comparison.comparison import Backbone
 from updamp.report.markup import figure
-from updamp.report.section import Content, Report, Section
+from updamp.report.section import Content, Report, ReportSection
 
 
 def render(report: Report) -> Content | None:
@@ -36,4 +36,4 @@ def _columns(backbone: Backbone) -> dict[str, Any]:
     }
 
 
-SECTION = Section("backbones", "Resonance against amplitude", render, "Resonance")
+SECTION = ReportSection("backbones", "Resonance against amplitude", render, "Resonance")

@@ -5,7 +5,7 @@ from html import escape
 
 from updamp.comparison.comparison import Calibrated
 from updamp.report.markup import MISSING, number, percent, table, with_unit
-from updamp.report.section import Content, Report, Section
+from updamp.report.section import Content, Report, ReportSection
 
 FAR = 2.0  # prior standard deviations, from where on a calibrated value deserves a word
 
@@ -45,4 +45,4 @@ def _in_deviations(each: Calibrated) -> float:
     return (each.after - each.before) / deviation if deviation > 0 else math.nan
 
 
-SECTION = Section("calibration", "Calibration", render)
+SECTION = ReportSection("calibration", "Calibration", render)

@@ -5,7 +5,7 @@ from html import escape
 import numpy as np
 
 from updamp.report.markup import TWO_SIDED_SCALE, figure
-from updamp.report.section import Content, Report, Section
+from updamp.report.section import Content, Report, ReportSection
 
 CELL = 34  # px
 FEW = 20  # effects, up to which numbers fit into the cells
@@ -44,4 +44,4 @@ def _alike(names: list[str], cosine: np.ndarray) -> str:
     return f"Most alike: {'; '.join(pairs)}."
 
 
-SECTION = Section("confounding", "Which effects look alike", render, "Look-alikes")
+SECTION = ReportSection("confounding", "Which effects look alike", render, "Look-alikes")

@@ -1,7 +1,7 @@
 """What the contacts do at the peak of each curve."""
 
 from updamp.report.markup import BLUE, GREY, ORANGE, PURPLE, figure
-from updamp.report.section import Content, Report, Section
+from updamp.report.section import Content, Report, ReportSection
 
 STATES = (("stuck", BLUE), ("slipping", ORANGE), ("separating", PURPLE), ("open", GREY))
 
@@ -33,4 +33,4 @@ def _in_words(shares: tuple[float, ...]) -> str:
     return ", ".join(f"{100 * share:.0f} % {state}" for share, (state, _) in zip(shares, STATES, strict=True))
 
 
-SECTION = Section("contacts", "Contacts at the peak", render, "Contacts")
+SECTION = ReportSection("contacts", "Contacts at the peak", render, "Contacts")

@@ -4,7 +4,7 @@ from html import escape
 
 from updamp.diagnosis.verdict import ErrorReached, Outcome, Verdict
 from updamp.report.markup import number
-from updamp.report.section import Content, Report, Section
+from updamp.report.section import Content, Report, ReportSection
 
 TITLES: dict[Outcome, str] = {
     "adequate": "Nothing is missing",
@@ -49,4 +49,4 @@ def _fall(before: float, after: float) -> str:
     return f"{number(before, 3)} → {number(after, 3)}"
 
 
-SECTION = Section("diagnosis", "Diagnosis", render)
+SECTION = ReportSection("diagnosis", "Diagnosis", render)

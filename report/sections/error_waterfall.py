@@ -8,7 +8,7 @@ from typing import Any
 
 from updamp.diagnosis.verdict import Step
 from updamp.report.markup import BLUE, GREEN, GREY, MINUS, MISSING, VERMILLION, figure, number, table
-from updamp.report.section import Content, Report, Section
+from updamp.report.section import Content, Report, ReportSection
 
 HEAD = ("Step", "Effects in the model", "Misfit in the fit", "Misfit on held-out data")
 PANELS = (("data of the fit", (0.0, 0.46)), ("held-out data", (0.54, 1.0)))
@@ -100,4 +100,4 @@ def _floor(floor: float, axis: str) -> dict[str, Any]:
     }  # fmt: skip
 
 
-SECTION = Section("steps", "How the misfit fell", render, "Steps")
+SECTION = ReportSection("steps", "How the misfit fell", render, "Steps")

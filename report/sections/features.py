@@ -5,7 +5,7 @@ from html import escape
 
 from updamp.comparison.comparison import FeatureComparison
 from updamp.report.markup import MISSING, level_name, number, percent, table
-from updamp.report.section import Content, Report, Section
+from updamp.report.section import Content, Report, ReportSection
 
 HEAD = ("Quantity", "Mode", "Force", "Measured", "Model", "Model against measured")
 
@@ -50,4 +50,4 @@ def _judgement(each: FeatureComparison) -> str:
     return "above the stated range" if each.model > each.upper else "within the stated range"
 
 
-SECTION = Section("features", "Stated features", render, "Features")
+SECTION = ReportSection("features", "Stated features", render, "Features")

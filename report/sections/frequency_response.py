@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from updamp.comparison.comparison import Comparison, CurvePair, MeasuredCurve, ModelCurve
 from updamp.report.markup import figure
 from updamp.report.phases import CurvePhases, phases_of
-from updamp.report.section import Content, Report, Section
+from updamp.report.section import Content, Report, ReportSection
 
 Floats = NDArray[np.float64]
 MM = 1e3  # m/N to mm/N
@@ -81,4 +81,4 @@ def _polar(curve: MeasuredCurve | ModelCurve, phase: Floats) -> dict[str, Any]:
     return {"f": curve.frequency, "a": MM * np.abs(curve.receptance), "p": phase}
 
 
-SECTION = Section("response", "Frequency response", render, "Response")
+SECTION = ReportSection("response", "Frequency response", render, "Response")

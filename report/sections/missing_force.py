@@ -7,7 +7,7 @@ import numpy as np
 
 from updamp.diagnosis.verdict import MissingForce
 from updamp.report.markup import LEVELS, figure, level_name
-from updamp.report.section import Content, Report, Section
+from updamp.report.section import Content, Report, ReportSection
 
 TEXT = """<p>The measured motion put into the model leaves a force over. Here it is per displacement and per velocity:
 constant stiffness is a spring, one that grows with the square of amplitude a cubic spring; constant damping is viscous,
@@ -63,4 +63,4 @@ def _layout() -> dict[str, Any]:
     return layout
 
 
-SECTION = Section("missing-force", "The missing force", render, "Missing force")
+SECTION = ReportSection("missing-force", "The missing force", render, "Missing force")

@@ -5,7 +5,7 @@ from html import escape
 
 from updamp.diagnosis.verdict import NextMeasurement
 from updamp.report.markup import MISSING, number, table
-from updamp.report.section import Content, Report, Section
+from updamp.report.section import Content, Report, ReportSection
 
 TEXT = """<p>Separation: how far the remaining explanations lie apart in what this measurement would show, in standard
 deviations of the scatter. Most separation per hour of testing first.</p>"""
@@ -24,4 +24,4 @@ def _row(each: NextMeasurement) -> tuple[str, ...]:
     return escape(each.sentence), names, number(each.separation, 3), number(each.hours, 2), number(rate, 3)
 
 
-SECTION = Section("next", "Next measurement", render, "Next")
+SECTION = ReportSection("next", "Next measurement", render, "Next")

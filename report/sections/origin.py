@@ -3,7 +3,7 @@
 from html import escape
 
 from updamp.report.markup import table
-from updamp.report.section import Content, Report, Section
+from updamp.report.section import Content, Report, ReportSection
 
 
 def assumptions(report: Report) -> Content | None:
@@ -17,5 +17,5 @@ def provenance(report: Report) -> Content | None:
     return Content(table(("What", "From"), rows, numbers_from=2)) if rows else None
 
 
-ASSUMPTIONS = Section("assumptions", "Assumptions", assumptions)
-PROVENANCE = Section("provenance", "Provenance", provenance)
+ASSUMPTIONS = ReportSection("assumptions", "Assumptions", assumptions)
+PROVENANCE = ReportSection("provenance", "Provenance", provenance)

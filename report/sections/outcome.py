@@ -5,7 +5,7 @@ from html import escape
 
 from updamp.comparison.comparison import Comparison, Finding
 from updamp.report.markup import level_name, level_word, number
-from updamp.report.section import Content, Report, Section
+from updamp.report.section import Content, Report, ReportSection
 
 FEW = 5  # findings that are not folded away
 
@@ -78,4 +78,4 @@ def _cards(comparison: Comparison) -> str:
     return f'<dl class="cards">{inside}</dl>'
 
 
-SECTION = Section("outcome", "Calibrated model against the measurement", render, "Comparison")
+SECTION = ReportSection("outcome", "Calibrated model against the measurement", render, "Comparison")

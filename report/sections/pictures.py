@@ -3,7 +3,7 @@
 from base64 import b64encode
 from html import escape
 
-from updamp.report.section import Content, Report, Section
+from updamp.report.section import Content, Report, ReportSection
 
 PNG = b"\x89PNG\r\n\x1a\n"
 
@@ -21,4 +21,4 @@ def render(report: Report) -> Content | None:
     return Content(f'<div class="pictures">{html}</div>') if html else None
 
 
-SECTION = Section("pictures", "Pictures", render)
+SECTION = ReportSection("pictures", "Pictures", render)

@@ -5,7 +5,7 @@ from html import escape
 
 from updamp.diagnosis.verdict import Candidate, FittedParameter
 from updamp.report.markup import BLUE, MISSING, SKY, bar, figure, number, percent, table, with_unit
-from updamp.report.section import Content, Report, Section
+from updamp.report.section import Content, Report, ReportSection
 
 TEXT = """<p>Score: how far the effect stands out of the scatter, in standard deviations. Visibility: the share of its
 signature that calibration cannot imitate; below 0.2 these data cannot show it. Predicted: by the score test; obtained:
@@ -79,4 +79,4 @@ def _gains(candidates: tuple[Candidate, ...]) -> dict[str, object]:
     return {"data": traces, "layout": layout}
 
 
-SECTION = Section("effects", "Candidate effects", render, "Candidates")
+SECTION = ReportSection("effects", "Candidate effects", render, "Candidates")

@@ -7,7 +7,7 @@ import numpy as np
 
 from updamp.comparison.comparison import Comparison
 from updamp.report.markup import figure, level_word
-from updamp.report.section import Content, Report, Section
+from updamp.report.section import Content, Report, ReportSection
 
 INTRODUCTION = """<p>Positive: measured above the model, or ahead of it in phase. Shown for the mode, channel and sweep
 chosen above, {level}s in colours; the grey strip holds 95 % of the points of an adequate model.</p>"""
@@ -51,4 +51,4 @@ def _points(comparison: Comparison) -> list[dict[str, Any]]:
     return points
 
 
-SECTION = Section("amplitude", "Residual against amplitude", render, "Amplitude")
+SECTION = ReportSection("amplitude", "Residual against amplitude", render, "Amplitude")

@@ -9,7 +9,7 @@ import numpy as np
 
 from updamp.comparison.comparison import PointResidual
 from updamp.report.markup import RESIDUAL_SCALE, figure, level_name
-from updamp.report.section import Content, Report, Section
+from updamp.report.section import Content, Report, ReportSection
 
 COLUMNS = 20  # of frequency; each as wide as it takes to hold as many points as the others
 WORST = 6
@@ -87,4 +87,4 @@ def _rms(values: Sequence[float]) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-SECTION = Section("misfit", "Where the model fails", render, "Misfit")
+SECTION = ReportSection("misfit", "Where the model fails", render, "Misfit")

@@ -4,7 +4,7 @@ from html import escape
 
 from updamp.comparison.fit.scatter import NOISE
 from updamp.report.markup import TIMES, bar, number, table
-from updamp.report.section import Content, Report, Section
+from updamp.report.section import Content, Report, ReportSection
 
 TEXT = """<p>Standard deviations of what changes between repeats, relative to the value itself. They set the scatter
 that every misfit in this report is measured in.</p>"""
@@ -25,4 +25,4 @@ def _row(name: str, value: float, share: float) -> tuple[str, str, str]:
     return escape(name), f"{number(100 * value, 2)} %", bar(share)
 
 
-SECTION = Section("scatter", "Scatter between repeats", render, "Scatter")
+SECTION = ReportSection("scatter", "Scatter between repeats", render, "Scatter")

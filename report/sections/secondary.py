@@ -4,7 +4,7 @@ from html import escape
 
 from updamp.comparison.comparison import CurvePair
 from updamp.report.markup import level_name, number, table
-from updamp.report.section import Content, Report, Section
+from updamp.report.section import Content, Report, ReportSection
 
 TEXT = """<p>After calibration; 1 is perfect. FRAC: frequency response assurance criterion; CSAC and CSF: cross
 signature assurance criterion and scale factor. They weigh large amplitudes most and know nothing of scatter, so no
@@ -27,4 +27,4 @@ def _row(curve: CurvePair, unit: str) -> tuple[str, ...]:
     return *words, level_name(curve.level, unit), *numbers
 
 
-SECTION = Section("secondary", "Secondary numbers", render, "FRAC, CSAC, CSF")
+SECTION = ReportSection("secondary", "Secondary numbers", render, "FRAC, CSAC, CSF")

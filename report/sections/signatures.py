@@ -1,7 +1,7 @@
 """What each effect would do to the data, over the residual that is to be explained."""
 
 from updamp.report.markup import figure
-from updamp.report.section import Content, Report, Section
+from updamp.report.section import Content, Report, ReportSection
 
 TEXT = """<p>Points: residual of the calibrated model. Line: what the effect would change, calibration taken out and
 scaled to fit. The missing effect is the one whose line follows the points, over all force levels and both modes.</p>
@@ -30,4 +30,4 @@ def render(report: Report) -> Content | None:
     return Content(TEXT + plot, data={"signatures": rows}, scripts=("selection.js", "signatures.js"))
 
 
-SECTION = Section("signatures", "Signatures against the residual", render, "Signatures")
+SECTION = ReportSection("signatures", "Signatures against the residual", render, "Signatures")

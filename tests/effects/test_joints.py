@@ -10,7 +10,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch, trace_branch
-from updamp.comparison.prediction.run_condition import Condition, HeldResponse
+from updamp.comparison.prediction.run_condition import HeldResponse, RunCondition
 from updamp.effects.catalogue import CATALOGUE, JOINTS
 from updamp.effects.rig_model import RigModel
 from updamp.model.build import modal_model
@@ -19,7 +19,7 @@ from updamp.model.rig_files import load_modal
 
 NAMES = ("joint_viscous", "joint_viscoelastic", "joint_cubic", "joint_quadratic", "joint_microslip")
 POINT = "beam.drive.x"
-FORCED = Condition("forced", "first", 0.2, True, (79.0, 81.5), ((POINT, 1),))
+FORCED = RunCondition("forced", "first", 0.2, True, (79.0, 81.5), ((POINT, 1),))
 LEVEL = 40.0  # m/s^2
 HELD = replace(FORCED, name="held", control=HeldResponse(POINT, LEVEL, 2))
 MASS, ETA = 2.0, 0.0031  # of rigs/brake_reuss.toml
@@ -30,7 +30,7 @@ def beam() -> RigModel:
     return modal_model(load_modal(Path(__file__).parents[2] / "rigs" / "brake_reuss.toml"))
 
 
-def branch(beam: RigModel, name: str, share: float, condition: Condition) -> PredictedBranch:
+def branch(beam: RigModel, name: str, share: float, condition: RunCondition) -> PredictedBranch:
     """share: of all the effect's parameters, from null to typical"""
     p = Parametrisation(beam, nuisances(beam), (JOINTS[name],))
     u = np.zeros(len(p))
@@ -61,7 +61,7 @@ def test_names_and_parameters() -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("condition", [FORCED, HELD], ids=["forced", "held"])
-def test_at_null_it_is_the_linear_mode(beam: RigModel, name: str, condition: Condition) -> None:
+def test_at_null_it_is_the_linear_mode(beam: RigModel, name: str, condition: RunCondition) -> None:
     found = branch(beam, name, 0.0, condition)
     w, w0 = 2 * np.pi * found.frequency, 2 * np.pi * 80.38
     expected = condition.force / MASS / (w0**2 * (1 + 1j * ETA) - w**2)

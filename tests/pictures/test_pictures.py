@@ -57,7 +57,7 @@ def bending(component, sign):
 def test_mode_shapes_in_a_panel_and_in_motion(tmp_path, rig_mesh):
     left = mirrored(rig_mesh.blade)
     parts = tuple((body, bending(body, sign)) for body, sign in ((rig_mesh.blade, 1), (left, 1), (rig_mesh.damper, 0)))
-    shape = modes.Shape("IP: 424.0 Hz", parts)
+    shape = modes.ModeShape("IP: 424.0 Hz", parts)
     modes.panel(tmp_path / "modes.png", [shape] * 4)
     assert share(pixels(tmp_path / "modes.png"), "#FFFFFF") < 0.95
     modes.animation(tmp_path / "mode.gif", shape)

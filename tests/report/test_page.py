@@ -18,7 +18,7 @@ from updamp.comparison.comparison import Comparison
 from updamp.report.markup import MINUS, MISSING, TIMES, level_name, number, percent, with_unit
 from updamp.report.page import build_page, write_report
 from updamp.report.registry import SECTIONS
-from updamp.report.section import Content, Report, Section
+from updamp.report.section import Content, Report, ReportSection
 from updamp.report.sections.outcome import SECTION as OUTCOME
 
 PNG = b"\x89PNG\r\n\x1a\n" + bytes(40)
@@ -203,7 +203,9 @@ def test_picture_that_is_no_png_is_named(comparison: Comparison, tmp_path: Path)
 
 
 def test_new_section_needs_no_more_than_itself(comparison: Comparison) -> None:
-    mine = Section("mine", "My section", lambda report: Content(f"<p>{report.comparison.values}</p>", data={"x": 1}))
+    mine = ReportSection(
+        "mine", "My section", lambda report: Content(f"<p>{report.comparison.values}</p>", data={"x": 1})
+    )
     page = build_page(Report(comparison), (*SECTIONS, mine))
     assert f"<p>{comparison.values}</p>" in page
     assert data_of(page)["sections"]["mine"] == {"x": 1}

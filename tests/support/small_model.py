@@ -6,7 +6,7 @@ import numpy as np
 from updamp.comparison.fit.observations import Observations, Plan
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import trace_branch
-from updamp.comparison.prediction.run_condition import Condition
+from updamp.comparison.prediction.run_condition import RunCondition
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.contact.jenkins_box import JenkinsBox
@@ -39,14 +39,14 @@ def parametrisation() -> Parametrisation:
     return Parametrisation(small_model(), NUISANCES)
 
 
-def condition(force: float, upwards: bool = True, window: tuple[float, float] = (40.0, 50.0)) -> Condition:
-    return Condition(f"{force:g} N", "first", force, upwards, window, SENSORS)
+def condition(force: float, upwards: bool = True, window: tuple[float, float] = (40.0, 50.0)) -> RunCondition:
+    return RunCondition(f"{force:g} N", "first", force, upwards, window, SENSORS)
 
 
 def synthetic_plan(
     truth: Parametrisation,
     u: np.ndarray,
-    conditions: tuple[Condition, ...],
+    conditions: tuple[RunCondition, ...],
     scatter: np.ndarray,
     seed: int,
     noise: float = 0.005,

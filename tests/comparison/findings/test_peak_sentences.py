@@ -7,13 +7,15 @@ from updamp.comparison.findings.findings import AMPLITUDE, DAMPING, FREQUENCY, S
 from updamp.comparison.findings.peak_misfit import PeakMisfit
 from updamp.comparison.findings.peak_sentences import peak_findings
 from updamp.comparison.fit.observations import Plan
-from updamp.comparison.prediction.run_condition import Condition
+from updamp.comparison.prediction.run_condition import RunCondition
 
 TIPS = (("left.x", 1), ("right.x", 1))
 NAMES = {"left.x": "tip_left", "right.x": "tip_right"}
 LEVELS = {"IP": (2.0, 5.0, 8.0), "OOP": (4.0, 32.0)}
 PLAN = Plan(
-    tuple(Condition(f"{m} {f:g} N", m, f, True, (400.0, 410.0), TIPS) for m, levels in LEVELS.items() for f in levels),
+    tuple(
+        RunCondition(f"{m} {f:g} N", m, f, True, (400.0, 410.0), TIPS) for m, levels in LEVELS.items() for f in levels
+    ),
     (),
 )
 HALF_WIDTH = 0.002

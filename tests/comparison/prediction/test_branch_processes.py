@@ -15,7 +15,7 @@ from support.odd_tasks import Killed
 
 from updamp.comparison.prediction.branch_tasks import BranchTask, InTurn, PredictionError, by_processes, in_turn
 from updamp.comparison.prediction.parameters import Parametrisation
-from updamp.comparison.prediction.run_condition import Condition
+from updamp.comparison.prediction.run_condition import RunCondition
 from updamp.effects.catalogue import JOINTS
 from updamp.hbm.continuation.continuation import BranchStoppedError
 from updamp.hbm.newton.newton import Status
@@ -33,7 +33,7 @@ def tasks():
     """One mode with a softening spring, which compiles fast."""
     beam = modal_model(load_modal(TESTS.parent / "rigs" / "brake_reuss.toml"))
     p, sensors = Parametrisation(beam, nuisances(beam), (JOINTS["joint_cubic"],)), (("beam.drive.x", 1),)
-    return [BranchTask(p, START, Condition(f"{f:g} N", "first", f, False, (76.5, 81.5), sensors)) for f in FORCES]
+    return [BranchTask(p, START, RunCondition(f"{f:g} N", "first", f, False, (76.5, 81.5), sensors)) for f in FORCES]
 
 
 @pytest.fixture(scope="module")

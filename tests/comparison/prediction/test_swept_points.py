@@ -11,7 +11,7 @@ from updamp.comparison.prediction.model_at import ModelAt
 from updamp.comparison.prediction.moved_branch import move_branch
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch, observe, observe_swept, trace_branch
-from updamp.comparison.prediction.run_condition import Condition
+from updamp.comparison.prediction.run_condition import RunCondition
 from updamp.comparison.prediction.swept_points import OtherEnd, swept_points
 from updamp.effects.catalogue import JOINTS
 from updamp.hbm.continuation.continuation import BranchStoppedError, continue_branch
@@ -22,7 +22,7 @@ from updamp.model.rig_files import load_modal
 
 POINT = "beam.drive.x"
 # A softening spring bends the resonance by 20 half-widths.
-DOWN = Condition("down", "first", 1.2, False, (76.5, 81.5), ((POINT, 1),))
+DOWN = RunCondition("down", "first", 1.2, False, (76.5, 81.5), ((POINT, 1),))
 SOFTENING = -1.0  # of the typical coefficient
 
 
@@ -36,7 +36,7 @@ def at(p: Parametrisation, stiffer: float = 0.0) -> np.ndarray:
     return np.array([stiffer, *np.zeros(len(p) - 2), SOFTENING])
 
 
-def whole(p: Parametrisation, u: np.ndarray, condition: Condition) -> PredictedBranch:
+def whole(p: Parametrisation, u: np.ndarray, condition: RunCondition) -> PredictedBranch:
     there = ModelAt(p, u)
     force = there.model.excited_by(condition.force)
     points = list(continue_branch(there.model.system, force, condition.wider, upwards=condition.upwards))

@@ -17,7 +17,7 @@ from updamp.diagnosis.decision.decide import Decision
 from updamp.diagnosis.evidence import Evidence, Trial
 from updamp.diagnosis.next_measurement.candidate_runs import candidate_runs
 from updamp.diagnosis.next_measurement.next_measurement import NOTHING, _worth_recording, next_measurements, rivals
-from updamp.diagnosis.next_measurement.separation import Prediction, distance, separation
+from updamp.diagnosis.next_measurement.separation import PredictedRun, distance, separation
 from updamp.diagnosis.verdict import NextMeasurement
 from updamp.effects.effect import Effect, EffectParameter
 from updamp.effects.rig_model import PointElement
@@ -125,7 +125,7 @@ def _adjusted(f, plan):
 def _prediction(f, force):
     branch = trace_branch(f.parametrisation, f.u, condition(force, window=(37.5, 52.5)), FINE)
     noise = {"a.x": 0.005, "b.x": 0.005, "": 0.005}
-    return Prediction(branch, f.covariance, tuple(n.name for n in NUISANCES), f.compared.scatter, noise)
+    return PredictedRun(branch, f.covariance, tuple(n.name for n in NUISANCES), f.compared.scatter, noise)
 
 
 def test_an_explanation_does_not_lie_apart_from_itself(explanations):

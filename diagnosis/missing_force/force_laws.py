@@ -23,7 +23,7 @@ STIFFNESS, DAMPING, LEVELS = "stiffness", "damping", "levels"
 
 
 @dataclass(frozen=True)
-class Law:
+class PowerLaw:
     """A power of the amplitude, or none. free: whether the power was chosen by the data, which costs a parameter"""
 
     name: str
@@ -35,15 +35,15 @@ class Law:
         return 0 if self.power is None else 1 + self.free
 
 
-NOTHING = Law("nothing", None)
-CONSTANT, CUBIC = Law("constant", 0.0), Law("cubic", 2.0)
-VISCOUS, QUADRATIC, COULOMB = Law("viscous", 0.0), Law("quadratic", 1.0), Law("Coulomb", -1.0)
-_FALLING = tuple(Law("falling", p, free=True) for p in (-1.5, -0.75, -0.5, -0.25))
-_RISING = tuple(Law("rising", p, free=True) for p in (0.25, 0.5, 0.75, 1.5))
+NOTHING = PowerLaw("nothing", None)
+CONSTANT, CUBIC = PowerLaw("constant", 0.0), PowerLaw("cubic", 2.0)
+VISCOUS, QUADRATIC, COULOMB = PowerLaw("viscous", 0.0), PowerLaw("quadratic", 1.0), PowerLaw("Coulomb", -1.0)
+_FALLING = tuple(PowerLaw("falling", p, free=True) for p in (-1.5, -0.75, -0.5, -0.25))
+_RISING = tuple(PowerLaw("rising", p, free=True) for p in (0.25, 0.5, 0.75, 1.5))
 OF_STIFFNESS = (
-    NOTHING, CONSTANT, CUBIC, *_FALLING, Law("falling", -1.0, True), *_RISING, Law("rising", 1.0, True)
+    NOTHING, CONSTANT, CUBIC, *_FALLING, PowerLaw("falling", -1.0, True), *_RISING, PowerLaw("rising", 1.0, True)
 )  # fmt: skip
-OF_DAMPING = (NOTHING, VISCOUS, QUADRATIC, COULOMB, *_FALLING, *_RISING, Law("rising", 2.0, True))
+OF_DAMPING = (NOTHING, VISCOUS, QUADRATIC, COULOMB, *_FALLING, *_RISING, PowerLaw("rising", 2.0, True))
 POWERS = {
     STIFFNESS: tuple(law.power for law in OF_STIFFNESS if law.power is not None),
     DAMPING: tuple(law.power for law in OF_DAMPING if law.power is not None),
@@ -60,11 +60,11 @@ class Column:
 
 
 @dataclass(frozen=True)
-class Choice:
+class LawPair:
     """Laws of one mode's missing force."""
 
-    stiffness: Law = NOTHING
-    damping: Law = NOTHING
+    stiffness: PowerLaw = NOTHING
+    damping: PowerLaw = NOTHING
 
     @property
     def cost(self) -> int:
@@ -76,22 +76,24 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class Term:
-    """A law with its size and standard deviation at the mode's largest amplitude; rivals: laws that BIC does not tell
-    from it"""
+class FittedLaw:
+    """A law with its size and standard deviation at the mode's largest amplitude
 
-    law: Law
+    alternatives: laws that BIC does not tell from it
+    """
+
+    law: PowerLaw
     size: float
     deviation: float
-    rivals: tuple[Law, ...]
+    alternatives: tuple[PowerLaw, ...]
 
 
 @dataclass(frozen=True)
-class Shape:
+class ForceLaw:
     """simple: False where pieces of amplitude taken one by one fit decisively better than any law"""
 
-    stiffness: Term
-    damping: Term
+    stiffness: FittedLaw
+    damping: FittedLaw
     simple: bool
 
 
@@ -127,11 +129,11 @@ class Squares:
         # where not even free pieces bring chi2 down to the noise, the noise is what they leave (R. T. Birge, 1932)
         self.noise = max(1.0, self._solve(pieces)[2] / left)
 
-    def bic(self, choices: Mapping[str, Choice]) -> float:
+    def bic(self, choices: Mapping[str, LawPair]) -> float:
         columns = [column for mode, choice in choices.items() for column in choice.columns(mode)]
         return self._solve(columns)[2] / self.noise + sum(c.cost for c in choices.values()) * np.log(self.values)
 
-    def bic_in_pieces(self, choices: Mapping[str, Choice], mode: str) -> float:
+    def bic_in_pieces(self, choices: Mapping[str, LawPair], mode: str) -> float:
         """Like `bic`, with one mode's force free in every piece of amplitude."""
         rest = {name: choice for name, choice in choices.items() if name != mode}
         columns = [column for name, choice in rest.items() for column in choice.columns(name)]
@@ -139,7 +141,7 @@ class Squares:
         cost = len(self._place[pieces]) + sum(c.cost for c in rest.values())
         return self._solve([*columns, pieces])[2] / self.noise + cost * np.log(self.values)
 
-    def sizes(self, choices: Mapping[str, Choice]) -> dict[Column, tuple[float, float]]:
+    def sizes(self, choices: Mapping[str, LawPair]) -> dict[Column, tuple[float, float]]:
         """Value and standard deviation of every column chosen."""
         columns = [column for mode, choice in choices.items() for column in choice.columns(mode)]
         value, covariance, _ = self._solve(columns)
@@ -157,40 +159,41 @@ class Squares:
         return solution[self._p :] / scale, covariance, chi2
 
 
-def shapes(squares: Squares, modes: Sequence[str]) -> dict[str, Shape]:
+def force_laws(squares: Squares, modes: Sequence[str]) -> dict[str, ForceLaw]:
     """Of every mode's missing force; a law is only claimed where leaving it out costs decisively."""
-    choices = {mode: Choice() for mode in modes}
+    choices = {mode: LawPair() for mode in modes}
     for _ in range(_SWEEPS):
         before = dict(choices)
         for mode in modes:
-            tried = [Choice(k, c) for k, c in product(OF_STIFFNESS, OF_DAMPING)]
+            tried = [LawPair(k, c) for k, c in product(OF_STIFFNESS, OF_DAMPING)]
             best = min(tried, key=lambda choice: squares.bic({**choices, mode: choice}))
             choices[mode] = _claimed(squares, choices, mode, best)
         if choices == before:
             break
     sizes = squares.sizes(choices)
-    return {mode: _shape(squares, choices, mode, sizes) for mode in modes}
+    return {mode: _force_law(squares, choices, mode, sizes) for mode in modes}
 
 
-def _claimed(squares: Squares, choices: Mapping[str, Choice], mode: str, best: Choice) -> Choice:
+def _claimed(squares: Squares, choices: Mapping[str, LawPair], mode: str, best: LawPair) -> LawPair:
     """Without laws that hardly pay."""
     bic = {
-        c: squares.bic({**choices, mode: c}) for c in (Choice(), Choice(best.stiffness), Choice(NOTHING, best.damping))
+        c: squares.bic({**choices, mode: c})
+        for c in (LawPair(), LawPair(best.stiffness), LawPair(NOTHING, best.damping))
     }
     enough = squares.bic({**choices, mode: best}) + DECISIVE
-    if bic[Choice()] < enough:
-        return Choice()
+    if bic[LawPair()] < enough:
+        return LawPair()
     simplest = min(bic, key=lambda choice: bic[choice])
     return simplest if bic[simplest] < enough else best
 
 
-def _shape(
-    squares: Squares, choices: Mapping[str, Choice], mode: str, sizes: Mapping[Column, tuple[float, float]]
-) -> Shape:
+def _force_law(
+    squares: Squares, choices: Mapping[str, LawPair], mode: str, sizes: Mapping[Column, tuple[float, float]]
+) -> ForceLaw:
     choice = choices[mode]
     bic = squares.bic(choices)
 
-    def rivals(laws: Sequence[Law], others: Sequence[Choice], own: Law) -> tuple[Law, ...]:
+    def alternatives(laws: Sequence[PowerLaw], others: Sequence[LawPair], own: PowerLaw) -> tuple[PowerLaw, ...]:
         if own is NOTHING:
             return ()
         close = [
@@ -200,9 +203,9 @@ def _shape(
         ]
         return tuple({law.name: law for law in close}.values())
 
-    of_stiffness = rivals(OF_STIFFNESS, [Choice(law, choice.damping) for law in OF_STIFFNESS], choice.stiffness)
-    of_damping = rivals(OF_DAMPING, [Choice(choice.stiffness, law) for law in OF_DAMPING], choice.damping)
-    return Shape(
+    of_stiffness = alternatives(OF_STIFFNESS, [LawPair(law, choice.damping) for law in OF_STIFFNESS], choice.stiffness)
+    of_damping = alternatives(OF_DAMPING, [LawPair(choice.stiffness, law) for law in OF_DAMPING], choice.damping)
+    return ForceLaw(
         _term(choice.stiffness, mode, STIFFNESS, sizes, of_stiffness),
         _term(choice.damping, mode, DAMPING, sizes, of_damping),
         squares.bic_in_pieces(choices, mode) > bic - DECISIVE,
@@ -210,7 +213,11 @@ def _shape(
 
 
 def _term(
-    law: Law, mode: str, quantity: str, sizes: Mapping[Column, tuple[float, float]], rivals: tuple[Law, ...]
-) -> Term:
+    law: PowerLaw,
+    mode: str,
+    quantity: str,
+    sizes: Mapping[Column, tuple[float, float]],
+    alternatives: tuple[PowerLaw, ...],
+) -> FittedLaw:
     size, deviation = (0.0, 0.0) if law.power is None else sizes[Column(mode, quantity, law.power)]
-    return Term(law, size, deviation, rivals)
+    return FittedLaw(law, size, deviation, alternatives)

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from updamp.diagnosis.missing_force.force_reading import Place, reading
-from updamp.diagnosis.missing_force.force_shapes import DAMPING, LEVELS, POWERS, STIFFNESS, Column, Squares, shapes
+from updamp.diagnosis.missing_force.force_laws import DAMPING, LEVELS, POWERS, STIFFNESS, Column, Squares, force_laws
+from updamp.diagnosis.missing_force.force_reading import ReferenceMotion, reading
 
 AMPLITUDE = np.geomspace(0.05, 1.0, 60)
-PLACE = Place("tip.x", 1e-3, 2 * np.pi * 400)
+PLACE = ReferenceMotion("tip.x", 1e-3, 2 * np.pi * 400)
 
 
 def squares(stiffness, damping, calibration=None, seed=0):
@@ -44,24 +44,24 @@ def squares(stiffness, damping, calibration=None, seed=0):
 )
 def test_the_law_is_told(stiffness, damping, names):
     for seed in range(5):
-        shape = shapes(squares(stiffness + 0 * AMPLITUDE, damping + 0 * AMPLITUDE, seed=seed), ("A",))["A"]
+        shape = force_laws(squares(stiffness + 0 * AMPLITUDE, damping + 0 * AMPLITUDE, seed=seed), ("A",))["A"]
         assert (shape.stiffness.law.name, shape.damping.law.name) == names
         assert shape.simple
 
 
 def test_what_calibration_imitates_is_not_claimed():
     constant = np.concatenate([np.ones(60), np.zeros(60)])
-    shape = shapes(squares(30.0 + 0 * AMPLITUDE, 0 * AMPLITUDE, constant), ("A",))["A"]
+    shape = force_laws(squares(30.0 + 0 * AMPLITUDE, 0 * AMPLITUDE, constant), ("A",))["A"]
     assert shape.stiffness.law.name == "nothing"
     # the square of amplitude is told even where calibration has taken its mean
-    shape = shapes(squares(60.0 * (AMPLITUDE**2 - 0.3), 0 * AMPLITUDE, constant), ("A",))["A"]
+    shape = force_laws(squares(60.0 * (AMPLITUDE**2 - 0.3), 0 * AMPLITUDE, constant), ("A",))["A"]
     assert shape.stiffness.law.name == "cubic"
     assert shape.stiffness.size == pytest.approx(60.0, abs=4 * shape.stiffness.deviation)
 
 
 def test_laws_that_the_data_cannot_tell_apart_are_said():
     # seven deviations in all
-    weak = shapes(squares(0 * AMPLITUDE, 0.9 + 0 * AMPLITUDE), ("A",))["A"]
+    weak = force_laws(squares(0 * AMPLITUDE, 0.9 + 0 * AMPLITUDE), ("A",))["A"]
     assert weak.damping.law.name != "nothing"
     assert "viscous" in {weak.damping.law.name, *(law.name for law in weak.damping.rivals)}
     assert weak.damping.rivals
@@ -70,12 +70,12 @@ def test_laws_that_the_data_cannot_tell_apart_are_said():
 
 def test_no_simple_law():
     steps = np.where((AMPLITUDE[19] < AMPLITUDE) & (AMPLITUDE[40] > AMPLITUDE), 60.0, -60.0)
-    shape = shapes(squares(steps, 0 * AMPLITUDE), ("A",))["A"]
+    shape = force_laws(squares(steps, 0 * AMPLITUDE), ("A",))["A"]
     assert not shape.simple
     assert "departs from it" in reading(shape, PLACE) or "no simple law" in reading(shape, PLACE)
 
 
 def test_microslip_is_named():
-    shape = shapes(squares(-60.0 * AMPLITUDE**0.5, 60.0 * AMPLITUDE**0.5), ("A",))["A"]
+    shape = force_laws(squares(-60.0 * AMPLITUDE**0.5, 60.0 * AMPLITUDE**0.5), ("A",))["A"]
     assert "micro-slip" in reading(shape, PLACE)
     assert DAMPING in reading(shape, PLACE)
