@@ -59,12 +59,12 @@ def test_what_calibration_imitates_is_not_claimed():
     assert shape.stiffness.size == pytest.approx(60.0, abs=4 * shape.stiffness.deviation)
 
 
-def test_laws_that_the_data_cannot_tell_apart_are_said():
+def test_laws_that_the_data_cannot_tell_apart_are_named():
     # seven deviations in all
     weak = force_laws(squares(0 * AMPLITUDE, 0.9 + 0 * AMPLITUDE), ("A",))["A"]
     assert weak.damping.law.name != "nothing"
-    assert "viscous" in {weak.damping.law.name, *(law.name for law in weak.damping.rivals)}
-    assert weak.damping.rivals
+    assert "viscous" in {weak.damping.law.name, *(law.name for law in weak.damping.alternatives)}
+    assert weak.damping.alternatives
     assert "could not tell it from" in reading(weak, PLACE)
 
 
