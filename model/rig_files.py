@@ -40,17 +40,17 @@ def load_rig(path: str | Path, overrides: Mapping[str, Any] | None = None) -> Ri
     return read_rig(Path(path), READERS, overrides)
 
 
-def load_modal(path: str | Path) -> ModalRig:
-    """Read and check a modal rig file (TOML).
+def load_modal(path: str | Path, overrides: Mapping[str, Any] | None = None) -> ModalRig:
+    """Read and check a modal rig file (TOML); overrides as for `load_rig`.
 
     raises: RigError with every problem found, one a line
     """
-    return read_section(Path(path), ModalRig, READERS, "a modal rig file, such as rigs/brake_reuss.toml")
+    return read_section(Path(path), ModalRig, READERS, "a modal rig file, such as rigs/brake_reuss.toml", overrides)
 
 
-def load_any(path: str | Path) -> Rig | ModalRig:
-    """Of either kind; raises: RigError"""
-    return load_modal(path) if is_modal(path) else load_rig(path)
+def load_any(path: str | Path, overrides: Mapping[str, Any] | None = None) -> Rig | ModalRig:
+    """Of either kind; overrides as for `load_rig`; raises: RigError"""
+    return load_modal(path, overrides) if is_modal(path) else load_rig(path, overrides)
 
 
 def is_modal(path: str | Path) -> bool:

@@ -7,12 +7,10 @@ from pathlib import Path
 from typing import Any, Final
 
 import matplotlib as mpl
-from PIL import Image
-
-mpl.use("Agg")
-
 from matplotlib import colormaps
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from PIL import Image
 
 # Okabe and Ito (2008)
 BLUE, ORANGE, GREEN, VERMILLION, SKY, YELLOW = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#56B4E9", "#F0E442"
@@ -54,9 +52,33 @@ def figure(path: Path, width: float, height: float) -> Iterator[Figure]:
     with mpl.rc_context(_RC):
         drawing = Figure(figsize=(width, height))
         yield drawing
-        buffer = BytesIO()
-        drawing.savefig(buffer, dpi=DPI, format="png")
-        write_png(Image.open(buffer).convert("RGB"), path)
+        write_png(Image.open(BytesIO(_png(drawing))).convert("RGB"), path)
+
+
+class ShownFigure(Figure):
+    """A figure that a notebook shows by itself. Made without pyplot: the backend that the user has chosen stays."""
+
+    def _repr_png_(self) -> bytes:
+        return _png(self)
+
+
+@contextmanager
+def shown_figure(
+    width: float, height: float, rows: int, columns: int = 1, share: bool = False
+) -> Iterator[tuple[ShownFigure, list[Axes]]]:
+    """A figure of so many inches and its axes by rows, for what is inside to draw; to be shown, or saved (`savefig`).
+
+    share: whether all axes have one x
+    """
+    with mpl.rc_context(_RC):
+        drawing = ShownFigure(figsize=(width, height))
+        yield drawing, list(drawing.subplots(rows, columns, sharex=share, squeeze=False).ravel())
+
+
+def _png(drawing: Figure) -> bytes:
+    buffer = BytesIO()
+    drawing.savefig(buffer, dpi=DPI, format="png")
+    return buffer.getvalue()
 
 
 def write_png(picture: Image.Image, path: Path) -> None:

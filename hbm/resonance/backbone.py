@@ -133,12 +133,14 @@ def follow_resonance(
     start: a resonance near the first force, such as the peak of a response curve; default: `first_resonance`
 
     raises: ResonanceStoppedError where the step would fall below its floor or no beginning is found;
-    ValueError for fewer than two forces, or forces that do not all rise or fall
+    ValueError for no force, or forces that do not all rise or fall
     """
     options = options or ResonanceOptions()
     levels = [_level(force) for force in forces]
-    if len(levels) < 2 or not ((np.diff(levels) > 0).all() or (np.diff(levels) < 0).all()):
-        raise ValueError(f"forces = {list(forces)}: give two or more that rise, or fall, from the first to the last")
+    if not levels or not ((np.diff(levels) > 0).all() or (np.diff(levels) < 0).all()):
+        raise ValueError(
+            f"forces = {list(forces)}: give one, or several that rise, or fall, from the first to the last"
+        )
     if start is None:
         first = first_resonance(problem, condition, window, forces[0], options)
     else:
@@ -146,7 +148,8 @@ def follow_resonance(
         if not first.converged:
             raise ResonanceStoppedError(first, first.status)
     yield ResonancePoint(first, 0.0, False, True)
-    yield from _follow(problem, condition, first, levels[1:], _scale_w(window, options), options)
+    if levels[1:]:
+        yield from _follow(problem, condition, first, levels[1:], _scale_w(window, options), options)
 
 
 def _level(force: float) -> float:

@@ -179,7 +179,7 @@ def test_what_cannot_be_followed_says_where(blades):
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda p: list(follow_resonance(p, PhaseResonance(), WINDOW, (1.0,))), "two or more"),
+        (lambda p: list(follow_resonance(p, PhaseResonance(), WINDOW, ())), "give one, or several"),
         (lambda p: list(follow_resonance(p, PhaseResonance(), WINDOW, (1.0, 3.0, 2.0))), "rise, or fall"),
         (lambda p: first_resonance(p, PhaseResonance(), WINDOW, 0.0), "force = 0"),
         (lambda p: linear_peak(p, (1.0, 2.0), 0.0), "no stuck mode between 1 and 2 Hz"),

@@ -1,0 +1,1 @@
+"""Results that show themselves: a table in a notebook, a line in a terminal, a picture on call."""

@@ -1,0 +1,86 @@
+"""Figures for notebooks: receptance with its phase, resonance over force, model over measurement."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from updamp.comparison.comparison import CurvePair
+from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.hbm.resonance.resonance_curve import ResonanceCurve
+from updamp.pictures.style import BLUE, GREY, VERMILLION, ShownFigure, shades, shown_figure
+
+MM = 1e3  # m/N to mm/N
+_LEGEND = 10  # entries at most; more would cover the curves
+_TICKS = 10  # forces written below the axis, at most
+
+
+def receptance_figure(drawn: Sequence[tuple[ResponseCurve, str]]) -> ShownFigure:
+    """Amplitude and phase of the first harmonic over frequency. drawn: curves, each with the point to be drawn"""
+    with shown_figure(8.0, 5.6, rows=2, share=True) as (drawing, (amplitude, phase)):
+        for (curve, point), colour in zip(drawn, shades(len(drawn)), strict=True):
+            receptance = curve.receptance(point)
+            label = f"{curve.mode}, {curve.force:g} N, {point}"
+            amplitude.plot(curve.frequency, MM * np.abs(receptance), color=colour, label=label)
+            phase.plot(curve.frequency, _degrees(receptance), color=colour)
+            if curve.stopped and len(curve):
+                amplitude.plot(curve.frequency[-1], MM * abs(receptance[-1]), "x", color=colour, markersize=8)
+        amplitude.set_ylim(bottom=0)
+        amplitude.set_ylabel("receptance, first harmonic [mm/N]")
+        phase.set_ylabel("phase against the force [deg]")
+        phase.set_xlabel("frequency [Hz]")
+        phase.margins(x=0)
+        _legend(amplitude)
+    return drawing
+
+
+def _degrees(receptance: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """Without jumps by 360 degrees, beginning between -180 and 180."""
+    return np.asarray(np.degrees(np.unwrap(np.angle(receptance))))
+
+
+def resonance_figure(curve: ResonanceCurve) -> ShownFigure:
+    """Frequency and receptance at resonance over force; dots at the forces that were asked for."""
+    asked = curve.asked_for.astype(bool)  # of no type where no point was found
+    values = (curve.frequency, MM * np.abs(curve.receptance))
+    with shown_figure(8.0, 5.6, rows=2, share=True) as (drawing, axes):
+        for ax, value, label in zip(axes, values, ("resonance [Hz]", "receptance [mm/N]"), strict=True):
+            ax.plot(curve.force, value, color=BLUE)
+            ax.plot(curve.force[asked], value[asked], "o", color=BLUE, markersize=5)
+            ax.set_ylabel(label)
+            ax.ticklabel_format(axis="y", useOffset=False)
+        axes[0].set_title(f"{curve.mode} at {curve.point}")
+        axes[-1].set_xlabel("force [N]")
+        if len(forces := curve.force[asked]) > 1:
+            axes[-1].set_xscale("log")
+            axes[-1].set_xticks(forces[:: -(-len(forces) // _TICKS)])
+            axes[-1].set_xticks([], minor=True)
+            axes[-1].xaxis.set_major_formatter(lambda force, _: f"{force:g}")
+    return drawing
+
+
+def comparison_figure(pairs: Sequence[CurvePair]) -> ShownFigure:
+    """Size of the receptance in every run at every channel: measured, model as given, model calibrated."""
+    columns = min(len(pairs), 2)
+    rows = -(-len(pairs) // columns)
+    with shown_figure(5.0 * columns, 2.8 * rows, rows, columns) as (drawing, axes):
+        for ax, pair in zip(axes, pairs, strict=False):
+            for one in pair.measured:
+                ax.plot(one.frequency, MM * np.abs(one.receptance), ".", color=GREY, markersize=4)
+            for curve, colour in ((pair.before, VERMILLION), (pair.after, BLUE)):
+                ax.plot(curve.frequency, MM * np.abs(curve.receptance), color=colour, linewidth=1.2)
+            ax.set_title(f"{pair.run}, {pair.channel}")
+            ax.set_xlabel("frequency [Hz]")
+            ax.set_ylabel("receptance [mm/N]")
+        for ax in axes[len(pairs) :]:
+            ax.set_visible(False)
+        for mark, colour, label in ((".", GREY, "measured"), ("-", VERMILLION, "as given"), ("-", BLUE, "calibrated")):
+            axes[0].plot([], [], mark, color=colour, label=label)
+        _legend(axes[0])
+    return drawing
+
+
+def _legend(ax: Axes) -> None:
+    if len(ax.get_legend_handles_labels()[0]) <= _LEGEND:
+        ax.legend(fontsize="small")
