@@ -11,25 +11,18 @@ import os
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 # To be set before numpy is loaded: the products are small, and threads make them many times slower.
 for library in ("OMP", "OPENBLAS", "MKL"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 ROOT = Path(__file__).parents[1]
 
-import numpy as np  # noqa: E402
-from rich.console import Console  # noqa: E402
-
+from updamp.api import Verdict, add_effect, compare, diagnose, keep_compiled, load_rig  # noqa: E402
 from updamp.benchmarks.virtual_rig.bench import Hidden  # noqa: E402
 from updamp.benchmarks.virtual_rig.laboratory import hidden  # noqa: E402
 from updamp.benchmarks.virtual_rig.measurement import make_measurement  # noqa: E402
 from updamp.benchmarks.virtual_rig.plan import PlannedRun, TestPlan  # noqa: E402
-from updamp.diagnosis.verdict import Verdict  # noqa: E402
-from updamp.hbm.compilation_cache import keep_compiled  # noqa: E402
-from updamp.model.rig_files import load_rig  # noqa: E402
-from updamp.workflow.add import AddOptions, add  # noqa: E402
-from updamp.workflow.compare_run import CompareFiles, run_compare  # noqa: E402
-from updamp.workflow.diagnose_run import DiagnoseOptions, diagnose  # noqa: E402
 
 PRESET = "coarse"
 MESH = f"""
@@ -86,37 +79,29 @@ def measure(rig: Path, effect: Hidden, plan: TestPlan) -> tuple[Path, Path]:
     return folder / "measurement.toml", sealed
 
 
-def loop(folder: Path, effect: Hidden, plan: TestPlan, options: DiagnoseOptions, console: Console) -> Loop:
-    """All of it; where no effect is identified, none is added."""
+def loop(folder: Path, effect: Hidden, plan: TestPlan, quiet: bool = False, **search: Any) -> Loop:
+    """All of it; where no effect is identified, none is added. search: as `diagnose` takes it"""
     rig = write_rig(folder)
     measurement, sealed = measure(rig, effect, plan)
     out = folder / "model"  # one folder for all steps: the finite elements are computed once
-    before = error(CompareFiles(rig, measurement, out), console)
-    verdict = diagnose(CompareFiles(rig, measurement, out), PRESET, options, console)
-    better = add(rig, (), out, AddOptions(replace=True)).rig if verdict.effects else rig
-    after = error(CompareFiles(better, measurement, out), console)
+    _, before = compare(rig, measurement, out, PRESET, quiet=quiet).error
+    found = diagnose(rig, measurement, out, PRESET, quiet=quiet, **search)
+    better = add_effect(rig, out, replace=True).rig if found.effects else rig
+    _, after = compare(better, measurement, out, PRESET, quiet=quiet).error
     truth = {one["name"]: one["values"] for one in json.loads(sealed.read_text(encoding="utf-8"))["hidden"]}
-    found = {one.name: dict(one.values) for one in load_rig(better).effects}
-    return Loop(before, after, verdict, found, truth)
-
-
-def error(files: CompareFiles, console: Console) -> float:
-    """Weighted residual RMS after calibration."""
-    comparison, _ = run_compare(files, PRESET, 1, console)
-    return float(np.sqrt(comparison.chi2_after / comparison.values))
+    added = {one.name: dict(one.values) for one in load_rig(better).effects}
+    return Loop(before, after, found.verdict, added, truth)
 
 
 def main(folder: Path) -> None:
     keep_compiled()
-    console = Console()
-    effect, options = hidden("blade_mistuning", "strong"), DiagnoseOptions(held_out=HELD_OUT)
-    result = loop(folder, effect, PLAN, options, console)
-    console.print(f"verdict   {result.verdict.verdict}: {result.verdict.sentence}")
+    result = loop(folder, hidden("blade_mistuning", "strong"), PLAN, held_out=HELD_OUT)
     held_out = result.verdict.error
-    console.print(f"error     {result.before:.2f} -> {result.after:.2f} times the scatter, all data, each calibrated")
-    console.print(f"held out  {held_out.held_out_before:.2f} -> {held_out.held_out_after:.2f}, not seen by the fit")
-    console.print(f"found     {result.found}")
-    console.print(f"sealed    {result.truth}")
+    print(f"verdict   {result.verdict.verdict}: {result.verdict.sentence}")
+    print(f"error     {result.before:.2f} -> {result.after:.2f} times the scatter, all data, each calibrated")
+    print(f"held out  {held_out.held_out_before:.2f} -> {held_out.held_out_after:.2f}, not seen by the fit")
+    print(f"found     {result.found}")
+    print(f"sealed    {result.truth}")
 
 
 if __name__ == "__main__":

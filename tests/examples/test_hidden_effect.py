@@ -1,17 +1,14 @@
 """The example of the whole loop, in short: fewer runs and contacts, three effects to choose from."""
 
 import importlib.util
-import io
 from pathlib import Path
 from types import ModuleType
 
 import pytest
-from rich.console import Console
 
-from updamp.diagnosis.criteria import Criteria
+from updamp.api import Criteria
 from updamp.effects.catalogue import CATALOGUE
 from updamp.workflow import diagnose_run as diagnose
-from updamp.workflow.diagnose_run import DiagnoseOptions
 from updamp.workflow.history import read_history
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "hidden_effect.py"
@@ -37,8 +34,7 @@ def example(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
 def test_the_sealed_effect_is_found_and_added(example: ModuleType, tmp_path: Path) -> None:
     runs = tuple(example.PlannedRun(mode, force) for mode, force in (("IP", 2.0), ("OOP", 4.0)))
     plan, sealed = example.TestPlan(runs, 2, 16), example.hidden("blade_mistuning", "strong")
-    options = DiagnoseOptions(report=False, criteria=Criteria(short=2, full=1))
-    result = example.loop(tmp_path, sealed, plan, options, Console(file=io.StringIO()))
+    result = example.loop(tmp_path, sealed, plan, quiet=True, report=False, criteria=Criteria(short=2, full=1))
     assert (result.verdict.verdict, result.verdict.effects) == ("identified", ("blade_mistuning",))
     assert result.truth == {"blade_mistuning": dict(sealed.values)}
     assert result.found["blade_mistuning"]["difference"] == pytest.approx(0.015, rel=0.1)
