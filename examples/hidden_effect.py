@@ -18,7 +18,7 @@ for library in ("OMP", "OPENBLAS", "MKL"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 ROOT = Path(__file__).parents[1]
 
-from updamp.api import Verdict, add_effect, compare, diagnose, keep_compiled, load_rig  # noqa: E402
+from updamp.api import Rig, Verdict, add_effect, compare, diagnose, keep_compiled, load_rig  # noqa: E402
 from updamp.benchmarks.virtual_rig.bench import Hidden  # noqa: E402
 from updamp.benchmarks.virtual_rig.laboratory import hidden  # noqa: E402
 from updamp.benchmarks.virtual_rig.measurement import make_measurement  # noqa: E402
@@ -75,7 +75,9 @@ def measure(rig: Path, effect: Hidden, plan: TestPlan) -> tuple[Path, Path]:
     """What the engineer gets, and what is sealed."""
     folder, sealed = rig.parent / "measured", rig.parent / "sealed.json"
     if not sealed.is_file():
-        make_measurement(folder, plan, [effect], seed=1, rig=load_rig(rig), preset=PRESET, sealed=sealed)
+        loaded = load_rig(rig)
+        assert isinstance(loaded, Rig), "a rig with geometry, not one given by modes"
+        make_measurement(folder, plan, [effect], seed=1, rig=loaded, preset=PRESET, sealed=sealed)
     return folder / "measurement.toml", sealed
 
 

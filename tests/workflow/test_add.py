@@ -33,7 +33,7 @@ RIGS = Path(__file__).parents[2] / "rigs"
 NAN = float("nan")
 SHA = "0f" * 32
 OWN = """
-from updamp.effects.effect import Effect, EffectParameter
+from updamp.api import Effect, EffectParameter
 
 def apply(model, values):
     return model.with_contacts(mu=model.contacts.parameters.mu * values["factor"])
