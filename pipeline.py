@@ -1,4 +1,4 @@
-"""The command line: `updamp run`, `compare`, `check`, `show`; `add`, `remove`, `history` in `effect_commands.py`."""
+"""The command line: `updamp run`, `compare`, `check`, `show`; the commands of effects are in `commands/effects.py`."""
 
 import json
 from importlib.metadata import version

@@ -1,0 +1,1 @@
+"""Commands of `updamp` and what they share: arguments, clean errors, interruptions."""

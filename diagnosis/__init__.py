@@ -1,0 +1,1 @@
+"""Which physical effect the model lacks, and how sure that is."""

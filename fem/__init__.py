@@ -1,0 +1,1 @@
+"""Finite elements: assembly, modes, reduction with residual flexibility, check on the full model."""

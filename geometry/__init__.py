@@ -1,0 +1,1 @@
+"""Sections, hexahedral meshes, contact elements, files for ParaView."""

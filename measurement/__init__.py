@@ -1,0 +1,1 @@
+"""Measured runs from measurement.toml and data files of many formats."""

@@ -1,0 +1,1 @@
+"""Worker processes, and the time and memory that work takes."""

@@ -1,0 +1,1 @@
+"""Pictures of rig, modes, contact faces, responses; figures for notebooks."""

@@ -1,0 +1,1 @@
+"""Where the calibrated model fails, in sentences."""

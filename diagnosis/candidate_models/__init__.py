@@ -1,0 +1,1 @@
+"""Models with an effect, fitted to the data, and the one without that they have to beat."""

@@ -1,0 +1,1 @@
+"""From fitted candidate models to the verdict."""

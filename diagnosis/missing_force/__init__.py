@@ -1,0 +1,1 @@
+"""The force that the model lacks, read from the data as a function of amplitude."""

@@ -1,0 +1,1 @@
+"""The measurement that would tell apart the explanations that are left."""

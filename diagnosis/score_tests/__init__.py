@@ -1,0 +1,1 @@
+"""How much each effect would explain, estimated from its signature before any fit."""

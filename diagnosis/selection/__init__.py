@@ -1,0 +1,1 @@
+"""Model selection: single effects first, then pairs."""

@@ -1,0 +1,1 @@
+"""Diagnosis from stated values, where no curve was measured."""

@@ -1,0 +1,1 @@
+"""Contact at rest: models of the pressure, unilateral contact with friction."""

@@ -1,0 +1,1 @@
+"""What can be said of a solved point: stability, sensitivities, numerical error."""

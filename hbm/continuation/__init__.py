@@ -1,0 +1,1 @@
+"""Response curves: branches followed through turning points and jumps."""

@@ -1,0 +1,1 @@
+"""One point: Newton's method, tangents, linear solvers, and what is read off a solution."""

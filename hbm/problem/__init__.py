@@ -1,0 +1,1 @@
+"""The equations: linear structure, contact elements, receptance."""

@@ -1,0 +1,1 @@
+"""Resonances followed in the force, and their equivalent damping."""
