@@ -190,8 +190,10 @@ class HillProblem:
 def _without_residual(loads: Complex, onto: Complex, rows: Integers) -> Complex:
     """(1 + T R)^-1 T phi on the rows where T is not zero: (n, c, m, c) from T phi and T R (n, c, n, c)."""
     size = len(rows) * loads.shape[1]
-    matrix = np.eye(size) + onto[rows][:, :, rows].reshape(size, size)
     reduced = np.zeros_like(loads)
+    if not size:
+        return reduced
+    matrix = np.eye(size) + onto[rows][:, :, rows].reshape(size, size)
     right = loads[rows].reshape(size, -1)
     reduced[rows] = scipy.linalg.solve(matrix, right, check_finite=False).reshape(loads[rows].shape)
     return reduced

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from updamp.hbm.contact.law import ContactLaw
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.problem.elements import TOGETHER, ElementGroup, a_few_at_a_time, for_analysis, samples
+from updamp.hbm.problem.elements import ElementGroup, a_few_at_a_time, elements_a_batch, for_analysis, samples
 
 Floats = NDArray[np.float64]
 
@@ -41,4 +41,4 @@ def _compiled(law: ContactLaw, entries: tuple[str, ...], harmonics: Harmonics, n
 
         return jax.jacfwd(force)(tuple(getattr(parameters, entry) for entry in entries))
 
-    return jax.jit(a_few_at_a_time(one, TOGETHER // len(entries)))
+    return jax.jit(a_few_at_a_time(one, elements_a_batch(len(entries))))

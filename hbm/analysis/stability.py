@@ -60,13 +60,13 @@ class StabilityOptions:
 
 @dataclass(frozen=True, eq=False)
 class Stability:
-    """stable: no exponent grows
-    exponents: sorted by falling real part [1/s]; all 2 m of them without memory, the followed ones with it
+    """stable: no exponent grows; None where no exponent was found that could tell
+    exponents: sorted by falling real part [1/s]; all 2 m of them without memory, with it the followed ones that settled
     trusted: whether the checks were passed, which is about the sign; reason: why not ("" otherwise)
     change: of the largest real part when computed finer [1/s], an estimate of its error
     """
 
-    stable: bool
+    stable: bool | None
     exponents: Complex
     trusted: bool
     reason: str
@@ -74,8 +74,8 @@ class Stability:
 
     @property
     def decisive(self) -> complex:
-        """The exponent nearest to growing [1/s]."""
-        return complex(self.exponents[0])
+        """The exponent nearest to growing [1/s]; not a number where none was found."""
+        return complex(self.exponents[0]) if len(self.exponents) else complex(np.nan, np.nan)
 
 
 def between_turning_points(frequency: Floats) -> NDArray[np.bool_]:
@@ -111,7 +111,8 @@ def stability(
     fine = HillProblem(system, x, w, order + 2, 2 * system.time_samples)
     (exponents, settled), (finer, finer_settled) = (_exponents(p, memory, options) for p in (coarse, fine))
     if not len(exponents) or not len(finer):
-        return Stability(not against, exponents, False, UNSETTLED, np.inf)
+        # between turning points it is unstable whatever the exponents; elsewhere they alone tell
+        return Stability(False if against else None, exponents, False, UNSETTLED, np.inf)
     growth, again, small = float(exponents[0].real), float(finer[0].real), options.tolerance * w
     reasons = [] if settled and finer_settled else [UNSETTLED]
     if growth * again < 0 or min(abs(growth), abs(again)) < options.agreement * max(abs(growth), abs(again)):

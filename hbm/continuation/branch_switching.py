@@ -26,9 +26,11 @@ from updamp.hbm.problem.system import Forcing, NonlinearSystem
 
 # Arc ahead of the last point at which the far side is looked at: one that is too short is still on this side, one that
 # is too long has met the next kink.
-_AHEAD = (1e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3)
+_AHEAD = (1e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.03, 0.1)
+# The longest of them, or four times the smallest step: the kink lies within that step ahead of the last point.
+_FURTHEST = 1e-3
 # Steps on the far side, by that length: long enough to come out beyond the corner, wherever before it the kink lies.
-_STEPS, _LONGEST = (10.0, 3.0, 30.0), 0.01
+_STEPS, _LONGEST = (10.0, 3.0, 30.0), 0.01  # or ten times the smallest step
 # Cosine between two tangents above which there is no corner between them.
 _NO_CORNER = 0.98
 
@@ -49,11 +51,11 @@ class Way:
         return Way(self.start, (-self.along[0], -self.along[1]), self.steps)
 
 
-def ways_on(system: NonlinearSystem, excitation: Forcing, last: BranchPoint) -> Iterator[Way]:
+def ways_on(system: NonlinearSystem, excitation: Forcing, last: BranchPoint, smallest_step: float) -> Iterator[Way]:
     """Ways on beyond a corner close to `last`, with the orientation kept."""
     here = evaluate(system, excitation, last.x, last.w)
     orientation = here.factorised().determinant_sign * np.sign(last.tangent_w)
-    for ahead in _AHEAD:
+    for ahead in (length for length in _AHEAD if length <= max(_FURTHEST, 4 * smallest_step)):
         there = evaluate(system, excitation, last.x + ahead * last.tangent_x, last.w + ahead * last.tangent_w)
         try:
             jacobian = there.factorised()
@@ -64,7 +66,7 @@ def ways_on(system: NonlinearSystem, excitation: Forcing, last: BranchPoint) -> 
         if not 0 < length < np.inf or abs(last.metric.product(last.tangent, (dx, dw))) > _NO_CORNER * length:
             continue
         length = length if jacobian.determinant_sign == orientation else -length
-        steps = tuple(share * ahead for share in _STEPS if share * ahead <= _LONGEST)
+        steps = tuple(share * ahead for share in _STEPS if share * ahead <= max(_LONGEST, 10 * smallest_step))
         yield Way((there.x, there.w), (dx / length, dw / length), steps)
 
 

@@ -19,7 +19,8 @@ class ContinuationOptions:
     """Steps are lengths of arc in the relative metric (hbm/newton/metric.py).
 
     first_step, smallest_step, largest_step: the corrector's failures shorten the step down to the smallest
-    steps_over, leaps: where no smaller step helps and no way round a corner is found, points so far ahead are tried
+    steps_over, leaps: where no smaller step helps and no way round a corner is found, points so far ahead are tried,
+        no nearer than the smallest step
     supports, supported_steps: before that, steps with so much of the contacts' stiffness kept in Newton's tangent of
         the mean position (`NewtonOptions.support`)
     wanted_iterations: steps grow where Newton needs fewer and shrink where it needs more
@@ -49,6 +50,15 @@ class ContinuationOptions:
     def scale_w(self, window: tuple[float, float]) -> float:
         """Angular frequency that counts as one unit of arc [rad/s]; window [Hz]."""
         return 2 * np.pi * self.frequency_scale * (window[1] - window[0])
+
+    @property
+    def short_step(self) -> float:
+        """Up to which a step counts as short."""
+        return max(_SHORT, self.smallest_step)
+
+    def no_shorter(self, lengths: Sequence[float]) -> tuple[float, ...]:
+        """The lengths, those below the smallest step raised to it, each once."""
+        return tuple(dict.fromkeys(max(length, self.smallest_step) for length in lengths))
 
     def __post_init__(self) -> None:
         if not 0 < self.smallest_step < self.first_step <= self.largest_step:
@@ -104,10 +114,9 @@ class Walk:
                     return [point], self._next_step(point, step)
             if step <= options.smallest_step:
                 break
-            step = max(step / (2 if step > _SHORT else 4), options.smallest_step)
+            step = max(step / (2 if step > options.short_step else 4), options.smallest_step)
         for further in (self._supported, self._round_the_corner, self._over_a_step, self._other_way, self._leap):
-            beyond = further(behind) if step < _SHORT else ()
-            if beyond:
+            if beyond := further(behind):
                 return beyond, max(min(beyond[-1].step, options.first_step), 8 * options.smallest_step)
         raise BranchStoppedError(last.frequency, solution.errors[-1], solution.status)
 
@@ -121,7 +130,9 @@ class Walk:
         last, newton = behind.last, newton or self.options.newton
         arc = Arc(*_predict(behind.points, step), last.tangent, last.metric)
         # a long step that was given up too early costs a shorter one, a short one perhaps the branch
-        newton = replace(newton, patience=_LESS_PATIENCE) if step > _SHORT and newton.patience else newton
+        newton = (
+            replace(newton, patience=_LESS_PATIENCE) if step > self.options.short_step and newton.patience else newton
+        )
         solution = solve(self.system, self.excitation, arc.x0, arc.w0, newton, arc)
         if not solution.converged:
             return None, solution
@@ -140,7 +151,7 @@ class Walk:
         if 0 not in self.system.harmonics.orders:
             return []
         for support in (s for s in self.options.supports if s != behind.last.solution.support):
-            for step in self.options.supported_steps:
+            for step in self.options.no_shorter(self.options.supported_steps):
                 point, _ = self.forward(behind, step, replace(self.options.newton, support=support))
                 if point is not None:
                     return [point]
@@ -148,11 +159,11 @@ class Walk:
 
     def _round_the_corner(self, behind: Traversed) -> Sequence[BranchPoint]:
         """A point in the direction in which the branch goes on beyond a kink; none if there is none."""
-        return self._first_of(ways_on(self.system, self.excitation, behind.last), behind)
+        return self._first_of(ways_on(self.system, self.excitation, behind.last, self.options.smallest_step), behind)
 
     def _other_way(self, behind: Traversed) -> Sequence[BranchPoint]:
         """As `_round_the_corner`, with the orientation changed."""
-        ways = ways_on(self.system, self.excitation, behind.last)
+        ways = ways_on(self.system, self.excitation, behind.last, self.options.smallest_step)
         return self._first_of((way.reversed() for way in ways), behind)
 
     def _first_of(self, ways: Iterable[Way], behind: Traversed) -> Sequence[BranchPoint]:
@@ -172,7 +183,8 @@ class Walk:
 
     def _over_a_step(self, behind: Traversed) -> Sequence[BranchPoint]:
         """A point a little ahead, with the orientation kept: where the law, sampled in time, has a step."""
-        point = land_beyond(self.system, self.excitation, behind, self.options.steps_over, self.options.newton)
+        lengths = self.options.no_shorter(self.options.steps_over)
+        point = land_beyond(self.system, self.excitation, behind, lengths, self.options.newton)
         return [point] if point is not None and point.orientation == behind.last.orientation else []
 
     def _next_step(self, point: BranchPoint, step: float) -> float:
@@ -182,7 +194,8 @@ class Walk:
     def _leap(self, behind: Traversed) -> Sequence[BranchPoint]:
         """The points beyond a jump: from where its far side begins to where the leap landed; none if none is found."""
         for newton in (self.options.newton, self.options.persistent):
-            landed = land_beyond(self.system, self.excitation, behind, self.options.leaps, newton)
+            lengths = self.options.no_shorter(self.options.leaps)
+            landed = land_beyond(self.system, self.excitation, behind, lengths, newton)
             if landed is not None:
                 return towards_the_gap(self._backwards(landed), landed, behind.last)
         return []
@@ -191,7 +204,7 @@ class Walk:
         """From `start` the other way, until the branch cannot be followed any further."""
         turned = replace(start, tangent_x=-start.tangent_x, tangent_w=-start.tangent_w)
         behind, step = Traversed([turned]), self.options.first_step
-        while step >= _SHORT:
+        while step >= self.options.short_step:
             point, _ = self.forward(behind, step)
             if point is None:
                 step /= 2
@@ -201,7 +214,7 @@ class Walk:
             yield point
 
 
-# Steps below this are shortened faster: what stops them is a kink.
+# Steps below this are shortened faster, where the options allow them at all: what stops them is a kink.
 _SHORT = 0.01
 # Iterations after which a longer step is given up unless the residual has fallen.
 _LESS_PATIENCE = 4

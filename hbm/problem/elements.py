@@ -17,6 +17,10 @@ from updamp.hbm.harmonics import Harmonics
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
+# Sizes of the batches of elements, small enough for the processor's cache: directional derivatives in one batch,
+# elements in one batch of their forces alone, and of other quantities.
+DERIVATIVES_A_BATCH, FORCES_A_BATCH, QUANTITIES_A_BATCH = 168, 12, 8
+
 
 @dataclass(frozen=True, eq=False)
 class ElementGroup:
@@ -97,7 +101,7 @@ def element_forces(
     tangent[:, each, c, each, c] = stiffness[..., None]
     rate = np.zeros_like(force) if group.law.rate_dependent else None
     evaluate = _compiled(group.law, harmonics, n_time)
-    for some in _batches(moving, TOGETHER // _n_seeds(group.law, harmonics), len(displacement)):
+    for some in _batches(moving, elements_a_batch(_n_seeds(group.law, harmonics)), len(displacement)):
         found = evaluate(displacement[some], w, _of(group, some))
         force[some], tangent[some] = found[:2]
         if rate is not None:
@@ -109,9 +113,14 @@ def force_only(group: ElementGroup, displacement: Floats, w: float, harmonics: H
     """The forces alone, several times cheaper than with their tangent."""
     force = group.reference_stiffness()[..., None] * displacement
     evaluate = _compiled_force(group.law, harmonics, n_time)
-    for some in _batches(group.moving(displacement, harmonics, n_time), ALONE, len(displacement)):
+    for some in _batches(group.moving(displacement, harmonics, n_time), FORCES_A_BATCH, len(displacement)):
         force[some] = evaluate(displacement[some], w, _of(group, some))
     return force
+
+
+def elements_a_batch(derivatives_an_element: int) -> int:
+    """At least one element, however many derivatives it has."""
+    return max(1, DERIVATIVES_A_BATCH // derivatives_an_element)
 
 
 def _batches(numbers: Integers, size: int, n_elements: int) -> Iterator[Integers]:
@@ -178,7 +187,7 @@ def _compiled_quantity(
         motion, velocity = samples(coefficients, w, harmonics, n_time)
         return motion, quantity(motion, velocity, parameters)
 
-    return jax.jit(a_few_at_a_time(one, BATCH))
+    return jax.jit(a_few_at_a_time(one, QUANTITIES_A_BATCH))
 
 
 @lru_cache(maxsize=32)
@@ -188,7 +197,7 @@ def _compiled_loop_areas(law: ContactLaw, harmonics: Harmonics, n_time: int) -> 
         force = law.force(motion, velocity, parameters)
         return ((force + jnp.roll(force, -1, axis=0)) / 2 * (jnp.roll(motion, -1, axis=0) - motion)).sum()
 
-    return jax.jit(a_few_at_a_time(one, BATCH))
+    return jax.jit(a_few_at_a_time(one, QUANTITIES_A_BATCH))
 
 
 @lru_cache(maxsize=32)
@@ -254,7 +263,3 @@ def a_few_at_a_time(one: Callable[..., Any], batch: int) -> Callable[..., Any]:
         return jax.lax.map(lambda a: one(a[0], w, a[1]), (coefficients, parameters), batch_size=batch)
 
     return each
-
-
-# Derivatives evaluated together, and elements where there are none; elements whose forces alone are.
-TOGETHER, BATCH, ALONE = 168, 8, 12

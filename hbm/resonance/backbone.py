@@ -182,7 +182,7 @@ def _follow(
     for _ in range(options.max_points - 1):
         solution, moved, step_next = _next(problem, condition, passed, step, direction, metric, options)
         last = passed[-1].place
-        for level in _crossed(levels, last.level, solution.place.level):
+        for level in levels_passed(levels, last.level, solution.place.level):
             landed = _land(problem, condition, (passed[-1], solution), level, options)
             yield ResonancePoint(landed, metric.distance(last, landed.place), False, True)
             if level == levels[-1]:
@@ -278,9 +278,9 @@ def _difference(a: Place, b: Place, factor: float) -> Place:
     return Place(factor * (a.z - b.z), factor * (a.w - b.w), factor * (a.level - b.level), factor * (a.phase - b.phase))
 
 
-def _crossed(levels: Sequence[float], here: float, there: float) -> list[float]:
-    """Those of `levels` passed on the way, in the order of passing."""
-    inside = [level for level in levels if min(here, there) < level <= max(here, there) and level != here]
+def levels_passed(levels: Sequence[float], here: float, there: float) -> list[float]:
+    """Those of `levels` that lie beyond `here`, up to and including `there`, in the order of passing."""
+    inside = [level for level in levels if min(here, there) <= level <= max(here, there) and level != here]
     return sorted(inside, reverse=bool(there < here))
 
 

@@ -7,6 +7,7 @@ import pytest
 from support.peers import friction, one_degree_of_freedom, solved
 from support.period_map import multipliers
 
+from updamp.hbm.analysis.hill import HillProblem
 from updamp.hbm.analysis.perturbed_forces import perturbed_tangent
 from updamp.hbm.analysis.stability import StabilityOptions, between_turning_points, stability, stability_of_curve
 from updamp.hbm.contact.jenkins import Jenkins, JenkinsParameters
@@ -114,6 +115,33 @@ def test_exponents_of_stuck_contacts_are_those_of_the_modes(friction_system):
     assert point.trusted
     assert np.abs(exact - point.decisive).min() < 1e-8 * abs(point.decisive)
     assert point.decisive.real == pytest.approx(exact.real.max(), rel=1e-9)
+
+
+def test_exponents_with_nothing_active_and_residual_flexibility_are_those_of_the_modes(friction_system):
+    """All contacts stick: the residual flexibility, which only moves with what slips, changes no exponent."""
+    system, w = friction_system[0], 2 * np.pi * 105.0
+    free = replace(system.free, residual=1e-6 * np.eye(system.free.n_rows))
+    flexible = replace(system, free=free)
+    point = stability(flexible, first_point(flexible, Excitation(free.row("load"), 0.5), w).x, w)
+    stuck = flexible.stuck
+    assert stuck.has_residual
+    A = np.block([[np.zeros((5, 5)), np.eye(5)], [-np.diag(stuck.omega_squared), -stuck.viscous]])
+    assert point.stable
+    assert point.trusted
+    assert point.decisive.real == pytest.approx(np.linalg.eigvals(A).real.max(), rel=1e-9)
+
+
+@pytest.mark.parametrize(("against", "stable"), [(None, None), (False, None), (True, False)])
+def test_what_is_not_known_is_not_called_stable(friction_system, monkeypatch, against, stable):
+    """Where no exponent settles only turning points tell, and they tell of instability alone."""
+    system, w = friction_system[0], 2 * np.pi * 105.0
+    x = first_point(system, Excitation(system.free.row("load"), 0.5), w).x
+    monkeypatch.setattr(HillProblem, "refine", lambda _, s, q, __: (s, q, False))
+    point = stability(system, x, w, against=against)
+    assert point.stable is stable
+    assert not point.trusted
+    assert "did not settle" in point.reason
+    assert np.isnan(point.decisive)
 
 
 def test_exponents_with_slip_and_separation_are_those_of_time_marching(friction_system):

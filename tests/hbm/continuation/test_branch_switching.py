@@ -34,9 +34,9 @@ def against_a_stop(request):
     return system, Excitation(system.free.row("mass"), force)
 
 
-def walked(system, excitation, points=60):
+def walked(system, excitation, points=60, **steps):
     found = []
-    options = ContinuationOptions(max_points=points, leaps=(), steps_over=())
+    options = ContinuationOptions(max_points=points, leaps=(), steps_over=(), **steps)
     try:
         for point in continue_branch(system, excitation, WINDOW, options, upwards=False):
             found.append(point)
@@ -55,6 +55,14 @@ def test_branch_goes_round_a_fold_without_a_top(against_a_stop):
     assert (np.diff(w[turn + 1 :]) > 0).all(), "beyond the corner the branch goes up again"
     assert (size[turn + 1 :] > 0.99 * GAP).all(), "along the stop"
     assert len({p.orientation for p in found}) == 1
+
+
+@pytest.mark.parametrize("smallest_step", [0.005, 0.01, 0.013, 0.02, 0.04])
+def test_branch_switching_does_not_depend_on_how_small_the_smallest_step_is(against_a_stop, smallest_step):
+    """The kink lies anywhere within the smallest step ahead of the last point."""
+    found, stop = walked(*against_a_stop, smallest_step=smallest_step)
+    assert stop is None
+    assert found[-1].w > 1.4, "beyond the corner the branch goes up again"
 
 
 def test_without_the_far_sides_tangent_it_stops_there(against_a_stop, monkeypatch):

@@ -119,7 +119,11 @@ def test_both_directions_find_the_same_peak(friction_curve):
 def test_a_branch_that_cannot_go_on_says_where_and_keeps_what_it_has():
     system = blades_and_damper_system(JenkinsBox(2))
     hopeless = ContinuationOptions(
-        first_step=0.2, smallest_step=0.19, largest_step=0.2, newton=NewtonOptions(tolerance=1e-13, iterations=1)
+        first_step=0.2,
+        smallest_step=0.19,
+        largest_step=0.2,
+        leaps=(),
+        newton=NewtonOptions(tolerance=1e-13, iterations=1),
     )
     request = CurveRequest(
         "1", Excitation(system.free.row("excitation"), 40.0), (226.0, 240.0), ("tip",), options=hopeless

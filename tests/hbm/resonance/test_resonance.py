@@ -1,6 +1,7 @@
 """Peaks followed in force: against response curves, closed forms, and each other."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -14,7 +15,13 @@ from updamp.hbm.continuation.curve import CurveRequest, trace
 from updamp.hbm.newton.newton import NewtonOptions
 from updamp.hbm.problem.elements import ElementGroup
 from updamp.hbm.problem.system import Excitation
-from updamp.hbm.resonance.backbone import ResonanceOptions, ResonanceStoppedError, first_resonance, follow_resonance
+from updamp.hbm.resonance.backbone import (
+    ResonanceOptions,
+    ResonanceStoppedError,
+    first_resonance,
+    follow_resonance,
+    levels_passed,
+)
 from updamp.hbm.resonance.conditions import MaximumResonance, PhaseResonance, linear_peak
 from updamp.hbm.resonance.equivalent_damping import half_power
 from updamp.hbm.resonance.resonance import ResonanceProblem, at_phase, constant_force
@@ -165,6 +172,14 @@ def test_equivalent_frequency_against_amplitude(duffing):
     np.testing.assert_allclose(2 * np.pi * curve.frequency, exact, rtol=1e-4)
     assert exact[-1] > 1.4
     assert curve.harmonic_content()[-1, 3] > 0.02
+
+
+@pytest.mark.parametrize("rising", [True, False])
+def test_a_force_met_exactly_is_met_once_whichever_way(rising):
+    """A step of continuation may end on a force that is asked for to the last digit."""
+    path = [0.0, 0.5, 1.0, 1.5] if rising else [1.5, 1.0, 0.5, 0.0]
+    met = [level for here, there in pairwise(path) for level in levels_passed(path[1:], here, there)]
+    assert met == path[1:]
 
 
 def test_what_cannot_be_followed_says_where(blades):
