@@ -2,14 +2,15 @@
 
 The same 146 contact elements on every mesh; full finite element models, no reduction.
 
-    python benchmarks/contact_coupling_convergence.py [small medium ...]
+    .venv/bin/python benchmarks/contact_coupling_convergence.py [small medium ...]
 """
 
-import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
+import typer
 
 from updamp.fem.component import Component, FactorisedComponent, factorised
 from updamp.fem.coupled_modes import coupled_modes_full, static_flexibility
@@ -70,7 +71,8 @@ def meshes(rig: Rig) -> dict[str, dict[str, int]]:
     }
 
 
-def main(chosen: tuple[str, ...]) -> None:
+def main(chosen: Annotated[list[str] | None, typer.Argument(help="meshes; all where none is named")] = None) -> None:
+    """Solve and print."""
     rig = load_rig(RIG_FILE)
     print(f"{'mesh':26} {'elements':>8} {'coupling':12} {'OOP Hz':>8} {'IP Hz':>8}   change from medium (OOP, IP) %")
     medium: dict[str, np.ndarray] = {}
@@ -87,4 +89,4 @@ def main(chosen: tuple[str, ...]) -> None:
 
 
 if __name__ == "__main__":
-    main(tuple(sys.argv[1:]))
+    typer.run(main)

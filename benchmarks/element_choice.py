@@ -1,15 +1,16 @@
 """20 or 27 nodes an element: first mode of the blade and cost of the factorisation, on the medium mesh.
 
-python benchmarks/element_choice.py [preset]
+.venv/bin/python benchmarks/element_choice.py [preset]
 """
 
-import sys
 from pathlib import Path
 from time import perf_counter
+from typing import Annotated
 
 import numpy as np
 import psutil
 import skfem
+import typer
 from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, eigsh
 from skfem.helpers import dot
@@ -47,7 +48,8 @@ def measure(blade: ComponentMesh, material, element: skfem.Element, order: int) 
     return len(free), float(np.sqrt(value)) / (2 * np.pi), seconds, memory / 1e9
 
 
-def main(preset: str) -> None:
+def main(preset: Annotated[str, typer.Argument(help="mesh of the rig file")] = "medium") -> None:
+    """Measure and print both."""
     rig = load_rig(RIG_FILE)
     blade = build_mesh(rig, preset).blade
     print(
@@ -59,4 +61,4 @@ def main(preset: str) -> None:
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:] or ["medium"])
+    typer.run(main)

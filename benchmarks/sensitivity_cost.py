@@ -1,8 +1,8 @@
 """Derivatives with respect to 20 parameters, as a share of the solve of the point: processor time, one thread."""
 
-import os
+from updamp.parallel.resources import one_thread
 
-os.environ.setdefault("OMP_NUM_THREADS", "1")
+one_thread()  # before numpy is loaded
 
 import time
 from collections.abc import Callable
@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import typer
 
 from updamp.hbm.analysis.sensitivity import sensitivities
 from updamp.hbm.analysis.sensitivity_conditions import FixedPhase
@@ -122,6 +123,7 @@ def report(name: str, system: NonlinearSystem) -> None:
 
 
 def main() -> None:
+    """Measure and print: of the problems of other codes that are beside the checkout."""
     print(f"{len(twenty(load('c_model_20.npz')))} parameters at fixed phase, at the point of most slip, {FORCE:g} N")
     for name, title in (("c_model_20.npz", "20 contacts"), ("c_model_146.npz", "146 contacts")):
         system = load(name)
@@ -133,4 +135,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    typer.run(main)

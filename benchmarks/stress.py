@@ -19,9 +19,10 @@ machine does not change what finishes. Written: results/stress.jsonl, one line a
 
 import os
 
+from updamp.parallel.resources import thread_limits
+
 # One thread, before numpy and JAX are loaded, here and in every worker.
-os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", MKL_NUM_THREADS="1")
-os.environ["XLA_FLAGS"] = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
+os.environ.update(thread_limits(1))
 
 import itertools
 import json

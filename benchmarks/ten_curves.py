@@ -7,6 +7,10 @@ of no interest, what it takes is. Every curve is swept downwards, from above the
 through whatever hysteresis follows, as far as its highest amplitude is to be seen.
 """
 
+from updamp.parallel.resources import one_thread, thread_limits
+
+one_thread()  # before numpy is loaded: threads make small products many times slower
+
 import csv
 import os
 import subprocess
@@ -16,26 +20,22 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
+import psutil
+import tomlkit
 import typer
 
-for library in ("OMP", "OPENBLAS", "MKL"):
-    os.environ.setdefault(f"{library}_NUM_THREADS", "1")
-
-import numpy as np  # noqa: E402
-import psutil  # noqa: E402
-import tomlkit  # noqa: E402
-
-from updamp.comparison.prediction.parameters import Parametrisation  # noqa: E402
-from updamp.comparison.prediction.predicted_branch import PredictedBranch, trace_branch  # noqa: E402
-from updamp.comparison.prediction.run_condition import RunCondition  # noqa: E402
-from updamp.hbm.compilation_cache import keep_compiled  # noqa: E402
-from updamp.model.build import rig_before_effects  # noqa: E402
-from updamp.model.calibration import nuisances  # noqa: E402
-from updamp.model.rig_files import load_rig  # noqa: E402
-from updamp.rig.rig import Rig  # noqa: E402
-from updamp.workflow import stages  # noqa: E402
-from updamp.workflow.progress import Display  # noqa: E402
-from updamp.workflow.run import Run, RunOptions  # noqa: E402
+from updamp.comparison.prediction.parameters import Parametrisation
+from updamp.comparison.prediction.predicted_branch import PredictedBranch, trace_branch
+from updamp.comparison.prediction.run_condition import RunCondition
+from updamp.hbm.compilation_cache import keep_compiled
+from updamp.model.build import rig_before_effects
+from updamp.model.calibration import nuisances
+from updamp.model.rig_files import load_rig
+from updamp.rig.rig import Rig
+from updamp.workflow import stages
+from updamp.workflow.progress import Display
+from updamp.workflow.run import Run, RunOptions
 
 HERE = Path(__file__).parents[1]
 RIG = HERE / "rigs" / "pesaresi2017.toml"
@@ -136,7 +136,7 @@ def measured(command: list[str]) -> str:
     """Run it; wall time, processor time of each process, and the largest sum of their memory: resident, and with what
     they share counted once."""
     started, seconds, resident, shared_once = time.perf_counter(), dict[int, float](), 0.0, 0.0
-    environment = {k: v for k, v in os.environ.items() if not k.endswith("_NUM_THREADS")}
+    environment = {k: v for k, v in os.environ.items() if k not in thread_limits(1)}
     with subprocess.Popen(command, env=environment) as process:
         root = psutil.Process(process.pid)
         while process.poll() is None:

@@ -11,7 +11,10 @@ harmonics change, run by run. Expected score z = sqrt(s^T C^-1 s); visibility: z
 All curves are the laboratory's own, so what is detectable does not depend on how well the diagnosis works.
 """
 
-import os
+from updamp.parallel.resources import one_thread
+
+one_thread()  # before numpy is loaded: threads make small products many times slower
+
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
@@ -19,37 +22,23 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
+import scipy.linalg
 import typer
+from numpy.typing import NDArray
 
-for library in ("OMP", "OPENBLAS", "MKL"):
-    os.environ.setdefault(f"{library}_NUM_THREADS", "1")
-
-import numpy as np  # noqa: E402
-import scipy.linalg  # noqa: E402
-from numpy.typing import NDArray  # noqa: E402
-
-from updamp.benchmarks.hidden_effects.cases import NOISE, PLAN, Case, by_name  # noqa: E402
-from updamp.benchmarks.hidden_effects.in_turn import in_turn  # noqa: E402
-from updamp.benchmarks.hidden_effects.layout import RIG, Layout, read, write_whole  # noqa: E402
-from updamp.benchmarks.virtual_rig.assembled import assembled  # noqa: E402
-from updamp.benchmarks.virtual_rig.bench import (  # noqa: E402
-    BODIES,
-    Bench,
-    Hidden,
-    bench_of,
-)
-from updamp.benchmarks.virtual_rig.bodies import LABORATORY, bodies_of  # noqa: E402
-from updamp.benchmarks.virtual_rig.laboratory import (  # noqa: E402
-    grid,
-    quick_sweep,
-    windows,
-    with_hidden,
-)
-from updamp.benchmarks.virtual_rig.periodic import NotSolvedError, SolverOptions  # noqa: E402
-from updamp.benchmarks.virtual_rig.sensors import LOOSE, loose  # noqa: E402
-from updamp.benchmarks.virtual_rig.stepped_sine import StepMotor  # noqa: E402
-from updamp.model.rig_files import load_rig  # noqa: E402
-from updamp.workflow.code_version import code_version  # noqa: E402
+from updamp.benchmarks.hidden_effects.cases import NOISE, PLAN, Case, by_name
+from updamp.benchmarks.hidden_effects.in_turn import in_turn
+from updamp.benchmarks.hidden_effects.layout import RIG, Layout, read, write_whole
+from updamp.benchmarks.virtual_rig.assembled import assembled
+from updamp.benchmarks.virtual_rig.bench import BODIES, Bench, Hidden, bench_of
+from updamp.benchmarks.virtual_rig.bodies import LABORATORY, bodies_of
+from updamp.benchmarks.virtual_rig.laboratory import grid, quick_sweep, windows, with_hidden
+from updamp.benchmarks.virtual_rig.periodic import NotSolvedError, SolverOptions
+from updamp.benchmarks.virtual_rig.sensors import LOOSE, loose
+from updamp.benchmarks.virtual_rig.stepped_sine import StepMotor
+from updamp.model.rig_files import load_rig
+from updamp.workflow.code_version import code_version
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]

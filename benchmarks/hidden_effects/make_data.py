@@ -3,7 +3,10 @@
 .venv/bin/python benchmarks/hidden_effects/make_data.py [--out FOLDER] [--jobs N] [--only case_012 --only strong ...]
 """
 
-import os
+from updamp.parallel.resources import one_thread
+
+one_thread()  # before numpy is loaded: threads make small products many times slower
+
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,18 +16,14 @@ from typing import Annotated, Any
 
 import typer
 
-# To be set before numpy is loaded: the products are small, and threads make them many times slower.
-for library in ("OMP", "OPENBLAS", "MKL"):
-    os.environ.setdefault(f"{library}_NUM_THREADS", "1")
-
-from updamp.benchmarks.hidden_effects.cases import NOISE, PLAN, Case, by_name  # noqa: E402
-from updamp.benchmarks.hidden_effects.in_turn import in_turn  # noqa: E402
-from updamp.benchmarks.hidden_effects.layout import RIG, Layout, read, write_whole  # noqa: E402
-from updamp.benchmarks.virtual_rig.bodies import bodies_of  # noqa: E402
-from updamp.benchmarks.virtual_rig.measurement import make_measurement  # noqa: E402
-from updamp.benchmarks.virtual_rig.plan import TestPlan  # noqa: E402
-from updamp.model.rig_files import load_rig  # noqa: E402
-from updamp.rig.rig import Rig  # noqa: E402
+from updamp.benchmarks.hidden_effects.cases import NOISE, PLAN, Case, by_name
+from updamp.benchmarks.hidden_effects.in_turn import in_turn
+from updamp.benchmarks.hidden_effects.layout import RIG, Layout, read, write_whole
+from updamp.benchmarks.virtual_rig.bodies import bodies_of
+from updamp.benchmarks.virtual_rig.measurement import make_measurement
+from updamp.benchmarks.virtual_rig.plan import TestPlan
+from updamp.model.rig_files import load_rig
+from updamp.rig.rig import Rig
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,10 @@ truth, does the comparison say that nothing is amiss? Resumable.
 .venv/bin/python benchmarks/hidden_effects/null_draws.py [--out FOLDER] [--draws 40] [--jobs 2]
 """
 
-import os
+from updamp.parallel.resources import one_thread
+
+one_thread()  # before numpy is loaded: threads make small products many times slower
+
 import time
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -12,38 +15,29 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 import typer
+from numpy.typing import NDArray
 
-# To be set before numpy is loaded: the products are small, and threads make them many times slower.
-for library in ("OMP", "OPENBLAS", "MKL"):
-    os.environ.setdefault(f"{library}_NUM_THREADS", "1")
-
-import numpy as np  # noqa: E402
-from numpy.typing import NDArray  # noqa: E402
-
-from updamp.benchmarks.hidden_effects.in_turn import in_turn  # noqa: E402
-from updamp.benchmarks.hidden_effects.layout import read, write_whole  # noqa: E402
-from updamp.benchmarks.virtual_rig.measurement import RIG, make_measurement  # noqa: E402
-from updamp.comparison.compare import damping_share  # noqa: E402
-from updamp.comparison.findings.all_findings import all_findings  # noqa: E402
-from updamp.comparison.findings.findings import lack_of_fit, misfits  # noqa: E402
-from updamp.comparison.fit.fit import Compared, compare_at, fit, predict  # noqa: E402
-from updamp.comparison.fit.numerical_gate import gated  # noqa: E402
-from updamp.comparison.fit.observations import Plan, plan_of  # noqa: E402
-from updamp.comparison.fit.scatter import Scatter, learn  # noqa: E402
-from updamp.comparison.prediction.moved_branch import move_branch  # noqa: E402
-from updamp.comparison.prediction.parameters import Parametrisation  # noqa: E402
-from updamp.comparison.prediction.predicted_branch import (  # noqa: E402
-    PredictedBranch,
-    at_sizes,
-    with_patterns,
-)
-from updamp.measurement.load import load_measurement  # noqa: E402
-from updamp.model.calibration import LOSS_FACTOR  # noqa: E402
-from updamp.workflow.code_version import SEARCH, code_version  # noqa: E402
-from updamp.workflow.compare_run import CompareFiles, subject_of  # noqa: E402
-from updamp.workflow.kept_results import ResultKey, inputs_digest, read_result, write_result  # noqa: E402
-from updamp.workflow.progress import Display  # noqa: E402
+from updamp.benchmarks.hidden_effects.in_turn import in_turn
+from updamp.benchmarks.hidden_effects.layout import read, write_whole
+from updamp.benchmarks.virtual_rig.measurement import RIG, make_measurement
+from updamp.comparison.compare import damping_share
+from updamp.comparison.findings.all_findings import all_findings
+from updamp.comparison.findings.findings import lack_of_fit, misfits
+from updamp.comparison.fit.fit import Compared, compare_at, fit, predict
+from updamp.comparison.fit.numerical_gate import gated
+from updamp.comparison.fit.observations import Plan, plan_of
+from updamp.comparison.fit.scatter import Scatter, learn
+from updamp.comparison.prediction.moved_branch import move_branch
+from updamp.comparison.prediction.parameters import Parametrisation
+from updamp.comparison.prediction.predicted_branch import PredictedBranch, at_sizes, with_patterns
+from updamp.measurement.load import load_measurement
+from updamp.model.calibration import LOSS_FACTOR
+from updamp.workflow.code_version import SEARCH, code_version
+from updamp.workflow.compare_run import CompareFiles, subject_of
+from updamp.workflow.kept_results import ResultKey, inputs_digest, read_result, write_result
+from updamp.workflow.progress import Display
 
 Floats = NDArray[np.float64]
 

@@ -3,7 +3,10 @@
 .venv/bin/python benchmarks/virtual_rig/make.py OUT [--hide NAME:STRENGTH ...] [--seed N]
 """
 
-import os
+from updamp.parallel.resources import one_thread
+
+one_thread()  # before numpy is loaded: threads make small products many times slower
+
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -11,14 +14,10 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-# To be set before numpy is loaded: the products are small, and threads make them many times slower.
-for library in ("OMP", "OPENBLAS", "MKL"):
-    os.environ.setdefault(f"{library}_NUM_THREADS", "1")
-
-from updamp.benchmarks.virtual_rig.laboratory import HIDDEN, hidden  # noqa: E402
-from updamp.benchmarks.virtual_rig.measurement import RIG, make_measurement  # noqa: E402
-from updamp.benchmarks.virtual_rig.plan import QUIET, SIX_CURVES, NoiseLevels, TestPlan  # noqa: E402
-from updamp.model.rig_files import load_rig  # noqa: E402
+from updamp.benchmarks.virtual_rig.laboratory import HIDDEN, hidden
+from updamp.benchmarks.virtual_rig.measurement import RIG, make_measurement
+from updamp.benchmarks.virtual_rig.plan import QUIET, SIX_CURVES, NoiseLevels, TestPlan
+from updamp.model.rig_files import load_rig
 
 
 def main(

@@ -6,29 +6,26 @@ Without noise and scatter, against the same bench with nothing hidden. First: so
 be seen; with EFFECTs named, those alone.
 """
 
-import os
+from updamp.parallel.resources import one_thread
+
+one_thread()  # before numpy is loaded: threads make small products many times slower
+
 import sys
+from typing import Annotated
 
-for library in ("OMP", "OPENBLAS", "MKL"):
-    os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+import numpy as np
+import typer
 
-import numpy as np  # noqa: E402
-
-from updamp.benchmarks.virtual_rig.assembled import assembled  # noqa: E402
-from updamp.benchmarks.virtual_rig.bench import Bench, bench_of  # noqa: E402
-from updamp.benchmarks.virtual_rig.bodies import bodies_of  # noqa: E402
-from updamp.benchmarks.virtual_rig.laboratory import (  # noqa: E402
-    HIDDEN,
-    hidden,
-    quick_sweep,
-    with_hidden,
-)
-from updamp.benchmarks.virtual_rig.measurement import RIG  # noqa: E402
-from updamp.benchmarks.virtual_rig.periodic import NotSolvedError, SolverOptions  # noqa: E402
-from updamp.benchmarks.virtual_rig.plan import SIX_CURVES, PlannedRun  # noqa: E402
-from updamp.benchmarks.virtual_rig.sensors import loose  # noqa: E402
-from updamp.benchmarks.virtual_rig.stepped_sine import StepMotor  # noqa: E402
-from updamp.model.rig_files import load_rig  # noqa: E402
+from updamp.benchmarks.virtual_rig.assembled import assembled
+from updamp.benchmarks.virtual_rig.bench import Bench, bench_of
+from updamp.benchmarks.virtual_rig.bodies import bodies_of
+from updamp.benchmarks.virtual_rig.laboratory import HIDDEN, hidden, quick_sweep, with_hidden
+from updamp.benchmarks.virtual_rig.measurement import RIG
+from updamp.benchmarks.virtual_rig.periodic import NotSolvedError, SolverOptions
+from updamp.benchmarks.virtual_rig.plan import SIX_CURVES, PlannedRun
+from updamp.benchmarks.virtual_rig.sensors import loose
+from updamp.benchmarks.virtual_rig.stepped_sine import StepMotor
+from updamp.model.rig_files import load_rig
 
 USUAL = SolverOptions()
 SETTINGS = {
@@ -75,7 +72,8 @@ def row(name: str, bench: Bench, reference: dict[str, tuple[float, float, float]
     return " | ".join(["", name, *cells, ""]).strip()
 
 
-def main() -> None:
+def main(effects: Annotated[list[str] | None, typer.Argument(help="these alone, without the settings")] = None) -> None:
+    """Sweep and print a table in Markdown."""
     rig = load_rig(RIG)
     nominal = bench_of(rig, bodies_of(rig, "laboratory"))
     reference = {run.name: peak(nominal, run) for run in SIX_CURVES}
@@ -83,7 +81,7 @@ def main() -> None:
     write("| | " + " | ".join(reference) + " |\n" + "|---" * (len(reference) + 1) + "|\n")
     cells = [f"{f:.2f} Hz, {1e6 * a:.3f} um/N" for f, a, _ in reference.values()]
     write("| nothing hidden | " + " | ".join(cells) + " |\n")
-    named = sys.argv[1:]
+    named = effects or []
     for name, options in () if named else SETTINGS.items():
         write(row(name, nominal, reference, options) + "\n")
     for preset in () if named else ("diagnosis", "laboratory_100"):
@@ -97,4 +95,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    typer.run(main)
