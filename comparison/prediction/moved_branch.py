@@ -103,7 +103,7 @@ def _filled(
 
 def _between(system: NonlinearSystem, excitation: Excitation, a: BranchPoint, b: BranchPoint) -> BranchPoint | None:
     """A point half way; None where there is none that is nearer to both than they are to each other."""
-    dx, dw = a.to(b)
+    dx, dw = a.move_to(b)
     length = a.distance(b)
     # Hermite's cubic through both, half way
     x = (a.x + b.x) / 2 + length / 8 * (a.tangent_x - b.tangent_x)

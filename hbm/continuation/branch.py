@@ -50,42 +50,42 @@ class BranchPoint:
             return None
         return jacobian.determinant_sign * float(np.sign(self.tangent_w))
 
-    def to(self, other: "BranchPoint | Solution") -> Move:
+    def move_to(self, other: "BranchPoint | Solution") -> Move:
         return other.x - self.x, other.w - self.w
 
     def distance(self, other: "BranchPoint | Solution") -> float:
         """Length of arc to a neighbouring point, in the metric at this one."""
-        return self.metric.length(self.to(other))
+        return self.metric.length(self.move_to(other))
 
 
 def point_at(
-    solution: Solution, excitation: Forcing, scale_w: float, onwards: Move, step: float, after_gap: bool = False
+    solution: Solution, excitation: Forcing, scale_w: float, direction: Move, step: float, after_gap: bool = False
 ) -> BranchPoint:
-    """The solution with the branch's tangent there, on the side of `onwards` (dx, dw)."""
+    """The solution with the branch's tangent there, on the side of `direction` (dx, dw)."""
     harmonics = solution.equation.receptance.system.harmonics
     metric = Metric.at(solution.x, harmonics, scale_w)
     dx, dw = _tangent(solution, excitation)
     length = metric.length((dx, dw))
-    if metric.product((dx, dw), onwards) < 0:
+    if metric.product((dx, dw), direction) < 0:
         length = -length
     return BranchPoint(solution.x, solution.w, dx / length, dw / length, metric, step, after_gap, solution)
 
 
 def point_after(last: BranchPoint, solution: Solution, excitation: Forcing) -> BranchPoint:
     """The solution a step from the last point, with the tangent on the side of the move that led here."""
-    move = last.to(solution)
+    move = last.move_to(solution)
     return point_at(solution, excitation, last.metric.scale_w, move, last.metric.length(move))
 
 
 def branch_point(
-    system: NonlinearSystem, excitation: Forcing, x: Floats, w: float, scale_w: float, onwards: Move
+    system: NonlinearSystem, excitation: Forcing, x: Floats, w: float, scale_w: float, direction: Move
 ) -> BranchPoint:
-    """A point known to be solved, such as a stored one, with its tangent along `onwards` (dx, dw)."""
+    """A point known to be solved, such as a stored one, with its tangent along `direction` (dx, dw)."""
     equation = evaluate(system, excitation, x, w)
     jacobian = equation.factorised()
     solution = Solution(x, w, Status.CONVERGED, 0, (equation.error,), equation, jacobian)
-    step = Metric.at(x, system.harmonics, scale_w).length(onwards)
-    return point_at(solution, excitation, scale_w, onwards, step)
+    step = Metric.at(x, system.harmonics, scale_w).length(direction)
+    return point_at(solution, excitation, scale_w, direction, step)
 
 
 def _tangent(solution: Solution, excitation: Forcing) -> Move:

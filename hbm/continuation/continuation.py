@@ -6,8 +6,8 @@ import numpy as np
 
 from updamp.hbm.continuation.branch import BranchPoint, point_at
 from updamp.hbm.continuation.first_point import first_point
-from updamp.hbm.continuation.predictor_corrector import BranchStoppedError, ContinuationOptions, Walk
-from updamp.hbm.continuation.retracing import traversed
+from updamp.hbm.continuation.predictor_corrector import BranchStoppedError, ContinuationOptions, PredictorCorrector
+from updamp.hbm.continuation.retracing import TracedBranch
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 __all__ = ["BranchStoppedError", "ContinuationOptions", "continue_branch", "first_point"]
@@ -28,25 +28,26 @@ def continue_branch(
     raises: BranchStoppedError where the step would fall below its floor
     """
     options = options or ContinuationOptions()
-    scale_w = options.scale_w(window)
-    walk, points = Walk(system, excitation, options, scale_w), list(resume_from)
+    stepper = PredictorCorrector(system, excitation, options, options.scale_w(window))
     low, high = (2 * np.pi * f for f in window)
-    behind = traversed(points or _into(walk, excitation, low, high, upwards))
-    handed_out = len(points)
-    if not points:
-        yield from behind.points[-2:]
-        handed_out += len(behind.points[-2:])
-    step = max(behind.last.step, options.first_step) if len(behind.points) > 1 else options.first_step
+    traced = TracedBranch.through(list(resume_from) or _first_points(stepper, excitation, low, high, upwards))
+    handed_out = len(resume_from)
+    if not handed_out:
+        yield from traced.points[-2:]
+        handed_out += len(traced.points[-2:])
+    step = max(traced.last.step, options.first_step) if len(traced.points) > 1 else options.first_step
     while handed_out < options.max_points:
-        following, step = walk.following(behind, min(step, options.largest_step))
-        yield from following
-        handed_out += len(following)
-        behind = behind.then(following)
-        if not low <= behind.last.w <= high:
+        points, step = stepper.next_points(traced, min(step, options.largest_step))
+        yield from points
+        handed_out += len(points)
+        traced = traced.extended(points)
+        if not low <= traced.last.w <= high:
             return
 
 
-def _into(walk: Walk, excitation: Excitation, low: float, high: float, upwards: bool) -> Sequence[BranchPoint]:
+def _first_points(
+    stepper: PredictorCorrector, excitation: Excitation, low: float, high: float, upwards: bool
+) -> Sequence[BranchPoint]:
     """Points up to the first one in the window [rad/s]: that at its end, one a little inside, or those of a branch that
     begins outside and leads in. Off resonance the contacts bear less, and a first point is found where it is not at the
     end.
@@ -55,14 +56,14 @@ def _into(walk: Walk, excitation: Excitation, low: float, high: float, upwards: 
     """
     end, sign = (low, 1.0) if upwards else (high, -1.0)
     stopped: BranchStoppedError | None = None
-    for share in (0.0, *walk.options.outside):
+    for share in (0.0, *stepper.options.outside):
         w = end - sign * share * (high - low)
         try:
-            solution = first_point(walk.system, excitation, w, walk.options.persistent)
-            start = point_at(solution, excitation, walk.scale_w, (0 * solution.x, sign), 0.0)
+            solution = first_point(stepper.system, excitation, w, stepper.options.persistent)
+            start = point_at(solution, excitation, stepper.scale_w, (0 * solution.x, sign), 0.0)
             if share <= 0:
                 return [start]
-            if inside := _as_far_as(walk, start, low, high):
+            if inside := _continued_into(stepper, start, low, high):
                 return inside
         except BranchStoppedError as stop:
             stopped = stopped or stop
@@ -70,15 +71,15 @@ def _into(walk: Walk, excitation: Excitation, low: float, high: float, upwards: 
     raise stopped
 
 
-def _as_far_as(walk: Walk, start: BranchPoint, low: float, high: float) -> Sequence[BranchPoint]:
+def _continued_into(stepper: PredictorCorrector, start: BranchPoint, low: float, high: float) -> Sequence[BranchPoint]:
     """From `start` into the window; none where the branch turns away from it."""
-    behind, step = traversed([start]), walk.options.first_step
+    traced, step = TracedBranch.through([start]), stepper.options.first_step
     away = max(low - start.w, start.w - high)
-    for _ in range(walk.options.max_points):
-        following, step = walk.following(behind, min(step, walk.options.largest_step))
-        behind, last = behind.then(following), following[-1]
+    for _ in range(stepper.options.max_points):
+        points, step = stepper.next_points(traced, min(step, stepper.options.largest_step))
+        traced, last = traced.extended(points), points[-1]
         if low <= last.w <= high:
-            return behind.points
+            return traced.points
         if max(low - last.w, last.w - high) > away:
             break
     return []

@@ -9,7 +9,7 @@ from updamp.hbm.continuation.branch import BranchPoint, branch_point
 from updamp.hbm.continuation.continuation import continue_branch
 from updamp.hbm.continuation.curve_records import CurveRequest, Records
 from updamp.hbm.continuation.response_curve import ResponseCurve
-from updamp.hbm.continuation.segment import Leg
+from updamp.hbm.continuation.segment import BranchSegment
 from updamp.hbm.continuation.two_ends import from_both_ends
 from updamp.hbm.problem.system import NonlinearSystem
 
@@ -17,8 +17,8 @@ __all__ = ["CurveRequest", "trace"]
 
 
 # So many points are traced from one end alone, as many as most curves have; then from both in turn. A branch that goes
-# on as it should costs no more that way; one that was led astray is met from the other end.
-_ALONE = 200
+# on as it should costs no more that way; one that was lost at a kink is met from the other end.
+_FROM_ONE_END = 200
 
 
 def trace(
@@ -34,28 +34,28 @@ def trace(
         yield resume_from
         return
     earlier = resume_from if resume_from is not None and len(resume_from) >= 2 else None
-    first = _leg(system, request, request.upwards, started, earlier)
-    while first.going and len(first.records) < _ALONE:
-        if first.step() is not None:
+    first = _segment(system, request, request.upwards, started, earlier)
+    while first.active and len(first.records) < _FROM_ONE_END:
+        if first.next_point() is not None:
             yield first.curve()
-    if first.through:
+    if first.crossed_window:
         yield first.curve()
         return
-    yield from from_both_ends(system, request, first, _leg(system, request, not request.upwards, started))
+    yield from from_both_ends(system, request, first, _segment(system, request, not request.upwards, started))
 
 
-def _leg(
+def _segment(
     system: NonlinearSystem, request: CurveRequest, upwards: bool, started: float, earlier: ResponseCurve | None = None
-) -> Leg:
-    """The piece from the lower end of the window (upwards) or the upper one; earlier: what there is of it"""
-    behind = _last_points(system, request, earlier) if earlier is not None else ()
-    points = continue_branch(system, request.excitation, request.window, request.options, upwards, behind)
-    return Leg(Records(system, request, started, earlier), 1.0 if upwards else -1.0, points, behind)
+) -> BranchSegment:
+    """From the lower end of the window (upwards) or the upper one; earlier: what there is of it"""
+    resumed = _last_points(system, request, earlier) if earlier is not None else ()
+    points = continue_branch(system, request.excitation, request.window, request.options, upwards, resumed)
+    return BranchSegment(Records(system, request, started, earlier), 1.0 if upwards else -1.0, points, resumed)
 
 
 def _last_points(system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve) -> Sequence[BranchPoint]:
     """The last two points of a stored curve as points of a branch, tangents computed anew."""
     scale_w = request.options.scale_w(request.window)
     places = [(curve.displacement[i], 2 * np.pi * curve.frequency[i]) for i in (-2, -1)]
-    onwards = (places[1][0] - places[0][0], places[1][1] - places[0][1])
-    return [branch_point(system, request.excitation, x, w, scale_w, onwards) for x, w in places]
+    direction = (places[1][0] - places[0][0], places[1][1] - places[0][1])
+    return [branch_point(system, request.excitation, x, w, scale_w, direction) for x, w in places]

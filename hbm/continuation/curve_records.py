@@ -10,7 +10,6 @@ from updamp.hbm.continuation.branch import BranchPoint
 from updamp.hbm.continuation.continuation import ContinuationOptions
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.newton import observe
-from updamp.hbm.newton import observe as energy
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 
@@ -19,7 +18,7 @@ class CurveRequest:
     """What to trace: a branch through `window` [Hz] at constant force, seen at named points.
 
     mode: its name in the study; upwards: start at the lower end of the window
-    connecting: where a curve is traced from both ends and its pieces cover the window, so many points more are spent,
+    connecting: where a curve is traced from both ends and its segments cover the window, so many points more are spent,
         from where they turn back, on what connects them. It may be long: a hysteresis with many contacts that change
         their states on the way between its folds
     """
@@ -59,9 +58,9 @@ class Records:
             "frequency": point.frequency,
             "displacement": point.x,
             "response": response[:-1],
-            "work_in": energy.work_in(self.system, excitation, response[-1]),
-            "friction_loss": float(energy.friction_loss(self.system, point.x, point.w).sum()),
-            "material_loss": energy.material_loss(equation, excitation),
+            "work_in": observe.work_in(self.system, excitation, response[-1]),
+            "friction_loss": float(observe.friction_loss(self.system, point.x, point.w).sum()),
+            "material_loss": observe.material_loss(equation, excitation),
             "iterations": point.solution.iterations,
             "error": equation.error,
             "active": point.solution.jacobian.n_active,
@@ -76,10 +75,10 @@ class Records:
             del values[length:]
 
     def joined(self, second: "Records", complete: bool, stopped: str = "", gap: bool = True) -> ResponseCurve:
-        """This piece, and after it the second one the other way round; gap: whether one lies between them."""
+        """This segment, and after it the second one the other way round; gap: whether one lies between them."""
         if not second.columns["after_gap"]:
             return self.curve(complete, stopped)
-        # A gap of the second piece comes before the point that follows it in its own direction.
+        # A gap of the second segment comes before the point that follows it in its own direction.
         second.columns["after_gap"] = [gap and bool(self.columns["after_gap"]), *second.columns["after_gap"][1:]]
         gaps = np.roll(second.columns["after_gap"], -1)
         for name in COLUMNS:

@@ -1,21 +1,28 @@
-"""The first point of a branch: a solution at a given frequency, from nothing."""
+"""The first point of a branch: a solution at a given frequency, from nothing.
+
+From the stuck response, from the response without any contact, or by continuation in the force at that frequency
+(`ForceRamp`), from a force so small that all contacts stick.
+"""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from updamp.hbm.continuation.branch import BranchPoint, point_at
-from updamp.hbm.continuation.predictor_corrector import BranchStoppedError, ContinuationOptions, Walk
-from updamp.hbm.continuation.retracing import traversed
+from updamp.hbm.continuation.predictor_corrector import BranchStoppedError, ContinuationOptions, PredictorCorrector
+from updamp.hbm.continuation.retracing import TracedBranch
 from updamp.hbm.newton.newton import NewtonOptions, Solution, Status, linear_solution, open_solution, solve
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
-# The force as what varies along a branch, at a fixed frequency.
+# Most steps in the force; folds of faces that separate take some hundred. Where they were many more, they led nowhere.
+_FORCE_STEPS = 400
+# Forces that are tried as small enough, a factor sqrt(10) apart: down to a million times below the one asked for.
+_SMALL_FORCES = 13
 
 
 @dataclass(frozen=True)
 class ForceRamp:
-    """A harmonic point force on `row` at w [rad/s]. The parameter is the logarithm of the force [N]."""
+    """What varies along a branch at a fixed frequency w [rad/s]: the force on `row`, by its logarithm [ln N]."""
 
     row: int
     w: float
@@ -32,12 +39,6 @@ def _force(parameter: float) -> float:
     return float(np.exp(np.clip(parameter, -100.0, 100.0)))
 
 
-# Steps in the force; folds of faces that separate take some hundred. Where they were many more, they led nowhere.
-_RAMP = 400
-# Forces that are tried as small enough: a million times below the one asked for.
-_LOWEST = 13
-
-
 def first_point(
     system: NonlinearSystem, excitation: Excitation, w: float, options: NewtonOptions | None = None
 ) -> Solution:
@@ -51,54 +52,56 @@ def first_point(
         solution = solve(system, excitation, guess(system, w, excitation), w, options)
         if solution.converged:
             return solution
-    return raised(system, excitation, w, ContinuationOptions(persistent=options))
+    return by_force_continuation(system, excitation, w, ContinuationOptions(persistent=options))
 
 
-def raised(system: NonlinearSystem, excitation: Excitation, w: float, options: ContinuationOptions) -> Solution:
+def by_force_continuation(
+    system: NonlinearSystem, excitation: Excitation, w: float, options: ContinuationOptions
+) -> Solution:
     """The solution at w at which the branch from a small force first comes to the force asked for.
 
     With the force below what any contact slips at there is one solution, all stuck. From there the branch is followed
     in the force, back and forth through its folds: where faces separate it turns round many times, so that a force that
     is only raised finds no way on.
 
-    raises: BranchStoppedError where the branch stops, or does not come to that force in `_RAMP` steps
+    raises: BranchStoppedError where the branch stops, or does not come to that force in `_FORCE_STEPS` steps
     """
     ramp, target = ForceRamp(excitation.row, w), float(np.log(excitation.force))
-    walk = Walk(system, ramp, options, 1.0)
-    behind, step = traversed([_small_force(system, ramp, target, options)]), options.first_step
-    for _ in range(_RAMP):
+    stepper = PredictorCorrector(system, ramp, options, 1.0)
+    traced, step = TracedBranch.through([_small_force(system, ramp, target, options)]), options.first_step
+    for _ in range(_FORCE_STEPS):
         try:
-            following, step = walk.following(behind, min(step, options.largest_step))
+            points, step = stepper.next_points(traced, min(step, options.largest_step))
         except BranchStoppedError as stop:
             raise BranchStoppedError(w / (2 * np.pi), stop.error, stop.status) from stop
-        before, behind = behind.last, behind.then(following)
-        if behind.last.w >= target:
-            return _at_force(system, excitation, (before, behind.last), (w, target), options)
-    raise BranchStoppedError(w / (2 * np.pi), behind.last.solution.errors[-1], Status.TOO_MANY_ITERATIONS)
+        before, traced = traced.last, traced.extended(points)
+        if traced.last.w >= target:
+            return _at_force(system, excitation, (before, traced.last), (w, target), options)
+    raise BranchStoppedError(w / (2 * np.pi), traced.last.solution.errors[-1], Status.TOO_MANY_ITERATIONS)
 
 
 def _small_force(system: NonlinearSystem, ramp: ForceRamp, target: float, options: ContinuationOptions) -> BranchPoint:
     """The response to the largest of target, target / sqrt(10), ... at which all stick, or to the smallest of them."""
-    level = target
-    for i in range(_LOWEST):
-        w, excitation = ramp.at(level)
-        solution = solve(system, ramp, linear_solution(system, w, excitation), level, options.persistent)
+    log_force = target
+    for i in range(_SMALL_FORCES):
+        w, excitation = ramp.at(log_force)
+        solution = solve(system, ramp, linear_solution(system, w, excitation), log_force, options.persistent)
         stuck = solution.jacobian is not None and not solution.jacobian.n_active
-        if solution.converged and (stuck or i == _LOWEST - 1):
+        if solution.converged and (stuck or i == _SMALL_FORCES - 1):
             return point_at(solution, ramp, 1.0, (0 * solution.x, 1.0), 0.0)
-        level -= np.log(10) / 2
+        log_force -= np.log(10) / 2
     raise BranchStoppedError(ramp.w / (2 * np.pi), solution.errors[-1], solution.status)
 
 
 def _at_force(
     system: NonlinearSystem,
     excitation: Excitation,
-    around: tuple[BranchPoint, BranchPoint],
+    neighbours: tuple[BranchPoint, BranchPoint],
     place: tuple[float, float],
     options: ContinuationOptions,
 ) -> Solution:
     """Between two points of a branch in the force, or beyond them, at the force itself; place: (w, its logarithm)"""
-    (a, b), (w, target) = around, place
+    (a, b), (w, target) = neighbours, place
     share = (target - a.w) / (b.w - a.w)
     for x in (a.x + share * (b.x - a.x), b.x, a.x):
         for support in options.supports:

@@ -1,5 +1,5 @@
-"""Over a place where the response jumps: where contacts give way together the branch turns back and forth in corners
-too sharp and too many to follow, with amplitude and frequency all but standing while the mean position changes.
+"""Across a place where the response jumps: contacts give way together and the branch turns back and forth in kinks too
+sharp and too many to follow, with amplitude and frequency all but standing while the mean position changes.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -7,7 +7,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 from updamp.hbm.continuation.branch import BranchPoint, point_at
-from updamp.hbm.continuation.retracing import Traversed
+from updamp.hbm.continuation.retracing import TracedBranch
 from updamp.hbm.newton.metric import Move
 from updamp.hbm.newton.newton import Arc, NewtonOptions, solve
 from updamp.hbm.problem.system import Forcing, NonlinearSystem
@@ -16,30 +16,30 @@ from updamp.hbm.problem.system import Forcing, NonlinearSystem
 _NO_GAP = 0.1
 
 
-def land_beyond(
+def point_beyond_gap(
     system: NonlinearSystem,
     excitation: Forcing,
-    behind: Traversed,
+    traced: TracedBranch,
     lengths: Sequence[float],
     options: NewtonOptions,
 ) -> BranchPoint | None:
-    """A point about one of `lengths` beyond the last one, not on what was traversed; one with the branch's orientation
+    """A point about one of `lengths` beyond the last one, not on what was traced; one with the branch's orientation
     (hbm/continuation/branch_switching.py) rather than a nearer one without.
     """
-    last, other = behind.last, None
+    last, other = traced.last, None
     for length in lengths:
-        for x, w in _guesses(behind.points, length):
-            way = (x - last.x, w - last.w)
-            size = last.metric.length(way)
-            plane = Arc(x, w, (way[0] / size, way[1] / size), last.metric)
+        for x, w in _guesses(traced.points, length):
+            ahead = (x - last.x, w - last.w)
+            size = last.metric.length(ahead)
+            plane = Arc(x, w, (ahead[0] / size, ahead[1] / size), last.metric)
             solution = solve(system, excitation, x, w, options, plane)
             if not solution.converged:
                 continue
-            onwards, away = last.to(solution), last.distance(solution)
-            point = point_at(solution, excitation, last.metric.scale_w, onwards, away, after_gap=True)
-            # beyond the last point, and about as far as was leapt: elsewhere it is some other branch
-            near = 0.5 * length < away < 1.6 * length and last.metric.product(onwards, way) > 0
-            if not near or behind.meets(point):
+            move, away = last.move_to(solution), last.distance(solution)
+            point = point_at(solution, excitation, last.metric.scale_w, move, away, after_gap=True)
+            # beyond the last point, and about as far as was asked for: elsewhere it is some other branch
+            near = 0.5 * length < away < 1.6 * length and last.metric.product(move, ahead) > 0
+            if not near or traced.contains(point):
                 continue
             if point.orientation == last.orientation:
                 return point
@@ -47,15 +47,16 @@ def land_beyond(
     return other
 
 
-def towards_the_gap(backwards: Iterable[BranchPoint], landed: BranchPoint, last: BranchPoint) -> Sequence[BranchPoint]:
-    """The far side of a jump in the order of the branch: `backwards` runs from `landed` towards the gap.
+def back_to_gap(backwards: Iterable[BranchPoint], far: BranchPoint, last: BranchPoint) -> Sequence[BranchPoint]:
+    """The far side of a jump in the order of the branch: `backwards` runs from `far` towards the gap.
 
-    Followed as long as it comes no nearer to `last` than an ordinary step, and for no longer than the leap was twice.
+    Followed as long as it comes no nearer to `last` than an ordinary step, and for no longer than twice the jump.
     """
-    way, leap, found = 0.0, last.distance(landed), [landed]
+    length, jump, found = 0.0, last.distance(far), [far]
     for point in backwards:
-        way += point.step
-        if last.distance(point) < _NO_GAP or way > 2 * leap or last.metric.product(last.to(point), last.tangent) < 0:
+        length += point.step
+        behind_last = last.metric.product(last.move_to(point), last.tangent) < 0
+        if last.distance(point) < _NO_GAP or length > 2 * jump or behind_last:
             break
         found.append(replace(point, tangent_x=-point.tangent_x, tangent_w=-point.tangent_w))
     found.reverse()

@@ -1,4 +1,4 @@
-"""Beyond a place where a branch stops from both sides: taken up afresh at fixed frequencies, a little ahead.
+"""Restarts beyond a place where a branch stops from both sides: new first points at fixed frequencies, a little ahead.
 
 That is what a sweep does there: the response leaves one branch and goes on along another. What lies between is marked
 as a gap, and a branch found this way may be one of several.
@@ -15,14 +15,14 @@ from updamp.hbm.continuation.first_point import first_point
 from updamp.hbm.newton.newton import Solution, solve
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
-# How far ahead a new start is tried, as shares of the window; after these, no more.
+# How far ahead a restart is tried, as shares of the window; after these, no more.
 AHEAD = (0.0025, 0.005, 0.01, 0.02, 0.04)
-# So many new starts a curve at most.
-STARTS = 24
+# So many restarts a curve at most.
+MOST_RESTARTS = 24
 
 
 @dataclass(frozen=True, eq=False)
-class Bridge:
+class Restart:
     """sign: 1 upwards, -1 downwards; until: where it may end [rad/s]"""
 
     system: NonlinearSystem
@@ -33,21 +33,21 @@ class Bridge:
     until: float
 
     def points(self, furthest: BranchPoint) -> Iterator[BranchPoint]:
-        """Points beyond `furthest`, those after a gap marked, until `until` is passed or no new start is found."""
+        """Points beyond `furthest`, those after a gap marked, until `until` is passed or no restart is found."""
         reached = furthest
-        for _ in range(STARTS):
+        for _ in range(MOST_RESTARTS):
             start = self._start(reached)
             if start is None:
                 return
             reached = start
-            for point in self._along(start):
+            for point in self._continued(start):
                 yield point
                 reached = point if self.sign * (point.w - reached.w) > 0 else reached
                 if self.sign * (point.w - self.until) >= 0:
                     return
 
-    def _along(self, start: BranchPoint) -> Iterator[BranchPoint]:
-        """The start and what follows it, as far as that does not fall back behind it."""
+    def _continued(self, start: BranchPoint) -> Iterator[BranchPoint]:
+        """The start and the points that follow it, until the branch falls back behind it."""
         yield start
         try:
             for point in continue_branch(
@@ -68,8 +68,8 @@ class Bridge:
                 w = self.until
             solution = self._solved(last, w)
             if solution is not None:
-                onwards = (0 * solution.x, self.sign)
-                return point_at(solution, self.excitation, last.metric.scale_w, onwards, 0.0, after_gap=True)
+                direction = (0 * solution.x, self.sign)
+                return point_at(solution, self.excitation, last.metric.scale_w, direction, 0.0, after_gap=True)
         return None
 
     def _solved(self, last: BranchPoint, w: float) -> Solution | None:

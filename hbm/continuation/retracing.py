@@ -1,4 +1,8 @@
-"""What lies behind the last point of a branch, so that the branch does not run back over itself or round in circles."""
+"""Whether a point found ahead belongs to the branch: not on a part that was traced already, nor on another branch.
+
+`TracedBranch` keeps what was traced, so that the branch does not run back over itself or round in circles.
+`on_same_branch` asks whether the branch leads from its last point to the one that Newton's method has found.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,17 +15,22 @@ from updamp.hbm.newton.metric import Metric, Move
 
 Floats = NDArray[np.float64]
 
-# Points kept whole, to guess from; of the others their places are kept.
-_WHOLE = 60
-# A point so far off a piece, in shares of the piece and of the step that led to it, is on it.
-_OFF = 0.1
+# Points kept as they are, to predict from; of the others only the chords between them.
+_POINTS_KEPT = 60
+# A point no further off a chord than this share of the chord, and of the step that led to the point, is on it.
+_OFF_CHORD = 0.1
 # Two mean positions closer than this share of their size are the same.
 _SAME_MEAN = 0.05
+# Steps up to this length may pass a bifurcation, where the orientation changes; in a longer one the change of
+# orientation tells another branch.
+_BIFURCATION = 2e-3
+# Least cosine between tangent and move: of an ordinary step, and of one through a bifurcation.
+_AHEAD, _STRAIGHT = 0.3, 0.9
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
-    """Of the branch, between two neighbouring points (x, w); orientation: that of its end, None where not known."""
+class Chord:
+    """Between two neighbouring points (x, w) of a branch; orientation: that of its end, None where not known."""
 
     start: tuple[Floats, float]
     end: tuple[Floats, float]
@@ -29,98 +38,91 @@ class Piece:
 
 
 @dataclass(frozen=True, eq=False)
-class Traversed:
-    """points: the last ones; pieces: all, but for gaps"""
+class TracedBranch:
+    """points: the last ones; chords: between all neighbouring points, but for gaps"""
 
     points: Sequence[BranchPoint]
-    pieces: Sequence[Piece] = ()
+    chords: Sequence[Chord] = ()
+
+    @staticmethod
+    def through(points: Sequence[BranchPoint]) -> "TracedBranch":
+        return TracedBranch(points[:1]).extended(points[1:])
 
     @property
     def last(self) -> BranchPoint:
         return self.points[-1]
 
-    def then(self, following: Sequence[BranchPoint]) -> "Traversed":
+    def extended(self, points: Sequence[BranchPoint]) -> "TracedBranch":
+        """By the points that follow the last one."""
         added, before = [], self.last
-        for point in following:
+        for point in points:
             if not point.after_gap:
-                added.append(Piece((before.x, before.w), (point.x, point.w), point.orientation))
+                added.append(Chord((before.x, before.w), (point.x, point.w), point.orientation))
             before = point
-        return Traversed([*self.points, *following][-_WHOLE:], [*self.pieces, *added])
+        return TracedBranch([*self.points, *points][-_POINTS_KEPT:], [*self.chords, *added])
 
-    def meets(self, point: BranchPoint) -> bool:
-        """Whether the point lies on a piece that was traversed, not beyond the last point.
+    def contains(self, point: BranchPoint) -> bool:
+        """Whether the point lies on a chord that was traced, not beyond the last point.
 
         The metric hardly sees the mean position; the same vibration about another mean position is another branch. So
-        is the other leg of a narrow hairpin: whoever goes back along a branch has the other orientation
-        (hbm/continuation/branch_switching.py), and whoever goes back with the same one is on another leg.
+        is the other side of a sharp fold: whoever goes back along a branch has the other orientation
+        (hbm/continuation/branch_switching.py), and whoever goes back with the same one is on the fold's other side.
         """
-        return self.piece_under(point, self.last.metric, self.last.distance(point)) is not None
+        return self.chord_at(point, self.last.metric, self.last.distance(point)) is not None
 
-    def piece_under(self, point: BranchPoint, metric: Metric, step: float) -> int | None:
-        """Number of the first piece that the point lies on; step: its distance from the one before [arc]"""
-        reach = _OFF * step * metric.scale_w
-        for i, piece in enumerate(self.pieces):
-            low, high = sorted((piece.start[1], piece.end[1]))
+    def chord_at(self, point: BranchPoint, metric: Metric, step: float) -> int | None:
+        """Number of the first chord that the point lies on; step: its distance from the one before [arc]"""
+        reach = _OFF_CHORD * step * metric.scale_w
+        for i, chord in enumerate(self.chords):
+            low, high = sorted((chord.start[1], chord.end[1]))
             slack = reach + 0.05 * (high - low)
-            if low - slack <= point.w <= high + slack and _on(piece, point, metric, step):
+            if low - slack <= point.w <= high + slack and _lies_on(chord, point, metric, step):
                 return i
         return None
 
 
-def _on(piece: Piece, point: BranchPoint, metric: Metric, step: float) -> bool:
-    (x, w) = piece.start
-    along, off = (piece.end[0] - x, piece.end[1] - w), (point.x - x, point.w - w)
+def _lies_on(chord: Chord, point: BranchPoint, metric: Metric, step: float) -> bool:
+    (x, w) = chord.start
+    along, off = (chord.end[0] - x, chord.end[1] - w), (point.x - x, point.w - w)
     length = metric.length(along)
     share = metric.product(along, off) / length**2
     if not -0.05 < share < 0.95:
         return False
     rest = (off[0] - share * along[0], off[1] - share * along[1])
-    if metric.length(rest) > _OFF * min(length, step):
+    if metric.length(rest) > _OFF_CHORD * min(length, step):
         return False
     if float(np.linalg.norm(rest[0])) > _SAME_MEAN * float(np.linalg.norm(point.x)):
         return False
-    if piece.orientation is None or point.orientation is None:
+    if chord.orientation is None or point.orientation is None:
         return True
     back = metric.product(along, point.tangent) < 0
-    return (piece.orientation == point.orientation) != back
+    return (chord.orientation == point.orientation) != back
 
 
-def traversed(points: Sequence[BranchPoint]) -> Traversed:
-    return Traversed(points[:1]).then(points[1:])
-
-
-# Whether a branch runs from one point to another that Newton's method has found ahead of it.
-
-# A change of orientation further apart than this is no bifurcation that was passed, but another branch.
-_BIFURCATION = 2e-3
-# Cosines between tangent and move: of an ordinary step, and of one through a bifurcation.
-_AHEAD, _STRAIGHT = 0.3, 0.9
-
-
-def goes_on(last: BranchPoint, point: BranchPoint) -> bool:
+def on_same_branch(last: BranchPoint, point: BranchPoint) -> bool:
     """Whether the branch runs from one to the other: ahead, and with its orientation kept
     (hbm/continuation/branch_switching.py).
 
     The response of a symmetric structure is symmetric, and goes straight on through bifurcations to asymmetric ones;
-    the sign changes there. Where it is dear to know, it is not asked for.
+    the sign changes there. Where it is costly to know, it is not asked for.
     """
-    move = last.to(point)
+    move = last.move_to(point)
     cosine = point.metric.product(point.tangent, move) / point.metric.length(move)
     before, after = last.orientation, point.orientation
     kept = before is None or after is None or before == after
     ahead = cosine > _AHEAD if kept else point.step < _BIFURCATION and cosine > _STRAIGHT
-    return ahead and (point.step < _BIFURCATION or _led_there(last, point))
+    return ahead and (point.step < _BIFURCATION or _tangents_account_for(last, point))
 
 
-def _led_there(last: BranchPoint, point: BranchPoint) -> bool:
+def _tangents_account_for(last: BranchPoint, point: BranchPoint) -> bool:
     """Whether the tangents at both points account for the move: else it ended on another branch.
 
-    Between them the branch turns once at most, smoothly or in a corner, so that the move differs from the mean of the
+    Between them the branch turns once at most, smoothly or in a kink, so that the move differs from the mean of the
     tangents by half their difference at most. Asked of mean position, vibration and frequency each.
     """
     length, metric = point.step, last.metric
     unit = metric.length(point.tangent)
-    (move_x, move_w), (x0, w0) = last.to(point), last.tangent
+    (move_x, move_w), (x0, w0) = last.move_to(point), last.tangent
     x1, w1 = point.tangent_x / unit, point.tangent_w / unit
     off = (move_x / length - (x0 + x1) / 2, move_w / length - (w0 + w1) / 2)
     turn = (x1 - x0, w1 - w0)

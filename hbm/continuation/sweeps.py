@@ -27,8 +27,8 @@ def turning_points(frequency: Floats) -> Integers:
 
 def sweep(frequency: Floats, upwards: bool) -> Sweep:
     """Follow the branch with rising (or falling) frequency; where it turns back, jump to the next part further along
-    that exists at the same frequency. Parts traversed against the sweep lie between two turning points: a sweep
-    does not see them.
+    that exists at the same frequency. Parts that run against the sweep lie between two turning points: a sweep does
+    not see them.
 
     frequency: (n,) [Hz] in the order of the branch, which starts and ends at opposite sides of the window
     raises: ValueError for fewer than two points
@@ -47,17 +47,17 @@ def sweep(frequency: Floats, upwards: bool) -> Sweep:
         falls = np.flatnonzero(np.diff(along[start:]) < 0)
         end = start + int(falls[0]) if len(falls) else len(along) - 1
         visited.extend(order[start : end + 1])
-        landing = _landing(along, end)
-        if landing is None:
+        after_jump = _after_jump(along, end)
+        if after_jump is None:
             break
         jumps.append(frequency[order[end]])
         jump_after.append(len(visited) - 1)
-        start = landing
+        start = after_jump
     return Sweep(np.array(visited), np.array(jumps), np.array(jump_after, dtype=np.int64))
 
 
-def _landing(along: Floats, end: int) -> int | None:
-    """First later place beyond the fold's frequency, on a part that the sweep traverses forwards."""
+def _after_jump(along: Floats, end: int) -> int | None:
+    """First later place beyond the fold's frequency, on a part that runs with the sweep."""
     later = np.arange(end + 1, len(along))
     beyond = later[(along[later] > along[end]) & (np.diff(along[end:]) > 0)]
     return int(beyond[0]) if len(beyond) else None

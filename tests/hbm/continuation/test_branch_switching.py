@@ -1,4 +1,4 @@
-"""Corners: folds without a rounded top, orientation, and steps of a law sampled in time."""
+"""Branch switching at kinks: folds without a rounded top, orientation, and what lies on the branch already."""
 
 from dataclasses import replace
 
@@ -8,10 +8,10 @@ from support.peers import blades_and_damper_system, one_degree_of_freedom, solve
 
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring, UnilateralParameters, UnilateralSpring
-from updamp.hbm.continuation import predictor_corrector as walk
-from updamp.hbm.continuation.branch_switching import leads_back
+from updamp.hbm.continuation import predictor_corrector
+from updamp.hbm.continuation.branch_switching import lies_on_last_points
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions, continue_branch, first_point
-from updamp.hbm.continuation.retracing import traversed
+from updamp.hbm.continuation.retracing import TracedBranch
 from updamp.hbm.newton.active_forces import DirectForces, KrylovForces, ModalForces
 from updamp.hbm.newton.jacobian import factorise
 from updamp.hbm.newton.newton import NewtonOptions, evaluate, solve
@@ -34,9 +34,9 @@ def against_a_stop(request):
     return system, Excitation(system.free.row("mass"), force)
 
 
-def walked(system, excitation, points=60, **steps):
+def followed(system, excitation, points=60, **steps):
     found = []
-    options = ContinuationOptions(max_points=points, leaps=(), steps_over=(), **steps)
+    options = ContinuationOptions(max_points=points, jumps=(), skips=(), **steps)
     try:
         for point in continue_branch(system, excitation, WINDOW, options, upwards=False):
             found.append(point)
@@ -45,14 +45,14 @@ def walked(system, excitation, points=60, **steps):
     return found, None
 
 
-def test_branch_goes_round_a_fold_without_a_top(against_a_stop):
-    found, stop = walked(*against_a_stop)
+def test_branch_is_continued_through_a_fold_without_a_rounded_top(against_a_stop):
+    found, stop = followed(*against_a_stop)
     assert stop is None
     w, size = np.array([(p.w, np.linalg.norm(p.x)) for p in found]).T
     turn = int(np.argmin(w))
     assert w[turn] == pytest.approx(1.35, abs=0.01)
     assert 0 < turn < len(w) - 1
-    assert (np.diff(w[turn + 1 :]) > 0).all(), "beyond the corner the branch goes up again"
+    assert (np.diff(w[turn + 1 :]) > 0).all(), "beyond the kink the branch goes up again"
     assert (size[turn + 1 :] > 0.99 * GAP).all(), "along the stop"
     assert len({p.orientation for p in found}) == 1
 
@@ -60,29 +60,29 @@ def test_branch_goes_round_a_fold_without_a_top(against_a_stop):
 @pytest.mark.parametrize("smallest_step", [0.005, 0.01, 0.013, 0.02, 0.04])
 def test_branch_switching_does_not_depend_on_how_small_the_smallest_step_is(against_a_stop, smallest_step):
     """The kink lies anywhere within the smallest step ahead of the last point."""
-    found, stop = walked(*against_a_stop, smallest_step=smallest_step)
+    found, stop = followed(*against_a_stop, smallest_step=smallest_step)
     assert stop is None
-    assert found[-1].w > 1.4, "beyond the corner the branch goes up again"
+    assert found[-1].w > 1.4, "beyond the kink the branch goes up again"
 
 
 def test_without_the_far_sides_tangent_it_stops_there(against_a_stop, monkeypatch):
-    monkeypatch.setattr(walk, "ways_on", lambda *_: iter(()))
-    found, stop = walked(*against_a_stop)
+    monkeypatch.setattr(predictor_corrector, "directions_beyond_kink", lambda *_: iter(()))
+    found, stop = followed(*against_a_stop)
     assert stop is not None
     assert found[-1].w == pytest.approx(1.35, abs=0.01)
 
 
-def test_what_leads_back_is_told_from_what_leads_on(against_a_stop):
-    """Points between those of the leg that was walked, found anew, and the leg beyond the corner, close to it."""
+def test_points_on_the_last_part_are_told_from_those_beyond_the_kink(against_a_stop):
+    """Points between those found on the way down, solved anew, and those beyond the kink, close to it."""
     system, excitation = against_a_stop
-    found, _ = walked(system, excitation)
+    found, _ = followed(system, excitation)
     turn = int(np.argmin([p.w for p in found]))
     down, up = found[:turn], found[turn : turn + 4]
     a, b = down[-2:]
     between = solve(system, excitation, (a.x + b.x) / 2, (a.w + b.w) / 2)
     assert between.converged
-    assert leads_back(down, between)
-    assert not any(leads_back(down, point.solution) for point in up)
+    assert lies_on_last_points(down, between)
+    assert not any(lies_on_last_points(down, point.solution) for point in up)
 
 
 def duffing():
@@ -99,15 +99,16 @@ def test_orientation_stays_through_folds():
     assert {p.orientation for p in points} == {1.0}
 
 
-def test_a_branch_walked_back_is_recognised_by_its_orientation():
-    """The same place, walked the same way round and back: only who goes back is on what was traversed."""
+def test_a_branch_traced_back_is_recognised_by_its_orientation():
+    """The same place, reached in either direction, is on what was traced; back with the orientation of the first time,
+    it is not."""
     points = list(continue_branch(*duffing(), (0.5 / 2 / np.pi, 2.0 / 2 / np.pi)))
-    behind, again = traversed(points[:20]), points[15]
+    traced, again = TracedBranch.through(points[:20]), points[15]
     back = replace(again, tangent_x=-again.tangent_x, tangent_w=-again.tangent_w)
-    assert behind.meets(back)
-    assert behind.meets(again)
-    other_leg = replace(again, tangent_x=-again.tangent_x)  # back, though with the orientation of the way there
-    assert not behind.meets(other_leg)
+    assert traced.contains(back)
+    assert traced.contains(again)
+    other_side = replace(again, tangent_x=-again.tangent_x)  # of a sharp fold
+    assert not traced.contains(other_side)
 
 
 @pytest.mark.parametrize("solver", [DirectForces, KrylovForces, ModalForces])
@@ -141,7 +142,7 @@ def test_sign_of_the_determinant(solver):
 def test_undamped_steps_cross_a_kink_at_which_damped_ones_stay(against_a_stop):
     """From this side the full step rises before it falls."""
     system, excitation = against_a_stop
-    found, _ = walked(system, excitation)
+    found, _ = followed(system, excitation)
     beyond = max(found, key=lambda p: np.linalg.norm(p.x))
     start, w = 0.9 * beyond.x / np.linalg.norm(beyond.x), beyond.w
     full = solve(system, excitation, start, w, NewtonOptions(damped=False))

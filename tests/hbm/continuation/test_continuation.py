@@ -122,7 +122,7 @@ def test_a_branch_that_cannot_go_on_says_where_and_keeps_what_it_has():
         first_step=0.2,
         smallest_step=0.19,
         largest_step=0.2,
-        leaps=(),
+        jumps=(),
         newton=NewtonOptions(tolerance=1e-13, iterations=1),
     )
     request = CurveRequest(
@@ -145,7 +145,7 @@ def test_points_are_handed_out_one_by_one():
 
 
 def test_a_branch_that_stops_is_met_from_the_other_end(duffing, monkeypatch):
-    """The forward piece is cut short beyond the folds' first half; the other piece must complete the same curve."""
+    """The segment from below is cut short beyond the folds' first half; the other one must complete the same curve."""
     system, request, whole = duffing
     cut = len(whole) // 2
 

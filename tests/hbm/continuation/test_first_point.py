@@ -8,8 +8,8 @@ from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
 from updamp.hbm.continuation.branch import branch_point, point_after
 from updamp.hbm.continuation.continuation import BranchStoppedError
-from updamp.hbm.continuation.first_point import ForceRamp, first_point, raised
-from updamp.hbm.continuation.predictor_corrector import ContinuationOptions, Walk
+from updamp.hbm.continuation.first_point import ForceRamp, by_force_continuation, first_point
+from updamp.hbm.continuation.predictor_corrector import ContinuationOptions, PredictorCorrector
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.newton.metric import Metric
 from updamp.hbm.newton.newton import Arc, NewtonOptions, Status, evaluate, linear_solution, solve
@@ -40,7 +40,7 @@ def amplitudes(force):
 def test_the_branch_from_a_small_force_is_followed_through_its_folds(hardening, force):
     """Below the fold the small response, the first that is met; beyond it the one that is left, two folds later."""
     system = hardening
-    solution = raised(system, Excitation(system.free.row("mass"), force), W, ContinuationOptions())
+    solution = by_force_continuation(system, Excitation(system.free.row("mass"), force), W, ContinuationOptions())
     assert solution.converged
     found = np.linalg.norm(solution.x)
     assert found == pytest.approx(amplitudes(force)[0], rel=1e-7)
@@ -51,22 +51,25 @@ def test_the_branch_from_a_small_force_is_followed_through_its_folds(hardening, 
 def test_both_ways_find_the_same_where_there_is_one_solution():
     system = blades_and_damper_system(JenkinsBox(2))
     excitation, w = Excitation(system.free.row("excitation"), 10.0), 2 * np.pi * 232.0
-    direct, along = first_point(system, excitation, w), raised(system, excitation, w, ContinuationOptions())
+    direct, along = (
+        first_point(system, excitation, w),
+        by_force_continuation(system, excitation, w, ContinuationOptions()),
+    )
     np.testing.assert_allclose(along.x, direct.x, atol=1e-6 * np.abs(direct.x).max())
 
 
 def test_where_the_branch_stops_the_frequency_is_said(hardening, monkeypatch):
     """Not the logarithm of the force, which is what varies along it."""
-    following = Walk.following
+    next_points = PredictorCorrector.next_points
 
-    def stops(walk, behind, step):
-        if np.exp(behind.last.w) > 0.5:
-            raise BranchStoppedError(behind.last.frequency, 1e-3, Status.STALLED)
-        return following(walk, behind, step)
+    def stops(stepper, traced, step):
+        if np.exp(traced.last.w) > 0.5:
+            raise BranchStoppedError(traced.last.frequency, 1e-3, Status.STALLED)
+        return next_points(stepper, traced, step)
 
-    monkeypatch.setattr(Walk, "following", stops)
+    monkeypatch.setattr(PredictorCorrector, "next_points", stops)
     with pytest.raises(BranchStoppedError, match="stalled") as stop:
-        raised(hardening, Excitation(hardening.free.row("mass"), 0.7), W, ContinuationOptions())
+        by_force_continuation(hardening, Excitation(hardening.free.row("mass"), 0.7), W, ContinuationOptions())
     assert stop.value.frequency == pytest.approx(W / 2 / np.pi)
 
 

@@ -1,4 +1,4 @@
-"""Starts elsewhere: beyond a place where a branch stops from both ends, from the other end, and outside the window."""
+"""Restarts beyond a place where a branch stops from both ends, and first points outside or inside the window."""
 
 from dataclasses import replace
 
@@ -11,7 +11,7 @@ from updamp.hbm.continuation import continuation
 from updamp.hbm.continuation import curve as curve_module
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions, continue_branch, first_point
 from updamp.hbm.continuation.curve import CurveRequest, trace
-from updamp.hbm.continuation.restart import Bridge
+from updamp.hbm.continuation.restart import Restart
 from updamp.hbm.newton.newton import Status
 from updamp.hbm.problem.elements import ElementGroup
 from updamp.hbm.problem.system import Excitation
@@ -26,8 +26,8 @@ def linear_oscillator():
     return system, CurveRequest("1", Excitation(system.free.row("mass"), d["P"]), WINDOW, ("mass",))
 
 
-def test_new_starts_cross_what_both_pieces_leave_out(monkeypatch):
-    """Both pieces are stopped on their ways, with a tenth of the window between them."""
+def test_restarts_cross_what_both_segments_leave_out(monkeypatch):
+    """Both segments are stopped with a tenth of the window between them."""
     system, request = linear_oscillator()
     *_, whole = trace(system, request)
     left_out = np.quantile(WINDOW, (0.5, 0.6))
@@ -51,7 +51,7 @@ def test_new_starts_cross_what_both_pieces_leave_out(monkeypatch):
 
 def test_a_branch_that_comes_back_is_traced_from_the_other_end(monkeypatch):
     """A branch that turns round and leaves the window where it began is not the one that leads through it. It is met
-    where it had not turned yet, and what it passed after that is left out.
+    where it had not turned yet, and what it traced after that is left out.
     """
     system, request = linear_oscillator()
     *_, whole = trace(system, request)
@@ -76,8 +76,8 @@ def test_a_branch_that_comes_back_is_traced_from_the_other_end(monkeypatch):
     assert abs(curve.peak("mass")[1] / whole.peak("mass")[1] - 1) < 1e-3
 
 
-def test_new_starts_go_on_from_a_piece_that_came_back(monkeypatch):
-    """The piece from below turns back at 0.2 of the window, the one from above stops at 0.3."""
+def test_restarts_go_on_from_a_segment_that_came_back(monkeypatch):
+    """The segment from below turns back at 0.2 of the window, the one from above stops at 0.3."""
     system, request = linear_oscillator()
     *_, whole = trace(system, request)
     turn, end = np.quantile(WINDOW, (0.2, 0.3))
@@ -155,8 +155,8 @@ def test_a_branch_begins_a_little_inside_where_its_end_has_no_first_point(monkey
 
 
 @pytest.mark.parametrize(("left_out", "complete"), [(0.03, True), (0.1, False)])
-def test_pieces_that_end_close_to_each_other_are_one_curve_with_a_gap(monkeypatch, left_out, complete):
-    """No nearer than the furthest new start that is tried: what lies beyond is known already."""
+def test_segments_that_end_close_to_each_other_are_one_curve_with_a_gap(monkeypatch, left_out, complete):
+    """Close: no further than the furthest restart that is tried, since what lies beyond is known already."""
     system, request = linear_oscillator()
     low, high = np.quantile(WINDOW, (0.5, 0.5 + left_out))
 
@@ -167,7 +167,7 @@ def test_pieces_that_end_close_to_each_other_are_one_curve_with_a_gap(monkeypatc
             yield point
 
     monkeypatch.setattr(curve_module, "continue_branch", stopped)
-    monkeypatch.setattr(Bridge, "_start", lambda *_: None)
+    monkeypatch.setattr(Restart, "_start", lambda *_: None)
     request = replace(request, options=ContinuationOptions(largest_step=0.06))
     *_, curve = trace(system, request)
     assert curve.complete == complete

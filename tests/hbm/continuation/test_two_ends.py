@@ -1,4 +1,4 @@
-"""A branch traced from both ends in turn: met within the other piece, and given up where the way between is long."""
+"""A branch traced from both ends in turn: met within the other segment, given up where what connects them is long."""
 
 from dataclasses import replace
 
@@ -37,7 +37,7 @@ def hysteresis():
 @pytest.mark.parametrize("alone", [2, 30])
 def test_the_same_curve_from_both_ends(hysteresis, monkeypatch, alone, upwards):
     system, request, whole = hysteresis
-    monkeypatch.setattr(curve_module, "_ALONE", alone)
+    monkeypatch.setattr(curve_module, "_FROM_ONE_END", alone)
     *_, curve = trace(system, replace(request, upwards=upwards))
     assert curve.complete
     assert not curve.after_gap.any()
@@ -51,7 +51,7 @@ def test_the_same_curve_from_both_ends(hysteresis, monkeypatch, alone, upwards):
 
 def test_an_interrupted_curve_goes_on_from_both_ends(hysteresis, monkeypatch):
     system, request, whole = hysteresis
-    monkeypatch.setattr(curve_module, "_ALONE", 20)
+    monkeypatch.setattr(curve_module, "_FROM_ONE_END", 20)
     for part in trace(system, request):
         if len(part) == 25:
             break
@@ -62,24 +62,24 @@ def test_an_interrupted_curve_goes_on_from_both_ends(hysteresis, monkeypatch):
     assert curve.peak("mass") == pytest.approx(whole.peak("mass"), rel=1e-3)
 
 
-def test_what_a_walk_passed_after_it_was_led_astray_is_left_out(hysteresis, monkeypatch):
-    """Below its first fold the piece from the lower end jumps to the other sheet and goes back along it, for ever."""
+def test_what_a_segment_traced_on_another_branch_is_left_out(hysteresis, monkeypatch):
+    """Below its first fold the segment from the lower end jumps to the other sheet and goes back along it, for ever."""
     system, request, whole = hysteresis
-    monkeypatch.setattr(curve_module, "_ALONE", 20)
+    monkeypatch.setattr(curve_module, "_FROM_ONE_END", 20)
     below, low = whole.frequency[turning_points(whole.frequency)][::-1]
-    astray = 0.5 * (below + low)
+    lost = 0.5 * (below + low)
 
-    def led_astray(system, excitation, window, options, upwards, resume=()):
+    def on_another_branch(system, excitation, window, options, upwards, resume=()):
         for point in continue_branch(system, excitation, window, options, upwards, resume):
             yield point
-            if upwards and point.frequency > astray:
+            if upwards and point.frequency > lost:
                 break
         else:
             return
         while True:
-            yield from continue_branch(system, excitation, (window[0], astray), options, False, ())
+            yield from continue_branch(system, excitation, (window[0], lost), options, False, ())
 
-    monkeypatch.setattr(curve_module, "continue_branch", led_astray)
+    monkeypatch.setattr(curve_module, "continue_branch", on_another_branch)
     *_, curve = trace(system, request)
     assert curve.complete
     assert not curve.after_gap.any()
@@ -87,10 +87,10 @@ def test_what_a_walk_passed_after_it_was_led_astray_is_left_out(hysteresis, monk
     assert len(turning_points(curve.frequency)) == 2
 
 
-def test_what_connects_two_pieces_is_not_followed_for_ever(hysteresis, monkeypatch):
+def test_what_connects_two_segments_is_not_followed_for_ever(hysteresis, monkeypatch):
     """Both sheets and their jumps are known before the unstable part between the folds is."""
     system, request, whole = hysteresis
-    monkeypatch.setattr(curve_module, "_ALONE", 2)
+    monkeypatch.setattr(curve_module, "_FROM_ONE_END", 2)
     *_, curve = trace(system, replace(request, connecting=4))
     assert curve.complete
     assert not curve.stopped
