@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from rich.console import Console
 
 from updamp.comparison.comparison import Comparison
 from updamp.diagnosis.criteria import Criteria
@@ -135,8 +136,8 @@ def resonance(
     return Resonance(curve)
 
 
-# The three below import on call: what compares, diagnoses and writes reports takes seconds to load with its pictures,
-# and an effect's file, which imports this module, is read by every process of a diagnosis.
+# The three below import on call: reports and pictures (plotly, matplotlib) take a second to load, and an effect's file,
+# which imports this module, is read by every process of a diagnosis.
 
 
 def compare(
@@ -158,8 +159,6 @@ def compare(
     quiet: no progress on the terminal
     raises: RigError, MeasurementError, ValueError: naming file, value and remedy
     """
-    from rich.console import Console
-
     from updamp.workflow.compare_run import CompareFiles, run_compare
 
     files = CompareFiles(_path(rig, "rig"), _path(measurement, "measurement"), _path(out, "out"))
@@ -194,8 +193,6 @@ def diagnose(
         left; criteria: what is decided by
     raises: RigError, MeasurementError, ValueError: naming file, value and remedy
     """
-    from rich.console import Console
-
     from updamp.workflow.compare_run import CompareFiles
     from updamp.workflow.diagnose_run import DiagnoseOptions
     from updamp.workflow.diagnose_run import diagnose as search

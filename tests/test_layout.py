@@ -1,5 +1,6 @@
 """The packages listed for installation are those on disk."""
 
+import ast
 import os
 import subprocess
 import sys
@@ -8,6 +9,13 @@ from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
 NOT_INSTALLED = {"tests", "build", "dist"}
+# docs/design.md says why each of them imports when it is called.
+IMPORT_ON_CALL = {
+    "api.py", "commands/effects.py", "fem/solvers/cholmod.py", "fem/solvers/pardiso.py", "model/rig_files.py",
+    "notebook/curve.py", "notebook/outcomes.py", "notebook/resonance.py", "pictures/scene.py", "pipeline.py",
+    "workflow/curve_jobs.py", "workflow/diagnose_run.py", "workflow/run.py", "workflow/run_outputs.py",
+    "workflow/stage_functions.py",
+}  # fmt: skip
 
 
 def packages_on_disk() -> set[str]:
@@ -24,6 +32,17 @@ def test_listed_packages_are_those_on_disk() -> None:
 def test_folders_with_code_are_packages() -> None:
     places = {path.parent for package in ("fem", "geometry", "hbm") for path in (ROOT / package).rglob("*.py")}
     assert [str(place) for place in places if not (place / "__init__.py").exists()] == []
+
+
+def test_imports_inside_functions_are_those_that_have_a_reason() -> None:
+    folders = [name.removeprefix("updamp.").replace(".", "/") for name in packages_on_disk()]
+    files = [*ROOT.glob("*.py"), *(path for folder in folders for path in (ROOT / folder).glob("*.py"))]
+    found = set()
+    for path in files:
+        functions = [n for n in ast.walk(ast.parse(path.read_text())) if isinstance(n, ast.FunctionDef)]
+        if any(isinstance(inside, ast.Import | ast.ImportFrom) for f in functions for inside in ast.walk(f)):
+            found.add(path.relative_to(ROOT).as_posix())
+    assert found == IMPORT_ON_CALL
 
 
 def test_root_is_no_package_of_its_own() -> None:

@@ -1,19 +1,19 @@
 """From a rig to its model in one call: stages taken from files where a folder is given, else computed in memory."""
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from rich.console import Console
+
+from updamp.effects.rig_model import RigModel
+from updamp.fem.reduced_model import ReducedModel
+from updamp.fem.static_contact.rest_state import StaticContact
+from updamp.model.build import modal_model, rig_model
 from updamp.rig.modal_rig import ModalRig
+from updamp.rig.rig import Rig
 from updamp.workflow import stages
+from updamp.workflow.progress import Display
+from updamp.workflow.run import Run, RunOptions
 from updamp.workflow.stage_functions import StageFunctions
-
-if TYPE_CHECKING:
-    from updamp.effects.rig_model import RigModel
-    from updamp.fem.reduced_model import ReducedModel
-    from updamp.fem.static_contact.rest_state import StaticContact
-    from updamp.rig.rig import Rig
 
 
 def model_of_rig(
@@ -26,8 +26,6 @@ def model_of_rig(
     functions: what each stage calls
     raises: ValueError naming a preset, an effect or a factor that the rig has no place for; what the stages raise
     """
-    from updamp.model.build import modal_model, rig_model  # on call: JAX takes 1.5 s to load
-
     if isinstance(rig, ModalRig):
         return modal_model(rig)
     if preset not in rig.mesh:
@@ -44,11 +42,6 @@ def _computed(rig: Rig, preset: str, functions: StageFunctions) -> tuple[Reduced
 
 
 def _stored(rig: Rig, preset: str, folder: Path, functions: StageFunctions) -> tuple[ReducedModel, StaticContact]:
-    from rich.console import Console  # with the run's display: h5py and rich take 0.3 s to load
-
-    from updamp.workflow.progress import Display
-    from updamp.workflow.run import Run, RunOptions
-
     options = RunOptions(preset, folder, check=False, until=stages.STATIC_CONTACT)
     with Display(Console(quiet=True)) as display:
         done = Run(rig, options, display, functions).products()

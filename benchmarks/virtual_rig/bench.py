@@ -70,7 +70,7 @@ class Bench:
     tuning: factors on the frequencies of "blade_left", "blade_right" and "damper": those of another Young's modulus
     clamp_compliance: turning of each blade's root about z [rad/(N m)]
     mean_share: of the mean motion that the contacts see; 0 where the mean position is held
-    force_drop: what the shaker's force loses unrecorded, see `shaker.py`
+    force_drop: what the shaker's force loses unrecorded, see `stepped_sine.py`
     loose_gain: of the channel "tip_left", see `sensors.py`
     viscous_at: [rad/s] where viscous damping in place of the hysteretic is equal to it, None for hysteretic damping
     """

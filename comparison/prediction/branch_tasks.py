@@ -1,7 +1,7 @@
 """Branches to be predicted, and the plainest way to do that: one after the other.
 
 Whoever needs branches is handed a function from tasks to branches, and need not know where they are traced
-(`branch_processes.py` does it in several processes).
+(`by_processes` traces them in several processes).
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -90,7 +90,7 @@ in_turn = InTurn()
 # Branches predicted by several processes, each with one thread.
 #
 # The model goes over with every task: 0.3 MB with 36 contacts, some MB with 146, which is milliseconds beside the
-# seconds of a branch. Branches come back without matrices (`light_points.py`).
+# seconds of a branch. Branches come back without matrices (`observed_point.py`).
 
 
 @dataclass(frozen=True)

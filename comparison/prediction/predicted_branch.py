@@ -38,7 +38,7 @@ class PredictedBranch:
     """Interpolated between its points in the logarithm of the frequency and the complex amplitudes, which are smooth
     at resonances and at antiresonances.
 
-    u: (p,) parameters; points: without their matrices (`light_points.py`); place: (n,) length along the branch
+    u: (p,) parameters; points: without their matrices (`observed_point.py`); place: (n,) length along the branch
     state: (n, m) logarithm of the frequency, then real and imaginary part of every sensor's amplitude [m], m = 1 + 2
         n_sensors; along: its derivative by place; slopes: (n, p + 1, m) by the parameters and by the logarithm of the
         force, across the branch. Where the response was held: amplitudes over the force that it takes, times the

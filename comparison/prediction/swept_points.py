@@ -104,7 +104,7 @@ class Landing:
 #
 # Where the branch turns back the sweep jumps to the next part of it that leads on. What lies between is compared with
 # nothing, and in a wide hysteresis it is most of the branch, and the hardest to follow. So the part that the sweep
-# jumps to is looked for from the other end of the window (`landing.py`); where it is not found there, the way back is
+# jumps to is looked for from the other end of the window (`Landing`); where it is not found there, the way back is
 # followed, but neither differentiated nor kept, nor moved when parameters change.
 
 # Points kept on either side of what is left out: parameters move folds along the branch.

@@ -24,8 +24,8 @@ Floats = NDArray[np.float64]
 class Attempt:
     """effects: further ones; starts: of their parameters in typical sizes, beside the calibrated model's
     as_given: likewise, beside the model's as it was before calibration
-    near: a fit of the same to go on from; gated_again: whether its numerical error is found anew (`regate.py`)
-    size: of the effects, times that of `near`, to go on from (`resized.py`)
+    near: a fit of the same to go on from; gated_again: whether its numerical error is found anew (`baseline.py`)
+    size: of the effects, times that of `near`, to go on from (`other_sizes.py`)
     """
 
     effects: tuple[Effect, ...]

@@ -35,8 +35,8 @@ class Refit:
     """drop: of the misfit from the baseline (`fit.misfit`); delta_bic: gain of the information criterion by it
 
     at_bound: parameter that stands at a bound beyond which it makes no sense, "" if none
-    gated_again: whether the numerical error is that of the model with the effects (`regate.py`)
-    also: other minima that the data do not tell from this one (`resized.py`), without their branches
+    gated_again: whether the numerical error is that of the model with the effects (`baseline.py`)
+    also: other minima that the data do not tell from this one (`other_sizes.py`), without their branches
     """
 
     effects: tuple[Effect, ...]

@@ -123,7 +123,7 @@ def test_second_effects_are_looked_for_where_the_first_explains_all_but_stands_a
 
 
 def test_pairs_are_given_the_numerical_error_of_the_model_with_both_effects(monkeypatch):
-    """That they help is shown in test_regate.py; here that they are asked for, and that the answer counts."""
+    """That they help is shown in test_refit.py; here that they are asked for, and that the answer counts."""
     fits, asked = Fits(start(3e3), Criteria(score=0.0), lambda _: None, run_here), []
 
     def anew(beside, settled):
