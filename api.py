@@ -177,6 +177,7 @@ def diagnose(
     held_out_modes: Sequence[str] = (),
     own_effects: Sequence[File] = (),
     jobs: int = 1,
+    scheduler: str = "",
     report: bool = True,
     next_measurement: bool = True,
     criteria: Criteria | None = None,
@@ -189,6 +190,7 @@ def diagnose(
     held_out: names of runs that no fit sees, None for one level of each mode; held_out_modes: modes of which no fit
         sees any run
     own_effects: files of effects of your own, looked for too
+    scheduler: address of a Dask scheduler whose workers do the work in place of `jobs`
     report: whether to write report.html; next_measurement: whether to look for the run that would tell apart what is
         left; criteria: what is decided by
     raises: RigError, MeasurementError, ValueError: naming file, value and remedy
@@ -204,6 +206,7 @@ def diagnose(
         held_out_modes=tuple(held_out_modes),
         own=tuple(_path(file, "own_effects") for file in own_effects),
         jobs=jobs,
+        scheduler=scheduler,
         report=report,
         next_measurement=next_measurement,
         criteria=criteria or Criteria(),

@@ -17,7 +17,7 @@ from updamp.measurement.stated_features import is_feature_file, read_features
 FEW_REPEATS = 3  # assemblies; with fewer the scatter between them is hardly known
 
 
-def load_measurement(path: Path, points: Sequence[str] | None = None, rig: str | None = None) -> Measurement:
+def load_measurement(path: str | Path, points: Sequence[str] | None = None, rig: str | None = None) -> Measurement:
     """Read and check a measurement: complex peak displacements and forces in SI, as exp(+i w t) has them.
 
     path: measurement.toml, or a file of stated features alone (damper load nan and excitation "" where it states none)
