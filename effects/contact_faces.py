@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from updamp.effects.rig_model import RigModel
 from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements
-from updamp.hbm.contact.modified.modified_law import LawAround
+from updamp.hbm.contact.modified.modified_law import ModifiedLaw
 
 Floats = NDArray[np.float64]
 
@@ -73,7 +73,7 @@ def entry(model: RigModel, name: str) -> Floats:
     return np.array(getattr(model.contacts.parameters, name))
 
 
-def put_around(model: RigModel, law: type[LawAround], **entries: Any) -> RigModel:
+def modify_contacts(model: RigModel, law: type[ModifiedLaw], **entries: Any) -> RigModel:
     """The model with `law` around the law of its contacts.
 
     entries: what it adds to the parameters: numbers, the same for all elements, or (n,)
@@ -82,4 +82,4 @@ def put_around(model: RigModel, law: type[LawAround], **entries: Any) -> RigMode
     each = np.ones(len(entry(model, "mu")))
     assert model.contacts is not None, "entry has seen to that"
     added = {name: value * each for name, value in entries.items()}
-    return model.with_contacts(law.put_around(model.contacts.law), **added)
+    return model.with_contacts(law.modify(model.contacts.law), **added)

@@ -1,6 +1,6 @@
 """A film in the contact."""
 
-from updamp.effects.contact_faces import patches_of, put_around
+from updamp.effects.contact_faces import modify_contacts, patches_of
 from updamp.effects.effect import Effect, EffectParameter, Values
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.contact.modified.film import ViscousFilm
@@ -10,7 +10,7 @@ def apply(model: RigModel, values: Values) -> RigModel:
     """A dashpot of c times the area in t1, t2 and n while in contact."""
     if values["viscosity"] == 0:
         return model
-    return put_around(model, ViscousFilm, viscosity=values["viscosity"] * patches_of(model).area)
+    return modify_contacts(model, ViscousFilm, viscosity=values["viscosity"] * patches_of(model).area)
 
 
 EFFECT = Effect(

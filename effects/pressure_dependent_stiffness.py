@@ -1,6 +1,6 @@
 """Contact stiffness that depends on the pressure."""
 
-from updamp.effects.contact_faces import entry, patches_of, put_around
+from updamp.effects.contact_faces import entry, modify_contacts, patches_of
 from updamp.effects.effect import Effect, EffectParameter, Values
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.contact.modified.pressure_stiffness import PressureStiffness
@@ -17,7 +17,7 @@ def apply(model: RigModel, values: Values) -> RigModel:
     area, p0 = patches_of(model).area, model.stated_pressure
     if p0 is None:
         p0 = float(entry(model, "n0").sum() / area.sum())
-    return put_around(model, PressureStiffness, pressure_exponent=values["exponent"], mean_force=p0 * area)
+    return modify_contacts(model, PressureStiffness, pressure_exponent=values["exponent"], mean_force=p0 * area)
 
 
 EFFECT = Effect(

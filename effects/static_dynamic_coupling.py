@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from updamp.effects.contact_faces import put_around
+from updamp.effects.contact_faces import modify_contacts
 from updamp.effects.effect import Effect, EffectParameter, Values
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.contact.modified.static_share import StaticShare
@@ -23,7 +23,7 @@ def apply(model: RigModel, values: Values) -> RigModel:
             "harmonic_balance.harmonics, or the effect static_dynamic_coupling out of the rig file"
         )
     model = replace(model, harmonics=Harmonics((0, *model.harmonics.orders)))
-    return put_around(model, StaticShare, static_share=share) if share != 1 else model
+    return modify_contacts(model, StaticShare, static_share=share) if share != 1 else model
 
 
 EFFECT = Effect(

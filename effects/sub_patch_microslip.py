@@ -1,6 +1,6 @@
 """Microslip inside the contact elements."""
 
-from updamp.effects.contact_faces import put_around
+from updamp.effects.contact_faces import modify_contacts
 from updamp.effects.effect import Effect, EffectParameter, Values
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.contact.modified.microslip import SubPatchMicroslip
@@ -8,7 +8,7 @@ from updamp.hbm.contact.modified.microslip import SubPatchMicroslip
 
 def apply(model: RigModel, values: Values) -> RigModel:
     """Parallel sliders with limits spread evenly over mu N (1 - w) ... mu N (1 + w)."""
-    return put_around(model, SubPatchMicroslip, limit_spread=values["spread"]) if values["spread"] != 0 else model
+    return modify_contacts(model, SubPatchMicroslip, limit_spread=values["spread"]) if values["spread"] != 0 else model
 
 
 EFFECT = Effect(

@@ -1,6 +1,6 @@
 """Friction that depends on the sliding speed."""
 
-from updamp.effects.contact_faces import put_around
+from updamp.effects.contact_faces import modify_contacts
 from updamp.effects.effect import Effect, EffectParameter, Values
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.contact.modified.velocity_friction import VelocityFriction
@@ -13,7 +13,7 @@ def apply(model: RigModel, values: Values) -> RigModel:
     """mu (1 - d v / (v + v0)), v the tangential relative velocity, v0 = 0.1 mm/s."""
     if values["drop"] == 0:
         return model
-    return put_around(model, VelocityFriction, velocity_drop=values["drop"], reference_speed=REFERENCE_SPEED)
+    return modify_contacts(model, VelocityFriction, velocity_drop=values["drop"], reference_speed=REFERENCE_SPEED)
 
 
 EFFECT = Effect(

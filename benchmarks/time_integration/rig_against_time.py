@@ -18,7 +18,7 @@ from updamp.hbm.continuation.branch import BranchPoint
 from updamp.hbm.continuation.continuation import continue_branch
 from updamp.hbm.continuation.curve import CurveRequest
 from updamp.hbm.newton import observe
-from updamp.hbm.newton.newton import evaluate
+from updamp.hbm.newton.equation import evaluate
 from updamp.hbm.newton.observe import contact_states
 from updamp.hbm.problem.system import NonlinearSystem
 from updamp.model.build import rig_model

@@ -18,7 +18,7 @@ from updamp.comparison.prediction.model_at import ModelAt
 from updamp.comparison.prediction.run_condition import RunCondition
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.continuation.branch import BranchPoint
-from updamp.hbm.newton.newton import evaluate
+from updamp.hbm.newton.equation import evaluate
 from updamp.hbm.problem.system import Excitation
 
 _NOTHING: Any = None

@@ -9,9 +9,9 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.law import ContactLaw
+from updamp.hbm.contact.law import ContactLaw, force_for_analysis
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.problem.elements import ElementGroup, a_few_at_a_time, elements_a_batch, for_analysis, samples
+from updamp.hbm.problem.elements import ElementGroup, elements_a_batch, in_batches, samples
 
 Floats = NDArray[np.float64]
 
@@ -30,7 +30,7 @@ def law_derivatives(
 
 @lru_cache(maxsize=32)
 def _compiled(law: ContactLaw, entries: tuple[str, ...], harmonics: Harmonics, n_time: int) -> Callable[..., Any]:
-    analysis, force_samples = harmonics.analysis(n_time), for_analysis(law)
+    analysis, force_samples = harmonics.analysis(n_time), force_for_analysis(law)
 
     def one(coefficients: jax.Array, w: jax.Array, parameters: Any) -> Any:
         displacement, velocity = samples(coefficients, w, harmonics, n_time)
@@ -41,4 +41,4 @@ def _compiled(law: ContactLaw, entries: tuple[str, ...], harmonics: Harmonics, n
 
         return jax.jacfwd(force)(tuple(getattr(parameters, entry) for entry in entries))
 
-    return jax.jit(a_few_at_a_time(one, elements_a_batch(len(entries))))
+    return jax.jit(in_batches(one, elements_a_batch(len(entries))))

@@ -15,9 +15,9 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.law import ContactLaw
+from updamp.hbm.contact.law import ContactLaw, force_for_analysis
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.problem.elements import ElementGroup, for_analysis
+from updamp.hbm.problem.elements import ElementGroup
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -50,7 +50,7 @@ def _compiled(law: ContactLaw, harmonics: Harmonics, n_time: int) -> Any:
     periods = getattr(law, "cycles", 1) + SETTLING + 1 if memory else 1
     looked_at = slice(-2 * n_time, -n_time) if memory else slice(None)
     once: Any = dataclasses.replace(law, cycles=1) if memory else law  # type: ignore[type-var]
-    force_samples = for_analysis(once)
+    force_samples = force_for_analysis(once)
     basis = np.tile(harmonics.synthesis(n_time), (periods, 1))
     rate = np.tile(harmonics.synthesis_rate(n_time), (periods, 1))
     before = looked_at.indices(periods * n_time)[0]

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from updamp.hbm.continuation.branch import BranchPoint
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.newton.newton import Arc, Equation
+from updamp.hbm.newton.equation import Equation
+from updamp.hbm.newton.newton import Arc
 from updamp.hbm.newton.observe import response
 from updamp.hbm.problem.system import Excitation
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.analysis.law_derivatives import law_derivatives
-from updamp.hbm.newton.newton import Equation
+from updamp.hbm.newton.equation import Equation
 from updamp.hbm.newton.structure_response import Loads, Motion, all_loads, respond
 from updamp.hbm.problem.linear_model import LinearModel
 from updamp.hbm.problem.system import Excitation, NonlinearSystem

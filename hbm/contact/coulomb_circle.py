@@ -40,9 +40,9 @@ class CoulombCircle:
         return friction.stuck_stiffness(parameters)
 
     def surely_sticks(
-        self, displacement: NDArray[np.float64], parameters: FrictionParameters, between: float
+        self, displacement: NDArray[np.float64], parameters: FrictionParameters, overshoot: float
     ) -> NDArray[np.bool_]:
-        return sticking.stays_within(displacement, parameters, sticking.length, between)
+        return sticking.stays_below_limit(displacement, parameters, sticking.circle_norm, overshoot)
 
     def normal_force(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
         return friction.normal_force(displacement, parameters)

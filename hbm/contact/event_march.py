@@ -62,7 +62,7 @@ class _Segment(NamedTuple):
         return jnp.where(crosses & (self.p1 > 0), share, 0.0), jnp.where(crosses & (self.p0 > 0), share, 1.0)
 
 
-def march(displacement: jax.Array, p: FrictionParameters, cycles: int) -> Path:
+def march_slider(displacement: jax.Array, p: FrictionParameters, cycles: int) -> Path:
     """Total force over the last of `cycles` periods; each tangential direction has the limit mu N of its own.
 
     displacement: (n_time, 3) [m]; p.mu may have one value a sample, (n_time,), all positive
@@ -103,8 +103,8 @@ def _friction(pressing: tuple[jax.Array, ...], p: FrictionParameters) -> tuple[j
 def _sliders(segments: _Segment, ratio: jax.Array, first: jax.Array, cycles: int) -> jax.Array:
     """(n_time,) positions at the samples; first: where the slider rests."""
     n_time = len(segments.u0)
-    seen, rest, limit = jax.lax.stop_gradient((segments, first, ratio))
-    up, down = _push(seen, limit), -_push(seen.turned(-1.0), limit)
+    fixed, rest, limit = jax.lax.stop_gradient((segments, first, ratio))
+    up, down = _push(fixed, limit), -_push(fixed.turned(-1.0), limit)
 
     def step(
         state: tuple[jax.Array, jax.Array], segment: tuple[jax.Array, ...]
@@ -116,11 +116,11 @@ def _sliders(segments: _Segment, ratio: jax.Array, first: jax.Array, cycles: int
         moved = jnp.where(moved_down & ~closes, number + n_time, jnp.where(moved_up, number, source))
         return (jnp.where(closes, up, jnp.minimum(pushed, down)), moved), source
 
-    closes = (seen.p0 <= 0) & (seen.p1 > 0)
+    closes = (fixed.p0 <= 0) & (fixed.p1 > 0)
     passing = (jnp.arange(n_time), closes, up, down)
     # At first the slider is within the limits of sample 0, the end of the last segment.
-    bound = limit * jnp.maximum(seen.p0[0], 0.0)
-    start = jnp.clip(rest, seen.u0[0] - bound, seen.u0[0] + bound)
+    bound = limit * jnp.maximum(fixed.p0[0], 0.0)
+    start = jnp.clip(rest, fixed.u0[0] - bound, fixed.u0[0] + bound)
     source = jnp.where(start > rest, n_time - 1, jnp.where(start < rest, 2 * n_time - 1, 2 * n_time))
     state = (start, source)
     for _ in range(cycles - 1):
@@ -138,10 +138,10 @@ def _positions(segments: _Segment, ratio: jax.Array, sources: jax.Array) -> jax.
     n_time = len(segments.u0)
     number, sign = sources % n_time, jnp.where(sources < n_time, 1.0, -1.0)
     ends = segments.u1.at[number].get() - sign * ratio * jnp.maximum(segments.p1.at[number].get(), 0.0)
-    seen, limit = jax.lax.stop_gradient((segments, ratio))
+    fixed, limit = jax.lax.stop_gradient((segments, ratio))
     used = jnp.zeros(2 * n_time, dtype=bool).at[sources].set(True, mode="drop")
-    further = jnp.concatenate([_beyond_end(seen, limit), _beyond_end(seen.turned(-1.0), limit)])
-    where = _pick((further > 0) & used)
+    further = jnp.concatenate([_beyond_end(fixed, limit), _beyond_end(fixed.turned(-1.0), limit)])
+    where = _corner_numbers((further > 0) & used)
     s = segments.at(jnp.where(where < 2 * n_time, where % n_time, n_time)).turned(jnp.where(where < n_time, 1.0, -1.0))
     beyond = jnp.zeros(2 * n_time).at[where].set(_beyond_end(s, ratio), mode="drop")
     return ends + sign * beyond.at[sources].get(mode="fill", fill_value=0.0)
@@ -179,7 +179,7 @@ def _top(q0: jax.Array, q1: jax.Array, slope0: jax.Array, slope1: jax.Array) -> 
 
 def _between_samples(segments: _Segment, ratio: jax.Array, slider: jax.Array) -> jax.Array:
     """(n_time,) what the tangential path holds beyond its chords, at the samples it is shared between."""
-    where = _pick(_has_corner(*jax.lax.stop_gradient((segments, ratio, slider))))
+    where = _corner_numbers(_has_corner(*jax.lax.stop_gradient((segments, ratio, slider))))
     s = segments.at(where)
     w0, w1 = (value.at[where].get(mode="fill", fill_value=0.0) for value in (slider, _next(slider)))
     closing, opening = s.closing_and_opening()
@@ -188,7 +188,7 @@ def _between_samples(segments: _Segment, ratio: jax.Array, slider: jax.Array) ->
     down = _corner(-force0 - limit0, _beyond_limit(s.turned(-1.0), ratio, -w0), opening)
     integral = up[0] - down[0] - (1 - opening) * force0 / 2 - closing * force1 / 2
     moment = up[1] - down[1] - (1 - opening**2) * force0 / 6 - closing * (1 + closing) * force1 / 6
-    return _shared_out(len(slider), where, integral, moment)
+    return _distributed(len(slider), where, integral, moment)
 
 
 def _has_corner(s: _Segment, ratio: jax.Array, slider: jax.Array) -> jax.Array:
@@ -219,20 +219,20 @@ def _corner(before: jax.Array, over: jax.Array, end: jax.Array) -> tuple[jax.Arr
 
 def _between_contacts(segments: _Segment) -> jax.Array:
     """As `_between_samples`, for the normal force."""
-    where = _pick((segments.p0 > 0) != (segments.p1 > 0))
+    where = _corner_numbers((segments.p0 > 0) != (segments.p1 > 0))
     s = segments.at(where)
     (closing, opening), force0, force1 = s.closing_and_opening(), jnp.maximum(s.p0, 0.0), jnp.maximum(s.p1, 0.0)
     integral = -(1 - opening) * force0 / 2 - closing * force1 / 2
     moment = -(1 - opening**2) * force0 / 6 - closing * (1 + closing) * force1 / 6
-    return _shared_out(len(segments.p0), where, integral, moment)
+    return _distributed(len(segments.p0), where, integral, moment)
 
 
-def _shared_out(n_time: int, where: jax.Array, integral: jax.Array, moment: jax.Array) -> jax.Array:
+def _distributed(n_time: int, where: jax.Array, integral: jax.Array, moment: jax.Array) -> jax.Array:
     end = jnp.where(where < n_time, (where + 1) % n_time, n_time)
     return jnp.zeros(n_time).at[where].add(integral - moment, mode="drop").at[end].add(moment, mode="drop")
 
 
-def _pick(corners: jax.Array) -> jax.Array:
+def _corner_numbers(corners: jax.Array) -> jax.Array:
     """(most_corners,) numbers of the segments with a corner, beyond the last one where there are fewer."""
     return jnp.nonzero(corners, size=most_corners(len(corners)), fill_value=len(corners))[0]
 

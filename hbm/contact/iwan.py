@@ -22,14 +22,14 @@ import jax.numpy as jnp
 
 from updamp.hbm.contact.friction import last_cycle
 
-# Displacement at which the stiffness lost is stated [m].
-AT = 1e-4
+# At which the stiffness lost is stated [m].
+REFERENCE_DISPLACEMENT = 1e-4
 _SLIDERS = 32
 
 
 class IwanParameters(NamedTuple):
-    """lost: stiffness [N/m] lost on first loading to `AT`; exponent: chi, above -1; nearness: AT / phi_max, 0 where
-    gross slip is out of reach"""
+    """lost: stiffness [N/m] lost on first loading to `REFERENCE_DISPLACEMENT`; exponent: chi, above -1; nearness: that
+    displacement over phi_max, 0 where gross slip is out of reach"""
 
     lost: jax.Array
     exponent: jax.Array
@@ -52,17 +52,17 @@ class IwanMicroslip:
         chi = parameters.exponent
         # a motion of nothing has no sliders that move, but still a derivative
         largest = jnp.maximum(jnp.max(jnp.abs(displacement)), 1e-30)
-        reached = 1 / jnp.maximum(1 / largest, parameters.nearness / AT)
+        reached = 1 / jnp.maximum(1 / largest, parameters.nearness / REFERENCE_DISPLACEMENT)
         # int_0^reached R phi^chi g dphi with phi = reached t^(1/(1+chi)): the mean of g over t, times R's integral
         phi = reached * ((jnp.arange(_SLIDERS) + 0.5) / _SLIDERS) ** (1 / (1 + chi))
-        whole = parameters.lost * (2 + chi) * (reached / AT) ** (1 + chi)
+        integral = parameters.lost * (2 + chi) * (reached / REFERENCE_DISPLACEMENT) ** (1 + chi)
 
         def step(slider: jax.Array, u: jax.Array) -> tuple[jax.Array, jax.Array]:
             moved = jnp.clip(slider, u - phi, u + phi)
             return moved, jnp.mean(moved)
 
         position = last_cycle(step, jnp.zeros(_SLIDERS), displacement[:, 0], self.cycles)
-        return -whole * position[:, None]
+        return -integral * position[:, None]
 
     def reference_stiffness(self, parameters: IwanParameters) -> jax.Array:
         return jnp.zeros(1)
@@ -75,6 +75,6 @@ def stiffness_and_slip_force(lost: float, exponent: float, nearness: float) -> t
     """
     if nearness <= 0:
         raise ValueError(f"nearness = {nearness:g}: gross slip is out of reach, stiffness and slip force are not known")
-    end = AT / nearness
-    R = lost * (1 + exponent) * (2 + exponent) / AT ** (1 + exponent)
+    end = REFERENCE_DISPLACEMENT / nearness
+    R = lost * (1 + exponent) * (2 + exponent) / REFERENCE_DISPLACEMENT ** (1 + exponent)
     return R * end ** (1 + exponent) / (1 + exponent), R * end ** (2 + exponent) / (2 + exponent)

@@ -8,12 +8,12 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact import event_march as play
 from updamp.hbm.contact import friction, sticking
+from updamp.hbm.contact.event_march import march_slider
 from updamp.hbm.contact.friction import FrictionParameters
 
 
-def either_at_limit(force: jax.Array, limit: jax.Array) -> jax.Array:
+def _at_limit(force: jax.Array, limit: jax.Array) -> jax.Array:
     """The tolerance is that of a difference of displacements far larger than the slip's elastic part."""
     return jnp.any(jnp.abs(force) >= limit[:, None] * (1 - 1e-9), axis=1)
 
@@ -25,29 +25,29 @@ class JenkinsBox:
     cycles: int = 2
     parameters: ClassVar[type] = FrictionParameters
     directions: ClassVar[int] = 3
-    acting_alone: ClassVar[tuple[int, ...]] = (0, 1)
+    decoupled_directions: ClassVar[tuple[int, ...]] = (0, 1)
     rate_dependent: ClassVar[bool] = False
 
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
-        tangential = play.march(displacement, parameters, self.cycles).tangential
+        tangential = march_slider(displacement, parameters, self.cycles).tangential
         return friction.beyond_rest(tangential, displacement, parameters)
 
     def averaged_force(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
         """As `force`, with what happens between the samples shared between them."""
         rest = jnp.concatenate([parameters.t0, friction.rest_normal_force(parameters)[None]])
-        return play.march(displacement, parameters, self.cycles).averaged - rest
+        return march_slider(displacement, parameters, self.cycles).averaged - rest
 
     def reference_stiffness(self, parameters: FrictionParameters) -> jax.Array:
         return friction.stuck_stiffness(parameters)
 
     def surely_sticks(
-        self, displacement: NDArray[np.float64], parameters: FrictionParameters, between: float
+        self, displacement: NDArray[np.float64], parameters: FrictionParameters, overshoot: float
     ) -> NDArray[np.bool_]:
-        return sticking.stays_within(displacement, parameters, sticking.larger_component, between)
+        return sticking.stays_below_limit(displacement, parameters, sticking.box_norm, overshoot)
 
     def normal_force(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
         return friction.normal_force(displacement, parameters)
 
     def state(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
-        tangential = play.march(displacement, parameters, self.cycles).tangential
-        return friction.state(displacement, parameters, either_at_limit, tangential)
+        tangential = march_slider(displacement, parameters, self.cycles).tangential
+        return friction.state(displacement, parameters, _at_limit, tangential)

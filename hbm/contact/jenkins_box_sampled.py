@@ -17,7 +17,7 @@ def clip_each(trial: jax.Array, limit: jax.Array) -> jax.Array:
     return jnp.clip(trial, -limit, limit)
 
 
-def either_at_limit(force: jax.Array, limit: jax.Array) -> jax.Array:
+def _at_limit(force: jax.Array, limit: jax.Array) -> jax.Array:
     return jnp.any(jnp.abs(force) >= limit[:, None] * (1 - 1e-12), axis=1)
 
 
@@ -28,7 +28,7 @@ class SampledJenkinsBox:
     cycles: int = 2
     parameters: ClassVar[type] = FrictionParameters
     directions: ClassVar[int] = 3
-    acting_alone: ClassVar[tuple[int, ...]] = (0, 1)
+    decoupled_directions: ClassVar[tuple[int, ...]] = (0, 1)
     rate_dependent: ClassVar[bool] = False
 
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
@@ -38,13 +38,13 @@ class SampledJenkinsBox:
         return friction.stuck_stiffness(parameters)
 
     def surely_sticks(
-        self, displacement: NDArray[np.float64], parameters: FrictionParameters, between: float
+        self, displacement: NDArray[np.float64], parameters: FrictionParameters, overshoot: float
     ) -> NDArray[np.bool_]:
-        return sticking.stays_within(displacement, parameters, sticking.larger_component, between)
+        return sticking.stays_below_limit(displacement, parameters, sticking.box_norm, overshoot)
 
     def normal_force(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
         return friction.normal_force(displacement, parameters)
 
     def state(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
         tangential = friction.tangential_force(displacement, parameters, clip_each, self.cycles)
-        return friction.state(displacement, parameters, either_at_limit, tangential)
+        return friction.state(displacement, parameters, _at_limit, tangential)

@@ -3,6 +3,7 @@
 History is a scan inside the call, the tangent comes from forward-mode differentiation, nothing is remembered.
 """
 
+from collections.abc import Callable
 from typing import Any, Protocol, runtime_checkable
 
 import jax
@@ -47,7 +48,7 @@ class ContactLaw(Protocol):
 
 @runtime_checkable
 class AveragedLaw(ContactLaw, Protocol):
-    """A law that follows what happens between the samples."""
+    """A law that follows what happens between the time samples."""
 
     def averaged_force(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
         """As `force`, but what its Fourier coefficients are taken from."""
@@ -56,12 +57,12 @@ class AveragedLaw(ContactLaw, Protocol):
 
 @runtime_checkable
 class DecoupledLaw(ContactLaw, Protocol):
-    """A law in which a motion in some directions acts on the force in that direction alone, though its force may depend
-    on others: their derivatives are taken together.
+    """A law in which a motion in some directions changes the force in the same direction alone, though that force may
+    depend on motions in other directions too: the derivatives in the former are taken together.
     """
 
     @property
-    def acting_alone(self) -> tuple[int, ...]: ...
+    def decoupled_directions(self) -> tuple[int, ...]: ...
 
 
 @runtime_checkable
@@ -70,11 +71,11 @@ class StickingLaw(ContactLaw, Protocol):
     reference springs then, and need not be evaluated.
     """
 
-    def surely_sticks(self, displacement: NDArray[np.float64], parameters: Any, between: float) -> NDArray[np.bool_]:
+    def surely_sticks(self, displacement: NDArray[np.float64], parameters: Any, overshoot: float) -> NDArray[np.bool_]:
         """(n_elements,)
 
         displacement: (n_elements, directions, n_time) [m]; parameters: of all of them, in NumPy arrays
-        between: as in `sticking.stays_within`
+        overshoot: as in `sticking.stays_below_limit`
         """
         ...
 
@@ -90,3 +91,13 @@ class FrictionLaw(ContactLaw, Protocol):
     def normal_force(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
         """(n_time,) total pressing force [N], preload included."""
         ...
+
+
+def decoupled_directions_of(law: ContactLaw) -> tuple[int, ...]:
+    """See `DecoupledLaw`; none where the law does not say."""
+    return law.decoupled_directions if isinstance(law, DecoupledLaw) else ()
+
+
+def force_for_analysis(law: ContactLaw) -> Callable[[jax.Array, jax.Array, Any], jax.Array]:
+    """The law's force samples that Fourier coefficients are taken from."""
+    return law.averaged_force if isinstance(law, AveragedLaw) else law.force

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.hbm.newton.equation import evaluate
 from updamp.hbm.newton.metric import Metric, Move
-from updamp.hbm.newton.newton import Solution, Status, evaluate
+from updamp.hbm.newton.newton import Solution, Status
 from updamp.hbm.problem.system import Forcing, NonlinearSystem
 
 Floats = NDArray[np.float64]

@@ -20,8 +20,9 @@ import numpy as np
 import scipy.linalg
 
 from updamp.hbm.continuation.branch import BranchPoint
+from updamp.hbm.newton.equation import evaluate
 from updamp.hbm.newton.metric import Move
-from updamp.hbm.newton.newton import Solution, evaluate
+from updamp.hbm.newton.newton import Solution
 from updamp.hbm.problem.system import Forcing, NonlinearSystem
 
 # Arc ahead of the last point at which the far side is looked at: one that is too short is still on this side, one that

@@ -11,7 +11,8 @@ import numpy as np
 from updamp.hbm.continuation.branch import BranchPoint, point_at
 from updamp.hbm.continuation.predictor_corrector import BranchStoppedError, ContinuationOptions, PredictorCorrector
 from updamp.hbm.continuation.retracing import TracedBranch
-from updamp.hbm.newton.newton import NewtonOptions, Solution, Status, linear_solution, open_solution, solve
+from updamp.hbm.newton.equation import linear_solution, open_solution
+from updamp.hbm.newton.newton import NewtonOptions, Solution, Status, solve
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 # Most steps in the force; folds of faces that separate take some hundred. Where they were many more, they led nowhere.

@@ -12,8 +12,9 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
+from updamp.hbm.newton.equation import Equation, evaluate, linear_solution
 from updamp.hbm.newton.many_right_sides import apply_tangents
-from updamp.hbm.newton.newton import Equation, NewtonOptions, Solution, Status, evaluate, linear_solution
+from updamp.hbm.newton.newton import NewtonOptions, Solution, Status
 from updamp.hbm.newton.structure_response import Loads, respond
 from updamp.hbm.problem.system import Excitation, NonlinearSystem, Receptance
 

@@ -8,10 +8,10 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from updamp.hbm.newton.jacobian import Jacobian, factorise
+from updamp.hbm.newton.equation import Equation, displacement_size, evaluate, residual_alone
+from updamp.hbm.newton.jacobian import Jacobian
 from updamp.hbm.newton.metric import Metric, Move
-from updamp.hbm.newton.tangent import supported
-from updamp.hbm.problem.system import Departure, Excitation, Forcing, NonlinearSystem, Receptance
+from updamp.hbm.problem.system import Forcing, NonlinearSystem
 
 Floats = NDArray[np.float64]
 
@@ -71,7 +71,7 @@ class NewtonOptions:
         if not 0 <= self.support < 1:
             raise ValueError(f"support = {self.support}: at least 0 and below 1")
 
-    def hopeless(self, errors: Sequence[float]) -> bool:
+    def out_of_patience(self, errors: Sequence[float]) -> bool:
         """errors: of all iterates so far"""
         return len(errors) - 1 == self.patience and errors[-1] > PROGRESS * errors[0]
 
@@ -79,58 +79,6 @@ class NewtonOptions:
 # What a corrector that will converge leaves of the first residual after its patience. Of 2,228 that did converge on the
 # stress grid 17 had not come so far after four iterations and 2 after five; of 872 that did not, all but 87 and 105.
 PROGRESS = 0.3
-
-
-@dataclass(frozen=True, eq=False)
-class Equation:
-    """Residual r(x, w) = x - x_lin(w) + G(w) g(x) at one point, with all that Newton needs.
-
-    w: [rad/s], or what varies along the branch in its place; residual: (n_relative, n_coefficients) [m]
-    """
-
-    x: Floats
-    w: float
-    receptance: Receptance
-    departure: Departure
-    residual: Floats
-
-    @property
-    def error(self) -> float:
-        """Largest residual over largest displacement (`_size`); infinite where not finite."""
-        size = np.abs(self.residual).max() / _size(self.receptance.system, self.x)
-        return float(size) if np.isfinite(size) else np.inf
-
-    def factorised(self, support: float = 0.0) -> Jacobian:
-        """raises: scipy.linalg.LinAlgError where a tangent is not finite"""
-        return factorise(self.receptance, supported(self.receptance.system, self.departure, support))
-
-    def frequency_derivative(self, excitation: Forcing) -> Floats:
-        """dr/dw"""
-        receptance, (w_rate, force_rate) = self.receptance, excitation.rates(self.w)
-        applied = excitation.at(self.w)[1]
-        rate = np.zeros_like(self.x)
-        if w_rate:
-            rate += w_rate * (
-                receptance.apply_rate(self.departure.value)
-                + receptance.apply(self.departure.frequency_derivative)
-                - receptance.excitation_rate(applied)
-            )
-        if force_rate:
-            rate -= receptance.excitation(Excitation(applied.row, force_rate))
-        return rate
-
-
-# A mean position so many times the vibration does not make a solution better.
-_MEAN_COUNTS = 1000.0
-
-
-def _size(system: NonlinearSystem, x: Floats) -> float:
-    """Largest displacement [m], the mean position's limited to so many times the vibration's."""
-    largest = np.abs(x).max()
-    if 0 in system.harmonics.orders:
-        vibration = np.abs(np.delete(x, system.harmonics.slices[0], axis=1)).max(initial=0.0)
-        largest = min(largest, _MEAN_COUNTS * vibration) if vibration else largest
-    return float(max(largest, np.finfo(float).tiny))
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,35 +115,6 @@ class Arc:
 
     def product(self, dx: Floats, dw: float) -> float:
         return self.metric.product(self.tangent, (dx, dw))
-
-
-def evaluate(system: NonlinearSystem, excitation: Forcing, x: Floats, w: float) -> Equation:
-    frequency, applied = excitation.at(w)
-    receptance = Receptance(system, frequency)
-    departure = system.departure(x, frequency)
-    residual = x - receptance.excitation(applied) + receptance.apply(departure.value)
-    return Equation(x, w, receptance, departure, residual)
-
-
-def residual_alone(system: NonlinearSystem, excitation: Forcing, x: Floats, w: float) -> Floats:
-    """(n_relative, n_coefficients) [m], without the tangents, which are most of the cost of `evaluate`."""
-    frequency, applied = excitation.at(w)
-    receptance = Receptance(system, frequency)
-    return x - receptance.excitation(applied) + receptance.apply(system.departure_value(x, frequency))
-
-
-def linear_solution(system: NonlinearSystem, w: float, excitation: Excitation) -> Floats:
-    """All elements stuck: the natural first guess."""
-    return Receptance(system, w).excitation(excitation)
-
-
-def open_solution(system: NonlinearSystem, w: float, excitation: Excitation) -> Floats:
-    """No contact at all, about the position at rest: a guess where the force is large."""
-    n = system.free.n_relative
-    amplitude = excitation.force * system.free.receptance(w, slice(n), np.array([excitation.row]))[:, 0]
-    response = np.zeros((n, system.harmonics.n_coefficients))
-    system.harmonics.set_amplitude(response, 1, amplitude)
-    return response
 
 
 def solve(
@@ -235,20 +154,20 @@ def solve(
         equation = candidate
         errors.append(equation.error)
         sizes.append(float(np.linalg.norm(equation.residual)))
-        if options.hopeless(errors):
+        if options.out_of_patience(errors):
             status = Status.STALLED
             break
     if errors[-1] < options.tolerance and step is not None:
         status = Status.CONVERGED
         if options.support:
-            equation, step = _without_support(system, excitation, equation, arc)
+            equation, step = _last_step_unsupported(system, excitation, equation, arc)
             errors.append(equation.error)
     jacobian, slope = (None, None) if step is None else (step.jacobian, step.by_frequency)
     place = (equation.x, equation.w)
     return Solution(*place, status, len(errors) - 1, tuple(errors), equation, jacobian, slope, options.support)
 
 
-def _without_support(
+def _last_step_unsupported(
     system: NonlinearSystem, excitation: Forcing, equation: Equation, arc: Arc | None
 ) -> tuple[Equation, "_Step"]:
     """One exact step more, for the branch's tangent; taken where the residual does not rise."""
@@ -294,7 +213,7 @@ def _damped(
     contact changes its state the residual has a kink, and a step across it may have to go up first.
     """
     damping = 1.0
-    floor = options.tolerance * _size(system, equation.x)
+    floor = options.tolerance * displacement_size(system, equation.x)
 
     def falls(residual: Floats) -> bool:
         return bool(np.linalg.norm(residual) < bound or np.abs(residual).max() < floor)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.contact.law import SEPARATED, SLIP, FrictionLaw
-from updamp.hbm.newton.newton import Equation
+from updamp.hbm.newton.equation import Equation
 from updamp.hbm.problem.elements import loop_areas, over_period, samples
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 

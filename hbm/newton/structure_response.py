@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.newton.newton import Equation
+from updamp.hbm.newton.equation import Equation
 from updamp.hbm.problem.system import Excitation, Receptance
 
 Floats = NDArray[np.float64]

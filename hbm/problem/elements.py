@@ -10,8 +10,8 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.law import AveragedLaw, ContactLaw, DecoupledLaw, StickingLaw
-from updamp.hbm.contact.sticking import between_samples
+from updamp.hbm.contact.law import ContactLaw, StickingLaw, decoupled_directions_of, force_for_analysis
+from updamp.hbm.contact.sticking import overshoot_between_samples
 from updamp.hbm.harmonics import Harmonics
 
 Floats = NDArray[np.float64]
@@ -47,20 +47,20 @@ class ElementGroup:
         """The parameters as NumPy arrays: some of the elements are picked out of them at every evaluation."""
         return type(self.parameters)(*(np.asarray(value) for value in self.parameters))
 
-    def moving(self, displacement: Floats, harmonics: Harmonics, n_time: int) -> Integers:
-        """Numbers of the elements that may slip or separate; displacement: (n_elements, directions, n_coefficients)"""
-        law = _that_tells_what_sticks(self.law)
+    def may_slip_or_separate(self, displacement: Floats, harmonics: Harmonics, n_time: int) -> Integers:
+        """Numbers of the elements that do not surely stick; displacement: (n_elements, directions, n_coefficients)"""
+        law = _as_sticking_law(self.law)
         if law is None:
             return np.arange(len(displacement))
-        between = between_samples(harmonics.orders[-1], n_time)
+        overshoot = overshoot_between_samples(harmonics.orders[-1], n_time)
         motion = (displacement.reshape(-1, displacement.shape[2]) @ _synthesis(harmonics, n_time)).reshape(
             *displacement.shape[:2], n_time
         )
-        return np.flatnonzero(~law.surely_sticks(motion, self.values, between))
+        return np.flatnonzero(~law.surely_sticks(motion, self.values, overshoot))
 
 
 @lru_cache(maxsize=64)
-def _that_tells_what_sticks(law: ContactLaw) -> StickingLaw | None:
+def _as_sticking_law(law: ContactLaw) -> StickingLaw | None:
     """Kept by law: to look at a protocol takes longer than to look at the elements."""
     return law if isinstance(law, StickingLaw) else None
 
@@ -94,15 +94,15 @@ def element_forces(
 
     displacement: (n_elements, directions, n_coefficients) [m]
     """
-    moving, stiffness = group.moving(displacement, harmonics, n_time), group.reference_stiffness()
+    active, stiffness = group.may_slip_or_separate(displacement, harmonics, n_time), group.reference_stiffness()
     force = stiffness[..., None] * displacement
     tangent = np.zeros((*displacement.shape, *displacement.shape[1:]))
     each, c = np.arange(displacement.shape[1])[:, None], np.arange(displacement.shape[2])
     tangent[:, each, c, each, c] = stiffness[..., None]
     rate = np.zeros_like(force) if group.law.rate_dependent else None
     evaluate = _compiled(group.law, harmonics, n_time)
-    for some in _batches(moving, elements_a_batch(_n_seeds(group.law, harmonics)), len(displacement)):
-        found = evaluate(displacement[some], w, _of(group, some))
+    for some in _batches(active, elements_a_batch(_n_seeds(group.law, harmonics)), len(displacement)):
+        found = evaluate(displacement[some], w, _parameters_of(group, some))
         force[some], tangent[some] = found[:2]
         if rate is not None:
             rate[some] = found[2]
@@ -113,8 +113,9 @@ def force_only(group: ElementGroup, displacement: Floats, w: float, harmonics: H
     """The forces alone, several times cheaper than with their tangent."""
     force = group.reference_stiffness()[..., None] * displacement
     evaluate = _compiled_force(group.law, harmonics, n_time)
-    for some in _batches(group.moving(displacement, harmonics, n_time), FORCES_A_BATCH, len(displacement)):
-        force[some] = evaluate(displacement[some], w, _of(group, some))
+    active = group.may_slip_or_separate(displacement, harmonics, n_time)
+    for some in _batches(active, FORCES_A_BATCH, len(displacement)):
+        force[some] = evaluate(displacement[some], w, _parameters_of(group, some))
     return force
 
 
@@ -129,7 +130,7 @@ def _batches(numbers: Integers, size: int, n_elements: int) -> Iterator[Integers
         yield np.resize(numbers[start : start + size], min(size, n_elements))
 
 
-def _of(group: ElementGroup, numbers: Integers) -> Any:
+def _parameters_of(group: ElementGroup, numbers: Integers) -> Any:
     """Parameters of some of the elements."""
     return type(group.values)(*(value[numbers] for value in group.values))
 
@@ -159,13 +160,8 @@ def samples(coefficients: jax.Array, w: Any, harmonics: Harmonics, n_time: int) 
     return displacement, velocity
 
 
-def for_analysis(law: ContactLaw) -> Callable[[jax.Array, jax.Array, Any], jax.Array]:
-    """The law's force samples that Fourier coefficients are taken from."""
-    return law.averaged_force if isinstance(law, AveragedLaw) else law.force
-
-
 def _one_element(law: ContactLaw, harmonics: Harmonics, n_time: int) -> Callable[..., jax.Array]:
-    analysis, force_samples = harmonics.analysis(n_time), for_analysis(law)
+    analysis, force_samples = harmonics.analysis(n_time), force_for_analysis(law)
 
     def force(coefficients: jax.Array, w: jax.Array, parameters: Any) -> jax.Array:
         displacement, velocity = samples(coefficients, w, harmonics, n_time)
@@ -187,7 +183,7 @@ def _compiled_quantity(
         motion, velocity = samples(coefficients, w, harmonics, n_time)
         return motion, quantity(motion, velocity, parameters)
 
-    return jax.jit(a_few_at_a_time(one, QUANTITIES_A_BATCH))
+    return jax.jit(in_batches(one, QUANTITIES_A_BATCH))
 
 
 @lru_cache(maxsize=32)
@@ -197,7 +193,7 @@ def _compiled_loop_areas(law: ContactLaw, harmonics: Harmonics, n_time: int) -> 
         force = law.force(motion, velocity, parameters)
         return ((force + jnp.roll(force, -1, axis=0)) / 2 * (jnp.roll(motion, -1, axis=0) - motion)).sum()
 
-    return jax.jit(a_few_at_a_time(one, QUANTITIES_A_BATCH))
+    return jax.jit(in_batches(one, QUANTITIES_A_BATCH))
 
 
 @lru_cache(maxsize=32)
@@ -222,39 +218,35 @@ def _compiled(law: ContactLaw, harmonics: Harmonics, n_time: int) -> Callable[..
 
 
 def _seeds(law: ContactLaw, harmonics: Harmonics) -> jax.Array:
-    """(n, directions, n_coefficients) changes of the displacement that the tangent follows from: of all directions that
-    act on their own force alone at once, of the others one by one.
+    """(n, directions, n_coefficients) changes of the displacement that the tangent follows from: of all decoupled
+    directions at once, of the others one by one.
     """
-    each, alone = jnp.eye(law.directions), list(_alone(law))
-    others = [d for d in range(law.directions) if d not in alone]
-    patterns = [*([each[jnp.array(alone)].sum(axis=0)] if alone else []), *(each[d] for d in others)]
+    each, decoupled = jnp.eye(law.directions), list(decoupled_directions_of(law))
+    others = [d for d in range(law.directions) if d not in decoupled]
+    patterns = [*([each[jnp.array(decoupled)].sum(axis=0)] if decoupled else []), *(each[d] for d in others)]
     unit = jnp.eye(harmonics.n_coefficients)
     return jnp.concatenate([pattern[:, None] * unit[:, None] for pattern in patterns])
 
 
 def _n_seeds(law: ContactLaw, harmonics: Harmonics) -> int:
-    alone = len(_alone(law))
-    return (law.directions - alone + (alone > 0)) * harmonics.n_coefficients
+    decoupled = len(decoupled_directions_of(law))
+    return (law.directions - decoupled + (decoupled > 0)) * harmonics.n_coefficients
 
 
 def _sorted(law: ContactLaw, derivatives: jax.Array) -> jax.Array:
     """From the derivatives along `_seeds`, (n, directions, n_coefficients), to the element's tangent."""
     d, c = derivatives.shape[1:]
     blocks = jnp.moveaxis(derivatives.reshape(-1, c, d, c), 1, -1)  # (patterns, directions, c of force, c of motion)
-    alone, tangent = list(_alone(law)), jnp.zeros((d, c, d, c))
-    for direction in alone:
+    decoupled, tangent = list(decoupled_directions_of(law)), jnp.zeros((d, c, d, c))
+    for direction in decoupled:
         tangent = tangent.at[direction, :, direction].set(blocks[0, direction])
-    others = [direction for direction in range(d) if direction not in alone]
-    for direction, block in zip(others, blocks[1 if alone else 0 :], strict=True):
+    others = [direction for direction in range(d) if direction not in decoupled]
+    for direction, block in zip(others, blocks[1 if decoupled else 0 :], strict=True):
         tangent = tangent.at[:, :, direction].set(block)
     return tangent
 
 
-def _alone(law: ContactLaw) -> tuple[int, ...]:
-    return law.acting_alone if isinstance(law, DecoupledLaw) else ()
-
-
-def a_few_at_a_time(one: Callable[..., Any], batch: int) -> Callable[..., Any]:
+def in_batches(one: Callable[..., Any], batch: int) -> Callable[..., Any]:
     """`one(coefficients, w, parameters)` over all elements in batches small enough for the processor's cache: with
     tangents, all 146 at once take 3.6 times as long.
     """

@@ -11,7 +11,8 @@ from typing import Protocol
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from updamp.hbm.newton.newton import NewtonOptions, Status, linear_solution
+from updamp.hbm.newton.equation import linear_solution
+from updamp.hbm.newton.newton import NewtonOptions, Status
 from updamp.hbm.resonance.resonance import Place, Plane, ResonanceProblem, ResonanceSolution, at_phase
 
 LARGEST_TURN = 0.4  # [rad] from one phase tried for the maximum to the next

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.continuation.response_curve import ResponseCurve
-from updamp.hbm.newton.newton import Equation
+from updamp.hbm.newton.equation import Equation
 from updamp.hbm.problem.system import Excitation
 from updamp.hbm.resonance.resonance import ResonanceSolution
 

@@ -13,8 +13,9 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from updamp.hbm.newton import observe
+from updamp.hbm.newton.equation import Equation, evaluate
 from updamp.hbm.newton.jacobian import Jacobian
-from updamp.hbm.newton.newton import Equation, NewtonOptions, Status, evaluate
+from updamp.hbm.newton.newton import NewtonOptions, Status
 from updamp.hbm.newton.tangent import apply_tangent
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 

@@ -16,7 +16,8 @@ from updamp.benchmarks.harmonic_balance.peers_problem import LAWS, THREADS, cost
 from updamp.benchmarks.harmonic_balance.results import Results
 from updamp.benchmarks.harmonic_balance.rig_curves import AllCurves, CurveCost, stages_of
 from updamp.benchmarks.harmonic_balance.synthetic import excitation, synthetic, window
-from updamp.hbm.newton.newton import linear_solution, solve
+from updamp.hbm.newton.equation import linear_solution
+from updamp.hbm.newton.newton import solve
 
 
 @pytest.fixture(scope="module")

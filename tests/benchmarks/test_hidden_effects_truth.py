@@ -23,7 +23,8 @@ from updamp.fem.finite_element_model import finite_element_model
 from updamp.fem.static_contact.static_contact import static_contact
 from updamp.geometry.build_mesh import build_mesh
 from updamp.hbm.newton import observe
-from updamp.hbm.newton.newton import linear_solution, solve
+from updamp.hbm.newton.equation import linear_solution
+from updamp.hbm.newton.newton import solve
 from updamp.model.build import rig_model
 from updamp.model.rig_files import load_rig
 from updamp.rig.rig import Rig

@@ -9,7 +9,8 @@ import pytest
 from updamp.effects.catalogue import CATALOGUE
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.newton import observe
-from updamp.hbm.newton.newton import Solution, evaluate, linear_solution, solve
+from updamp.hbm.newton.equation import evaluate, linear_solution
+from updamp.hbm.newton.newton import Solution, solve
 
 FORCE = 25.0  # N
 BELOW = 0.97  # of the first stuck frequency: with this force some contacts stick and some slip there

@@ -14,7 +14,7 @@ from updamp.fem.reduced_model import ReducedModel
 from updamp.fem.static_contact.static_contact import static_contact
 from updamp.geometry.contact_elements import LEFT, RIGHT
 from updamp.hbm.continuation.curve import CurveRequest, trace
-from updamp.hbm.newton.newton import linear_solution
+from updamp.hbm.newton.equation import linear_solution
 from updamp.hbm.problem.system import NonlinearSystem
 from updamp.model.build import rig_model
 from updamp.model.rig_files import load_rig

@@ -16,7 +16,8 @@ from updamp.geometry.build_mesh import build_mesh
 from updamp.hbm.contact.jenkins import Jenkins, JenkinsParameters
 from updamp.hbm.contact.modified.film import ViscousFilm
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.newton.newton import linear_solution, solve
+from updamp.hbm.newton.equation import linear_solution
+from updamp.hbm.newton.newton import solve
 from updamp.hbm.problem.linear_model import add_springs, from_matrices
 from updamp.hbm.problem.structural_changes import Attachment, attach
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
@@ -148,7 +149,7 @@ def test_an_element_at_a_point_that_sticks_is_a_spring(model):
 
 
 def test_entries_that_are_new_join_the_parameters_and_travel_between_processes(model):
-    changed = model.with_contacts(ViscousFilm.put_around(model.contacts.law), viscosity=np.ones(36), mu=np.zeros(36))
+    changed = model.with_contacts(ViscousFilm.modify(model.contacts.law), viscosity=np.ones(36), mu=np.zeros(36))
     assert changed.contacts.parameters._fields[-1] == "viscosity"
     assert isinstance(changed.contacts.parameters, changed.contacts.law.parameters)
     np.testing.assert_array_equal(changed.contacts.parameters.mu, 0)

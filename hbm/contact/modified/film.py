@@ -6,11 +6,12 @@ from typing import Any, ClassVar
 import jax
 import jax.numpy as jnp
 
-from updamp.hbm.contact.modified.modified_law import LawAround, alone_in, compression
+from updamp.hbm.contact.law import decoupled_directions_of
+from updamp.hbm.contact.modified.modified_law import ModifiedLaw, compression
 
 
 @dataclass(frozen=True)
-class ViscousFilm(LawAround):
+class ViscousFilm(ModifiedLaw):
     """The inner law and a dashpot in all three directions for as long as the contact is closed.
 
     Parameter viscosity [N s/m].
@@ -24,11 +25,11 @@ class ViscousFilm(LawAround):
         return True
 
     @property
-    def acting_alone(self) -> tuple[int, ...]:
-        return alone_in(self.inner)
+    def decoupled_directions(self) -> tuple[int, ...]:
+        return decoupled_directions_of(self.inner)
 
-    def outside(self, force: jax.Array, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
-        closed = closed_share(compression(self.inner, *self.inside(displacement, velocity, parameters)))
+    def outer_force(self, force: jax.Array, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
+        closed = closed_share(compression(self.inner, *self.inner_arguments(displacement, velocity, parameters)))
         return force + parameters.viscosity * velocity * closed[:, None]
 
 

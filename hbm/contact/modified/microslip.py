@@ -9,13 +9,14 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.modified.modified_law import LawAround, alone_in, averaged, sticks_with_friction
+from updamp.hbm.contact.law import decoupled_directions_of, force_for_analysis
+from updamp.hbm.contact.modified.modified_law import ModifiedLaw, sticks_with_friction
 
 SLIDERS = 6
 
 
 @dataclass(frozen=True)
-class SubPatchMicroslip(LawAround):
+class SubPatchMicroslip(ModifiedLaw):
     """The mean of inner laws whose friction coefficients are spread evenly over mu (1 - w) ... mu (1 + w).
 
     Each has the same share of the stiffness, so that stiffness and largest force stay what they are.
@@ -27,19 +28,19 @@ class SubPatchMicroslip(LawAround):
     entries: ClassVar[tuple[str, ...]] = ("limit_spread",)
 
     @property
-    def acting_alone(self) -> tuple[int, ...]:
-        return alone_in(self.inner)
+    def decoupled_directions(self) -> tuple[int, ...]:
+        return decoupled_directions_of(self.inner)
 
-    def surely_sticks(self, displacement: NDArray[np.float64], parameters: Any, between: float) -> NDArray[np.bool_]:
+    def surely_sticks(self, displacement: NDArray[np.float64], parameters: Any, overshoot: float) -> NDArray[np.bool_]:
         """Where the weakest slider does and the inner law can tell: then all of them do."""
         weakest = 1 - np.asarray(parameters.limit_spread) * (1 - 1 / SLIDERS)
-        return sticks_with_friction(self.inner, parameters.mu * weakest, displacement, parameters, between)
+        return sticks_with_friction(self.inner, parameters.mu * weakest, displacement, parameters, overshoot)
 
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
         return self._of_each(self.inner.force, displacement, velocity, parameters).mean(axis=0)
 
     def averaged_force(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
-        return self._of_each(averaged(self.inner), displacement, velocity, parameters).mean(axis=0)
+        return self._of_each(force_for_analysis(self.inner), displacement, velocity, parameters).mean(axis=0)
 
     def state(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
         """Slipping as soon as the weakest slider does; separation is the same for all."""

@@ -1,10 +1,11 @@
-"""Laws put around a friction law: each changes what the inner one sees, or what comes out of it.
+"""Modified friction laws: each changes the arguments of the law inside it, or the force that comes out.
 
-They are stacked in one order whatever order they are put on in: by `rank`, the largest outermost.
+They are nested in one order whatever order they are applied in: by `rank`, the largest outermost. The parameters of a
+modified law are one NamedTuple, those of the inner law and the entries that the modification adds: so mu, kt, kn,
+n0, ... are found under their names however often the basic law has been modified.
 """
 
 from collections import namedtuple
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, ClassVar
@@ -13,11 +14,7 @@ import jax
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.law import AveragedLaw, ContactLaw, DecoupledLaw, FrictionLaw, StickingLaw
-
-# Parameters of laws around laws: those of the inner one and the entries that the outer one adds, in one NamedTuple.
-#
-# So mu, kt, kn, n0, ... are found under their names whatever has been put around the basic law.
+from updamp.hbm.contact.law import ContactLaw, FrictionLaw, StickingLaw, force_for_analysis
 
 
 def with_entries(parameters: Any, **entries: Any) -> Any:
@@ -38,21 +35,21 @@ def parameter_type(name: str, fields: tuple[str, ...]) -> type:
     """One class for one set of fields: compiled functions are kept by it. It can be sent to other processes."""
 
     def reduce(self: Any) -> Any:
-        return _again, (name, fields, tuple(self))
+        return _rebuilt, (name, fields, tuple(self))
 
     return type(name, (namedtuple(name, fields),), {"__slots__": (), "__reduce__": reduce})
 
 
-def _again(name: str, fields: tuple[str, ...], values: tuple[Any, ...]) -> Any:
+def _rebuilt(name: str, fields: tuple[str, ...], values: tuple[Any, ...]) -> Any:
     return parameter_type(name, fields)(*values)
 
 
-Seen = tuple[jax.Array, jax.Array, Any]
+LawArguments = tuple[jax.Array, jax.Array, Any]
 
 
 @dataclass(frozen=True)
-class LawAround:
-    """A friction law (see hbm/contact/law.py) made of another one; as it stands it changes nothing.
+class ModifiedLaw:
+    """A friction law (see hbm/contact/law.py) made of another one; the base class changes nothing.
 
     inner: the law inside; cycles: hysteresis cycles marched, 0 for those of `inner`
     entries: names of the parameters it needs beside those of `inner`
@@ -78,77 +75,66 @@ class LawAround:
     def rate_dependent(self) -> bool:
         return bool(self.inner.rate_dependent)
 
-    def inside(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> Seen:
-        """Displacement, velocity and parameters that the inner law sees."""
+    def inner_arguments(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> LawArguments:
+        """Displacement, velocity and parameters that the inner law is given."""
         return displacement, velocity, parameters
 
-    def outside(self, force: jax.Array, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
+    def outer_force(self, force: jax.Array, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
         """(n_time, 3) the force, from that of the inner law [N]."""
         return force
 
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
-        seen = self.inside(displacement, velocity, parameters)
-        return self.outside(self.inner.force(*seen), displacement, velocity, parameters)
+        inner = self.inner_arguments(displacement, velocity, parameters)
+        return self.outer_force(self.inner.force(*inner), displacement, velocity, parameters)
 
     def averaged_force(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
-        seen = self.inside(displacement, velocity, parameters)
-        return self.outside(averaged(self.inner)(*seen), displacement, velocity, parameters)
+        inner = self.inner_arguments(displacement, velocity, parameters)
+        return self.outer_force(force_for_analysis(self.inner)(*inner), displacement, velocity, parameters)
 
     def reference_stiffness(self, parameters: Any) -> jax.Array:
         stiffness: jax.Array = self.inner.reference_stiffness(parameters)
         return stiffness
 
     def normal_force(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
-        normal: jax.Array = self.inner.normal_force(*self.inside(displacement, velocity, parameters))
+        normal: jax.Array = self.inner.normal_force(*self.inner_arguments(displacement, velocity, parameters))
         return normal
 
     def state(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
-        state: jax.Array = self.inner.state(*self.inside(displacement, velocity, parameters))
+        state: jax.Array = self.inner.state(*self.inner_arguments(displacement, velocity, parameters))
         return state
 
     def compression(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
         """(n_time,) of the normal spring, negative where open [m]"""
-        return compression(self.inner, *self.inside(displacement, velocity, parameters))
+        return compression(self.inner, *self.inner_arguments(displacement, velocity, parameters))
 
     @classmethod
-    def put_around(cls, law: ContactLaw) -> ContactLaw:
-        """This law around `law`, at its rank among those that are around it already; once only.
+    def modify(cls, law: ContactLaw) -> ContactLaw:
+        """The law modified in this way, at its rank among the modifications that it has already; once only.
 
         raises: ValueError for a law without friction
         """
         if isinstance(law, cls):
             return law
-        if isinstance(law, LawAround) and law.rank > cls.rank:
-            return replace(law, inner=cls.put_around(law.inner))
+        if isinstance(law, ModifiedLaw) and law.rank > cls.rank:
+            return replace(law, inner=cls.modify(law.inner))
         if not isinstance(law, FrictionLaw) or not hasattr(law, "cycles"):
-            raise ValueError(f"{cls.__name__} goes around a law of friction with three directions, not {law}")
+            raise ValueError(f"{cls.__name__} modifies a law of friction with three directions, not {law}")
         return cls(law)
 
 
-def alone_in(law: ContactLaw) -> tuple[int, ...]:
-    """Directions in which a motion acts on the force in that direction alone: a law around it that treats every
-    direction by itself, but for what the normal one does to the others, has the same."""
-    return law.acting_alone if isinstance(law, DecoupledLaw) else ()
-
-
 def sticks_with_friction(
-    law: ContactLaw, mu: NDArray[np.float64], displacement: NDArray[np.float64], parameters: Any, between: float
+    law: ContactLaw, mu: NDArray[np.float64], displacement: NDArray[np.float64], parameters: Any, overshoot: float
 ) -> NDArray[np.bool_]:
     """As `StickingLaw.surely_sticks` of the law with friction coefficients mu (n_elements,); nowhere if it cannot
     tell."""
     if not isinstance(law, StickingLaw):
         return np.zeros(len(displacement), dtype=bool)
-    return law.surely_sticks(displacement, parameters._replace(mu=mu), between)
-
-
-def averaged(law: FrictionLaw) -> Callable[[jax.Array, jax.Array, Any], jax.Array]:
-    """What the Fourier coefficients of the law's force are taken from."""
-    return law.averaged_force if isinstance(law, AveragedLaw) else law.force
+    return law.surely_sticks(displacement, parameters._replace(mu=mu), overshoot)
 
 
 def compression(law: FrictionLaw, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
     """(n_time,) of the law's normal spring, negative where open [m]"""
-    if isinstance(law, LawAround):
+    if isinstance(law, ModifiedLaw):
         return law.compression(displacement, velocity, parameters)
     shift: jax.Array = parameters.n0 / parameters.kn - parameters.gap
     return shift + displacement[:, 2]

@@ -6,7 +6,8 @@ from typing import Any, ClassVar
 import jax
 import jax.numpy as jnp
 
-from updamp.hbm.contact.modified.modified_law import LawAround, Seen, alone_in, with_entries
+from updamp.hbm.contact.law import decoupled_directions_of
+from updamp.hbm.contact.modified.modified_law import LawArguments, ModifiedLaw, with_entries
 
 # The share of the mean force below which the stiffness that the solver starts from falls no further; it has no
 # influence on the solution.
@@ -14,7 +15,7 @@ _LEAST = 0.01
 
 
 @dataclass(frozen=True)
-class PressureStiffness(LawAround):
+class PressureStiffness(ModifiedLaw):
     """dN/du_n = kn (N / N_m)^m, and kt (N / N_m)^m between the surface and the slider; Hertz's contact has m = 1/3.
 
     Parameters pressure_exponent m [-] in [0, 1) and mean_force N_m [N], the force at which kt and kn are stated.
@@ -28,10 +29,10 @@ class PressureStiffness(LawAround):
     entries: ClassVar[tuple[str, ...]] = ("pressure_exponent", "mean_force")
 
     @property
-    def acting_alone(self) -> tuple[int, ...]:
-        return alone_in(self.inner)
+    def decoupled_directions(self) -> tuple[int, ...]:
+        return decoupled_directions_of(self.inner)
 
-    def inside(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> Seen:
+    def inner_arguments(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> LawArguments:
         p, m = parameters, parameters.pressure_exponent
         n0 = p.mean_force * power(p.n0 / p.mean_force, 1 - m)
         rest = jnp.maximum(n0 - (1 - m) * p.kn * p.gap, 0.0)
@@ -39,9 +40,9 @@ class PressureStiffness(LawAround):
         t0 = jnp.where(factor > 0, p.t0 / jnp.where(factor > 0, factor, 1.0), 0.0)
         return displacement, velocity, with_entries(p, n0=n0, kn=(1 - m) * p.kn, t0=t0)
 
-    def outside(self, force: jax.Array, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
-        *_, p = seen = self.inside(displacement, velocity, parameters)
-        normal, rest = self.inner.normal_force(*seen), jnp.maximum(p.n0 - p.kn * p.gap, 0.0)
+    def outer_force(self, force: jax.Array, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
+        *_, p = inner = self.inner_arguments(displacement, velocity, parameters)
+        normal, rest = self.inner.normal_force(*inner), jnp.maximum(p.n0 - p.kn * p.gap, 0.0)
         total = force + jnp.concatenate([p.t0, rest[None]])
         at_rest = jnp.concatenate([parameters.t0, (rest * self._factor(rest, p))[None]])
         return total * self._factor(normal, p)[:, None] - at_rest

@@ -6,11 +6,12 @@ from typing import Any, ClassVar
 import jax
 import jax.numpy as jnp
 
-from updamp.hbm.contact.modified.modified_law import LawAround, Seen, alone_in
+from updamp.hbm.contact.law import decoupled_directions_of
+from updamp.hbm.contact.modified.modified_law import LawArguments, ModifiedLaw
 
 
 @dataclass(frozen=True)
-class StaticShare(LawAround):
+class StaticShare(ModifiedLaw):
     """The inner law at u - (1 - c) mean(u).
 
     Parameter static_share c [-]: 1 for the law as it is, 0 for contacts that do not notice where the mean goes.
@@ -20,9 +21,9 @@ class StaticShare(LawAround):
     entries: ClassVar[tuple[str, ...]] = ("static_share",)
 
     @property
-    def acting_alone(self) -> tuple[int, ...]:
-        return alone_in(self.inner)
+    def decoupled_directions(self) -> tuple[int, ...]:
+        return decoupled_directions_of(self.inner)
 
-    def inside(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> Seen:
+    def inner_arguments(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> LawArguments:
         unseen = (1 - parameters.static_share) * jnp.mean(displacement, axis=0)
         return displacement - unseen, velocity, parameters

@@ -8,14 +8,14 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.modified.modified_law import LawAround, Seen, sticks_with_friction
+from updamp.hbm.contact.modified.modified_law import LawArguments, ModifiedLaw, sticks_with_friction
 
 # The corner of |v| at rest is rounded over this share of the reference speed.
 _ROUNDED = 0.01
 
 
 @dataclass(frozen=True)
-class VelocityFriction(LawAround):
+class VelocityFriction(ModifiedLaw):
     """The inner law with mu (1 - d v / (v + v0)), v the size of the tangential relative velocity of both surfaces.
 
     Parameters velocity_drop d [-] below 1 and reference_speed v0 [m/s], at which half of the drop is reached.
@@ -28,14 +28,14 @@ class VelocityFriction(LawAround):
     def rate_dependent(self) -> bool:
         return True
 
-    def inside(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> Seen:
+    def inner_arguments(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> LawArguments:
         p = parameters
         corner = _ROUNDED * p.reference_speed
         speed = jnp.sqrt(velocity[:, 0] ** 2 + velocity[:, 1] ** 2 + corner**2) - corner
         factor = 1 - p.velocity_drop * speed / (speed + p.reference_speed)
         return displacement, velocity, p._replace(mu=p.mu * factor)
 
-    def surely_sticks(self, displacement: NDArray[np.float64], parameters: Any, between: float) -> NDArray[np.bool_]:
+    def surely_sticks(self, displacement: NDArray[np.float64], parameters: Any, overshoot: float) -> NDArray[np.bool_]:
         """With the least friction that any speed leaves, where the inner law can tell."""
         least = parameters.mu * np.minimum(1.0, 1 - np.asarray(parameters.velocity_drop))
-        return sticks_with_friction(self.inner, least, displacement, parameters, between)
+        return sticks_with_friction(self.inner, least, displacement, parameters, overshoot)

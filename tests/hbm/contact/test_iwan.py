@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from updamp.hbm.contact.iwan import AT, IwanMicroslip, IwanParameters, stiffness_and_slip_force
+from updamp.hbm.contact.iwan import REFERENCE_DISPLACEMENT, IwanMicroslip, IwanParameters, stiffness_and_slip_force
 from updamp.hbm.contact.quadratic_damper import QuadraticDamper, QuadraticDamperParameters
 
 N = 2048
@@ -32,8 +32,8 @@ def area(u: np.ndarray, f: np.ndarray) -> float:
 
 @pytest.mark.parametrize("exponent", [-0.6, 0.0, 0.7])
 def test_dissipation_is_segalmans_power_law(exponent: float) -> None:
-    """D = 4 R A^(3+chi) / ((2+chi) (3+chi)), R from the stiffness lost at `AT`; the power itself is exact."""
-    R = LOST * (1 + exponent) * (2 + exponent) / AT ** (1 + exponent)
+    """D = 4 R A^(3+chi) / ((2+chi) (3+chi)), R from the stiffness lost at the reference displacement; exact in A."""
+    R = LOST * (1 + exponent) * (2 + exponent) / REFERENCE_DISPLACEMENT ** (1 + exponent)
     areas = []
     for amplitude in (2e-5, 3e-4):
         u = cycle(amplitude)
@@ -46,13 +46,13 @@ def test_dissipation_is_segalmans_power_law(exponent: float) -> None:
 @pytest.mark.parametrize("exponent", [-0.6, 0.0, 0.7])
 def test_loop_obeys_masings_rule(exponent: float) -> None:
     """The way back from a peak is the first loading, twice as large: F(A) - F(u) = 2 F0((A - u) / 2), with
-    F0(u) = -lost (u / AT)^(1+chi) u what is lost on it."""
+    F0(u) = -lost (u / REFERENCE_DISPLACEMENT)^(1+chi) u what is lost on it."""
     amplitude = 2e-4
     u = cycle(amplitude)
     f = force(u, parameters(exponent))
     back = slice(0, N // 2)
     half = (amplitude - u[back, 0]) / 2
-    first_loading = -LOST * (half / AT) ** (1 + exponent) * half
+    first_loading = -LOST * (half / REFERENCE_DISPLACEMENT) ** (1 + exponent) * half
     expected = f[0] - 2 * first_loading
     np.testing.assert_allclose(f[back], expected, atol=0.004 * np.abs(f).max())
 

@@ -1,4 +1,4 @@
-"""Laws around the friction law: nothing at null, exact tangents, one order, and all of them against a plain march."""
+"""Modified friction laws: unchanged at null, exact tangents, one order, and all of them against a plain march."""
 
 from dataclasses import replace
 
@@ -25,7 +25,7 @@ from updamp.hbm.problem.elements import ElementGroup, element_forces, force_only
 
 HARMONICS = Harmonics((0, 1, 2))
 ELEMENTS = 12
-AROUND = (StaticShare, ViscousFilm, PressureStiffness, SubPatchMicroslip, VelocityFriction)
+MODIFICATIONS = (StaticShare, ViscousFilm, PressureStiffness, SubPatchMicroslip, VelocityFriction)
 NULL = {
     "static_share": 1.0, "viscosity": 0.0, "pressure_exponent": 0.0, "mean_force": 1.1, "limit_spread": 0.0,
     "velocity_drop": 0.0, "reference_speed": 1.0,
@@ -57,23 +57,23 @@ def group(law, **entries):
     return ElementGroup(law, with_entries(friction(), **each) if each else friction(), rows)
 
 
-def all_around(law, order=AROUND):
-    for around in order:
-        law = around.put_around(law)
+def fully_modified(law, order=MODIFICATIONS):
+    for modification in order:
+        law = modification.modify(law)
     return law
 
 
-def test_the_order_in_which_laws_are_put_around_does_not_matter():
-    law = all_around(JenkinsBox(2))
-    assert all_around(JenkinsBox(2), AROUND[::-1]) == law
-    assert all_around(law) == law
+def test_the_order_in_which_a_law_is_modified_does_not_matter():
+    law = fully_modified(JenkinsBox(2))
+    assert fully_modified(JenkinsBox(2), MODIFICATIONS[::-1]) == law
+    assert fully_modified(law) == law
     assert isinstance(law, FrictionLaw)
     assert law.parameters._fields[:6] == FrictionParameters._fields
     assert set(NULL) == set(law.parameters._fields[6:])
 
 
 def test_cycles_reach_the_innermost_law():
-    law = replace(all_around(JenkinsBox(2)), cycles=4)
+    law = replace(fully_modified(JenkinsBox(2)), cycles=4)
     assert law.cycles == 4
     while not isinstance(law, JenkinsBox):
         law = law.inner
@@ -82,19 +82,19 @@ def test_cycles_reach_the_innermost_law():
 
 def test_only_friction_can_be_put_inside():
     with pytest.raises(ValueError, match="law of friction"):
-        ViscousFilm.put_around(CubicSpring())
+        ViscousFilm.modify(CubicSpring())
 
 
 @pytest.mark.parametrize("base", [SampledJenkinsBox(2), CoulombCircle(3)])
 def test_all_at_null_are_the_law_inside(motions, base):
     inside = force_only(group(base), motions, 0.8, HARMONICS, 64)
-    around = force_only(group(all_around(base), **NULL), motions, 0.8, HARMONICS, 64)
-    np.testing.assert_allclose(around, inside, atol=1e-13)
+    outside = force_only(group(fully_modified(base), **NULL), motions, 0.8, HARMONICS, 64)
+    np.testing.assert_allclose(outside, inside, atol=1e-13)
 
 
 def test_force_state_and_tangent_of_all_together(motions):
     """The tangent is that of differences; the forces respect what the states say."""
-    g, step = group(all_around(SampledJenkinsBox(2)), **STRONG), 1e-6
+    g, step = group(fully_modified(SampledJenkinsBox(2)), **STRONG), 1e-6
     direction = np.random.default_rng(5).normal(size=motions.shape)
     exact = element_forces(g, motions, 0.8, HARMONICS, 64)
     ahead, behind = (force_only(g, motions + s * direction, 0.8, HARMONICS, 64) for s in (step, -step))
@@ -114,7 +114,7 @@ def test_all_together_are_a_plain_march_of_their_equations(motions):
     """Written out again with numpy at 2^12 samples."""
     w = 0.8
     wanted = np.einsum("ct,ted->edc", HARMONICS.analysis(2**12), marched(motions, w, 2**12))
-    law, size = all_around(JenkinsBox(2)), np.abs(wanted).max()
+    law, size = fully_modified(JenkinsBox(2)), np.abs(wanted).max()
     forces = [force_only(group(law, **STRONG), motions, w, HARMONICS, n) for n in (128, 256)]
     error = [np.sqrt(np.mean((force - wanted) ** 2)) / size for force in forces]
     assert error[0] < 1e-3
@@ -176,17 +176,17 @@ def test_microslip_is_sliders_side_by_side():
     assert np.abs(one_slider[0, :257, 0] - masing).max() > 0.2 * limit
 
 
-@pytest.mark.parametrize("around", AROUND)
-def test_directions_act_alone_where_it_says_so(motions, around):
+@pytest.mark.parametrize("modification", MODIFICATIONS)
+def test_directions_are_decoupled_where_the_law_says_so(motions, modification):
     """The tangent without a word of it is the same; friction that falls with the speed couples the directions."""
-    law = around(JenkinsBox(2))
-    assert getattr(law, "acting_alone", ()) == (() if around is VelocityFriction else (0, 1))
-    assert getattr(around(CoulombCircle(3)), "acting_alone", ()) == ()
+    law = modification(JenkinsBox(2))
+    assert getattr(law, "decoupled_directions", ()) == (() if modification is VelocityFriction else (0, 1))
+    assert getattr(modification(CoulombCircle(3)), "decoupled_directions", ()) == ()
 
-    class Coupled(around):
-        acting_alone = ()
+    class Coupled(modification):
+        decoupled_directions = ()
 
-    entries = {name: STRONG[name] for name in around.entries}
+    entries = {name: STRONG[name] for name in modification.entries}
     together, apart = (
         element_forces(group(each, **entries), motions, 2.0, HARMONICS, 64) for each in (law, Coupled(JenkinsBox(2)))
     )

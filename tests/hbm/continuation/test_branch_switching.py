@@ -13,8 +13,9 @@ from updamp.hbm.continuation.branch_switching import lies_on_last_points
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions, continue_branch, first_point
 from updamp.hbm.continuation.retracing import TracedBranch
 from updamp.hbm.newton.active_forces import DirectForces, KrylovForces, ModalForces
+from updamp.hbm.newton.equation import evaluate
 from updamp.hbm.newton.jacobian import factorise
-from updamp.hbm.newton.newton import NewtonOptions, evaluate, solve
+from updamp.hbm.newton.newton import NewtonOptions, solve
 from updamp.hbm.problem.elements import ElementGroup
 from updamp.hbm.problem.system import Excitation
 

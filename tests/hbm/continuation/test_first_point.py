@@ -11,8 +11,9 @@ from updamp.hbm.continuation.continuation import BranchStoppedError
 from updamp.hbm.continuation.first_point import ForceRamp, by_force_continuation, first_point
 from updamp.hbm.continuation.predictor_corrector import ContinuationOptions, PredictorCorrector
 from updamp.hbm.harmonics import Harmonics
+from updamp.hbm.newton.equation import evaluate, linear_solution
 from updamp.hbm.newton.metric import Metric
-from updamp.hbm.newton.newton import Arc, NewtonOptions, Status, evaluate, linear_solution, solve
+from updamp.hbm.newton.newton import Arc, NewtonOptions, Status, solve
 from updamp.hbm.newton.tangent import supported
 from updamp.hbm.problem.elements import ElementGroup
 from updamp.hbm.problem.system import Excitation

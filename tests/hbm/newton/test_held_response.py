@@ -6,8 +6,9 @@ import pytest
 
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
 from updamp.hbm.harmonics import Harmonics
+from updamp.hbm.newton.equation import evaluate
 from updamp.hbm.newton.held_response import Held, linear_start, solve_held
-from updamp.hbm.newton.newton import NewtonOptions, Status, evaluate
+from updamp.hbm.newton.newton import NewtonOptions, Status
 from updamp.hbm.problem.elements import ElementGroup
 from updamp.hbm.problem.linear_model import LinearModel
 from updamp.hbm.problem.system import Excitation, NonlinearSystem

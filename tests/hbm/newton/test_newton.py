@@ -7,8 +7,9 @@ from support.peers import blades_and_damper_system
 from updamp.hbm.contact.coulomb_circle import CoulombCircle
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.continuation.continuation import ContinuationOptions, first_point
+from updamp.hbm.newton.equation import evaluate, linear_solution
 from updamp.hbm.newton.jacobian import factorise
-from updamp.hbm.newton.newton import NewtonOptions, Status, evaluate, linear_solution, solve
+from updamp.hbm.newton.newton import NewtonOptions, Status, solve
 from updamp.hbm.problem.system import Excitation
 
 

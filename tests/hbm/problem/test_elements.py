@@ -23,7 +23,7 @@ def test_slipping_elements_have_forces_and_tangents_however_many_the_harmonics(l
     x = np.zeros((2, 3, harmonics.n_coefficients))
     x[:, :2, harmonics.slices[1].start] = 4e-4
     x[:, 0, harmonics.slices[2].start] = 1e-4
-    assert len(group.moving(x, harmonics, n_time)) == 2
+    assert len(group.may_slip_or_separate(x, harmonics, n_time)) == 2
     forces = element_forces(group, x, 100.0, harmonics, n_time)
     np.testing.assert_allclose(forces.force, force_only(group, x, 100.0, harmonics, n_time), rtol=1e-10, atol=1e-10)
     step = np.zeros_like(x)

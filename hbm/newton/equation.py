@@ -1,0 +1,93 @@
+"""The residual of harmonic balance at one point, with what Newton's method needs of it, and first guesses."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.hbm.newton.jacobian import Jacobian, factorise
+from updamp.hbm.newton.tangent import supported
+from updamp.hbm.problem.system import Departure, Excitation, Forcing, NonlinearSystem, Receptance
+
+Floats = NDArray[np.float64]
+
+# The mean position counts in the size of a displacement up to so many times the vibration: a larger one does not make
+# a solution better.
+_MOST_MEAN = 1000.0
+
+
+@dataclass(frozen=True, eq=False)
+class Equation:
+    """Residual r(x, w) = x - x_lin(w) + G(w) g(x) at one point, with all that Newton needs.
+
+    w: [rad/s], or what varies along the branch in its place; residual: (n_relative, n_coefficients) [m]
+    """
+
+    x: Floats
+    w: float
+    receptance: Receptance
+    departure: Departure
+    residual: Floats
+
+    @property
+    def error(self) -> float:
+        """Largest residual over largest displacement (`displacement_size`); infinite where not finite."""
+        size = np.abs(self.residual).max() / displacement_size(self.receptance.system, self.x)
+        return float(size) if np.isfinite(size) else np.inf
+
+    def factorised(self, support: float = 0.0) -> Jacobian:
+        """raises: scipy.linalg.LinAlgError where a tangent is not finite"""
+        return factorise(self.receptance, supported(self.receptance.system, self.departure, support))
+
+    def frequency_derivative(self, excitation: Forcing) -> Floats:
+        """dr/dw"""
+        receptance, (w_rate, force_rate) = self.receptance, excitation.rates(self.w)
+        applied = excitation.at(self.w)[1]
+        rate = np.zeros_like(self.x)
+        if w_rate:
+            rate += w_rate * (
+                receptance.apply_rate(self.departure.value)
+                + receptance.apply(self.departure.frequency_derivative)
+                - receptance.excitation_rate(applied)
+            )
+        if force_rate:
+            rate -= receptance.excitation(Excitation(applied.row, force_rate))
+        return rate
+
+
+def displacement_size(system: NonlinearSystem, x: Floats) -> float:
+    """Largest displacement [m], the mean position's limited to so many times the vibration's."""
+    largest = np.abs(x).max()
+    if 0 in system.harmonics.orders:
+        vibration = np.abs(np.delete(x, system.harmonics.slices[0], axis=1)).max(initial=0.0)
+        largest = min(largest, _MOST_MEAN * vibration) if vibration else largest
+    return float(max(largest, np.finfo(float).tiny))
+
+
+def evaluate(system: NonlinearSystem, excitation: Forcing, x: Floats, w: float) -> Equation:
+    frequency, applied = excitation.at(w)
+    receptance = Receptance(system, frequency)
+    departure = system.departure(x, frequency)
+    residual = x - receptance.excitation(applied) + receptance.apply(departure.value)
+    return Equation(x, w, receptance, departure, residual)
+
+
+def residual_alone(system: NonlinearSystem, excitation: Forcing, x: Floats, w: float) -> Floats:
+    """(n_relative, n_coefficients) [m], without the tangents, which are most of the cost of `evaluate`."""
+    frequency, applied = excitation.at(w)
+    receptance = Receptance(system, frequency)
+    return x - receptance.excitation(applied) + receptance.apply(system.departure_value(x, frequency))
+
+
+def linear_solution(system: NonlinearSystem, w: float, excitation: Excitation) -> Floats:
+    """All elements stuck: the natural first guess."""
+    return Receptance(system, w).excitation(excitation)
+
+
+def open_solution(system: NonlinearSystem, w: float, excitation: Excitation) -> Floats:
+    """No contact at all, about the position at rest: a guess where the force is large."""
+    n = system.free.n_relative
+    amplitude = excitation.force * system.free.receptance(w, slice(n), np.array([excitation.row]))[:, 0]
+    response = np.zeros((n, system.harmonics.n_coefficients))
+    system.harmonics.set_amplitude(response, 1, amplitude)
+    return response
