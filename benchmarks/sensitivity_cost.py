@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import typer
 
+from updamp.hbm.analysis.held_quantities import FixedPhase
 from updamp.hbm.analysis.sensitivity import sensitivities
-from updamp.hbm.analysis.sensitivity_conditions import FixedPhase
 from updamp.hbm.analysis.sensitivity_parameters import (
     ContactParameter,
     ExcitationForce,
@@ -23,7 +23,7 @@ from updamp.hbm.analysis.sensitivity_parameters import (
     scaled,
     viscous_scale,
 )
-from updamp.hbm.analysis.sensitivity_patches import Dashpot, Mass, Spring, direction
+from updamp.hbm.analysis.sensitivity_patches import Dashpot, Mass, Spring, patch_direction
 from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.continuation.branch import BranchPoint
@@ -68,7 +68,7 @@ def twenty(system: NonlinearSystem) -> list[Parameter]:
     free: LinearModel = system.free
     n0 = np.asarray(system.groups[0].parameters.n0)
     quarter = np.arange(len(n0)) * 4 // len(n0)
-    tip, excited = direction(free, {"tip": 1.0}), direction(free, {"excitation": 1.0})
+    tip, excited = patch_direction(free, {"tip": 1.0}), patch_direction(free, {"excitation": 1.0})
     return [
         *(scaled(system, entry) for entry in ("mu", "kt", "kn", "n0")),
         *(ContactParameter(system, "n0", n0 * (quarter == q)) for q in range(4)),

@@ -1,4 +1,4 @@
-"""Modes of the spring-coupled rig on the full finite element model, to verify the reduction by.
+"""Modes of the spring-coupled rig on the full finite element model and from the reduced one, to verify the reduction.
 
 The coupled stiffness is never factorised: Lanczos applies its inverse through the factorisations of the blade (used
 for both) and of the damper on its isostatic support. Contacts and wires are put in, and the support is taken out
@@ -113,8 +113,8 @@ class _CoupledSystem:
         self._directions = linalg.block_diag(springs.directions, np.eye(len(support.stiffness)))
         stiffness = np.concatenate([springs.stiffness, -support.stiffness])
         separate = linalg.block_diag(flexibility, flexibility, _flexibility(self._damper_operator, damper.factor))
-        seen = self._directions.T @ separate @ self._directions
-        self._correction = linalg.solve(np.eye(len(stiffness)) + stiffness[:, None] * seen, np.diag(stiffness))
+        at_springs = self._directions.T @ separate @ self._directions
+        self._correction = linalg.solve(np.eye(len(stiffness)) + stiffness[:, None] * at_springs, np.diag(stiffness))
 
     def solve(self, load: Floats) -> Floats:
         motion = self._separate(load)
@@ -180,9 +180,6 @@ def _flexibility(operator: sparse.csc_array, factor: Factorisation) -> Floats:
     return (flexibility + flexibility.T) / 2
 
 
-# Modes of the spring-coupled rig from the reduced model.
-
-
 def coupled_frequencies_reduced(reduced: ReducedModel, springs: Springs, n_modes: int = 4) -> Floats:
     """(n_modes,) [Hz], ascending.
 
@@ -191,8 +188,8 @@ def coupled_frequencies_reduced(reduced: ReducedModel, springs: Springs, n_modes
     residual = linalg.block_diag(*(component.residual for component in reduced.components))
     phi = linalg.block_diag(*(component.phi for component in reduced.components))
     omega = np.concatenate([component.omega for component in reduced.components])
-    seen = springs.directions.T @ phi
+    at_springs = springs.directions.T @ phi
     compliance = np.diag(1 / springs.stiffness) + springs.directions.T @ residual @ springs.directions
-    stiffness = np.diag(omega**2) + seen.T @ linalg.solve(compliance, seen, assume_a="pos")
+    stiffness = np.diag(omega**2) + at_springs.T @ linalg.solve(compliance, at_springs, assume_a="pos")
     values = linalg.eigh((stiffness + stiffness.T) / 2, eigvals_only=True, subset_by_index=[0, n_modes - 1])
     return np.sqrt(np.maximum(values, 0)) / (2 * np.pi)

@@ -11,8 +11,6 @@ import skfem
 from numpy.typing import NDArray
 from skfem.quadrature import get_quadrature
 
-# What the finite elements need to know of a material.
-
 
 class ElasticMaterial(Protocol):
     """Isotropic linear elastic: Young's modulus [Pa], Poisson's ratio [-], density [kg/m^3]."""

@@ -21,7 +21,7 @@ from updamp.fem.interface import blade_interface, damper_interface
 from updamp.fem.modes import Modes
 from updamp.fem.quadratic_mesh import quadratic_mesh
 from updamp.fem.reduced_model import ReducedComponent, ReducedModel
-from updamp.fem.reduction import ReductionOptions, component_modes, mirrored, reduce_component
+from updamp.fem.reduction import ReductionOptions, component_modes, mirrored_component, reduce_component
 from updamp.fem.solvers import solver_named
 from updamp.fem.springs import ContactStiffness, Springs, on_damper, stuck_contact
 from updamp.geometry.rig_mesh import RigMesh
@@ -153,7 +153,7 @@ def _reduced_model(
     right: ReducedComponent, damper: ReducedComponent, mesh: RigMesh, blade_modes: Modes, damper_modes: Modes
 ) -> ReducedModel:
     return ReducedModel(
-        blade_left=mirrored(right, "blade_left"),
+        blade_left=mirrored_component(right, "blade_left"),
         blade_right=ReducedComponent("blade_right", right.omega, right.phi, right.residual, right.points),
         damper=ReducedComponent("damper", damper.omega, damper.phi, damper.residual, damper.points),
         contacts=mesh.contacts,

@@ -1,7 +1,8 @@
 """The lumped damper: a rigid mass with three translations, one contact element on each whole face.
 
 The fast variant of Pesaresi et al. (2017). The blades stay as they are, seen through the average displacement of
-their contact faces; the mass cannot roll, and a face slips and opens as a whole.
+their contact faces; the mass cannot roll, and a face slips and opens as a whole. `DAMPER_MODELS` are the choices that a
+rig file can name, the elastic damper among them.
 """
 
 from collections.abc import Callable, Mapping
@@ -25,7 +26,7 @@ def lumped_damper(reduced: ReducedModel, rest: StaticContact) -> tuple[ReducedMo
 
     raises: ValueError where a face is not plane, so that it has no single normal
     """
-    contacts = whole_faces(reduced.contacts)
+    contacts = face_elements(reduced.contacts)
     mass = damper_mass(reduced)
     return (
         ReducedModel(
@@ -39,7 +40,7 @@ def lumped_damper(reduced: ReducedModel, rest: StaticContact) -> tuple[ReducedMo
     )
 
 
-def whole_faces(contacts: ContactElements) -> ContactElements:
+def face_elements(contacts: ContactElements) -> ContactElements:
     """One element a face, left then right: its whole area, at its centroid.
 
     A face is no triangle: the element's corners are those of a triangle of its area about its centroid, for the
@@ -109,9 +110,6 @@ def _point_mass(damper: ReducedComponent, contacts: ContactElements, mass: float
     along = np.array([np.eye(3)["xyz".index(point[-1])] for point in damper.points])
     phi = np.vstack([contacts.axes.reshape(-1, 3), along]) / np.sqrt(mass)
     return ReducedComponent(damper.name, np.zeros(3), phi, np.zeros((len(phi), len(phi))), damper.points)
-
-
-# How the damper is modelled: choices that a rig file can name.
 
 
 @dataclass(frozen=True)

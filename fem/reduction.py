@@ -62,7 +62,7 @@ def residual_flexibility(part: FactorisedComponent, modes: Modes) -> Floats:
     return (residual + residual.T) / 2
 
 
-def mirrored(blade: ReducedComponent, name: str) -> ReducedComponent:
+def mirrored_component(blade: ReducedComponent, name: str) -> ReducedComponent:
     """The mirror image x -> -x: contact coordinates stay, as local axes are mirrored too; x of points flips."""
     sign = np.ones(len(blade.residual))
     sign[blade.n_contact_dofs :] = [-1.0 if point.endswith(".x") else 1.0 for point in blade.points]

@@ -1,4 +1,4 @@
-"""Rigid-body motion of a set of nodes."""
+"""Rigid-body motion of a set of nodes, and six springs that hold a free component without straining it."""
 
 from dataclasses import dataclass
 
@@ -32,9 +32,6 @@ def rigid_body_modes(nodes: Floats, mass: sparse.csr_array) -> Floats:
         gram = fields.T @ (mass @ fields)
         fields = linalg.solve_triangular(linalg.cholesky(gram, lower=True), fields.T, lower=True).T
     return np.asfortranarray(fields)
-
-
-# Six springs that hold a free component without straining it.
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from updamp.geometry.extruded_blocks import Block, Section
+from updamp.geometry.extruded_blocks import Block, CrossSection
 
 if TYPE_CHECKING:
     from updamp.rig.rig import MeshDivisions, Rig
@@ -14,7 +14,7 @@ Point = tuple[float, float]
 JUNCTION, TOP, RESPONSE = 2, 3, 4  # levels of the stem; 0 is the root, 1 the excitation
 
 
-def blade_section(rig: Rig, divisions: MeshDivisions) -> Section:
+def blade_section(rig: Rig, divisions: MeshDivisions) -> CrossSection:
     """The platform is split above the ends of the damper's face by vertical cuts.
 
     Vertical, because the platform's sharpest corner, between underside and stem, measures 90 deg minus the angle of
@@ -22,7 +22,7 @@ def blade_section(rig: Rig, divisions: MeshDivisions) -> Section:
     """
     stem_points, stem = _stem(rig, divisions)
     platform_points, platform, contact = _platform(rig, divisions)
-    return Section(
+    return CrossSection(
         name="blade",
         points=stem_points | platform_points,
         blocks=stem + platform,

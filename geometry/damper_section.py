@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from updamp.geometry.extruded_blocks import Block, Section
+from updamp.geometry.extruded_blocks import Block, CrossSection
 
 if TYPE_CHECKING:
     from updamp.rig.rig import MeshDivisions, Rig
 
 
-def damper_section(rig: Rig, divisions: MeshDivisions) -> Section:
+def damper_section(rig: Rig, divisions: MeshDivisions) -> CrossSection:
     """Levels from the bottom up; between "face bottom" and "face top" lie the two contact faces."""
     damper, face_top, face_bottom = rig.damper, rig.face_top, rig.face_bottom
     levels = {"face bottom": face_bottom, "face top": face_top}
@@ -28,7 +28,7 @@ def damper_section(rig: Rig, divisions: MeshDivisions) -> Section:
     )
     points = {f"left {name}": (-x, y) for name, (x, y) in levels.items()}
     points |= {f"right {name}": point for name, point in levels.items()}
-    return Section(
+    return CrossSection(
         name="damper",
         points=points,
         blocks=blocks,

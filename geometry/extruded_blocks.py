@@ -14,16 +14,14 @@ from numpy.typing import NDArray
 
 from updamp.geometry.rig_mesh import ComponentMesh
 
-# gmsh's start resets SIGPIPE, which Python ignores so as to raise BrokenPipeError.
-#
-# A write to a worker process that is gone would then end this process without a word.
-
 
 @contextmanager
-def broken_pipes_as_before() -> Iterator[None]:
+def broken_pipe_signal_kept() -> Iterator[None]:
     """What happens on writing to a broken pipe is, afterwards, what it was before.
 
-    By the C functions, since `signal.signal` works in the main thread only.
+    gmsh's start resets SIGPIPE, which Python ignores so as to raise BrokenPipeError: a write to a worker process that
+    is gone would then end this process without a word. By the C functions, since `signal.signal` works in the main
+    thread only.
     """
     number = getattr(signal, "SIGPIPE", None)
     if number is None:  # Windows has none
@@ -62,7 +60,7 @@ class Block:
 
 
 @dataclass(frozen=True)
-class Section:
+class CrossSection:
     """Blocks to be extruded.
 
     points: (x, y) of every corner [m]
@@ -79,7 +77,7 @@ class Section:
     ends: tuple[str, str] | None = None
 
 
-def extrude_section(section: Section, width: float, layers: int) -> ComponentMesh:
+def extrude_section(section: CrossSection, width: float, layers: int) -> ComponentMesh:
     """Mesh the section's blocks and extrude them from z = -width/2 to +width/2 [m] in an even number of layers.
 
     raises: RuntimeError when gmsh does not give one hexahedron a cell (an inconsistent section)
@@ -101,7 +99,7 @@ def gmsh_model(name: str) -> Iterator[None]:
     if opened:
         # Without user files the result depends on this code only; uninterruptible, gmsh leaves Python's handler of
         # interruptions alone (and so works outside the main thread).
-        with broken_pipes_as_before():
+        with broken_pipe_signal_kept():
             gmsh.initialize(argv=["gmsh", "-nopopup"], readConfigFiles=False, run=False, interruptible=False)
     terminal = gmsh.option.getNumber("General.Terminal")
     gmsh.option.setNumber("General.Terminal", 0)
@@ -116,7 +114,7 @@ def gmsh_model(name: str) -> Iterator[None]:
             gmsh.option.setNumber("General.Terminal", terminal)
 
 
-def _add_physical_groups(section: Section, width: float, layers: int) -> None:
+def _add_physical_groups(section: CrossSection, width: float, layers: int) -> None:
     """Geometry, transfinite divisions and physical groups of the section in the current model."""
     geo = gmsh.model.geo
     points = {key: geo.addPoint(x, y, -width / 2) for key, (x, y) in section.points.items()}
@@ -157,7 +155,7 @@ def _swept_surface(line: int, section_surfaces: list[int]) -> int:
     return int(surface)
 
 
-def _read_out(section: Section) -> ComponentMesh:
+def _read_out(section: CrossSection) -> ComponentMesh:
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     number = np.full(int(tags.max()) + 1, -1, dtype=np.int64)
     number[tags] = np.arange(len(tags))

@@ -1,4 +1,4 @@
-"""What the mesh stage hands on: hexahedra, named groups and contact elements."""
+"""What the mesh stage hands on: hexahedra, named groups and contact elements; their quality, and their mirror image."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -54,11 +54,8 @@ class RigMesh:
         return len(self.damper.hexahedra)
 
 
-# The error of a rig that can be built but not meshed well enough.
-
-
 class GeometryError(ValueError):
-    """Names the key of the rig file, its value and what would be allowed."""
+    """Of a rig that cannot be meshed well: names the key of the rig file, its value and what would be allowed."""
 
     def __init__(self, key: str, value: str, allowed: str) -> None:
         super().__init__(f"{key} = {value}: {allowed}")
@@ -66,8 +63,6 @@ class GeometryError(ValueError):
         self.value = value
         self.allowed = allowed
 
-
-# Quality of hexahedra.
 
 # The three neighbours of each corner, right-handed, in VTK's numbering.
 _NEIGHBOURS = np.array([[1, 3, 4], [2, 0, 5], [3, 1, 6], [0, 2, 7], [7, 5, 0], [4, 6, 1], [5, 7, 2], [6, 4, 3]])
@@ -88,13 +83,11 @@ def scaled_jacobian(vertices: NDArray[np.float64], hexahedra: NDArray[np.int64])
     return smallest
 
 
-# The left-hand blade from the right-hand one.
-
 _HEXAHEDRON = [0, 3, 2, 1, 4, 7, 6, 5]
 _QUADRILATERAL = [0, 3, 2, 1]
 
 
-def mirrored(component: ComponentMesh) -> ComponentMesh:
+def mirrored_mesh(component: ComponentMesh) -> ComponentMesh:
     """Mirror image x -> -x. Vertices keep their numbers; cells are renumbered so that volumes stay positive."""
     return ComponentMesh(
         name=component.name,

@@ -6,7 +6,7 @@ import meshio
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.geometry.rig_mesh import ComponentMesh, RigMesh, mirrored
+from updamp.geometry.rig_mesh import ComponentMesh, RigMesh, mirrored_mesh
 
 # Ends of the twelve edges in the order of VTK's quadratic hexahedron.
 _EDGES = np.array(
@@ -24,7 +24,7 @@ def write_vtu(rig_mesh: RigMesh, folder: Path) -> tuple[Path, ...]:
     folder.mkdir(parents=True, exist_ok=True)
     meshes = {
         "blade_right": _quadratic(rig_mesh.blade),
-        "blade_left": _quadratic(mirrored(rig_mesh.blade)),
+        "blade_left": _quadratic(mirrored_mesh(rig_mesh.blade)),
         "damper": _quadratic(rig_mesh.damper),
         "contacts": _triangles(rig_mesh),
     }

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import jax
 
-# Less is quicker compiled than read.
+# What compiles in less is compiled again sooner than read back.
 LEAST_SECONDS = 0.5
 
 

@@ -17,7 +17,7 @@ from pydantic import (
 from updamp.measurement.measurement import MeasurementError, near
 from updamp.measurement.quantities import AMPLITUDES, QUANTITIES, si_factor
 from updamp.rig.errors import explain, read_toml
-from updamp.rig.fields import Quantity, Section
+from updamp.rig.fields import InputTable, Quantity
 
 Text = Annotated[str, StringConstraints(min_length=1)]
 Model = TypeVar("Model", bound=BaseModel)
@@ -38,7 +38,7 @@ def _known_amplitude(name: str) -> str:
 QuantityName = Annotated[str, AfterValidator(_known_quantity), Field(examples=["velocity"])]
 
 
-class ChannelTable(Section):
+class ChannelTable(InputTable):
     """A sensor. point and direction: what it looks at in the model; a minus: its reading is positive towards minus.
 
     label: how the data files call it, where that is not the name of the table
@@ -78,7 +78,7 @@ class ChannelTable(Section):
         return f"{self.point}.{self.direction[-1]}"
 
 
-class RunTable(Section):
+class RunTable(InputTable):
     """One sweep, or all its repeats where one file holds them. Level: peak amplitude of what was held, with its unit.
 
     run: label of the run in the file, where that is not the name; repeat: number of the assembly
@@ -113,7 +113,7 @@ def _listed_once(value: object) -> object:
     return value
 
 
-class MeasurementFile(Section):
+class MeasurementFile(InputTable):
     """All of measurement.toml. rig: name of the rig as in its file; features: file of stated values beside this one
 
     repeatability: relative standard deviation of a response when the test is repeated, known from elsewhere; only where

@@ -9,7 +9,7 @@ from pydantic import AfterValidator, Field, model_validator
 
 from updamp.measurement.measurement import Feature
 from updamp.measurement.measurement_file import Text, validated
-from updamp.rig.fields import Quantity, Section
+from updamp.rig.fields import InputTable, Quantity
 
 # What can be stated, and as what: with a unit, or as a plain number where there is none.
 FEATURE_QUANTITIES: Mapping[str, Quantity | None] = {
@@ -25,7 +25,7 @@ def _known(name: str) -> str:
     return name
 
 
-class FeatureTable(Section):
+class FeatureTable(InputTable):
     """One value, or bounds, of a mode at a force (or at none, where it does not matter)."""
 
     quantity: Annotated[str, AfterValidator(_known), Field(examples=["resonance_frequency"])]
@@ -73,13 +73,13 @@ class FeatureTable(Section):
         return Feature(self.quantity, self.mode, self._in_si("force"), value, lower, upper, uncertainty)
 
 
-class Source(Section):
+class Source(InputTable):
     """Where the values are from."""
 
     title: Annotated[Text, Field(examples=["Author, journal, year"])]
 
 
-class FeatureFile(Section):
+class FeatureFile(InputTable):
     """rig, damper_load, excitation: as in measurement.toml, where they are stated."""
 
     source: Source

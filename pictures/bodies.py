@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from updamp.geometry.contact_elements import LEFT, RIGHT
-from updamp.geometry.rig_mesh import RigMesh, mirrored
+from updamp.geometry.rig_mesh import RigMesh, mirrored_mesh
 from updamp.pictures.scene import Plotter, load_pyvista, patches, save, surface
 from updamp.pictures.style import DARK_STEEL, INK, LEFT_FACE, RIGHT_FACE, STEEL
 
@@ -46,7 +46,7 @@ def _title(plotter: Plotter, text: str) -> None:
 
 
 def _add_blades(plotter: Plotter, rig_mesh: RigMesh, edges: dict[str, Any]) -> None:
-    for body in (surface(rig_mesh.blade), surface(mirrored(rig_mesh.blade))):
+    for body in (surface(rig_mesh.blade), surface(mirrored_mesh(rig_mesh.blade))):
         plotter.add_mesh(body, color=STEEL, ambient=0.35, **edges)
 
 

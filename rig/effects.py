@@ -11,10 +11,10 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, ValidationInfo
 
-from updamp.rig.fields import Section
+from updamp.rig.fields import InputTable
 
 
-class TakenEffect(Section):
+class TakenEffect(InputTable):
     """An effect of the file, checked. Names and numbers alone: processes hand it on, and hashes are made of it.
 
     values: of all its parameters, in their `units`; origin: where they come from, "" if not stated
@@ -30,7 +30,7 @@ class TakenEffect(Section):
     file: Annotated[Path | None, Field(exclude=True)] = None
 
 
-class Calibration(Section):
+class Calibration(InputTable):
     """Factors on what is known only roughly, by name (see `model/calibration.py`); origin: in words."""
 
     factors: Mapping[str, float] = {}

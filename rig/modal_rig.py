@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, StringConstraints, model_validator
 
 from updamp.rig.effects import Calibration, CalibrationTable, Effects
-from updamp.rig.fields import Quantity, Section
+from updamp.rig.fields import InputTable, Quantity
 from updamp.rig.rig import Frequency, HarmonicBalance, Name
 
 Point = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][\w-]*(\.[A-Za-z][\w-]*)*\.[xyz]$")]
@@ -22,7 +22,7 @@ _NORMALISED = Quantity("kg^-0.5", "0.8 kg^-0.5")
 _BALANCE = HarmonicBalance(harmonics=(1,), time_samples=128, cycles=2)
 
 
-class Mode(Section):
+class Mode(InputTable):
     """frequency, undamped [Hz]; damping by `loss_factor` (hysteretic) or `damping_ratio` (viscous), one of them.
 
     shape: point -> displacement. With `modal_mass` [kg] in any scale, plain numbers ("the mass of an oscillator that
@@ -78,7 +78,7 @@ class Mode(Section):
         return {point: scale * self._entry(value) for point, value in self.shape.items()}
 
 
-class ModalRig(Section):
+class ModalRig(InputTable):
     """Exactly the keys of a modal rig file, checked, in SI. A mode does not move at points that its shape leaves out.
 
     harmonic_balance: for effects that are tried on the model; by itself it is linear

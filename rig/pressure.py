@@ -7,19 +7,19 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
 
-from updamp.rig.fields import Quantity, Section
+from updamp.rig.fields import InputTable, Quantity
 
 ORDER = 4
 COEFFICIENTS = (ORDER + 1) * (ORDER + 2) // 2
 
 
-class UniformPressure(Section):
+class UniformPressure(InputTable):
     """The same pressure everywhere, eq. (5) of Pesaresi et al. 2017."""
 
     model: Literal["uniform"]
 
 
-class TwoAreaPressure(Section):
+class TwoAreaPressure(InputTable):
     """A strip in the middle of the damper's length, over the whole slope, carries its own share of the load.
 
     The pressure is uniform in the strip and uniform outside it.
@@ -77,7 +77,7 @@ _Number = Annotated[float, Field(strict=True)]
 Row = tuple[_Number, _Number, _Number, _Number, _Number]
 
 
-class PolynomialPressure(Section):
+class PolynomialPressure(InputTable):
     """Shape of the pressure as a 4th-order polynomial of (s, z), or as a scan to which one is fitted.
 
     s runs from -1 at the lower end of the face to 1 at the upper, z from -1 to 1 along the damper. Only the
@@ -110,7 +110,7 @@ class PolynomialPressure(Section):
         return sum(coefficients[i][j] / ((i + 1) * (j + 1)) for i in even for j in even)
 
 
-class SurfaceProfile(Section):
+class SurfaceProfile(InputTable):
     """How the damper's faces deviate from planes: an initial opening of the contact. [m], [rad]
 
     crown_height, crown_radius: the face is crowned up its slope as a circle about an axis along the damper;
@@ -132,7 +132,7 @@ class SurfaceProfile(Section):
         return self.crown_height or half**2 / (2 * self.crown_radius), self.crown_radius
 
 
-class FePressure(Section):
+class FePressure(InputTable):
     """Unilateral contact, with Coulomb friction or without, on the compliance of the finite elements."""
 
     model: Literal["fe"]

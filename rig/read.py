@@ -10,10 +10,10 @@ from pydantic import ValidationError
 from updamp.rig.checks import buildable
 from updamp.rig.effects import Readers
 from updamp.rig.errors import RigError, explain, read_toml
-from updamp.rig.fields import Section
+from updamp.rig.fields import InputTable
 from updamp.rig.rig import Rig
 
-Kind = TypeVar("Kind", bound=Section)
+Kind = TypeVar("Kind", bound=InputTable)
 
 
 def read_rig(path: Path, readers: Readers, overrides: Mapping[str, Any] | None = None) -> Rig:

@@ -10,7 +10,7 @@ from pydantic import AfterValidator, Field, StringConstraints, model_validator
 from pydantic_core import to_json
 
 from updamp.rig.effects import Calibration, CalibrationTable, Effects
-from updamp.rig.fields import Quantity, Section
+from updamp.rig.fields import InputTable, Quantity
 from updamp.rig.pressure import FePressure, PolynomialPressure, TwoAreaPressure, UniformPressure
 
 Length = Annotated[float, Quantity("m", "5 mm", above=0, at_most=10_000)]
@@ -21,7 +21,7 @@ Divisions = Annotated[int, Field(strict=True, ge=1, examples=[4])]
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$")]
 
 
-class Material(Section):
+class Material(InputTable):
     """Linear elastic material of the blades and the damper. SI."""
 
     youngs_modulus: Annotated[float, Quantity("Pa", "197 GPa", above=0, at_most=2000)]
@@ -30,7 +30,7 @@ class Material(Section):
     loss_factor: Annotated[float, Field(strict=True, ge=0, lt=1, examples=[0.0009])]
 
 
-class Blade(Section):
+class Blade(InputTable):
     """The right-hand blade, an upright beam clamped at height 0. [m]"""
 
     height: Annotated[float, Quantity("m", "150 mm", above=0, at_most=10_000)]
@@ -39,7 +39,7 @@ class Blade(Section):
     axis_offset: Length
 
 
-class Platform(Section):
+class Platform(InputTable):
     """The platform on the blade's inner side. [m], underside_angle [rad] from the horizontal."""
 
     top: Length
@@ -48,7 +48,7 @@ class Platform(Section):
     underside_angle: Annotated[float, Quantity("rad", "45 deg", at_least=15, at_most=80)]
 
 
-class Damper(Section):
+class Damper(InputTable):
     """Wedge damper under both platforms; lengths of the face along the underside. [m]
 
     With apex_height 0 the damper ends at the upper end of its faces and apex_flat has no meaning.
@@ -61,7 +61,7 @@ class Damper(Section):
     base_height: Length
 
 
-class Wire(Section):
+class Wire(InputTable):
     """The pulling wires, one to each end of the damper. [N/m], [m]"""
 
     axial_stiffness: Annotated[float, Quantity("N/m", "1e6 N/m", above=0)]
@@ -69,26 +69,26 @@ class Wire(Section):
     attachment_height: Annotated[float, Quantity("m", "3 mm", at_least=-1000, at_most=1000)]
 
 
-class Load(Section):
+class Load(InputTable):
     """Static load: the pull of both wires together. [N]"""
 
     pull: Force
 
 
-class Excitation(Section):
+class ExcitationPoint(InputTable):
     """Harmonic force along x on the outer side of one blade, at mid-width. [m]"""
 
     blade: Literal["left", "right"]
     height: Length
 
 
-class Response(Section):
+class Response(InputTable):
     """Where the blades' response is measured, below their tips. [m]"""
 
     below_top: Length
 
 
-class Contact(Section):
+class Contact(InputTable):
     """Contact between damper and platforms. Stiffness per area [N/m^3]; law and coupling by name."""
 
     law: Literal["jenkins_box", "jenkins_box_sampled", "coulomb_circle"]
@@ -101,14 +101,14 @@ class Contact(Section):
     ]
 
 
-class Reduction(Section):
+class Reduction(InputTable):
     """Modes of each component, and the solver of the linear systems by name."""
 
     modes: Annotated[int, Field(strict=True, ge=1, examples=[24])]
     solver: Literal["pardiso", "cholmod", "amg"] = "pardiso"
 
 
-class HarmonicBalance(Section):
+class HarmonicBalance(InputTable):
     """Harmonics kept, time samples a period, and periods until the hysteresis has settled."""
 
     harmonics: Annotated[tuple[Annotated[int, Field(strict=True, ge=0)], ...], Field(examples=[[0, 1, 2, 3]])]
@@ -139,13 +139,13 @@ def _each_once(forces: tuple[float, ...]) -> tuple[float, ...]:
     return forces
 
 
-class ModeStudy(Section):
+class ModeStudy(InputTable):
     """Frequencies in which a mode's response is sought, (lower, upper). [Hz]"""
 
     window: Annotated[tuple[Frequency, Frequency], AfterValidator(_ordered), Field(examples=[["434 Hz", "446 Hz"]])]
 
 
-class Study(Section):
+class Study(InputTable):
     """Amplitudes of the excitation [N] and the modes to follow."""
 
     force_levels: Annotated[
@@ -154,7 +154,7 @@ class Study(Section):
     modes: Annotated[Mapping[Name, ModeStudy], Field(min_length=1)]
 
 
-class MeshDivisions(Section):
+class MeshDivisions(InputTable):
     """Divisions of the section's edges and of the width; contact_elements counts both faces."""
 
     width: Annotated[int, Field(strict=True, ge=2, multiple_of=2, examples=[12])]  # a node at mid-width
@@ -173,7 +173,7 @@ class MeshDivisions(Section):
     contact_elements: Annotated[int, Field(strict=True, ge=4, multiple_of=2, examples=[36])]
 
 
-class Rig(Section):
+class Rig(InputTable):
     """A rig and the study made on it: exactly the keys of a rig file, checked, in SI.
 
     Heights are measured from the root, half-widths from the plane of symmetry.
@@ -187,7 +187,7 @@ class Rig(Section):
     damper: Damper
     wire: Wire
     load: Load
-    excitation: Excitation
+    excitation: ExcitationPoint
     response: Response
     contact: Contact
     reduction: Reduction

@@ -169,14 +169,14 @@ def _renderings(products: Products) -> list[Picture]:
 
 def mode_shapes(products: Products) -> tuple[ModeShape, ...]:
     """The stuck OOP and IP modes where the coupled check was made, then the first of the free blade."""
-    from updamp.geometry.rig_mesh import mirrored
+    from updamp.geometry.rig_mesh import mirrored_mesh
     from updamp.pictures.modes import ModeShape
 
     mesh, result = products.mesh.product, products.finite_elements
     assert result is not None, "mode shapes come with the finite elements"
     shapes = []
     if products.coupled_check is not None:
-        check, left = products.coupled_check.product, mirrored(mesh.blade)
+        check, left = products.coupled_check.product, mirrored_mesh(mesh.blade)
         for mode, number in (("OOP", check.out_of_phase), ("IP", check.in_phase)):
             shape = check.shapes[mode]
             bodies = ((mesh.blade, "blade_right"), (left, "blade_left"), (mesh.damper, "damper"))

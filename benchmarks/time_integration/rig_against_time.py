@@ -12,7 +12,7 @@ import numpy as np
 from updamp.benchmarks.time_integration.rig_march import Box, March, Periodic, Plane, State, shoot
 from updamp.fem.reduced_model import ReducedModel
 from updamp.fem.static_contact.static_contact import static_contact
-from updamp.hbm.analysis.accuracy import again
+from updamp.hbm.analysis.accuracy import solve_again
 from updamp.hbm.analysis.settings import Setting, with_setting
 from updamp.hbm.continuation.branch import BranchPoint
 from updamp.hbm.continuation.continuation import continue_branch
@@ -84,7 +84,7 @@ class Problem:
         return np.bincount(contact_states(self.system, point.x, point.w), minlength=4)
 
     def finer(self, point: BranchPoint, setting: Setting = FINER) -> BranchPoint | None:
-        return again(self.request, point, with_setting(self.system, setting))
+        return solve_again(self.request, point, with_setting(self.system, setting))
 
     def march(self, point: BranchPoint, near: BranchPoint | None = None, steps: int = 1024) -> Periodic:
         """On the plane across the branch at `point`, started from `near` (a finer solution there)."""

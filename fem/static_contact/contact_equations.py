@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, LinAlgWarning, lu_factor, lu_solve
 
-from updamp.fem.static_contact.contact_problem import ContactProblem, ContactState
+from updamp.fem.static_contact.contact_problem import ContactProblem, StaticContactState
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -54,7 +54,7 @@ class ContactEquations:
             raise ValueError("flexibility has no positive diagonal: it must be positive definite")
         self.target = np.column_stack([anchor, problem.gap]).ravel()
 
-    def solve(self, active: ActiveSet) -> ContactState:
+    def solve(self, active: ActiveSet) -> StaticContactState:
         """Forces, displacements and rigid amplitudes of this set. raises: LinAlgError if it is singular."""
         rows, spread, fixed = self._unknowns(active)
         held, loose = self._rigid_motions(rows)
@@ -73,7 +73,7 @@ class ContactEquations:
         d = displacement.reshape(-1, 3)
         opening = np.where(active.closed, 0.0, self.problem.gap - d[:, 2])
         rigid = amplitudes / self.mode_scale
-        return ContactState(force.reshape(-1, 3), d, opening, rigid, active.closed, active.slip)
+        return StaticContactState(force.reshape(-1, 3), d, opening, rigid, active.closed, active.slip)
 
     def _unknowns(self, active: ActiveSet) -> tuple[Integers, Floats, Floats]:
         """Rows that are equations, the map (3 n, k) from their unknowns to all forces, and the forces known."""
@@ -109,7 +109,7 @@ class ContactEquations:
         far = sum(float(np.abs(length).max(initial=0.0)) for length in lengths) + self.unit_flexibility * largest
         return 10.0 * far / size * unbalanced
 
-    def wanted(self, state: ContactState, active: ActiveSet, tolerance: float) -> tuple[ActiveSet, Bools]:
+    def wanted(self, state: StaticContactState, active: ActiveSet, tolerance: float) -> tuple[ActiveSet, Bools]:
         """The set that the state asks for, and the entries (n, 3) in which it differs: the violations."""
         n_scale, d_scale = self._scales(state)
         normal, tangential = state.force[:, 2], state.force[:, :2]
@@ -134,7 +134,7 @@ class ContactEquations:
         slip = np.where(entries[:, :2], wanted.slip, active.slip)
         return ActiveSet(closed, np.where(self.limit.grips(closed)[:, None], slip, 0))
 
-    def imbalance(self, state: ContactState) -> float:
+    def imbalance(self, state: StaticContactState) -> float:
         """Largest unbalanced rigid-body load, relative to the largest load or, without load, force."""
         if len(self.load) == 0:
             return 0.0
@@ -142,7 +142,7 @@ class ContactEquations:
         error = np.abs(self.rigid.T @ state.force.ravel() - self.load).max()
         return float(error) / scale if scale > 0 else 0.0
 
-    def violation(self, state: ContactState, active: ActiveSet) -> float:
+    def violation(self, state: StaticContactState, active: ActiveSet) -> float:
         """Largest violation of any condition, relative."""
         n_scale, d_scale = self._scales(state)
         increment = state.displacement[:, :2] - self.anchor
@@ -158,7 +158,7 @@ class ContactEquations:
         ]
         return float(max(found))
 
-    def _scales(self, state: ContactState) -> tuple[float, float]:
+    def _scales(self, state: StaticContactState) -> tuple[float, float]:
         """Units of force [N] and of displacement [m]."""
         force = float(np.abs(state.force).max(initial=0.0))
         elastic = float(np.abs(self.problem.flexibility @ state.force.ravel()).max(initial=0.0))

@@ -62,7 +62,7 @@ class ContactProblem:
 
 
 @dataclass(frozen=True, eq=False)
-class ContactState:
+class StaticContactState:
     """One state of the contacts.
 
     force: (n, 3) [N], exactly zero where a contact is open; pressing and opposing the slip positive
@@ -87,7 +87,7 @@ class ContactSolution:
     relative to the largest force or to the elastic displacement of the step
     """
 
-    value: tuple[ContactState, ...]
+    value: tuple[StaticContactState, ...]
     status: ContactStatus
     iterations: Integers
     residuals: Floats

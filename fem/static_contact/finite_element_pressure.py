@@ -1,4 +1,7 @@
-"""Pressure from unilateral contact, with or without friction, on the compliance of blades and damper."""
+"""Pressure from unilateral contact, with or without friction, on the compliance of blades and damper.
+
+The damper's faces may deviate from planes by a stated profile, which is the initial gap of the contact patches.
+"""
 
 from collections.abc import Callable
 
@@ -11,8 +14,6 @@ from updamp.fem.static_contact.rest_state import FaceCoordinates, StaticContact,
 from updamp.fem.static_contact.unilateral_contact import solve_unilateral_contact
 from updamp.rig.pressure import FePressure, SurfaceProfile
 from updamp.rig.rig import Rig
-
-# Deviation of the damper's faces from planes, as the initial gap of the contact patches.
 
 Floats = NDArray[np.float64]
 
@@ -60,7 +61,7 @@ def pull_on_ends(damper: ReducedComponent, pull: float) -> tuple[Floats, Floats]
     external = np.zeros(len(damper.residual))
     for name in WIRES:
         external[damper.n_contact_dofs + damper.points.index(name)] = pull / len(WIRES)
-    free = static_flexibility(damper) @ external
+    free = elastic_flexibility(damper) @ external
     return damper.phi[:, damper.omega == 0].T @ external, free[: damper.n_contact_dofs]
 
 
@@ -130,12 +131,12 @@ def wedge_problem(reduced: ReducedModel, gap: Floats, friction: float) -> Contac
     n = len(reduced.contacts)
     flexibility = np.zeros((3 * n, 3 * n))
     for component, rows in zip(reduced.components, reduced.contact_rows(), strict=True):
-        flexibility[np.ix_(rows, rows)] += static_flexibility(component)[: len(rows), : len(rows)]
+        flexibility[np.ix_(rows, rows)] += elastic_flexibility(component)[: len(rows), : len(rows)]
     rigid = reduced.damper.phi[: 3 * n, reduced.damper.omega == 0]
     return ContactProblem((flexibility + flexibility.T) / 2, rigid, gap, np.full(n, friction))
 
 
-def static_flexibility(component: ReducedComponent) -> Floats:
+def elastic_flexibility(component: ReducedComponent) -> Floats:
     """(n_interface, n_interface) [m/N] of the elastic modes and the residual; rigid-body modes are left out."""
     elastic = component.omega > 0
     scaled = component.phi[:, elastic] / component.omega[elastic]

@@ -1,4 +1,8 @@
-"""A pressure film as a 4th-order polynomial, given or fitted to a scan (Pesaresi et al. 2017, section 2)."""
+"""Prescribed pressures on the contact faces, after Pesaresi et al. 2017.
+
+A 4th-order polynomial, given or fitted to the scan of a pressure film (section 2); a central strip of each face that
+carries its own share of the load (section 4: 70/30 to 100/0); the same pressure everywhere (eq. 5).
+"""
 
 from collections.abc import Sequence
 
@@ -54,9 +58,6 @@ def fit_polynomial(samples: Sequence[tuple[float, float, float]]) -> Floats:
     return coefficients
 
 
-# A central strip of each face carries its own share of the load (Pesaresi et al. 2017, section 4: 70/30 to 100/0).
-
-
 def two_area(reduced: ReducedModel, rig: Rig) -> StaticContact:
     """Pressure constant in the central strip and constant outside it; the strip spans the whole face up the slope.
 
@@ -78,9 +79,6 @@ def central_part(coordinates: FaceCoordinates, fraction: float) -> Floats:
     return area(intersection(patches, strips)) / area(patches)
 
 
-# The same pressure everywhere: eq. (5) of Pesaresi et al. 2017.
-
-
 def uniform(reduced: ReducedModel, rig: Rig) -> StaticContact:
-    """sigma0 = CF / (2 A (cos(alpha) + mu sin(alpha))), N0 = sigma0 times the area of the patch."""
+    """The same pressure everywhere, sigma0 = CF / (2 A (cos(alpha) + mu sin(alpha))); N0 its integral over a patch."""
     return prescribed_rest(reduced.contacts, np.ones(len(reduced.contacts)), rig)

@@ -1,4 +1,8 @@
-"""What the static contact stage hands on: the rest state of every contact element."""
+"""What the static contact stage hands on: the rest state of every contact element.
+
+With what its models share: coordinates on the contact faces, averages over their patches, the load that one face
+carries, and the rest state of a prescribed pressure.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -34,8 +38,6 @@ class StaticContact:
     normal_total: float
     equilibrium_error: float
 
-
-# Coordinates on the contact faces, averages over their patches, and the load that one face carries.
 
 SUBDIVISIONS = 4  # of a patch's edges: the integrands are clipped, so one high-order rule would not do
 

@@ -23,8 +23,8 @@ from updamp.fem.static_contact.contact_problem import (
     ContactOptions,
     ContactProblem,
     ContactSolution,
-    ContactState,
     ContactStatus,
+    StaticContactState,
 )
 
 Floats = NDArray[np.float64]
@@ -66,7 +66,7 @@ def solve_unilateral_contact(
         )
     active = ActiveSet(np.ones(n, dtype=bool), np.zeros((n, 2), dtype=np.int64))
     anchor = np.zeros((n, 2))
-    states: list[ContactState] = []
+    states: list[StaticContactState] = []
     iterations: list[int] = []
     residuals: list[float] = []
     status = ContactStatus.CONVERGED
@@ -85,7 +85,7 @@ def solve_unilateral_contact(
 
 
 Equations = Callable[[FrictionLimit], ContactEquations]
-Outcome = tuple[ActiveSet, ContactState, ContactStatus, int]
+Outcome = tuple[ActiveSet, StaticContactState, ContactStatus, int]
 
 
 def _coulomb(friction: Floats) -> FrictionLimit:
@@ -153,7 +153,7 @@ def _last_only(violated: Bools) -> Bools:
     return flat.reshape(violated.shape)
 
 
-def _empty(active: ActiveSet) -> ContactState:
+def _empty(active: ActiveSet) -> StaticContactState:
     n = len(active.closed)
     zero = np.zeros((n, 3))
-    return ContactState(zero, zero, np.zeros(n), np.zeros(0), active.closed, active.slip)
+    return StaticContactState(zero, zero, np.zeros(n), np.zeros(0), active.closed, active.slip)

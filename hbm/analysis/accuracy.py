@@ -101,26 +101,26 @@ def estimate_error(
     if len(curve) < 2:
         raise ValueError(f"a curve of {len(curve)} points has no branch to compare with: at least two are needed")
     point = point or request.points[0]
-    return estimate_of(Selection.of(system, request, curve, point))
+    return estimate_of(CheckedPoints.of(system, request, curve, point))
 
 
-def estimate_of(selection: "Selection") -> ErrorEstimate:
-    setting = setting_of(selection.system)
+def estimate_of(checked: "CheckedPoints") -> ErrorEstimate:
+    setting = setting_of(checked.system)
     return ErrorEstimate(
         setting=setting,
-        point=selection.point,
-        harmonics=selection.deviation(more_harmonics),
-        samples=selection.deviation(twice_the_samples),
-        cycles=selection.deviation(one_more_cycle) if setting.cycles is not None else None,
-        together=selection.deviation(all_finer),
+        point=checked.point,
+        harmonics=checked.deviation(more_harmonics),
+        samples=checked.deviation(twice_the_samples),
+        cycles=checked.deviation(one_more_cycle) if setting.cycles is not None else None,
+        together=checked.deviation(all_finer),
     )
 
 
 @dataclass(frozen=True, eq=False)
-class Selection:
+class CheckedPoints:
     """The points of a curve that are solved again.
 
-    near: those around the peak; turning, busy: turning points, and points with most active rows
+    near: those around the peak; turning, most_active: turning points, and points with most active rows
     branch: all of them with their tangents, by place on the curve
     """
 
@@ -130,30 +130,30 @@ class Selection:
     point: str
     near: Integers
     turning: Integers
-    busy: Integers
+    most_active: Integers
     branch: dict[int, BranchPoint]
 
     @staticmethod
     def of(
-        system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, point: str, busiest: int = 3
-    ) -> "Selection":
-        """The peak, all turning points, and so many of the busiest."""
+        system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, point: str, most: int = 3
+    ) -> "CheckedPoints":
+        """The peak, all turning points, and at most so many of those with most active rows."""
         near = _around_the_peak(np.abs(curve.amplitude(point)))
         turning = turning_points(curve.frequency)
         active = np.argsort(curve.active, kind="stable")[::-1]
-        busy = active[curve.active[active] > 0][:busiest]
-        places = sorted({int(i) for i in (*near, *turning, *busy)})
+        most_active = active[curve.active[active] > 0][:most]
+        places = sorted({int(i) for i in (*near, *turning, *most_active)})
         branch = {i: _branch_point(system, request, curve, i) for i in places}
-        return Selection(system, request, curve, point, near, turning, busy, branch)
+        return CheckedPoints(system, request, curve, point, near, turning, most_active, branch)
 
-    def only_peak(self) -> "Selection":
+    def only_peak(self) -> "CheckedPoints":
         none = np.zeros(0, dtype=np.int64)
-        return replace(self, turning=none, busy=none, branch={int(i): self.branch[int(i)] for i in self.near})
+        return replace(self, turning=none, most_active=none, branch={int(i): self.branch[int(i)] for i in self.near})
 
-    def moved_to(self, setting: Setting) -> "Selection | None":
+    def moved_to(self, setting: Setting) -> "CheckedPoints | None":
         """The same points at another setting; None where one is not solved or the peak has left their middle."""
         system = with_setting(self.system, setting)
-        moved = {i: again(self.request, p, system) for i, p in self.branch.items()}
+        moved = {i: solve_again(self.request, p, system) for i, p in self.branch.items()}
         solved = {i: p for i, p in moved.items() if p is not None}
         if len(solved) < len(moved) or not 0 < _Peak.of(self, solved).top < len(self.near) - 1:
             return None
@@ -162,10 +162,10 @@ class Selection:
     def deviation(self, refine: Refinement) -> Deviation:
         """What a finer setting changes at the selected points."""
         finer = refine(setting_of(self.system))
-        moved = {i: again(self.request, p, with_setting(self.system, finer)) for i, p in self.branch.items()}
+        moved = {i: solve_again(self.request, p, with_setting(self.system, finer)) for i, p in self.branch.items()}
         unsolved = tuple(float(self.curve.frequency[i]) for i, p in moved.items() if p is None)
         before, after = (_Peak.of(self, points) for points in (self.branch, moved))
-        elsewhere = [self._change(i, moved[i]) / before.height for i in (*self.turning, *self.busy)]
+        elsewhere = [self._change(i, moved[i]) / before.height for i in (*self.turning, *self.most_active)]
         shifts = [_shift(self.branch[i], moved[i]) for i in self.turning]
         return Deviation(
             setting=finer,
@@ -203,13 +203,13 @@ class _Peak:
     point: str
 
     @staticmethod
-    def of(selection: Selection, points: Mapping[int, BranchPoint | None]) -> "_Peak":
+    def of(checked: CheckedPoints, points: Mapping[int, BranchPoint | None]) -> "_Peak":
         """Not a number where a point is missing."""
-        solved = [p for p in (points[int(i)] for i in selection.near) if p is not None]
-        if len(solved) < len(selection.near):
-            return _Peak(np.nan, None, selection.point)
-        near = local_curve(selection.curve, selection.request, solved, selection.point)
-        return _Peak(near.peak(selection.point)[1], near, selection.point)
+        solved = [p for p in (points[int(i)] for i in checked.near) if p is not None]
+        if len(solved) < len(checked.near):
+            return _Peak(np.nan, None, checked.point)
+        near = local_curve(checked.curve, checked.request, solved, checked.point)
+        return _Peak(near.peak(checked.point)[1], near, checked.point)
 
     @property
     def top(self) -> int:
@@ -262,7 +262,7 @@ def local_curve(
     )
 
 
-def again(request: CurveRequest, start: BranchPoint, finer: NonlinearSystem) -> BranchPoint | None:
+def solve_again(request: CurveRequest, start: BranchPoint, finer: NonlinearSystem) -> BranchPoint | None:
     """The point of another setting's branch on the plane across the branch at `start`; None where none is found."""
     known = start.solution.equation.receptance.system.harmonics
     scale_w = request.options.scale_w(request.window)
@@ -271,16 +271,16 @@ def again(request: CurveRequest, start: BranchPoint, finer: NonlinearSystem) -> 
     solution = solve(finer, request.excitation, x, start.w, request.options.newton, arc)
     if not solution.converged:
         return None
-    onwards = (tangent_x, start.tangent_w)
-    return branch_point(finer, request.excitation, solution.x, solution.w, scale_w, onwards)
+    direction = (tangent_x, start.tangent_w)
+    return branch_point(finer, request.excitation, solution.x, solution.w, scale_w, direction)
 
 
 def _branch_point(system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, place: int) -> BranchPoint:
     x, w = curve.displacement, 2 * np.pi * curve.frequency
     before, after = max(place - 1, 0), min(place + 1, len(curve) - 1)
-    onwards = (x[after] - x[before], float(w[after] - w[before]))
+    direction = (x[after] - x[before], float(w[after] - w[before]))
     scale_w = request.options.scale_w(request.window)
-    return branch_point(system, request.excitation, x[place], float(w[place]), scale_w, onwards)
+    return branch_point(system, request.excitation, x[place], float(w[place]), scale_w, direction)
 
 
 def _shift(before: BranchPoint, after: BranchPoint | None) -> float:

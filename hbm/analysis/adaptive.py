@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, field
 from enum import Enum
 
-from updamp.hbm.analysis.accuracy import Deviation, ErrorEstimate, Selection, estimate_error
+from updamp.hbm.analysis.accuracy import CheckedPoints, Deviation, ErrorEstimate, estimate_error
 from updamp.hbm.analysis.settings import (
     Refinement,
     Setting,
@@ -86,7 +86,7 @@ _ADVICE = {
 
 
 @dataclass(frozen=True, eq=False)
-class Adapted:
+class AdaptiveResult:
     """setting: the one chosen, or where the search ended; curve: traced with it; estimate: of that curve, None where it
     was not traced; tried: all settings in turn
     """
@@ -100,7 +100,7 @@ class Adapted:
 
 def adaptive(
     system: NonlinearSystem, request: CurveRequest, tolerance: Tolerance, limits: Limits | None = None
-) -> Adapted:
+) -> AdaptiveResult:
     """Trace with the first setting, then move the points around the peak from setting to setting, each time raising
     what contributes more than a third of the tolerance, and trace with the setting that meets it.
 
@@ -113,33 +113,35 @@ def adaptive(
         traced = with_setting(system, setting)
         *_, curve = trace(traced, request)
         if not curve.complete:
-            return Adapted(AdaptiveStatus.NOT_TRACED, setting, None, curve, tuple(tried))
+            return AdaptiveResult(AdaptiveStatus.NOT_TRACED, setting, None, curve, tuple(tried))
         estimate = estimate_error(traced, request, curve)
         if tolerance.share(estimate) <= 1:
-            return Adapted(AdaptiveStatus.MET, setting, estimate, curve, tuple(tried))
-        peak = Selection.of(traced, request, curve, request.points[0]).only_peak()
-        finer = _raised(peak, setting, tolerance, limits)
+            return AdaptiveResult(AdaptiveStatus.MET, setting, estimate, curve, tuple(tried))
+        peak = CheckedPoints.of(traced, request, curve, request.points[0]).only_peak()
+        finer = _refined(peak, setting, tolerance, limits)
         if finer is None:
-            return Adapted(AdaptiveStatus.LIMITS_REACHED, setting, estimate, curve, tuple(tried))
+            return AdaptiveResult(AdaptiveStatus.LIMITS_REACHED, setting, estimate, curve, tuple(tried))
         setting = _search(peak, finer, tolerance, limits, tried)
 
 
-def _search(peak: Selection, setting: Setting, tolerance: Tolerance, limits: Limits, tried: list[Setting]) -> Setting:
+def _search(
+    peak: CheckedPoints, setting: Setting, tolerance: Tolerance, limits: Limits, tried: list[Setting]
+) -> Setting:
     """From setting to setting around the peak, until the tolerance is met, the limits are reached, or the points
     cannot follow."""
     while True:
         moved = peak.moved_to(setting)
         if moved is None or tolerance.share(moved.deviation(all_finer)) <= 1:
             return setting
-        finer = _raised(moved, setting, tolerance, limits)
+        finer = _refined(moved, setting, tolerance, limits)
         if finer is None:
             return setting
         tried.append(setting)
         peak, setting = moved, finer
 
 
-def _raised(peak: Selection, setting: Setting, tolerance: Tolerance, limits: Limits) -> Setting | None:
-    """The setting with everything raised that contributes more than a third of the tolerance, or else most of all;
+def _refined(peak: CheckedPoints, setting: Setting, tolerance: Tolerance, limits: Limits) -> Setting | None:
+    """The setting with everything refined that contributes more than a third of the tolerance, or else most of all;
     None where the limits do not allow any of it, or not what alone exceeds the tolerance."""
     contributions: list[tuple[float, Refinement]] = [
         (tolerance.share(peak.deviation(more_harmonics)), _two_more_harmonics),
@@ -147,16 +149,16 @@ def _raised(peak: Selection, setting: Setting, tolerance: Tolerance, limits: Lim
     ]
     if setting.cycles is not None:
         contributions.append((tolerance.share(peak.deviation(one_more_cycle)), one_more_cycle))
-    possible = [(share, raise_) for share, raise_ in contributions if limits.allow(raise_(setting))]
-    exhausted = [share for share, raise_ in contributions if not limits.allow(raise_(setting))]
+    possible = [(share, refine) for share, refine in contributions if limits.allow(refine(setting))]
+    exhausted = [share for share, refine in contributions if not limits.allow(refine(setting))]
     if not possible or max(exhausted, default=0.0) > 1:
         return None
     threshold = min(1 / 3, max(share for share, _ in possible))
-    raised = setting
-    for share, raise_ in possible:
-        if share >= threshold and limits.allow(raise_(raised)):
-            raised = raise_(raised)
-    return raised
+    refined = setting
+    for share, refine in possible:
+        if share >= threshold and limits.allow(refine(refined)):
+            refined = refine(refined)
+    return refined
 
 
 def _two_more_harmonics(setting: Setting) -> Setting:

@@ -77,8 +77,8 @@ class HillProblem:
                 onto[group.rows] = np.einsum("idaeb,ien->idanb", tangent, stuck.residual[group.rows][..., :n])
         if onto is not None:
             loads = _without_residual(loads, onto, np.flatnonzero(active))
-        seen = np.tensordot(stuck.phi[:n].T, loads, axes=1)
-        return seen.reshape(m * c, m * c)
+        generalised = np.tensordot(stuck.phi[:n].T, loads, axes=1)
+        return generalised.reshape(m * c, m * c)
 
     @cached_property
     def _elastic(self) -> tuple[NDArray[np.bool_], ...]:
@@ -163,7 +163,7 @@ class HillProblem:
             slope = (before - contact) / change
         return s, q, False
 
-    def spread(self, q: Complex) -> Floats:
+    def harmonic_shares(self, q: Complex) -> Floats:
         """(2 order + 1, n) share of each harmonic -order..order in modes (m c, n)."""
         c = self.harmonics.n_coefficients
         parts = q.reshape(-1, c, q.shape[-1])
@@ -181,7 +181,7 @@ class HillProblem:
 
         returns: sorted by falling real part
         """
-        mean = np.arange(-self.order, self.order + 1) @ self.spread(vectors)
+        mean = np.arange(-self.order, self.order + 1) @ self.harmonic_shares(vectors)
         kept = np.argsort(np.abs(mean), kind="stable")[: 2 * len(self.damping)]
         kept = kept[np.argsort(-values[kept].real)]
         return values[kept], vectors[:, kept]

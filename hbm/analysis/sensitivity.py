@@ -1,7 +1,7 @@
 """Derivatives of a solved point with respect to parameters, from the Jacobian it was solved with.
 
-J dx/dp = -dr/dp - dr/dw dw/dp, where dw/dp follows from what is held (sensitivity_conditions). All parameters and
-the frequency are solved for together. At the top of a curve the derivative of the amplitude is that of the peak
+J dx/dp = -dr/dp - dr/dw dw/dp, where dw/dp follows from what is held (hbm/analysis/held_quantities.py). All parameters
+and the frequency are solved for together. At the top of a curve the derivative of the amplitude is that of the peak
 whatever is held, since the amplitude does not change along the branch there.
 """
 
@@ -11,12 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.analysis.sensitivity_conditions import Condition, FixedFrequency
+from updamp.hbm.analysis.held_quantities import FixedFrequency, HeldQuantity
 from updamp.hbm.analysis.sensitivity_parameters import Parameter, SolvedPoint
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.newton.many_right_sides import solve_with_forces
 from updamp.hbm.newton.newton import Solution
-from updamp.hbm.newton.structure_response import Loads, Motion, frequency_rate, respond
+from updamp.hbm.newton.structure_response import Loads, StructureMotion, frequency_rate, respond
 from updamp.hbm.problem.system import Excitation
 
 Floats = NDArray[np.float64]
@@ -64,7 +64,7 @@ def sensitivities(
     solution: Solution,
     excitation: Excitation,
     parameters: Sequence[Parameter],
-    held: Condition | None = None,
+    held: HeldQuantity | None = None,
     points: tuple[str, ...] = (),
 ) -> Sensitivities:
     """Of a converged point; `held` is the frequency by default.
@@ -94,18 +94,18 @@ def sensitivities(
     )
 
 
-def _motion_at_held_displacement(point: SolvedPoint, parameters: Sequence[Parameter]) -> Motion:
+def _motion_at_held_displacement(point: SolvedPoint, parameters: Sequence[Parameter]) -> StructureMotion:
     """The structure's response to each parameter, and last to the frequency, with the relative displacements held as
     the elements see them: on the relative rows it is -dr/dp and -dr/dw."""
     receptance = point.equation.receptance
     by_frequency = Loads.none(receptance, 1)
     by_frequency.forces[: point.system.free.n_relative, :, 0] = -point.equation.departure.frequency_derivative
-    motion = respond(receptance, Loads.side_by_side([*(p.loads(point) for p in parameters), by_frequency]))
+    motion = respond(receptance, Loads.stacked([*(p.loads(point) for p in parameters), by_frequency]))
     motion.modal[..., -1:] += frequency_rate(receptance, point.loads)
     return motion
 
 
-def _response(point: SolvedPoint, motion: Motion, forces: Floats, rows: NDArray[np.int64]) -> Floats:
+def _response(point: SolvedPoint, motion: StructureMotion, forces: Floats, rows: NDArray[np.int64]) -> Floats:
     """(len(rows), n_coefficients, n) change of the rows: directly, and through the change of the elements' forces."""
     receptance = point.equation.receptance
     through_elements = Loads.none(receptance, forces.shape[2])
@@ -113,7 +113,7 @@ def _response(point: SolvedPoint, motion: Motion, forces: Floats, rows: NDArray[
     return motion.at(rows) + respond(receptance, through_elements).at(rows)
 
 
-def _frequency_shift(held: Condition, dx: Floats, dy: Floats) -> Floats:
+def _frequency_shift(held: HeldQuantity, dx: Floats, dy: Floats) -> Floats:
     """dw/dp such that the condition does not change; the last column is the change by the frequency itself."""
     n = dx.shape[2]
     change = held.change(dx, np.concatenate([np.zeros(n - 1), np.ones(1)]), dy)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from updamp.hbm.analysis.law_derivatives import law_derivatives
 from updamp.hbm.newton.equation import Equation
-from updamp.hbm.newton.structure_response import Loads, Motion, all_loads, respond
+from updamp.hbm.newton.structure_response import Loads, StructureMotion, all_loads, respond
 from updamp.hbm.problem.linear_model import LinearModel
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
@@ -44,7 +44,7 @@ class SolvedPoint:
         return all_loads(self.equation, self.excitation)
 
     @cached_property
-    def motion(self) -> Motion:
+    def motion(self) -> StructureMotion:
         return respond(self.equation.receptance, self.loads)
 
     @cached_property
@@ -107,7 +107,7 @@ class ContactParameter:
         return loads
 
 
-def alike(system: NonlinearSystem, entry: str, group: int = 0) -> ContactParameter:
+def same_for_all(system: NonlinearSystem, entry: str, group: int = 0) -> ContactParameter:
     """The same change on all elements: unit [of the entry]."""
     value = np.asarray(getattr(system.groups[group].parameters, entry))
     return ContactParameter(system, entry, np.ones_like(value), group)
@@ -191,8 +191,8 @@ class ExcitationForce:
 
 
 @dataclass(frozen=True, eq=False)
-class Sum:
-    """Several parameters at once: what a rig's quantity does in several places, such as the pull, which presses the
+class ParameterSum:
+    """A sum of parameters: what a rig's quantity does in several places, such as the pull, which presses the
     contacts and tightens the wire.
 
     parts: (change of the parameter per unit, parameter)

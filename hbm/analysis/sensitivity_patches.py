@@ -18,7 +18,7 @@ from updamp.hbm.problem.linear_model import LinearModel
 Floats = NDArray[np.float64]
 
 
-def direction(model: LinearModel, weights: Mapping[str, float]) -> Floats:
+def patch_direction(model: LinearModel, weights: Mapping[str, float]) -> Floats:
     """(n_rows,) the displacement sum of weight times point: {"tip": 1.0} to ground, {"a": 1.0, "b": -1.0} between two.
 
     raises: KeyError naming the points there are

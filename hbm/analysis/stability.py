@@ -1,14 +1,13 @@
 """Whether a periodic response would be seen: turning points always, Hill's exponents with checks that say when not.
 
 Turning points are exact for the equations solved: there the Jacobian is singular and a real exponent passes zero.
-Between two of them, on the part traversed against the sweep, the response is unstable. That it is stable elsewhere
+Between two of them, on the part that runs against the sweep, the response is unstable. That it is stable elsewhere
 takes exponents, since pairs of them can pass the imaginary axis with the frequency running on.
 
 What exponents mean with dry friction: the contacts are linearised about a motion that slips and separates every
 period, with the memory of their sliders (hbm/analysis/perturbed_forces.py); sliders at rest stay at rest. A contact
-that only
-just slips, or only just separates, answers differently to the smallest push either way; then the exponents jump with
-the time samples, and are not to be trusted. The check is to compute them again, finer.
+that only just slips, or only just separates, answers differently to the smallest push either way; then the exponents
+jump with the time samples, and are not to be trusted. The check is to compute them again, finer.
 """
 
 from collections.abc import Iterator, Sequence

@@ -1,4 +1,6 @@
-"""What the friction laws with a slider and a unilateral normal spring share: parameters and the march in time."""
+"""What the friction laws with a slider and a unilateral normal spring share: parameters, the march of the slider
+through cycles of a periodic motion, and what is read off it.
+"""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -7,8 +9,6 @@ import jax
 import jax.numpy as jnp
 
 from updamp.hbm.contact.law import SEPARATED, SLIP, STICK
-
-# March a slider through cycles of a periodic motion and return the last one.
 
 
 def last_cycle(

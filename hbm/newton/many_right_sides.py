@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from updamp.hbm.newton.active_forces import DirectForces, KrylovForces, ModalForces
 from updamp.hbm.newton.jacobian import Jacobian
-from updamp.hbm.newton.structure_response import through
+from updamp.hbm.newton.structure_response import apply_modal
 from updamp.hbm.newton.tangent import active_rows
 from updamp.hbm.problem.system import Departure, NonlinearSystem, Receptance
 
@@ -68,7 +68,7 @@ def _apply_receptance(receptance: Receptance, forces: Floats, rows: Integers) ->
     stuck, (n, c, p) = receptance.system.stuck, forces.shape
     given = forces.reshape(n, c * p)
     generalised = (stuck.phi[rows].T @ given).reshape(-1, c, p)
-    modal = through(receptance, receptance.modal, generalised)
+    modal = apply_modal(receptance, receptance.modal, generalised)
     moved = stuck.phi[: stuck.n_relative] @ modal.reshape(-1, c * p)
     if stuck.has_residual:
         moved += stuck.residual[: stuck.n_relative, rows] @ given

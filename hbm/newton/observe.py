@@ -1,4 +1,6 @@
-"""What can be read off a solved point: displacement anywhere, loops, contact states."""
+"""What can be read off a solved point: displacement anywhere, force loops, contact states, and the energy a cycle:
+work of the excitation, loss by friction, loss in the material.
+"""
 
 from enum import IntEnum
 
@@ -68,9 +70,6 @@ def force_loop(
             return np.asarray(motion), np.asarray(group.law.force(motion, velocity, parameters))
         first += len(group.rows)
     raise IndexError(f"element {element}: the system has {first}, numbered from 0")
-
-
-# Energy a cycle: work of the excitation, friction loss, material loss.
 
 
 def work_in(system: NonlinearSystem, excitation: Excitation, response: Floats) -> float:

@@ -34,7 +34,7 @@ class Loads:
         return Loads(np.zeros((stuck.n_rows, c, n_loads)), np.zeros((len(stuck.omega_squared), c, n_loads)))
 
     @staticmethod
-    def side_by_side(loads: "list[Loads]") -> "Loads":
+    def stacked(loads: "list[Loads]") -> "Loads":
         return Loads(
             np.concatenate([load.forces for load in loads], axis=2),
             np.concatenate([load.modal for load in loads], axis=2),
@@ -42,7 +42,7 @@ class Loads:
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class StructureMotion:
     """Response to loads: phi modal + residual forces.
 
     modal: (m, n_coefficients, n_loads) modal coordinates [m kg^1/2]
@@ -63,12 +63,12 @@ class Motion:
         return by_modes.reshape(-1, c, p)
 
 
-def respond(receptance: Receptance, loads: Loads) -> Motion:
-    modal = through(receptance, receptance.modal, _generalised(receptance, loads))
-    return Motion(receptance, modal, loads.forces)
+def respond(receptance: Receptance, loads: Loads) -> StructureMotion:
+    modal = apply_modal(receptance, receptance.modal, _generalised(receptance, loads))
+    return StructureMotion(receptance, modal, loads.forces)
 
 
-def through(receptance: Receptance, modal: Mapping[int, Complex], generalised: Floats) -> Floats:
+def apply_modal(receptance: Receptance, modal: Mapping[int, Complex], generalised: Floats) -> Floats:
     """Modal loads (m, n_coefficients, n_loads) through a matrix (m, m) for each harmonic."""
     harmonics = receptance.system.harmonics
     response = np.empty_like(generalised)
@@ -90,7 +90,7 @@ def all_loads(equation: Equation, excitation: Excitation) -> Loads:
 
 def frequency_rate(receptance: Receptance, loads: Loads) -> Floats:
     """d/dw of the modal coordinates under loads held constant; the residual flexibility does not depend on w."""
-    return through(receptance, receptance.modal_rate, _generalised(receptance, loads))
+    return apply_modal(receptance, receptance.modal_rate, _generalised(receptance, loads))
 
 
 def _generalised(receptance: Receptance, loads: Loads) -> Floats:

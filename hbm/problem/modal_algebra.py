@@ -1,8 +1,16 @@
-"""Inverses of the modal dynamic stiffness at any frequency, from one decomposition if damping is hysteretic alone.
+"""Linear algebra of the modes: inverses of their dynamic stiffness at any frequency, and a symmetric eigenproblem
+whose small eigenvalues keep their digits.
 
-With S = diag(1 / omega) the stiffness is S^-1 (M - w^2 S^2) S^-1, M = I + i S hysteretic S. M and S^2 are symmetric, so
-that there are Y with Y^T M Y = I and Y^T S^2 Y = diag(mu), and the inverse is (S Y) diag(1 / (1 - w^2 mu)) (S Y)^T.
-Scaled like this, modes that are a thousand times as stiff as others cost these no digits.
+The inverses come from one decomposition if damping is hysteretic alone. With S = diag(1 / omega) the stiffness is
+S^-1 (M - w^2 S^2) S^-1, M = I + i S hysteretic S. M and S^2 are symmetric, so that there are Y with Y^T M Y = I and
+Y^T S^2 Y = diag(mu), and the inverse is (S Y) diag(1 / (1 - w^2 mu)) (S Y)^T. Scaled like this, modes
+that are a thousand times as stiff as others cost these no digits.
+
+`graded_eigh` is for matrices whose entries span many orders of magnitude: LAPACK's usual solvers err by round-off times
+the largest eigenvalue. Stuck modes of a rig reach from 0.4 to 200 kHz: of the lowest one's frequency squared 11 digits
+are left, and near resonance at a loss factor of 0.1 % 8 digits of the response. One-sided Jacobi on the Cholesky factor
+(Demmel and Veselic 1992, SIAM J. Matrix Anal. Appl. 13, 1204-1245) finds every eigenvalue to round-off times the
+condition of the matrix scaled to a unit diagonal: 14 digits.
 """
 
 from dataclasses import dataclass
@@ -32,7 +40,7 @@ class ModalInverse(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Decomposed:
+class DecomposedInverse:
     """modes: (m, m) S Y; mu: (m,)"""
 
     modes: Complex
@@ -46,7 +54,7 @@ class Decomposed:
 
 
 @dataclass(frozen=True, eq=False)
-class Direct:
+class DirectInverse:
     """omega_squared: (m,); hysteretic, viscous: (m, m), as in `LinearModel`"""
 
     omega_squared: Floats
@@ -68,23 +76,15 @@ def dynamic_stiffness(omega_squared: Floats, hysteretic: Floats, viscous: Floats
 def modal_inverse(omega_squared: Floats, hysteretic: Floats, viscous: Floats) -> ModalInverse:
     """Decomposed where it can be, else inverted anew at every frequency."""
     if viscous.any() or omega_squared.min() <= 0:
-        return Direct(omega_squared, hysteretic, viscous)
+        return DirectInverse(omega_squared, hysteretic, viscous)
     scale = 1 / np.sqrt(omega_squared)
     M = np.eye(len(scale)) + 1j * scale[:, None] * hysteretic * scale
     mu, Y = scipy.linalg.eig(np.linalg.solve(M, np.diag(scale**2)))
     Y = Y / np.sqrt(np.einsum("ij,ij->j", Y, M @ Y))
     if np.abs(Y.T @ M @ Y - np.eye(len(scale))).max() > _ORTHOGONAL:
-        return Direct(omega_squared, hysteretic, viscous)
-    return Decomposed(scale[:, None] * Y, mu)
+        return DirectInverse(omega_squared, hysteretic, viscous)
+    return DecomposedInverse(scale[:, None] * Y, mu)
 
-
-# Symmetric eigenproblems whose entries span many orders of magnitude, without loss in the small eigenvalues.
-#
-# LAPACK's usual solvers err by round-off times the largest eigenvalue. Stuck modes of a rig reach from 0.4 to 200 kHz:
-# of
-# the lowest one's frequency squared 11 digits are left, and near resonance at a loss factor of 0.1 % 8 digits of the
-# response. One-sided Jacobi on the Cholesky factor (Demmel and Veselic 1992, SIAM J. Matrix Anal. Appl. 13, 1204-1245)
-# finds every eigenvalue to round-off times the condition of the matrix scaled to a unit diagonal: 14 digits.
 
 # dgejsv: accurate whatever the scaling of rows and columns, left vectors, no right ones, all sizes, not transposed
 _FULL_ACCURACY, _LEFT, _NONE, _ALL_SIZES, _AS_GIVEN, _UNPERTURBED = 2, 0, 3, 0, 0, 0

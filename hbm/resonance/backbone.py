@@ -13,7 +13,14 @@ from numpy.typing import NDArray
 
 from updamp.hbm.newton.newton import NewtonOptions, Status
 from updamp.hbm.resonance.conditions import ResonanceCondition, linear_peak
-from updamp.hbm.resonance.resonance import Place, Plane, ResonanceProblem, ResonanceSolution, constant_force
+from updamp.hbm.resonance.resonance import (
+    Hyperplane,
+    ResonanceProblem,
+    ResonanceSolution,
+    ResonanceState,
+    constant_force_plane,
+)
+from updamp.hbm.resonance.resonance_predictor import RelativeMetric, ahead, difference, predict, size_of
 
 Floats = NDArray[np.float64]
 
@@ -102,18 +109,18 @@ def first_resonance(
     raises: ResonanceStoppedError; ValueError where no stuck mode lies in the window or the force is not positive
     """
     options = options or ResonanceOptions()
-    level = _level(force)
-    lowest = level + np.log(options.lowest_start)
+    log_force = _log_force(force)
+    lowest = log_force + np.log(options.lowest_start)
     while True:
-        start = _resonance_near(problem, condition, linear_peak(problem, window, level), options)
-        if start.converged or level < lowest:
+        start = _resonance_near(problem, condition, linear_peak(problem, window, log_force), options)
+        if start.converged or log_force < lowest:
             break
-        level -= np.log(10) / 2
+        log_force -= np.log(10) / 2
     if not start.converged:
         raise ResonanceStoppedError(start, start.status)
-    if level == _level(force):
+    if log_force == _log_force(force):
         return start
-    *_, last = _follow(problem, condition, start, [_level(force)], _scale_w(window, options), options)
+    *_, last = _follow(problem, condition, start, [_log_force(force)], _scale_w(window, options), options)
     if not last.asked_for:
         raise ResonanceStoppedError(last.solution, Status.STALLED)
     return last.solution
@@ -125,7 +132,7 @@ def follow_resonance(
     window: tuple[float, float],
     forces: Sequence[float],
     options: ResonanceOptions | None = None,
-    start: Place | None = None,
+    start: ResonanceState | None = None,
 ) -> Iterator[ResonancePoint]:
     """Resonances from the first of `forces` to the last [N], rising or falling, each of them met exactly.
 
@@ -136,23 +143,23 @@ def follow_resonance(
     ValueError for no force, or forces that do not all rise or fall
     """
     options = options or ResonanceOptions()
-    levels = [_level(force) for force in forces]
-    if not levels or not ((np.diff(levels) > 0).all() or (np.diff(levels) < 0).all()):
+    log_forces = [_log_force(force) for force in forces]
+    if not log_forces or not ((np.diff(log_forces) > 0).all() or (np.diff(log_forces) < 0).all()):
         raise ValueError(
             f"forces = {list(forces)}: give one, or several that rise, or fall, from the first to the last"
         )
     if start is None:
         first = first_resonance(problem, condition, window, forces[0], options)
     else:
-        first = _resonance_near(problem, condition, replace(start, level=levels[0]), options)
+        first = _resonance_near(problem, condition, replace(start, log_force=log_forces[0]), options)
         if not first.converged:
             raise ResonanceStoppedError(first, first.status)
     yield ResonancePoint(first, 0.0, False, True)
-    if levels[1:]:
-        yield from _follow(problem, condition, first, levels[1:], _scale_w(window, options), options)
+    if log_forces[1:]:
+        yield from _follow(problem, condition, first, log_forces[1:], _scale_w(window, options), options)
 
 
-def _level(force: float) -> float:
+def _log_force(force: float) -> float:
     if not force > 0:
         raise ValueError(f"force = {force} N: a resonance needs a positive one")
     return float(np.log(force))
@@ -163,139 +170,83 @@ def _scale_w(window: tuple[float, float], options: ResonanceOptions) -> float:
 
 
 def _resonance_near(
-    problem: ResonanceProblem, condition: ResonanceCondition, guess: Place, options: ResonanceOptions
+    problem: ResonanceProblem, condition: ResonanceCondition, guess: ResonanceState, options: ResonanceOptions
 ) -> ResonanceSolution:
-    return condition.settle(problem, guess, constant_force(guess), options.newton)
+    return condition.solve(problem, guess, constant_force_plane(guess), options.newton)
 
 
 def _follow(
     problem: ResonanceProblem,
     condition: ResonanceCondition,
     first: ResonanceSolution,
-    levels: Sequence[float],
+    log_forces: Sequence[float],
     scale_w: float,
     options: ResonanceOptions,
 ) -> Iterator[ResonancePoint]:
-    upwards = levels[-1] > first.place.level
-    metric = _Metric(scale_w)
-    passed, step, direction = [first], options.first_step, 1.0 if upwards else -1.0
+    upwards = log_forces[-1] > first.state.log_force
+    metric = RelativeMetric(scale_w)
+    followed, step, direction = [first], options.first_step, 1.0 if upwards else -1.0
     for _ in range(options.max_points - 1):
-        solution, moved, step_next = _next(problem, condition, passed, step, direction, metric, options)
-        last = passed[-1].place
-        for level in levels_passed(levels, last.level, solution.place.level):
-            landed = _land(problem, condition, (passed[-1], solution), level, options)
-            yield ResonancePoint(landed, metric.distance(last, landed.place), False, True)
-            if level == levels[-1]:
+        solution, moved, step_next = _next(problem, condition, followed, step, direction, metric, options)
+        last = followed[-1].state
+        for log_force in log_forces_passed(log_forces, last.log_force, solution.state.log_force):
+            at_log_force = _at_log_force(problem, condition, (followed[-1], solution), log_force, options)
+            yield ResonancePoint(at_log_force, metric.distance(last, at_log_force.state), False, True)
+            if log_force == log_forces[-1]:
                 return
-        turning = len(passed) > 1 and (solution.place.level - last.level) * (last.level - passed[-2].place.level) < 0
+        turning = (
+            len(followed) > 1
+            and (solution.state.log_force - last.log_force) * (last.log_force - followed[-2].state.log_force) < 0
+        )
         yield ResonancePoint(solution, moved, turning, False)
-        if (solution.place.level > first.place.level) != upwards:
+        if (solution.state.log_force > first.state.log_force) != upwards:
             return
-        passed, step = [*passed[-2:], solution], step_next
-
-
-@dataclass(frozen=True)
-class _Metric:
-    scale_w: float
-
-    def distance(self, here: Place, there: Place) -> float:
-        dz, dw, dlevel = there.z - here.z, there.w - here.w, there.level - here.level
-        return float(np.sqrt(np.sum(dz**2) / _size(here) ** 2 + (dw / self.scale_w) ** 2 + dlevel**2))
-
-    def unit(self, here: Place, towards: Place) -> Place:
-        length = np.sqrt(np.sum(towards.z**2) / _size(here) ** 2 + (towards.w / self.scale_w) ** 2 + towards.level**2)
-        return Place(*(part / length for part in (towards.z, towards.w, towards.level, towards.phase)))
-
-
-def _size(place: Place) -> float:
-    return max(float(np.linalg.norm(place.z)), np.finfo(float).tiny)
+        followed, step = [*followed[-2:], solution], step_next
 
 
 def _next(
     problem: ResonanceProblem,
     condition: ResonanceCondition,
-    passed: Sequence[ResonanceSolution],
+    followed: Sequence[ResonanceSolution],
     step: float,
     direction: float,
-    metric: _Metric,
+    metric: RelativeMetric,
     options: ResonanceOptions,
 ) -> tuple[ResonanceSolution, float, float]:
     """The following resonance, its distance, and the step to try after it; the step is halved until one is found."""
-    last = passed[-1].place
+    last = followed[-1].state
     while True:
-        normal, guess = _predict(passed, step, direction, metric)
-        plane = Plane(guess, normal, _size(last), metric.scale_w)
-        solution = condition.settle(problem, guess, plane, options.newton)
-        moved = metric.distance(last, solution.place)
+        normal, guess = predict(followed, step, direction, metric)
+        plane = Hyperplane(guess, normal, size_of(last), metric.scale_w)
+        solution = condition.solve(problem, guess, plane, options.newton)
+        moved = metric.distance(last, solution.state)
         if solution.converged and moved < 2 * step:
             break
         if step / 2 < options.smallest_step:
-            raise ResonanceStoppedError(passed[-1], Status.STALLED if solution.converged else solution.status)
+            raise ResonanceStoppedError(followed[-1], Status.STALLED if solution.converged else solution.status)
         step /= 2
     growth = np.clip(2.0 ** ((options.wanted_iterations - solution.iterations) / 2), 0.5, 2.0)
     return solution, moved, float(np.clip(step * growth, options.smallest_step, options.largest_step))
 
 
-def _predict(
-    passed: Sequence[ResonanceSolution], step: float, direction: float, metric: _Metric
-) -> tuple[Place, Place]:
-    """Direction of the branch and the place `step` further: a parabola through the last three points, a line through
-    two, and from one the tangent of constant phase."""
-    last = passed[-1].place
-    if len(passed) == 1:
-        normal = metric.unit(last, _tangent(passed[0], direction))
-        return normal, _ahead(last, normal, step)
-    before = passed[-2].place
-    distance = metric.distance(before, last)
-    secant = _difference(last, before, 1 / distance)
-    rate = secant
-    if len(passed) > 2:
-        earlier = passed[-3].place
-        gap = metric.distance(earlier, before)
-        bend = _difference(secant, _difference(before, earlier, 1 / gap), 1 / (distance + gap))
-        rate = _ahead(secant, bend, step + distance)
-    return metric.unit(last, secant), _ahead(last, rate, step)
-
-
-def _tangent(solution: ResonanceSolution, direction: float) -> Place:
-    """d(z, w, ln F) along the branch of constant phase, ln F moving in `direction`."""
-    line, place = solution.linearised, solution.place
-    dw = -direction * line.log_level.imag / line.log_frequency.imag
-    dx = -line.by_frequency * dw - line.by_level * direction
-    return Place(dx / solution.force - place.z * direction, dw, direction, 0.0)
-
-
-def _ahead(place: Place, rate: Place, step: float) -> Place:
-    return Place(
-        place.z + step * rate.z,
-        place.w + step * rate.w,
-        place.level + step * rate.level,
-        place.phase + step * rate.phase,
-    )
-
-
-def _difference(a: Place, b: Place, factor: float) -> Place:
-    return Place(factor * (a.z - b.z), factor * (a.w - b.w), factor * (a.level - b.level), factor * (a.phase - b.phase))
-
-
-def levels_passed(levels: Sequence[float], here: float, there: float) -> list[float]:
-    """Those of `levels` that lie beyond `here`, up to and including `there`, in the order of passing."""
-    inside = [level for level in levels if min(here, there) <= level <= max(here, there) and level != here]
+def log_forces_passed(log_forces: Sequence[float], here: float, there: float) -> list[float]:
+    """Those of `log_forces` that lie beyond `here`, up to and including `there`, in the order of passing."""
+    inside = [f for f in log_forces if min(here, there) <= f <= max(here, there) and f != here]
     return sorted(inside, reverse=bool(there < here))
 
 
-def _land(
+def _at_log_force(
     problem: ResonanceProblem,
     condition: ResonanceCondition,
     ends: tuple[ResonanceSolution, ResonanceSolution],
-    level: float,
+    log_force: float,
     options: ResonanceOptions,
 ) -> ResonanceSolution:
-    """The resonance at exactly this level, between two that are known."""
-    here, there = (end.place for end in ends)
-    share = (level - here.level) / (there.level - here.level)
-    between = replace(_ahead(here, _difference(there, here, 1.0), share), level=level)
-    for guess in (between, replace(there, level=level), replace(here, level=level)):
+    """The resonance at exactly this force, between two that are known."""
+    here, there = (end.state for end in ends)
+    share = (log_force - here.log_force) / (there.log_force - here.log_force)
+    between = replace(ahead(here, difference(there, here, 1.0), share), log_force=log_force)
+    for guess in (between, replace(there, log_force=log_force), replace(here, log_force=log_force)):
         solution = _resonance_near(problem, condition, guess, options)
         if solution.converged:
             return solution

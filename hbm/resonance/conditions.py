@@ -13,7 +13,7 @@ from scipy.optimize import minimize_scalar
 
 from updamp.hbm.newton.equation import linear_solution
 from updamp.hbm.newton.newton import NewtonOptions, Status
-from updamp.hbm.resonance.resonance import Place, Plane, ResonanceProblem, ResonanceSolution, at_phase
+from updamp.hbm.resonance.resonance import Hyperplane, ResonanceProblem, ResonanceSolution, ResonanceState, at_phase
 
 LARGEST_TURN = 0.4  # [rad] from one phase tried for the maximum to the next
 
@@ -21,8 +21,8 @@ LARGEST_TURN = 0.4  # [rad] from one phase tried for the maximum to the next
 class ResonanceCondition(Protocol):
     """What is meant by resonance."""
 
-    def settle(
-        self, problem: ResonanceProblem, guess: Place, plane: Plane, options: NewtonOptions
+    def solve(
+        self, problem: ResonanceProblem, guess: ResonanceState, plane: Hyperplane, options: NewtonOptions
     ) -> ResonanceSolution:
         """The resonance on `plane`; its status tells whether there is one nearby."""
         ...
@@ -38,8 +38,8 @@ class PhaseResonance:
 
     target: float = -np.pi / 2
 
-    def settle(
-        self, problem: ResonanceProblem, guess: Place, plane: Plane, options: NewtonOptions
+    def solve(
+        self, problem: ResonanceProblem, guess: ResonanceState, plane: Hyperplane, options: NewtonOptions
     ) -> ResonanceSolution:
         return at_phase(problem, replace(guess, phase=self.target), plane, options)
 
@@ -59,8 +59,8 @@ class MaximumResonance:
         if not 1e-6 <= self.tolerance <= 0.1 or self.tries < 2:
             raise ValueError(f"tolerance = {self.tolerance} rad: between 1e-6 and 0.1; tries = {self.tries}: 2 or more")
 
-    def settle(
-        self, problem: ResonanceProblem, guess: Place, plane: Plane, options: NewtonOptions
+    def solve(
+        self, problem: ResonanceProblem, guess: ResonanceState, plane: Hyperplane, options: NewtonOptions
     ) -> ResonanceSolution:
         """Root of lag_to_maximum over the phase: secant steps kept inside the bracket once there is one.
 
@@ -68,21 +68,21 @@ class MaximumResonance:
         then closed to the tolerance.
         """
         solution = at_phase(problem, guess, plane, options)
-        iterations, tried = solution.iterations, _Tried()
+        iterations, tried = solution.iterations, _PhaseBracket()
         for _ in range(self.tries):
             if not solution.converged:
                 return solution
             lag = solution.linearised.lag_to_maximum
-            tried.add(solution.place.phase, lag)
+            tried.add(solution.state.phase, lag)
             if abs(lag) < self.tolerance or tried.width < self.tolerance:
                 return replace(solution, iterations=iterations)
-            onwards = replace(solution.place, phase=tried.next())
-            solution = at_phase(problem, onwards, plane, options)
+            next_guess = replace(solution.state, phase=tried.next())
+            solution = at_phase(problem, next_guess, plane, options)
             iterations = max(iterations, solution.iterations)
         return replace(solution, status=Status.TOO_MANY_ITERATIONS, iterations=iterations)
 
 
-class _Tried:
+class _PhaseBracket:
     """Phases tried for the maximum: before it (lag > 0) and past it (lag < 0)."""
 
     def __init__(self) -> None:
@@ -113,7 +113,7 @@ class _Tried:
         return proposed
 
 
-def linear_peak(problem: ResonanceProblem, window: tuple[float, float], level: float) -> Place:
+def linear_peak(problem: ResonanceProblem, window: tuple[float, float], log_force: float) -> ResonanceState:
     """The largest response of the stuck structure in `window` [Hz]: where following a resonance begins.
 
     raises: ValueError where no mode of the stuck structure lies in the window
@@ -135,4 +135,4 @@ def linear_peak(problem: ResonanceProblem, window: tuple[float, float], level: f
         lambda w: -abs(receptance(w)), bounds=(mode - 2 * width, mode + 2 * width), options={"xatol": 1e-9 * mode}
     ).x
     unit = problem.excitation(0.0)
-    return Place(linear_solution(problem.system, w, unit), float(w), level, float(np.angle(receptance(w))))
+    return ResonanceState(linear_solution(problem.system, w, unit), float(w), log_force, float(np.angle(receptance(w))))

@@ -51,7 +51,7 @@ def damping_ratio_from_phase(solution: ResonanceSolution) -> float:
 
     solution: a maximum of the response; elsewhere the change of amplitude enters the slope
     """
-    slope = solution.linearised.log_frequency.imag
+    slope = solution.linearised.y_by_frequency.imag
     return -1 / (solution.w * slope) if slope < 0 else float("nan")
 
 

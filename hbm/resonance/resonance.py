@@ -32,59 +32,59 @@ class ResonanceProblem:
     excited: int
     observed: int
 
-    def excitation(self, level: float) -> Excitation:
-        """level: ln of the force in N"""
-        return Excitation(self.excited, float(np.exp(level)))
+    def excitation(self, log_force: float) -> Excitation:
+        """log_force: ln of the force in N"""
+        return Excitation(self.excited, float(np.exp(log_force)))
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
-    """Where a solution is, or may be: z (n_relative, n_coefficients) [m/N], w [rad/s], ln F, phase [rad]"""
+class ResonanceState:
+    """The unknowns, of a solution or of a guess: z (n_relative, n_coefficients) [m/N], w [rad/s], ln F; phase [rad]"""
 
     z: Floats
     w: float
-    level: float
+    log_force: float
     phase: float
 
 
 @dataclass(frozen=True, eq=False)
-class Plane:
-    """<normal, place - origin> = 0; phase takes no part. The metric is relative: z over size_z, w over scale_w."""
+class Hyperplane:
+    """<normal, state - origin> = 0; phase takes no part. The metric is relative: z over size_z, w over scale_w."""
 
-    origin: Place
-    normal: Place
+    origin: ResonanceState
+    normal: ResonanceState
     size_z: float
     scale_w: float
 
-    def product(self, dz: Floats, dw: float, dlevel: float) -> float:
+    def product(self, dz: Floats, dw: float, dlog_force: float) -> float:
         n = self.normal
-        return float(np.vdot(n.z, dz) / self.size_z**2 + n.w * dw / self.scale_w**2 + n.level * dlevel)
+        return float(np.vdot(n.z, dz) / self.size_z**2 + n.w * dw / self.scale_w**2 + n.log_force * dlog_force)
 
-    def offset(self, place: Place) -> float:
+    def offset(self, state: ResonanceState) -> float:
         o = self.origin
-        return self.product(place.z - o.z, place.w - o.w, place.level - o.level)
+        return self.product(state.z - o.z, state.w - o.w, state.log_force - o.log_force)
 
 
-def constant_force(place: Place) -> Plane:
-    return Plane(place, Place(np.zeros_like(place.z), 0.0, 1.0, 0.0), 1.0, 1.0)
+def constant_force_plane(state: ResonanceState) -> Hyperplane:
+    return Hyperplane(state, ResonanceState(np.zeros_like(state.z), 0.0, 1.0, 0.0), 1.0, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
 class Linearised:
     """The equations about one point; d ln y = d ln |y| + i d(phase) of the observed first harmonic y.
 
-    by_residual, by_frequency, by_level: J^-1 r, J^-1 dr/dw, J^-1 dr/dlnF [m, m s, m]
-    log_residual: d ln y for dx = by_residual
-    log_frequency, log_level: d ln y / dw along the response at constant force [s], d ln y / d ln F at constant w
+    by_residual, by_frequency, by_log_force: J^-1 r, J^-1 dr/dw, J^-1 dr/dlnF [m, m s, m]
+    y_by_residual: d ln y for dx = by_residual
+    y_by_frequency, y_by_log_force: d ln y / dw along the response at constant force [s], d ln y / d ln F at constant w
     """
 
     jacobian: Jacobian
     by_residual: Floats
     by_frequency: Floats
-    by_level: Floats
-    log_residual: complex
-    log_frequency: complex
-    log_level: complex
+    by_log_force: Floats
+    y_by_residual: complex
+    y_by_frequency: complex
+    y_by_log_force: complex
 
     @property
     def lag_to_maximum(self) -> float:
@@ -92,25 +92,28 @@ class Linearised:
 
         The angle between the response's direction and the normal to its Nyquist curve: exact on a circle.
         """
-        along = self.log_frequency
+        along = self.y_by_frequency
         return float(np.arctan(along.real / -along.imag)) if along.imag else np.pi / 2
 
 
-def linearise(problem: ResonanceProblem, equation: Equation, level: float) -> Linearised:
+def linearise(problem: ResonanceProblem, equation: Equation, log_force: float) -> Linearised:
     """raises: scipy.linalg.LinAlgError where a tangent is not finite"""
-    excitation, receptance = problem.excitation(level), equation.receptance
+    excitation, receptance = problem.excitation(log_force), equation.receptance
     stuck, harmonics = problem.system.stuck, problem.system.harmonics
     jacobian = equation.factorised()
     residual = jacobian.solve(equation.residual)
     frequency = jacobian.solve(equation.frequency_derivative(excitation))
-    by_level = jacobian.solve(-receptance.excitation(excitation))
+    by_log_force = jacobian.solve(-receptance.excitation(excitation))
 
-    phi, seen = stuck.phi[: stuck.n_relative], stuck.phi[problem.observed]
-    row = seen @ receptance.modal[1] @ phi.T + stuck.residual[problem.observed, : stuck.n_relative]
-    direct = seen @ receptance.modal[1] @ stuck.phi[problem.excited] + stuck.residual[problem.observed, problem.excited]
+    phi, observed_shape = stuck.phi[: stuck.n_relative], stuck.phi[problem.observed]
+    row = observed_shape @ receptance.modal[1] @ phi.T + stuck.residual[problem.observed, : stuck.n_relative]
+    direct = (
+        observed_shape @ receptance.modal[1] @ stuck.phi[problem.excited]
+        + stuck.residual[problem.observed, problem.excited]
+    )
     load = excitation.force * stuck.phi[problem.excited] - phi.T @ harmonics.amplitude(equation.departure.value, 1)
     y = excitation.force * direct - row @ harmonics.amplitude(equation.departure.value, 1)
-    rate = seen @ receptance.modal_rate[1] @ load
+    rate = observed_shape @ receptance.modal_rate[1] @ load
     rate -= row @ harmonics.amplitude(equation.departure.frequency_derivative, 1)
 
     def by_displacement(dx: Floats) -> complex:
@@ -121,10 +124,10 @@ def linearise(problem: ResonanceProblem, equation: Equation, level: float) -> Li
         jacobian,
         residual,
         frequency,
-        by_level,
+        by_log_force,
         by_displacement(residual),
         complex(rate / y) - by_displacement(frequency),
-        complex(excitation.force * direct / y) - by_displacement(by_level),
+        complex(excitation.force * direct / y) - by_displacement(by_log_force),
     )
 
 
@@ -137,7 +140,7 @@ class ResonanceSolution:
     """
 
     problem: ResonanceProblem
-    place: Place
+    state: ResonanceState
     equation: Equation
     response: Floats
     status: Status
@@ -155,21 +158,21 @@ class ResonanceSolution:
 
     @property
     def w(self) -> float:
-        return self.place.w
+        return self.state.w
 
     @property
     def frequency(self) -> float:
         """[Hz]"""
-        return self.place.w / (2 * np.pi)
+        return self.state.w / (2 * np.pi)
 
     @property
     def force(self) -> float:
         """[N]"""
-        return float(np.exp(self.place.level))
+        return float(np.exp(self.state.log_force))
 
     @property
     def excitation(self) -> Excitation:
-        return self.problem.excitation(self.place.level)
+        return self.problem.excitation(self.state.log_force)
 
     @property
     def amplitude(self) -> complex:
@@ -178,11 +181,11 @@ class ResonanceSolution:
 
     @cached_property
     def linearised(self) -> Linearised:
-        return linearise(self.problem, self.equation, self.place.level)
+        return linearise(self.problem, self.equation, self.state.log_force)
 
 
 def at_phase(
-    problem: ResonanceProblem, guess: Place, plane: Plane, options: NewtonOptions | None = None
+    problem: ResonanceProblem, guess: ResonanceState, plane: Hyperplane, options: NewtonOptions | None = None
 ) -> ResonanceSolution:
     """Newton's method with step halving for the response on `plane` whose phase is `guess.phase`.
 
@@ -211,21 +214,21 @@ def at_phase(
 
 @dataclass(frozen=True, eq=False)
 class _Trial:
-    """A place with its residuals; phase_error is the observed phase less the wanted [rad]."""
+    """A state with its residuals; phase_error is the observed phase less the wanted [rad]."""
 
     problem: ResonanceProblem
-    place: Place
+    state: ResonanceState
     equation: Equation
     response: Floats
     phase_error: float
 
     @staticmethod
-    def at(problem: ResonanceProblem, place: Place) -> "_Trial":
-        excitation = problem.excitation(place.level)
-        equation = evaluate(problem.system, excitation, excitation.force * place.z, place.w)
+    def at(problem: ResonanceProblem, state: ResonanceState) -> "_Trial":
+        excitation = problem.excitation(state.log_force)
+        equation = evaluate(problem.system, excitation, excitation.force * state.z, state.w)
         response = observe.response(equation, excitation, np.array([problem.observed]))[0]
         amplitude = problem.system.harmonics.amplitude(response, 1)
-        return _Trial(problem, place, equation, response, float(np.angle(amplitude * np.exp(-1j * place.phase))))
+        return _Trial(problem, state, equation, response, float(np.angle(amplitude * np.exp(-1j * state.phase))))
 
     @property
     def error(self) -> float:
@@ -236,36 +239,36 @@ class _Trial:
 
     def solution(self, status: Status, iterations: int) -> ResonanceSolution:
         return ResonanceSolution(
-            self.problem, self.place, self.equation, self.response, status, iterations, self.equation.error
+            self.problem, self.state, self.equation, self.response, status, iterations, self.equation.error
         )
 
 
-def _step(trial: _Trial, plane: Plane) -> tuple[Floats, float, float]:
+def _step(trial: _Trial, plane: Hyperplane) -> tuple[Floats, float, float]:
     """Newton's step (dz, dw, dlnF) by block elimination: two bordering rows, phase and plane."""
-    line = linearise(trial.problem, trial.equation, trial.place.level)
-    force, place = np.exp(trial.place.level), trial.place
+    line = linearise(trial.problem, trial.equation, trial.state.log_force)
+    force, state = np.exp(trial.state.log_force), trial.state
     columns: list[tuple[Floats, float, float]] = [
         (-line.by_residual / force, 0.0, 0.0),
         (-line.by_frequency / force, 1.0, 0.0),
-        (-(line.by_level / force + place.z), 0.0, 1.0),
+        (-(line.by_log_force / force + state.z), 0.0, 1.0),
     ]
     on_plane = [plane.product(*column) for column in columns]
-    border = np.array([[line.log_frequency.imag, line.log_level.imag], on_plane[1:]])
-    wanted = np.array([line.log_residual.imag - trial.phase_error, -plane.offset(place) - on_plane[0]])
-    dw, dlevel = np.linalg.solve(border, wanted)
-    return columns[0][0] + dw * columns[1][0] + dlevel * columns[2][0], float(dw), float(dlevel)
+    border = np.array([[line.y_by_frequency.imag, line.y_by_log_force.imag], on_plane[1:]])
+    wanted = np.array([line.y_by_residual.imag - trial.phase_error, -plane.offset(state) - on_plane[0]])
+    dw, dlog_force = np.linalg.solve(border, wanted)
+    return columns[0][0] + dw * columns[1][0] + dlog_force * columns[2][0], float(dw), float(dlog_force)
 
 
 def _damped(trial: _Trial, step: tuple[Floats, float, float], options: NewtonOptions) -> _Trial | None:
     """The first of the full, half, ... step that lowers the larger of both errors; None where none does."""
-    damping, place = 1.0, trial.place
+    damping, state = 1.0, trial.state
     while damping >= options.smallest_damping:
-        dz, dw, dlevel = step
-        onwards = replace(
-            place, z=place.z + damping * dz, w=place.w + damping * dw, level=place.level + damping * dlevel
+        dz, dw, dlog_force = step
+        next_state = replace(
+            state, z=state.z + damping * dz, w=state.w + damping * dw, log_force=state.log_force + damping * dlog_force
         )
-        if onwards.w > 0:
-            candidate = _Trial.at(trial.problem, onwards)
+        if next_state.w > 0:
+            candidate = _Trial.at(trial.problem, next_state)
             if candidate.error < trial.error or candidate.converged(options):
                 return candidate
         damping /= 2

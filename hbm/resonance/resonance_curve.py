@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 from updamp.hbm.contact.law import FrictionLaw
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.newton import observe
-from updamp.hbm.newton import observe as energy
 from updamp.hbm.newton.observe import ContactState
 from updamp.hbm.problem.system import NonlinearSystem
 from updamp.hbm.resonance.backbone import ResonanceOptions, ResonancePoint, ResonanceStoppedError, follow_resonance
 from updamp.hbm.resonance.conditions import ResonanceCondition
 from updamp.hbm.resonance.equivalent_damping import damping_ratio_from_phase, loss_factor, stored_energy
-from updamp.hbm.resonance.resonance import Place, ResonanceProblem
+from updamp.hbm.resonance.resonance import ResonanceProblem, ResonanceState
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -38,7 +37,7 @@ class ResonanceRequest:
     forces: Sequence[float]
     condition: ResonanceCondition
     options: ResonanceOptions | None = None
-    start: Place | None = None
+    start: ResonanceState | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +147,7 @@ def _row(system: NonlinearSystem, point: ResonancePoint) -> dict[str, Any]:
     solution = point.solution
     excitation, equation = solution.excitation, solution.equation
     excited = observe.response(equation, excitation, np.array([excitation.row]))[0]
-    work, stored = energy.work_in(system, excitation, excited), stored_energy(equation, excitation)
+    work, stored = observe.work_in(system, excitation, excited), stored_energy(equation, excitation)
     return {
         "force": solution.force,
         "frequency": solution.frequency,
@@ -157,7 +156,7 @@ def _row(system: NonlinearSystem, point: ResonancePoint) -> dict[str, Any]:
         "loss_factor": loss_factor(work, stored),
         "damping_from_phase": damping_ratio_from_phase(solution),
         "work_in": work,
-        "friction_loss": float(energy.friction_loss(system, solution.x, solution.w).sum()),
+        "friction_loss": float(observe.friction_loss(system, solution.x, solution.w).sum()),
         "stored_energy": stored,
         "states": _states(system, solution.x, solution.w),
         "asked_for": point.asked_for,

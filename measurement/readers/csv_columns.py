@@ -12,13 +12,13 @@ from updamp.measurement.readers.gather import group_rows, repeat_number, sweep_d
 from updamp.measurement.readers.registry import register
 from updamp.measurement.readers.table import Codes, Table, header_of, read_table
 from updamp.measurement.recorded import Complex, RecordedChannel, RecordedSweep, complex_of
-from updamp.rig.fields import Section
+from updamp.rig.fields import InputTable
 
 _TO_RADIANS = {"rad": 1.0, "deg": np.pi / 180}
 Column = Annotated[str, Field(examples=["frequency_Hz"])]
 
 
-class ColumnOptions(Section):
+class ColumnOptions(InputTable):
     """Which columns hold what.
 
     phase: channel -> column of its phase; imaginary: channel -> column of its imaginary part. A channel with neither

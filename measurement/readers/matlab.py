@@ -12,13 +12,13 @@ from pydantic import Field
 from updamp.measurement.measurement import MeasurementError, near
 from updamp.measurement.readers.registry import register, usable_file
 from updamp.measurement.recorded import Complex, RecordedChannel, RecordedSweep, complex_of
-from updamp.rig.fields import Section
+from updamp.rig.fields import InputTable
 
 LARGEST_NUMBERS = 1e8  # in one variable: 1.6 GB
 _TO_HERTZ = {"Hz": 1.0, "rad/s": 1 / (2 * np.pi)}
 
 
-class MatlabOptions(Section):
+class MatlabOptions(InputTable):
     """frequency: variable of the frequencies; harmonics: of the rows of a channel's array, (n_harmonics, n) in MATLAB.
 
     A field of a structure is written with a point, as in MATLAB: "test.frequency".

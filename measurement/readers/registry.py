@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 from updamp.measurement.measurement import MeasurementError, near
 from updamp.measurement.recorded import RecordedSweep
-from updamp.rig.fields import Section
+from updamp.rig.fields import InputTable
 
 
 class ReadFunction(Protocol):
@@ -27,11 +27,11 @@ class Reader:
 
     name: str
     endings: tuple[str, ...]
-    options: type[Section]
+    options: type[InputTable]
     read: ReadFunction
 
 
-class NoOptions(Section):
+class NoOptions(InputTable):
     """A reader that has nothing to choose."""
 
 
@@ -39,7 +39,7 @@ _READERS: dict[str, Reader] = {}
 
 
 def register(
-    name: str, endings: tuple[str, ...] = (), options: type[Section] = NoOptions
+    name: str, endings: tuple[str, ...] = (), options: type[InputTable] = NoOptions
 ) -> Callable[[ReadFunction], ReadFunction]:
     """Decorator of a reader's function. raises: ValueError where the name or an ending is taken"""
 

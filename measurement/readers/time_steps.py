@@ -11,7 +11,7 @@ from pydantic import AfterValidator, Field
 from updamp.measurement.harmonic_fit import fit_harmonics
 from updamp.measurement.measurement import MeasurementError
 from updamp.measurement.recorded import Floats, RecordedChannel
-from updamp.rig.fields import Quantity, Section
+from updamp.rig.fields import InputTable, Quantity
 
 
 def _with_the_first(harmonics: tuple[int, ...]) -> tuple[int, ...]:
@@ -20,7 +20,7 @@ def _with_the_first(harmonics: tuple[int, ...]) -> tuple[int, ...]:
     return harmonics
 
 
-class TimeOptions(Section):
+class TimeOptions(InputTable):
     """harmonics: sought; settle: cut off at the start of each step [s]; frequency: of a file with one step [Hz]"""
 
     harmonics: Annotated[

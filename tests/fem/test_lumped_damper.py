@@ -9,7 +9,7 @@ import pytest
 
 from updamp.effects.rig_model import RigModel
 from updamp.fem.finite_element_model import finite_element_model
-from updamp.fem.lumped_damper import damper_mass, lumped_damper, rest_of_faces, whole_faces
+from updamp.fem.lumped_damper import damper_mass, face_elements, lumped_damper, rest_of_faces
 from updamp.fem.reduced_model import ReducedModel
 from updamp.fem.static_contact.static_contact import static_contact
 from updamp.geometry.contact_elements import LEFT, RIGHT
@@ -80,8 +80,8 @@ def test_the_damper_has_three_translations_of_that_mass(reduced):
     assert len(damper.omega) == 3
 
 
-def test_whole_faces_keep_area_and_centroid(reduced):
-    faces = whole_faces(reduced.contacts)
+def test_face_elements_keep_area_and_centroid(reduced):
+    faces = face_elements(reduced.contacts)
     rig = load_rig(RIG_FILE)
     np.testing.assert_allclose(faces.area, rig.face_area, rtol=1e-9)
     edges = np.cross(faces.triangle[:, 1] - faces.triangle[:, 0], faces.triangle[:, 2] - faces.triangle[:, 0])
@@ -111,7 +111,7 @@ def test_rest_carries_the_pull(reduced, pressure):
     shares = {"central_share": 0.8, "central_fraction": 0.5} if pressure == "two_area" else {}
     rig = load_rig(RIG_FILE, {"contact.pressure": {"model": pressure, **shares}})
     rest = rest_of_faces(static_contact(reduced, rig), reduced.contacts)
-    faces = whole_faces(reduced.contacts)
+    faces = face_elements(reduced.contacts)
     local = np.column_stack([rest.tangential_force, rest.normal_force])
     resultant = np.einsum("nd,ndx->x", local, faces.axes)
     np.testing.assert_allclose(resultant, [0.0, rig.load.pull, 0.0], atol=1e-8 * rig.load.pull)
@@ -182,4 +182,4 @@ def test_a_curved_face_is_refused(reduced):
     bent[0] += 0.01
     contacts = type(reduced.contacts)(**{**reduced.contacts.__dict__, "normal": bent})
     with pytest.raises(ValueError, match="left contact face is not plane"):
-        whole_faces(contacts)
+        face_elements(contacts)

@@ -12,7 +12,7 @@ from updamp.fem.coupling import patch
 from updamp.fem.finite_element_model import assemble_rig
 from updamp.fem.modes import Modes
 from updamp.fem.reduced_model import ReducedComponent
-from updamp.fem.reduction import ReductionOptions, component_modes, mirrored, reduce_component
+from updamp.fem.reduction import ReductionOptions, component_modes, mirrored_component, reduce_component
 from updamp.fem.solvers.pardiso import pardiso
 
 TOLERANCE = 1e-3  # what the reduction promises
@@ -124,14 +124,14 @@ def test_residual_is_a_flexibility(cases, name: str) -> None:
 
 def test_left_blade_is_the_mirror_image(cases) -> None:
     right = cases["blade"].with_residual
-    left = mirrored(right, "blade_left")
+    left = mirrored_component(right, "blade_left")
     n = right.n_contact_dofs
     flips = np.array([-1.0, -1.0, -1.0, 1.0])  # excitation.x, tip.x, platform.x, platform.y
     np.testing.assert_array_equal(left.phi[:n], right.phi[:n])
     np.testing.assert_array_equal(left.phi[n:], flips[:, None] * right.phi[n:])
     np.testing.assert_array_equal(left.residual[n:, :n], flips[:, None] * right.residual[n:, :n])
     np.testing.assert_array_equal(left.residual[n:, n:], flips[:, None] * right.residual[n:, n:] * flips)
-    np.testing.assert_array_equal(mirrored(left, "blade_right").residual, right.residual)
+    np.testing.assert_array_equal(mirrored_component(left, "blade_right").residual, right.residual)
 
 
 def test_options_are_checked() -> None:

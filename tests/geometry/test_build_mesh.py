@@ -11,8 +11,8 @@ import pyvista
 from scipy.spatial import cKDTree
 
 from updamp.geometry.build_mesh import build_mesh
-from updamp.geometry.extruded_blocks import broken_pipes_as_before
-from updamp.geometry.rig_mesh import GeometryError, mirrored, scaled_jacobian
+from updamp.geometry.extruded_blocks import broken_pipe_signal_kept
+from updamp.geometry.rig_mesh import GeometryError, mirrored_mesh, scaled_jacobian
 from updamp.model.rig_files import load_rig
 
 # A hexahedron as six tetrahedra about its diagonal 0-6; exact for the planar-faced cells of an extrusion.
@@ -60,7 +60,7 @@ def assert_volumes(rig, mesh):
 
 def assert_contacts_match(mesh):
     """Vertex by vertex, on both sides."""
-    for blade, side in ((mesh.blade, "contact_right"), (mirrored(mesh.blade), "contact_left")):
+    for blade, side in ((mesh.blade, "contact_right"), (mirrored_mesh(mesh.blade), "contact_left")):
         of_blade = blade.vertices[np.unique(blade.faces["contact"])]
         of_damper = mesh.damper.vertices[np.unique(mesh.damper.faces[side])]
         distance, partner = cKDTree(of_damper).query(of_blade)
@@ -125,7 +125,7 @@ def face_area(component, name):
 
 def test_faces_belong_to_hexahedra(small):
     sides = np.array([[0, 1, 2, 3], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
-    for component in (small.blade, small.damper, mirrored(small.blade)):
+    for component in (small.blade, small.damper, mirrored_mesh(small.blade)):
         every, count = np.unique(np.sort(component.hexahedra[:, sides].reshape(-1, 4)), axis=0, return_counts=True)
         outer = {tuple(quad) for quad in every[count == 1]}
         for quads in component.faces.values():
@@ -152,11 +152,11 @@ def test_named_points(rig, small):
 
 
 def test_mirror_image(small):
-    left = mirrored(small.blade)
+    left = mirrored_mesh(small.blade)
     np.testing.assert_array_equal(left.vertices[:, 0], -small.blade.vertices[:, 0])
     np.testing.assert_array_equal(left.vertices[:, 1:], small.blade.vertices[:, 1:])
     np.testing.assert_allclose(volumes(left), volumes(small.blade), rtol=1e-12)
-    np.testing.assert_array_equal(mirrored(left).hexahedra, small.blade.hexahedra)
+    np.testing.assert_array_equal(mirrored_mesh(left).hexahedra, small.blade.hexahedra)
     np.testing.assert_array_equal(np.sort(left.hexahedra), np.sort(small.blade.hexahedra))
 
 
@@ -222,7 +222,7 @@ def test_a_write_to_a_worker_that_is_gone_does_not_end_this_process(rig, in_a_th
 
 
 def test_an_open_gmsh_session_is_kept(rig, small):
-    with broken_pipes_as_before():
+    with broken_pipe_signal_kept():
         gmsh.initialize(interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)

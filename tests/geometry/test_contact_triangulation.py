@@ -6,7 +6,7 @@ from scipy.spatial import cKDTree
 
 from updamp.geometry.contact_elements import LEFT, RIGHT
 from updamp.geometry.contact_triangulation import _strip, contact_elements, triangulate_rectangle
-from updamp.geometry.rig_mesh import GeometryError, mirrored
+from updamp.geometry.rig_mesh import GeometryError, mirrored_mesh
 
 
 def with_contacts(rig, n):
@@ -100,7 +100,7 @@ def test_normal_points_out_of_the_damper_into_the_platform(small):
     damper_middle = small.damper.vertices.mean(axis=0)
     outward = np.einsum("id,id->i", contacts.normal, contacts.centroid - damper_middle)
     assert outward.min() > 0
-    for side, blade in ((RIGHT, small.blade), (LEFT, mirrored(small.blade))):
+    for side, blade in ((RIGHT, small.blade), (LEFT, mirrored_mesh(small.blade))):
         cells = blade.vertices[blade.hexahedra].mean(axis=1)
         of_side = contacts.face == side
         _, nearest = cKDTree(cells).query(contacts.centroid[of_side])

@@ -3,7 +3,7 @@ import pytest
 
 from updamp.geometry.contact_elements import LEFT, RIGHT
 from updamp.geometry.patch_overlap import patch_overlap
-from updamp.geometry.rig_mesh import GeometryError, mirrored
+from updamp.geometry.rig_mesh import GeometryError, mirrored_mesh
 
 MONOMIALS = [(i, j) for i in range(5) for j in range(5 - i)]
 
@@ -11,7 +11,7 @@ MONOMIALS = [(i, j) for i in range(5) for j in range(5 - i)]
 def faces(mesh):
     """(triangles, facets) of blade and damper on both sides."""
     contacts = mesh.contacts
-    for side, blade, name in ((RIGHT, mesh.blade, "contact_right"), (LEFT, mirrored(mesh.blade), "contact_left")):
+    for side, blade, name in ((RIGHT, mesh.blade, "contact_right"), (LEFT, mirrored_mesh(mesh.blade), "contact_left")):
         triangles = contacts.triangle[contacts.face == side]
         yield triangles, blade.vertices[blade.faces["contact"]]
         yield triangles, mesh.damper.vertices[mesh.damper.faces[name]]

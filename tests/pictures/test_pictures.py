@@ -10,7 +10,7 @@ from support.curves import softening_curve
 from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.geometry.build_mesh import build_mesh
 from updamp.geometry.contact_elements import LEFT, RIGHT
-from updamp.geometry.rig_mesh import mirrored
+from updamp.geometry.rig_mesh import mirrored_mesh
 from updamp.hbm.newton.observe import ContactState
 from updamp.model.rig_files import load_rig
 from updamp.pictures import bodies, faces, kinematics, modes, response, scene
@@ -55,7 +55,7 @@ def bending(component, sign):
 
 
 def test_mode_shapes_in_a_panel_and_in_motion(tmp_path, rig_mesh):
-    left = mirrored(rig_mesh.blade)
+    left = mirrored_mesh(rig_mesh.blade)
     parts = tuple((body, bending(body, sign)) for body, sign in ((rig_mesh.blade, 1), (left, 1), (rig_mesh.damper, 0)))
     shape = modes.ModeShape("IP: 424.0 Hz", parts)
     modes.panel(tmp_path / "modes.png", [shape] * 4)

@@ -9,7 +9,7 @@ from updamp.fem.coupling import patch
 from updamp.fem.interface import blade_interface, damper_interface
 from updamp.fem.quadratic_mesh import quadratic_mesh
 from updamp.fem.reduced_model import ReducedComponent, ReducedModel
-from updamp.fem.reduction import ReductionOptions, component_modes, mirrored, reduce_component
+from updamp.fem.reduction import ReductionOptions, component_modes, mirrored_component, reduce_component
 from updamp.fem.solvers import solver_named
 from updamp.fem.static_contact.finite_element_pressure import finite_element, pull_on_ends, pull_on_mass
 from updamp.fem.static_contact.rest_state import FaceCoordinates
@@ -44,7 +44,7 @@ def reduced() -> ReducedModel:
 
     blade = receptance(mesh.blade, blade_interface, free=False)
     damper = receptance(mesh.damper, damper_interface, free=True)
-    return ReducedModel(mirrored(blade, "blade_left"), blade, damper, mesh.contacts, 0.0)
+    return ReducedModel(mirrored_component(blade, "blade_left"), blade, damper, mesh.contacts, 0.0)
 
 
 def resultant(contacts, rest) -> np.ndarray:

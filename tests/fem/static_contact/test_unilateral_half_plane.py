@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from updamp.fem.static_contact.contact_problem import ContactProblem, ContactState, ContactStatus
+from updamp.fem.static_contact.contact_problem import ContactProblem, ContactStatus, StaticContactState
 from updamp.fem.static_contact.unilateral_contact import solve_unilateral_contact
 
 E, NU, P, RADIUS, HALF = 200e9, 0.3, 1e5, 0.1, 1.0e-3  # P [N/m]; HALF: half the width covered by strips [m]
@@ -41,7 +41,7 @@ def parabola(x: np.ndarray, width: float) -> np.ndarray:
     return (x**2 + width**2 / 12) / (2 * RADIUS)
 
 
-def solved(problem: ContactProblem, loads) -> tuple[ContactState, ...]:
+def solved(problem: ContactProblem, loads) -> tuple[StaticContactState, ...]:
     solution = solve_unilateral_contact(problem, np.asarray(loads, dtype=float))
     assert solution.status is ContactStatus.CONVERGED, solution.status
     assert solution.residuals.max() < 1e-10

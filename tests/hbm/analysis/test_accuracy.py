@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from support.peers import blades_and_damper_system, one_degree_of_freedom, solved
 
-from updamp.hbm.analysis.accuracy import Selection, estimate_error
+from updamp.hbm.analysis.accuracy import CheckedPoints, estimate_error
 from updamp.hbm.analysis.adaptive import AdaptiveStatus, Limits, Tolerance, adaptive
 from updamp.hbm.analysis.settings import Setting, all_finer, more_harmonics, one_more_cycle, setting_of, with_setting
 from updamp.hbm.contact.coulomb_circle import CoulombCircle
@@ -78,7 +78,7 @@ def test_one_more_cycle_of_a_law_that_settles_slowly():
     system = blades_and_damper_system(CoulombCircle(2), (0, 1), 64)
     request = friction_request(system)
     curve = last(system, request)
-    peak = Selection.of(system, request, curve, "tip").only_peak()
+    peak = CheckedPoints.of(system, request, curve, "tip").only_peak()
     settled = with_setting(system, Setting((0, 1), 64, 6))
     converged = peak.deviation(lambda _: setting_of(settled)).peak_percent
     assert abs(converged) > 1e-4

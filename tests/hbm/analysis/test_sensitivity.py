@@ -10,22 +10,22 @@ import scipy.linalg
 from scipy.optimize import brentq
 from support.peers import blades_and_damper_system
 
+from updamp.hbm.analysis.held_quantities import FixedArc, FixedFrequency, FixedPhase
 from updamp.hbm.analysis.sensitivity import sensitivities
-from updamp.hbm.analysis.sensitivity_conditions import FixedArc, FixedFrequency, FixedPhase
 from updamp.hbm.analysis.sensitivity_parameters import (
     ContactParameter,
     ExcitationForce,
     Parameter,
-    Sum,
-    alike,
+    ParameterSum,
     hysteretic_scale,
     mode_frequency,
     mode_loss_factor,
     of_element,
+    same_for_all,
     scaled,
     viscous_scale,
 )
-from updamp.hbm.analysis.sensitivity_patches import Dashpot, Mass, Spring, direction
+from updamp.hbm.analysis.sensitivity_patches import Dashpot, Mass, Spring, patch_direction
 from updamp.hbm.contact.coulomb_circle import CoulombCircle
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.continuation.branch import branch_point
@@ -143,14 +143,14 @@ def raise_force(p: Point, value: float) -> Problem:
 
 
 def raise_spring(p: Point, value: float) -> Problem:
-    d = direction(p.system.free, TIP_TO_EXCITATION)
+    d = patch_direction(p.system.free, TIP_TO_EXCITATION)
     return replace(p.system, free=add_springs(p.system.free, d[:, None], np.array([value]))), p.excitation
 
 
 def raise_mass(p: Point, value: float) -> Problem:
     """Without residual flexibility: M -> 1 + m b b^T in modal coordinates, b the patch's modal participation."""
     free = p.system.free
-    b = free.phi.T @ direction(free, TIP_TO_EXCITATION)
+    b = free.phi.T @ patch_direction(free, TIP_TO_EXCITATION)
     return replace(p.system, free=in_new_modes(free, np.eye(len(b)) + value * np.outer(b, b))), p.excitation
 
 
@@ -161,7 +161,7 @@ def in_new_modes(free: LinearModel, mass: np.ndarray) -> LinearModel:
 
 
 def raise_dashpot(p: Point, value: float) -> Problem:
-    b = p.system.free.phi.T @ direction(p.system.free, TIP_TO_EXCITATION)
+    b = p.system.free.phi.T @ patch_direction(p.system.free, TIP_TO_EXCITATION)
     return structure(p.system, viscous=p.system.free.viscous + value * np.outer(b, b)), p.excitation
 
 
@@ -183,23 +183,23 @@ def contact_case(
 
 
 CASES = {
-    "mu, alike": contact_case(lambda s: alike(s, "mu"), 1e-6),
+    "mu, same_for_all": contact_case(lambda s: same_for_all(s, "mu"), 1e-6),
     "kt, scaled": contact_case(lambda s: scaled(s, "kt"), 1e-4),
     "kn, scaled": contact_case(lambda s: scaled(s, "kn"), 1e-5),
     "n0, scaled": contact_case(lambda s: scaled(s, "n0"), 1e-6),
     "n0, one element": contact_case(lambda s: of_element(s, "n0", 7), 1e-5),
-    "gap, alike": contact_case(lambda s: alike(s, "gap"), 1e-10),
+    "gap, same_for_all": contact_case(lambda s: same_for_all(s, "gap"), 1e-10),
     "t0, a pattern": contact_case(pattern, 1e-5),
     "frequency of a mode": (lambda s: mode_frequency(s.free, MODE), raise_mode, 1e-4),
     "loss factor of a mode": (lambda s: mode_loss_factor(s.free, MODE), raise_loss, 1e-6),
     "hysteretic damping": (lambda s: hysteretic_scale(s.free), raise_hysteretic, 1e-4),
     "viscous damping": (lambda s: viscous_scale(s.free), raise_viscous, 1e-4),
     "excitation": (lambda _: ExcitationForce(), raise_force, 1e-4),
-    "spring": (lambda s: Spring(direction(s.free, TIP_TO_EXCITATION)), raise_spring, 1.0),
-    "mass": (lambda s: Mass(direction(s.free, TIP_TO_EXCITATION)), raise_mass, 1e-7),
-    "dashpot": (lambda s: Dashpot(direction(s.free, TIP_TO_EXCITATION)), raise_dashpot, 1e-4),
+    "spring": (lambda s: Spring(patch_direction(s.free, TIP_TO_EXCITATION)), raise_spring, 1.0),
+    "mass": (lambda s: Mass(patch_direction(s.free, TIP_TO_EXCITATION)), raise_mass, 1e-7),
+    "dashpot": (lambda s: Dashpot(patch_direction(s.free, TIP_TO_EXCITATION)), raise_dashpot, 1e-4),
     "pull": (
-        lambda s: Sum(((0.3, scaled(s, "n0")), (200.0, Spring(direction(s.free, TIP_TO_EXCITATION))))),
+        lambda s: ParameterSum(((0.3, scaled(s, "n0")), (200.0, Spring(patch_direction(s.free, TIP_TO_EXCITATION))))),
         raise_pull,
         1e-5,
     ),
@@ -245,7 +245,7 @@ def test_at_fixed_frequency(point, name):
     assert found.w[0] == 0
 
 
-CASES_ELSEWHERE = ("mu, alike", "kt, scaled", "frequency of a mode", "spring")
+CASES_ELSEWHERE = ("mu, same_for_all", "kt, scaled", "frequency of a mode", "spring")
 
 
 @pytest.mark.parametrize("name", CASES_ELSEWHERE)
@@ -313,7 +313,7 @@ def test_refusals(point):
     with pytest.raises(ValueError, match=r"FrictionParameters.mu has shape \(3,\): give one of \(20,\)"):
         ContactParameter(system, "mu", np.ones(3))
     with pytest.raises(KeyError, match="there are excitation, tip"):
-        direction(system.free, {"root": 1.0})
+        patch_direction(system.free, {"root": 1.0})
     unsolved = solve(system, excitation, 0.5 * start.x, start.w, NewtonOptions(tolerance=1e-13, iterations=1))
     with pytest.raises(ValueError, match="not solved"):
         sensitivities(unsolved, excitation, [ExcitationForce()])

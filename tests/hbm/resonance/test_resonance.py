@@ -20,11 +20,11 @@ from updamp.hbm.resonance.backbone import (
     ResonanceStoppedError,
     first_resonance,
     follow_resonance,
-    levels_passed,
+    log_forces_passed,
 )
 from updamp.hbm.resonance.conditions import MaximumResonance, PhaseResonance, linear_peak
 from updamp.hbm.resonance.equivalent_damping import half_power
-from updamp.hbm.resonance.resonance import ResonanceProblem, at_phase, constant_force
+from updamp.hbm.resonance.resonance import ResonanceProblem, at_phase, constant_force_plane
 from updamp.hbm.resonance.resonance_curve import ResonanceRequest, trace_resonance
 
 FINE = ContinuationOptions(first_step=0.02, largest_step=0.05)
@@ -102,7 +102,10 @@ def test_maximum_is_a_maximum(blades):
     top = first_resonance(_problem(blades), MaximumResonance(1e-4), WINDOW, 40.0)
     for turn in (-0.05, 0.05):
         beside = at_phase(
-            top.problem, replace(top.place, phase=top.place.phase + turn), constant_force(top.place), NewtonOptions()
+            top.problem,
+            replace(top.state, phase=top.state.phase + turn),
+            constant_force_plane(top.state),
+            NewtonOptions(),
         )
         assert beside.converged
         assert abs(beside.amplitude) < abs(top.amplitude)
@@ -113,9 +116,9 @@ def test_with_modes_close_together_the_peak_has_another_phase(blades):
     problem = _problem(blades)
     quarter = first_resonance(problem, PhaseResonance(), WINDOW, 0.1)
     top = first_resonance(problem, MaximumResonance(), WINDOW, 0.1)
-    assert np.degrees(top.place.phase) == pytest.approx(-83.4, abs=0.1)
+    assert np.degrees(top.state.phase) == pytest.approx(-83.4, abs=0.1)
     assert abs(quarter.amplitude) / abs(top.amplitude) == pytest.approx(0.9933, abs=1e-4)
-    turned = first_resonance(problem, PhaseResonance(top.place.phase), WINDOW, 0.1)
+    turned = first_resonance(problem, PhaseResonance(top.state.phase), WINDOW, 0.1)
     assert turned.w == pytest.approx(top.w, rel=1e-7)
 
 
@@ -178,7 +181,7 @@ def test_equivalent_frequency_against_amplitude(duffing):
 def test_a_force_met_exactly_is_met_once_whichever_way(rising):
     """A step of continuation may end on a force that is asked for to the last digit."""
     path = [0.0, 0.5, 1.0, 1.5] if rising else [1.5, 1.0, 0.5, 0.0]
-    met = [level for here, there in pairwise(path) for level in levels_passed(path[1:], here, there)]
+    met = [level for here, there in pairwise(path) for level in log_forces_passed(path[1:], here, there)]
     assert met == path[1:]
 
 

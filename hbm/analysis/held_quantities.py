@@ -16,7 +16,7 @@ from updamp.hbm.problem.system import Excitation
 Floats = NDArray[np.float64]
 
 
-class Condition(Protocol):
+class HeldQuantity(Protocol):
     """A linear condition on the change of a solved point.
 
     rows: rows of the linear model whose response it looks at
