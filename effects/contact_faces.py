@@ -74,7 +74,7 @@ def entry(model: RigModel, name: str) -> Floats:
 
 
 def modify_contacts(model: RigModel, law: type[ModifiedLaw], **entries: Any) -> RigModel:
-    """The model with `law` around the law of its contacts.
+    """The model with the law of its contacts modified by `law`.
 
     entries: what it adds to the parameters: numbers, the same for all elements, or (n,)
     raises: ValueError where the model has no contacts, or such without friction

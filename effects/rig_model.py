@@ -97,7 +97,7 @@ class RigModel:
     def with_contacts(self, law: ContactLaw | None = None, **entries: Any) -> "RigModel":
         """Contacts of another law, or with other entries of the law's parameters; shapes stay.
 
-        Entries that the parameters do not have yet are added to them: what a law around the present one needs.
+        Entries that the parameters do not have yet are added to them: what a modified law needs.
         raises: ValueError where the model has no contacts
         """
         if self.contacts is None:

@@ -1,1 +1,1 @@
-"""Laws around a friction law: they change what it sees, or what comes out of it."""
+"""Modified friction laws: each changes the arguments of the law inside it, or the force that comes out."""

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from updamp.hbm.problem.modal_algebra import Decomposed, Direct, graded_eigh, modal_inverse
+from updamp.hbm.problem.modal_algebra import DecomposedInverse, DirectInverse, graded_eigh, modal_inverse
 
 
 def graded(rng: np.random.Generator, m: int, decades: float) -> tuple[np.ndarray, np.ndarray]:
@@ -55,7 +55,7 @@ def matrices(viscous: float):
     return omega**2, hysteretic, viscous * C @ C.T
 
 
-@pytest.mark.parametrize(("viscous", "kind"), [(0.0, Decomposed), (0.3, Direct)])
+@pytest.mark.parametrize(("viscous", "kind"), [(0.0, DecomposedInverse), (0.3, DirectInverse)])
 def test_it_is_the_inverse_near_a_resonance_and_off_it(viscous, kind):
     omega_squared, hysteretic, C = matrices(viscous)
     inverse = modal_inverse(omega_squared, hysteretic, C)
@@ -78,7 +78,7 @@ def test_its_rate_is_its_derivative(viscous):
 def test_a_mode_that_is_free_to_move_is_inverted_anew():
     omega_squared, hysteretic, C = matrices(0.0)
     omega_squared[0] = 0.0
-    assert isinstance(modal_inverse(omega_squared, hysteretic, C), Direct)
+    assert isinstance(modal_inverse(omega_squared, hysteretic, C), DirectInverse)
 
 
 def test_modes_that_coincide_are_inverted_all_the_same():
