@@ -187,12 +187,10 @@ def diagnose(
     runs and judged on the others. Writes diagnosis.json and report.html; one that was stopped goes on where it was.
 
     rig, measurement, out, mesh, finer, jobs, quiet: as for `compare`
-    held_out: names of runs that no fit sees, None for one level of each mode; held_out_modes: modes of which no fit
-        sees any run
-    own_effects: files of effects of your own, looked for too
-    scheduler: address of a Dask scheduler whose workers do the work in place of `jobs`
-    report: whether to write report.html; next_measurement: whether to look for the run that would tell apart what is
-        left; criteria: what is decided by
+    held_out: names of runs that no fit sees, None for one level of each mode; held_out_modes: all runs of these modes
+    own_effects: files of your own effects; scheduler: address of a Dask scheduler whose workers replace `jobs`
+    report: whether to write report.html; next_measurement: whether to look for the run that tells apart what is left
+    criteria: what is decided by
     raises: RigError, MeasurementError, ValueError: naming file, value and remedy
     """
     from updamp.workflow.compare_run import CompareFiles
@@ -201,18 +199,13 @@ def diagnose(
 
     files = CompareFiles(_path(rig, "rig"), _path(measurement, "measurement"), _path(out, "out"))
     options = DiagnoseOptions(
-        finer=tuple(finer),
-        held_out=None if held_out is None else tuple(held_out),
-        held_out_modes=tuple(held_out_modes),
-        own=tuple(_path(file, "own_effects") for file in own_effects),
-        jobs=jobs,
-        scheduler=scheduler,
-        report=report,
-        next_measurement=next_measurement,
+        finer=tuple(finer), held_out=None if held_out is None else tuple(held_out),
+        held_out_modes=tuple(held_out_modes), own=tuple(_path(file, "own_effects") for file in own_effects),
+        jobs=jobs, scheduler=scheduler, report=report, next_measurement=next_measurement,
         criteria=criteria or Criteria(),
-    )
-    verdict = search(files, mesh, options, Console(quiet=quiet))
-    return DiagnosisResult(verdict, files.out, files.report if report else None)
+    )  # fmt: skip
+    found = search(files, mesh, options, Console(quiet=quiet))
+    return DiagnosisResult(found, files.out, files.report if report else None)
 
 
 def add_effect(
