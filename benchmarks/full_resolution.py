@@ -77,7 +77,7 @@ def diagnose(out: Path, jobs: int, clock: Clock) -> Verdict:
     files = CompareFiles(RIG, out / "data" / "measurement.toml", out / "diagnosis")
     options = diagnosing.DiagnoseOptions(finer=FINER[FITTED], jobs=jobs)
     clock.started = time.perf_counter()
-    with patch.object(diagnosing, "_telling", clock.telling):
+    with patch.object(diagnosing, "_progress_bar", clock.telling):
         return diagnosing.diagnose(files, FITTED, options, Console(quiet=True))
 
 

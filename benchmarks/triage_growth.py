@@ -35,7 +35,7 @@ from updamp.effects.effect import Effect
 from updamp.hbm.compilation_cache import keep_compiled
 from updamp.parallel.processes import processes
 from updamp.parallel.workers import Elsewhere, Workers
-from updamp.workflow.compare_run import CompareFiles, Subject, subject_of
+from updamp.workflow.compare_run import CompareFiles, ComparisonInputs, comparison_inputs
 from updamp.workflow.progress import Display
 
 # Of the eight curves: the levels of each mode, lowest and highest first.
@@ -63,7 +63,7 @@ def effect_sets() -> dict[str, tuple[Effect, ...]]:
 
 
 def seconds(
-    subject: Subject, plan: Plan, sets: Sequence[tuple[Effect, ...]], workers: Workers
+    inputs: ComparisonInputs, plan: Plan, sets: Sequence[tuple[Effect, ...]], workers: Workers
 ) -> tuple[int, list[dict[str, float]]]:
     """Number of curves that are fitted to, and for each set of effects what each step takes."""
     marks: list[float] = [time.perf_counter()]
@@ -73,7 +73,7 @@ def seconds(
             marks.append(time.perf_counter())
 
     branches_of = BranchesBy(workers)
-    start = baseline(subject.before_effects, subject.taken, plan, subject.finer, None, told, branches_of)
+    start = baseline(inputs.before_effects, inputs.rig_effects, plan, inputs.finer, None, told, branches_of)
     shared = {STEPS[0]: marks[1] - marks[0], STEPS[1]: time.perf_counter() - marks[1]}
     found = []
     for effects in sets:
@@ -114,17 +114,17 @@ def main(
     console, out = Console(width=160), data / f"growth_{mesh}.json"
     files = CompareFiles(RIG, data / "data" / "measurement.toml", data / f"growth_{mesh}")
     with Display(console) as display:
-        subject = subject_of(files, mesh, jobs, display, FINER[mesh])
-    plan, sets = plan_of(subject.measurement), effect_sets()
+        inputs = comparison_inputs(files, mesh, jobs, display, FINER[mesh])
+    plan, sets = plan_of(inputs.measurement), effect_sets()
     rows = json.loads(out.read_text(encoding="utf-8"))["rows"] if out.is_file() else []
     with processes(jobs) as pool:
         workers = Elsewhere(pool, keep_compiled=True)
         # what is compiled at first use is not to be measured with the first row
-        seconds(subject, some(plan, 2), list(sets.values())[-1:], workers)
+        seconds(inputs, some(plan, 2), list(sets.values())[-1:], workers)
         for number in curves:
             if any((row["curves"], row["jobs"]) == (number, jobs) for row in rows):
                 continue
-            trained, found = seconds(subject, some(plan, number), list(sets.values()), workers)
+            trained, found = seconds(inputs, some(plan, number), list(sets.values()), workers)
             rows += [
                 {"curves": number, "fitted to": trained, "jobs": jobs, "effects": name, "seconds": steps}
                 for name, steps in zip(sets, found, strict=True)

@@ -138,7 +138,7 @@ class FeatureComparison:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """chi2_before, chi2_after: weighted sums of squares; values: number of real values; parameters: fitted
+    """chi2_before, chi2_after: chi-square, weighted sums of squares; values: number of real values; parameters: fitted
 
     adequate: whether nothing stands out of the scatter; provenance: what made it (rig, hashes, versions), in words
     level_unit: of every `level`: "N", or SI unit of the response that was held

@@ -1,7 +1,8 @@
-"""Frozen dataclasses of numbers and arrays to JSON values and back, by their type annotations.
+"""Frozen dataclasses of numbers and arrays to JSON values and back, by their type annotations, and `JsonDocument`: one
+kept as a file with the name of its schema.
 
 Complex arrays become {"re", "im"}, nan becomes null, infinities the words "Infinity" and "-Infinity" (JSON has no
-numbers for them). A `float | None` keeps null for None and refuses nan, which could not be told from it.
+numbers for them). A `float | None` keeps null for None and refuses nan, which would look the same in the file.
 """
 
 import dataclasses
@@ -170,12 +171,12 @@ def _decode_entries(value: Any, place: str) -> Any:
     return _decode_float(value, place)
 
 
-# A dataclass kept as a JSON file with the name of its schema.
-
-
 @dataclass(frozen=True)
 class JsonDocument(Generic[T]):
-    """kind: of the dataclass; schema: name and version in the file; command: that writes the file"""
+    """A dataclass kept as a JSON file.
+
+    kind: of the dataclass; schema: name and version in the file; command: that writes the file
+    """
 
     kind: type[T]
     schema: str

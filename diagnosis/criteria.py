@@ -1,4 +1,7 @@
-"""What the search for a missing effect decides by. All of it is fixed before a benchmark is scored."""
+"""What the search for a missing effect decides by. All of it is fixed before a benchmark is scored.
+
+Reduced chi-square is chi-square over the number of values compared: 1 is what the scatter leaves.
+"""
 
 from dataclasses import dataclass
 
@@ -7,24 +10,25 @@ from dataclasses import dataclass
 class Criteria:
     """score, visibility: of the score test, below which an effect is not looked for in the data
     short, full: how many effects at most get a short refit, and a full one
-    close: chi2 a value after a short refit, over that of the best one, up to which an effect gets a full one
-    nearly: share of the best effect's fall of chi2 a value from which on another one is fitted in full too, and the
-        next one has second effects looked for beside it
-    gated: share of the misfit that the best effect has to take off for the numerical error of the model with it to be
-        found, before a second effect is looked for
-    comparable: chi2 a value, over that of the best one, beyond which it does not count as nearly as good
+    close: reduced chi-square after a short refit, over that of the best one, up to which an effect gets a full one
+    nearly: share of the best effect's fall of reduced chi-square from which on another one is fitted in full too, and
+        the next one has second effects looked for beside it
+    own_numerics: share of the misfit that the best effect has to take off for the numerical error of the model with it
+        to be found, before a second effect is looked for
+    comparable: reduced chi-square, over that of the best one, beyond which it does not count as nearly as good
     promising: share of the misfit left by a short refit from where on the full one is done before others are tried
     delta_bic: by which an effect has to improve the information criterion, the misfit that is left taken as noise
     gain: share by which the error on held-out runs has to fall
     at_bound: distance from a bound, as a share of its range, within which a parameter stands at it
-    rival: an effect explains the data as well as the best one where chi2 a value is no more than this share above it
+    as_good: an effect explains the data as well as the best one where its reduced chi-square is no more than this share
+        above the best
     cosine: of two signatures above which the effects look alike
-    cosine_of_rivals: to the signature of one that explains the data, from where on another one is fitted too
-    lack: chi2 a value from where on a model fails that no effect has improved
-    excess: chi2 a value above which a model with effects still fails
+    cosine_to_refit: to the signature of one that explains the data, from where on another one is fitted too
+    lack: reduced chi-square from where on a model fails that no effect has improved
+    excess: reduced chi-square above which a model with effects still fails
     unseen: weighted residual RMS on held-out runs above which a model with effects still fails
-    look_further: chi2 a value above which a second effect is looked for
-    second: share that a second effect has to bring chi2 a value down to
+    look_further: reduced chi-square above which a second effect is looked for
+    second: share that a second effect has to bring the reduced chi-square down to
     """
 
     score: float = 4.0
@@ -33,15 +37,15 @@ class Criteria:
     full: int = 3
     close: float = 1.6
     nearly: float = 0.8
-    gated: float = 0.5
+    own_numerics: float = 0.5
     comparable: float = 4.0
     promising: float = 0.2
     delta_bic: float = 10.0
     gain: float = 0.03
     at_bound: float = 0.005
-    rival: float = 0.1
+    as_good: float = 0.1
     cosine: float = 0.9
-    cosine_of_rivals: float = 0.5
+    cosine_to_refit: float = 0.5
     lack: float = 1.6
     excess: float = 1.7
     unseen: float = 1.5

@@ -9,7 +9,8 @@ from updamp.comparison.json_document import JsonDocument
 class Trial:
     """A fit with effects in the model.
 
-    effects: names; excess: chi2 a value on the runs of the fit; drop: of chi2 and priors, from the model without them
+    effects: names; excess: reduced chi-square on the runs of the fit (over the number of values)
+    drop: of chi-square and priors, from the model without the effects
     delta_bic: from the model with one effect less (of a pair: the better one of its two)
     held_out: weighted residual RMS on runs that the fit never saw, nan where there are none or it is not full
     at_bound: parameter at the bound of what is physical, "" if none; full: whether the fit was left to settle
@@ -39,7 +40,8 @@ class EffectScore:
 
 @dataclass(frozen=True)
 class Evidence:
-    """excess, held_out: of the model without effects; repeatability: RMS of what differs between repeats
+    """excess, held_out: as for a `Trial`, of the model without effects
+    repeatability: RMS of what differs between repeats
     tested: the highest score first; trials: of single effects; pairs: of two
     alike: pairs of effects whose signatures look alike, with the cosine
     """

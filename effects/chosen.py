@@ -20,7 +20,7 @@ from updamp.effects.catalogue import CATALOGUE, JOINTS, catalogue
 from updamp.effects.effect import Effect, EffectParameter
 from updamp.effects.rig_model import RigModel
 from updamp.effects.user_effect import EffectError, effect_from_file
-from updamp.rig.effects import TakenEffect
+from updamp.rig.effects import RigEffect
 from updamp.rig.errors import RigError
 from updamp.rig.fields import Quantity
 
@@ -61,10 +61,10 @@ def with_effects(model: RigModel, chosen: Sequence[ChosenEffect]) -> RigModel:
     return model
 
 
-def taken_effects(tables: object, folder: Path) -> tuple[TakenEffect, ...]:
+def read_effects(tables: object, folder: Path) -> tuple[RigEffect, ...]:
     """As `chosen_effects`, in the form that a rig keeps; raises as it does"""
     return tuple(
-        TakenEffect(
+        RigEffect(
             name=one.effect.name,
             values=dict(one.values),
             code=code_of(one.effect, one.file),
@@ -76,9 +76,9 @@ def taken_effects(tables: object, folder: Path) -> tuple[TakenEffect, ...]:
     )
 
 
-def resolved(taken: Sequence[TakenEffect]) -> tuple[ChosenEffect, ...]:
+def resolved(rig_effects: Sequence[RigEffect]) -> tuple[ChosenEffect, ...]:
     """The effects of a rig, in its order, ready to be applied; raises: RigError where one is not there any more"""
-    return tuple(_restored(one.name, one.file, one.values, one.origin) for one in taken)
+    return tuple(_restored(one.name, one.file, one.values, one.origin) for one in rig_effects)
 
 
 def _restored(name: str, file: Path | None, values: Mapping[str, float], origin: str) -> ChosenEffect:
@@ -86,7 +86,7 @@ def _restored(name: str, file: Path | None, values: Mapping[str, float], origin:
 
 
 def code_of(effect: Effect, file: Path | None) -> str:
-    """Hash of the file that defines an effect, "" for one of updamp's own: what they do is told by a version.
+    """Hash of the file that defines an effect, "" for one of updamp's own: those have a version.
 
     file: that the effect was read from, None where it comes from the catalogue
     """

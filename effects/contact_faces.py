@@ -1,4 +1,5 @@
-"""Where a contact element lies on its face, and what a change of the normal forces must leave as it is."""
+"""What effects of the contact have in common: where a contact element lies on its face, what a change of the normal
+forces must leave as it is, and modifications of the contact law."""
 
 from collections.abc import Callable
 from typing import Any
@@ -61,9 +62,6 @@ def with_totals_of(values: Floats, original: Floats, patches: ContactElements) -
         total = values[on].sum()
         result[on] *= original[on].sum() / total if total > 0 else 1.0
     return result
-
-
-# What effects of the contact have in common.
 
 
 def entry(model: RigModel, name: str) -> Floats:

@@ -1,8 +1,12 @@
-"""What effects of a bolted joint have in common.
+"""What effects of the structure have in common: elements at a joint or at the blades' tips, and changes of one
+component's modes.
 
-They are for models whose modes were identified in a test. The joint is not a point of such a model: its motion goes
-with that of the mode, so an element at the excitation point stands for it, and its parameters are those seen from
-there. With several modes, each of which moves the joint otherwise, they are not the joint's own.
+Effects of a bolted joint are for models whose modes were identified in a test. The joint is not a point of such a
+model: its motion goes with that of the mode, so an element at the excitation point stands for it, and its parameters
+are those seen from there. With several modes, each of which moves the joint otherwise, they are not the joint's own.
+
+Elements at the tips stand for what the blades themselves do. Changes of one component's modes are made within the model
+of all components side by side: the other components and the order of owners stay.
 """
 
 from dataclasses import replace
@@ -17,6 +21,11 @@ from updamp.effects.rig_model import PointElement, RigModel
 from updamp.hbm.contact.law import ContactLaw
 from updamp.hbm.problem.linear_model import LinearModel
 
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+BLADES = ("blade_left", "blade_right")
+TIPS = ("blade_left.tip.x", "blade_right.tip.x")
 # Fewest samples of a period for laws that are not smooth.
 _SAMPLES = 128
 
@@ -46,11 +55,6 @@ def with_joint_element(model: RigModel, name: str, law: ContactLaw, **entries: f
     return replace(model, elements=(*model.elements, added), time_samples=max(model.time_samples, _SAMPLES))
 
 
-# Elements at the tips of both blades.
-
-TIPS = ("blade_left.tip.x", "blade_right.tip.x")
-
-
 def model_with_tips(model: RigModel) -> RigModel:
     """raises: ValueError where the model lacks one of the tips"""
     if missing := [tip for tip in TIPS if tip not in model.components.points]:
@@ -67,14 +71,6 @@ def with_tip_elements(model: RigModel, name: str, law: ContactLaw, **entries: fl
     parameters: Any = law.parameters(**{entry: jnp.full(1, value) for entry, value in entries.items()})
     added = tuple(PointElement(f"{name} at {tip}", (tip,), law, parameters) for tip in TIPS)
     return replace(model, elements=(*model.elements, *added))
-
-
-# Changes of one component's modes within the side-by-side model: the others and the order of owners stay.
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
-
-BLADES = ("blade_left", "blade_right")
 
 
 def modes_of(model: RigModel, component: str) -> Integers:

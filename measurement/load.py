@@ -9,7 +9,13 @@ from pathlib import Path
 
 from updamp.measurement.conversion import measured_run
 from updamp.measurement.measurement import Channel, Feature, MeasuredRun, Measurement, MeasurementError, near
-from updamp.measurement.measurement_file import MeasurementFile, RunTable, read_table, validated, with_defaults
+from updamp.measurement.measurement_file import (
+    MeasurementFile,
+    RunTable,
+    read_measurement_table,
+    validated,
+    with_defaults,
+)
 from updamp.measurement.readers.registry import reader_of, usable_file
 from updamp.measurement.recorded import RecordedSweep
 from updamp.measurement.stated_features import is_feature_file, read_features
@@ -26,7 +32,7 @@ def load_measurement(path: str | Path, points: Sequence[str] | None = None, rig:
     raises: MeasurementError naming the file, the value and the remedy
     """
     path = Path(path)
-    table = read_table(path)
+    table = read_measurement_table(path)
     files = _Files(path.parent)
     files.hash(path)
     if is_feature_file(table):
@@ -187,7 +193,7 @@ def _features(file: MeasurementFile, files: _Files) -> tuple[Feature, ...]:
     path = files.folder / file.features
     usable_file(path)
     files.hash(path)
-    return read_features(path, read_table(path)).features()
+    return read_features(path, read_measurement_table(path)).features()
 
 
 def _check_points(path: Path, named: dict[str, str], points: Sequence[str] | None) -> None:

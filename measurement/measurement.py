@@ -1,7 +1,7 @@
 """What was measured, in the model's words and units: peak amplitudes in SI, displacement whatever the sensor was.
 
 Complex amplitudes are those of exp(+i w t): a response that lags the force has a negative phase. Of all readers and
-formats, this is what the rest of updamp sees.
+formats, this is what the rest of updamp sees; `MeasurementError` is what it gets where data cannot be used.
 """
 
 from collections.abc import Iterable, Mapping
@@ -120,17 +120,14 @@ class Measurement:
         raise ValueError(f"no channel '{name}'; there are {', '.join(c.name for c in self.channels)}")
 
 
-# What is said of data that cannot be used.
-
-
 class MeasurementError(ValueError):
     """Data that cannot be used as they are; the message names the file, the value and the remedy."""
 
 
-def near(name: str, known: Iterable[str], shown: int = 12) -> str:
+def near(name: str, known: Iterable[str], most: int = 12) -> str:
     """ "did you mean a or b?" where something known comes close, else what there is."""
     names = list(known)
     if close := get_close_matches(name, names, n=3, cutoff=0.6):
         return f"did you mean {' or '.join(close)}?"
-    more = f" and {len(names) - shown} more" if len(names) > shown else ""
-    return f"there are {', '.join(names[:shown])}{more}" if names else "there are none"
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return f"there are {', '.join(names[:most])}{more}" if names else "there are none"

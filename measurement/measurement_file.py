@@ -225,7 +225,7 @@ def level_in_si(file: MeasurementFile, run: RunTable) -> float | None:
     return Quantity(quantity.si, quantity.example, above=0).to_si(run.level)
 
 
-def read_table(path: Path) -> dict[str, Any]:
+def read_measurement_table(path: Path) -> dict[str, Any]:
     """A TOML file as it is. raises: MeasurementError where it cannot be read"""
     return read_toml(path, "a measurement.toml (docs/measurements.md)", MeasurementError)
 

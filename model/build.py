@@ -65,9 +65,9 @@ def _as_built(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> RigModel:
     return RigModel(
         components=from_reduced(reduced, rig.material.loss_factor),
         owner=tuple(component.name for component in reduced.components for _ in component.omega),
-        attachments=wires(rig),
+        attachments=wire_attachments(rig),
         by_pull=tuple(spring.name for spring in wire_springs(rig) if spring.by_pull),
-        contacts=contact_elements(reduced.contacts.area, rest, rig),
+        contacts=contact_group(reduced.contacts.area, rest, rig),
         patches=reduced.contacts,
         excitation=f"blade_{rig.excitation.blade}.excitation.x",
         harmonics=Harmonics(rig.harmonic_balance.harmonics),
@@ -105,7 +105,7 @@ def _as_identified(rig: ModalRig) -> RigModel:
     )
 
 
-def contact_elements(area: Floats, rest: StaticContact, rig: Rig) -> ElementGroup:
+def contact_group(area: Floats, rest: StaticContact, rig: Rig) -> ElementGroup:
     """The rig's contact law on the first 3 n relative rows; area: (n,) of the contact elements [m^2]."""
     contact, n = rig.contact, len(area)
     parameters = FrictionParameters(
@@ -121,7 +121,7 @@ def contact_elements(area: Floats, rest: StaticContact, rig: Rig) -> ElementGrou
     return ElementGroup(law, parameters, np.arange(3 * n).reshape(n, 3))
 
 
-def wires(rig: Rig) -> tuple[Attachment, ...]:
+def wire_attachments(rig: Rig) -> tuple[Attachment, ...]:
     """The wires' springs (`rig/wires.py`), at the damper's points."""
     return tuple(
         Attachment(

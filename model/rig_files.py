@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from updamp.rig.effects import Calibration, Readers, TakenEffect
+from updamp.rig.effects import Calibration, Readers, RigEffect
 from updamp.rig.errors import RigError, read_toml
 from updamp.rig.modal_rig import ModalRig
 from updamp.rig.read import read_rig, read_section
@@ -14,10 +14,10 @@ KIND = "modal"
 
 
 # Both are imported on call: they load JAX, which takes 1.5 s, and most rig files state neither table.
-def _effects(tables: object, folder: Path) -> tuple[TakenEffect, ...]:
-    from updamp.effects.chosen import taken_effects
+def _effects(tables: object, folder: Path) -> tuple[RigEffect, ...]:
+    from updamp.effects.chosen import read_effects
 
-    return taken_effects(tables, folder)
+    return read_effects(tables, folder)
 
 
 def _calibration(table: object) -> Calibration:

@@ -1,15 +1,48 @@
-"""Pieces of HTML and numbers as an engineer writes them."""
+"""Pieces of HTML, numbers as an engineer writes them, and the colours of the report."""
 
 import math
 from collections.abc import Iterable, Sequence
 from html import escape
+
+# Colours that the colour-blind can tell apart: Okabe and Ito (2008), "Color Universal Design".
+
+BLUE, VERMILLION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
+ORANGE, SKY, BLACK, GREY = "#E69F00", "#56B4E9", "#1a1a1a", "#8a8f98"
+
+LEVELS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK)  # in turn, where force levels are drawn together
+
+# Dark to light, evenly: viridis (van der Walt and Smith 2015) short of its yellow, for more levels than that.
+MANY_LEVELS = ("#440154", "#414487", "#2a788e", "#22a884", "#7ad151", "#d8b500")
+
+MEASURED, BEFORE, AFTER, BAND = BLACK, VERMILLION, BLUE, "rgba(138,143,152,0.30)"
+FOR_SCRIPTS = {
+    "levels": LEVELS,
+    "many": MANY_LEVELS,
+    "measured": MEASURED,
+    "before": BEFORE,
+    "after": AFTER,
+    "band": BAND,
+}
+
+# From 1 on, what scatter does not explain; evenly spaced in the logarithm from 1/2 to 2, and from there to
+# the largest.
+RESIDUAL_SCALE = (
+    (0, "#f4f5f7"),
+    (1 / 6, "#e3e6ea"),
+    (1 / 3, "#f6d9a8"),
+    (0.5, "#E69F00"),
+    (0.75, "#D55E00"),
+    (1, "#6b1d00"),
+)
+# White in the middle: cosines, signatures.
+TWO_SIDED_SCALE = ((0, VERMILLION), (0.5, "#ffffff"), (1, BLUE))
 
 MISSING = "\N{EN DASH}"
 MINUS = "\N{MINUS SIGN}"
 TIMES = "\N{MULTIPLICATION SIGN}"
 
 
-def figure(name: str, description: str, caption: str = "", height: int = 420) -> str:
+def figure_element(name: str, description: str, caption: str = "", height: int = 420) -> str:
     """Place of a plot, which scripts call by its name.
 
     description: what it shows, for those who cannot see it; caption: below it; height [px]
@@ -88,7 +121,7 @@ def level_word(unit: str) -> str:
 
 
 def _exact(text: str, value: float) -> str:
-    """393 Hz was not stated to four digits, so it is not shown with them."""
+    """393 Hz was not stated to four digits, so it is not written with them."""
     return text.rstrip("0").rstrip(".") if "." in text and math.isclose(float(text), value, rel_tol=1e-12) else text
 
 
@@ -98,37 +131,3 @@ def _raised(power: int) -> str:
 
 def pretty(unit: str) -> str:
     return unit.replace("**", "^").replace("^2", "²").replace("^3", "³").replace("*", "·").replace("degree", "°")
-
-
-# Colours that the colour-blind can tell apart: Okabe and Ito (2008), "Color Universal Design".
-
-BLUE, VERMILLION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
-ORANGE, SKY, BLACK, GREY = "#E69F00", "#56B4E9", "#1a1a1a", "#8a8f98"
-
-LEVELS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK)  # in turn, where force levels are drawn together
-
-# Dark to light, evenly: viridis (van der Walt and Smith 2015) short of its yellow, for more levels than that.
-MANY_LEVELS = ("#440154", "#414487", "#2a788e", "#22a884", "#7ad151", "#d8b500")
-
-MEASURED, BEFORE, AFTER, BAND = BLACK, VERMILLION, BLUE, "rgba(138,143,152,0.30)"
-FOR_SCRIPTS = {
-    "levels": LEVELS,
-    "many": MANY_LEVELS,
-    "measured": MEASURED,
-    "before": BEFORE,
-    "after": AFTER,
-    "band": BAND,
-}
-
-# From 1 on, what scatter does not explain; evenly spaced in the logarithm from 1/2 to 2, and from there to
-# the largest.
-RESIDUAL_SCALE = (
-    (0, "#f4f5f7"),
-    (1 / 6, "#e3e6ea"),
-    (1 / 3, "#f6d9a8"),
-    (0.5, "#E69F00"),
-    (0.75, "#D55E00"),
-    (1, "#6b1d00"),
-)
-# White in the middle: cosines, signatures.
-TWO_SIDED_SCALE = ((0, VERMILLION), (0.5, "#ffffff"), (1, BLUE))

@@ -1,4 +1,4 @@
-"""Sections to one page that needs nothing but a browser: styles, plotly.js, data and scripts are all inside."""
+"""The report as one HTML file that needs nothing but a browser: styles, plotly.js, data and scripts are all inside."""
 
 import json
 import math
@@ -17,9 +17,10 @@ from updamp.report.markup import FOR_SCRIPTS, level_word, pretty
 from updamp.report.registry import SECTIONS
 from updamp.report.section import Content, Report, ReportSection
 
-# Numbers for the page: as many digits as a plot can show, so that a report stays small.
-
-DIGITS = 7  # 430.0001 Hz and 430.0002 Hz stay apart; curves of 0.01 % bandwidth need that
+# Of numbers on the page, so that a report stays small: 430.0001 Hz and 430.0002 Hz stay apart, as curves of 0.01 %
+# bandwidth need it.
+DIGITS = 7
+NO_PICTURES: Mapping[str, bytes] = {}
 
 
 def script_json(value: Any) -> str:
@@ -113,11 +114,6 @@ def _scripts(rendered: Sequence[tuple[ReportSection, Content]]) -> list[str]:
     """Each once, the common ones about them."""
     own = [name for _, content in rendered for name in content.scripts]
     return list(dict.fromkeys(("core.js", *own, "start.js")))
-
-
-# The report as a file.
-
-NO_PICTURES: Mapping[str, bytes] = {}
 
 
 def write_report(

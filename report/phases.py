@@ -30,7 +30,7 @@ def phases_of(curves: Sequence[CurvePair]) -> tuple[CurvePhases, ...]:
     for curve in curves:
         measured = []
         for each in curve.measured:
-            phase = unwrapped(each.receptance, np.argsort(each.frequency, kind="stable"))
+            phase = unwrapped_phase(each.receptance, np.argsort(each.frequency, kind="stable"))
             phase = phase - turns(_middle(phase) - np.nan_to_num(middles[curve.mode, curve.channel]))
             if np.isnan(middles[curve.mode, curve.channel]):
                 middles[curve.mode, curve.channel] = _middle(phase)
@@ -40,7 +40,7 @@ def phases_of(curves: Sequence[CurvePair]) -> tuple[CurvePhases, ...]:
     return tuple(found)
 
 
-def unwrapped(receptance: Complex, order: NDArray[np.int64] | slice = slice(None)) -> Floats:
+def unwrapped_phase(receptance: Complex, order: NDArray[np.int64] | slice = slice(None)) -> Floats:
     """Phases of (n,) [degrees], never more than half a turn from one to the next in this order; nan where the
     receptance is zero or not known, which the next one is unwrapped across"""
     phase = np.full(len(receptance), np.nan)
@@ -62,7 +62,7 @@ def _middle(phase: Floats) -> float:
 
 def _beside(branch: ModelCurve, curve: CurvePair, measured: Sequence[Floats]) -> Floats:
     """Of the model, shifted to where it is nearest to the measured phases at the same frequencies."""
-    phase = unwrapped(branch.receptance)
+    phase = unwrapped_phase(branch.receptance)
     known = np.flatnonzero(np.isfinite(phase))
     if len(known) == 0 or not measured:
         return phase - turns(_middle(phase))

@@ -25,7 +25,7 @@ class Report:
 
 @dataclass(frozen=True)
 class Content:
-    """html: below the heading; a picture is an element made by `markup.figure`
+    """html: below the heading; a picture is an element made by `markup.figure_element`
 
     figures: name -> plotly's {"data": ..., "layout": ...}, drawn into the element of that name as they are
     data: what the section's scripts read as `updamp.data[identifier]`; arrays may be numpy's

@@ -14,7 +14,7 @@ from pydantic import BeforeValidator, Field, ValidationInfo
 from updamp.rig.fields import InputTable
 
 
-class TakenEffect(InputTable):
+class RigEffect(InputTable):
     """An effect of the file, checked. Names and numbers alone: processes hand it on, and hashes are made of it.
 
     values: of all its parameters, in their `units`; origin: where they come from, "" if not stated
@@ -48,7 +48,7 @@ class Readers:
     Both raise RigError with every problem found, one a line, each naming its key.
     """
 
-    effects: Callable[[object, Path], tuple[TakenEffect, ...]]
+    effects: Callable[[object, Path], tuple[RigEffect, ...]]
     calibration: Callable[[object], Calibration]
 
 
@@ -62,5 +62,5 @@ def _calibration(table: Any, info: ValidationInfo) -> Any:
     return context["readers"].calibration(table) if "readers" in context else table
 
 
-Effects = Annotated[tuple[TakenEffect, ...], BeforeValidator(_effects)]
+Effects = Annotated[tuple[RigEffect, ...], BeforeValidator(_effects)]
 CalibrationTable = Annotated[Calibration, BeforeValidator(_calibration)]

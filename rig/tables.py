@@ -7,7 +7,7 @@ from typing import Any
 from pydantic import BaseModel
 from rich.table import Table
 
-from updamp.rig.effects import Calibration, TakenEffect
+from updamp.rig.effects import Calibration, RigEffect
 from updamp.rig.fields import Quantity
 from updamp.rig.rig import Rig
 
@@ -40,7 +40,7 @@ def _entries(model: BaseModel, prefix: str = "") -> Iterator[tuple[str, str, str
             yield key, _written(value), _unit(field)
 
 
-def _effect(effect: TakenEffect) -> Iterator[tuple[str, str, str]]:
+def _effect(effect: RigEffect) -> Iterator[tuple[str, str, str]]:
     for parameter, value in effect.values.items():
         yield f"effects.{effect.name}.{parameter}", _written(value), effect.units[parameter]
 

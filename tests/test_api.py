@@ -17,7 +17,7 @@ from updamp.fem.finite_element_model import FiniteElementResult
 from updamp.fem.static_contact.static_contact import static_contact
 from updamp.geometry.build_mesh import build_mesh
 from updamp.hbm.contact.friction import FrictionParameters
-from updamp.model.build import contact_elements, rig_model
+from updamp.model.build import contact_group, rig_model
 from updamp.notebook.outcomes import ComparisonResult, DiagnosisResult
 from updamp.workflow import diagnose_run, model_of_rig
 from updamp.workflow.stage_functions import StageFunctions
@@ -80,7 +80,7 @@ def test_effects_and_calibration_of_the_rig_file_are_in_the_model(tmp_path: Path
     reduced = plain_reduced_model(rig, mesh.contacts)
     rest = static_contact(reduced, rig)
     # What README's example did before: contacts of the rig's own sections alone.
-    ignored = contact_elements(reduced.contacts.area, rest, rig).parameters
+    ignored = contact_group(reduced.contacts.area, rest, rig).parameters
     np.testing.assert_array_equal(frictions(bare).mu, ignored.mu)
     np.testing.assert_allclose(frictions(whole).mu, 0.9 * np.asarray(ignored.mu), rtol=1e-12)
     assert np.ptp(frictions(whole).n0 / ignored.n0) > 0.1, "an edge that does not touch at first presses less"

@@ -22,7 +22,7 @@ from updamp.fem.finite_element_model import finite_element_model
 from updamp.geometry.build_mesh import build_mesh
 from updamp.hbm.problem.linear_model import LinearModel, stuck_on
 from updamp.hbm.problem.structural_changes import attach
-from updamp.model.build import from_reduced, wires
+from updamp.model.build import from_reduced, wire_attachments
 from updamp.model.rig_files import load_rig
 from updamp.rig.rig import Rig
 
@@ -47,7 +47,7 @@ def linear_numbers(path: Path, lengths: Floats, preset: str) -> Linear:
     """lengths: of LENGTHS [m]"""
     rig = load_rig(path, {name: f"{value:.9f} m" for name, value in zip(LENGTHS, lengths, strict=True)})
     result = finite_element_model(build_mesh(rig, preset), rig)
-    model = attach(from_reduced(result.reduced, rig.material.loss_factor), wires(rig))
+    model = attach(from_reduced(result.reduced, rig.material.loss_factor), wire_attachments(rig))
     area = result.reduced.contacts.area
     per_area = np.array([rig.contact.tangential_stiffness] * 2 + [rig.contact.normal_stiffness])
     stuck = stuck_on(model, np.outer(area, per_area).ravel())

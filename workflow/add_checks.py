@@ -7,7 +7,7 @@ from pathlib import Path
 from updamp.diagnosis.verdict import Verdict
 from updamp.effects.catalogue import catalogue
 from updamp.effects.user_effect import effect_from_file
-from updamp.rig.effects import TakenEffect
+from updamp.rig.effects import RigEffect
 
 
 def not_fitted(verdict: Verdict, names: Sequence[str], source: Path) -> Iterator[str]:
@@ -25,7 +25,7 @@ def not_fitted(verdict: Verdict, names: Sequence[str], source: Path) -> Iterator
             )
 
 
-def already(present: Sequence[TakenEffect], names: Sequence[str], rig: Path, replace: bool) -> Iterator[str]:
+def already(present: Sequence[RigEffect], names: Sequence[str], rig: Path, replace: bool) -> Iterator[str]:
     """An effect at its null values waits to be fitted: it may be replaced unasked."""
     for effect in present:
         if effect.name in names and not replace and not _absent(effect):
@@ -38,7 +38,7 @@ def already(present: Sequence[TakenEffect], names: Sequence[str], rig: Path, rep
             )
 
 
-def _absent(effect: TakenEffect) -> bool:
+def _absent(effect: RigEffect) -> bool:
     defined = effect_from_file(effect.file) if effect.file else catalogue()[effect.name]
     return dict(effect.values) == defined.at_null()
 

@@ -61,37 +61,37 @@ def run_compare(
     raises: RigError, MeasurementError and what the stages raise, naming what to mend
     """
     with Display(console) as display:
-        subject = subject_of(files, preset, workers, display, finer)
-        provenance = provenance_of(files, subject, preset)
+        inputs = comparison_inputs(files, preset, workers, display, finer)
+        provenance = provenance_of(files, inputs, preset)
         display.update("comparison", 0.0, "prediction")
-        told = _Told(display)
-        with branches_of(subject, workers, told.branch) as branches:
+        progress = _ProgressBar(display)
+        with branches_of(inputs, workers, progress.branch) as branches:
             comparison, fit = compare(
-                subject.before_effects,
-                subject.measurement,
-                subject.features,
+                inputs.before_effects,
+                inputs.measurement,
+                inputs.features,
                 provenance,
                 options,
-                told,
-                subject.finer,
-                subject.taken,
+                progress,
+                inputs.finer,
+                inputs.rig_effects,
                 branches,
             )
         display.done("comparison", f"{len(comparison.findings)} findings")
         files.out.mkdir(parents=True, exist_ok=True)
         COMPARISON_JSON.write(files.comparison, comparison)
         write_report(comparison, files.report, pictures_of(files.out))
-        record_comparison(files.rig, tuple(one.effect.name for one in subject.taken), comparison)
+        record_comparison(files.rig, tuple(one.effect.name for one in inputs.rig_effects), comparison)
         display.done("files", f"{files.comparison}, {files.report}")
     return comparison, fit
 
 
 @dataclass(frozen=True, eq=False)
-class Subject:
+class ComparisonInputs:
     """What is compared.
 
-    before_effects: the model, calibrated as the rig file says; taken: effects of the rig file, to be applied after
-        nuisance parameters (`Parametrisation`)
+    before_effects: the model, calibrated as the rig file says
+    rig_effects: effects of the rig file, to be applied after nuisance parameters (`Parametrisation`)
     mesh: preset, "" for a model without; finer: models with finer numerics, before effects too, by what is finer
     """
 
@@ -100,10 +100,12 @@ class Subject:
     features: tuple[FeatureComparison, ...]
     mesh: str
     finer: Mapping[str, RigModel] = field(default_factory=dict)
-    taken: tuple[ChosenEffect, ...] = ()
+    rig_effects: tuple[ChosenEffect, ...] = ()
 
 
-def subject_of(files: CompareFiles, preset: str, workers: int, display: Display, finer: Sequence[str]) -> Subject:
+def comparison_inputs(
+    files: CompareFiles, preset: str, workers: int, display: Display, finer: Sequence[str]
+) -> ComparisonInputs:
     """The model, built where it is not there yet, and the measurement.
 
     raises: RigError, MeasurementError and what the stages raise, naming what to mend
@@ -111,7 +113,7 @@ def subject_of(files: CompareFiles, preset: str, workers: int, display: Display,
     return _of_modal_rig(files) if is_modal(files.rig) else _of_rig(files, preset, workers, display, finer)
 
 
-def _of_rig(files: CompareFiles, preset: str, workers: int, display: Display, finer: Sequence[str]) -> Subject:
+def _of_rig(files: CompareFiles, preset: str, workers: int, display: Display, finer: Sequence[str]) -> ComparisonInputs:
     rig = load_rig(files.rig)
     measurement = load_measurement(files.measurement, _points(), rig.name)
     run = Run(rig, RunOptions(preset, files.out, workers, check=False, until=stages.STATIC_CONTACT), display)
@@ -122,22 +124,22 @@ def _of_rig(files: CompareFiles, preset: str, workers: int, display: Display, fi
         folder = files.out / name
         again = Run(rig, RunOptions(name, folder, workers, check=False, until=stages.STATIC_CONTACT), display)
         finer_models[name] = _model(again)[0]
-    return Subject(model, measurement, features, preset, finer_models, resolved(rig.effects))
+    return ComparisonInputs(model, measurement, features, preset, finer_models, resolved(rig.effects))
 
 
-def _of_modal_rig(files: CompareFiles) -> Subject:
+def _of_modal_rig(files: CompareFiles) -> ComparisonInputs:
     rig = load_modal(files.rig)
     model = modal_before_effects(rig)
     measurement = load_measurement(files.measurement, model.components.points, rig.name)
-    return Subject(model, measurement, (), "", taken=resolved(rig.effects))
+    return ComparisonInputs(model, measurement, (), "", rig_effects=resolved(rig.effects))
 
 
 @contextmanager
-def branches_of(subject: Subject, workers: int, report: Report) -> Iterator[Branches]:
+def branches_of(inputs: ComparisonInputs, workers: int, report: Report) -> Iterator[Branches]:
     """How the branches of a comparison are traced: in at most so many processes, and no more than it has tests. Those
     of a model that is linear take less time than a process takes to begin."""
-    tests = len({run.name for run in subject.measurement.runs})
-    linear = not with_effects(subject.before_effects, subject.taken).groups
+    tests = len({run.name for run in inputs.measurement.runs})
+    linear = not with_effects(inputs.before_effects, inputs.rig_effects).groups
     if min(workers, tests) < 2 or linear:
         yield InTurn(report)
     else:
@@ -145,7 +147,7 @@ def branches_of(subject: Subject, workers: int, report: Report) -> Iterator[Bran
             yield spread
 
 
-class _Told:
+class _ProgressBar:
     """The fit does not know how many rounds it will need: the bar tells what it is at."""
 
     def __init__(self, display: Display) -> None:
@@ -211,10 +213,14 @@ def _features(
     return compare_features(measurement.features, resonance)
 
 
-def provenance_of(files: CompareFiles, subject: Subject, preset: str) -> Mapping[str, str]:
-    hashes = {f"SHA-256 of {name}": value for name, value in (subject.measurement.hashes or {}).items()}
-    of_mesh = {"mesh": preset} if subject.mesh else {}
-    effects = {"effects of the rig file": ", ".join(one.effect.name for one in subject.taken)} if subject.taken else {}
+def provenance_of(files: CompareFiles, inputs: ComparisonInputs, preset: str) -> Mapping[str, str]:
+    hashes = {f"SHA-256 of {name}": value for name, value in (inputs.measurement.hashes or {}).items()}
+    of_mesh = {"mesh": preset} if inputs.mesh else {}
+    effects = (
+        {"effects of the rig file": ", ".join(one.effect.name for one in inputs.rig_effects)}
+        if inputs.rig_effects
+        else {}
+    )
     return {
         "rig file": str(files.rig),
         "measurement": str(files.measurement),

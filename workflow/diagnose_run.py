@@ -15,16 +15,16 @@ from updamp.comparison.compare import compare
 from updamp.comparison.comparison import COMPARISON_JSON
 from updamp.comparison.fit.observations import Plan, plan_of
 from updamp.comparison.prediction.branch_tasks import Branches, BranchesBy, in_turn
-from updamp.diagnosis.candidate_models.attempts import RunBy
 from updamp.diagnosis.candidate_models.baseline import Baseline, baseline, held_out_runs
+from updamp.diagnosis.candidate_models.fit_tasks import FitRunnerOf
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.decision.ablations import write_ablations
 from updamp.diagnosis.decision.conclude import conclude
 from updamp.diagnosis.decision.decide import Decision, decide
 from updamp.diagnosis.evidence import EVIDENCE_JSON
 from updamp.diagnosis.missing_force.missing_force import missing_forces
-from updamp.diagnosis.next_measurement.next_measurement import next_measurements, rivals
-from updamp.diagnosis.selection.search import Found, search
+from updamp.diagnosis.next_measurement.next_measurement import next_measurements, surviving_explanations
+from updamp.diagnosis.selection.search import SearchResult, search
 from updamp.diagnosis.verdict import VERDICT_JSON, MissingForce, NextMeasurement, Verdict
 from updamp.effects.catalogue import catalogue
 from updamp.effects.chosen import code_of
@@ -36,11 +36,11 @@ from updamp.parallel.processes import processes
 from updamp.parallel.workers import Elsewhere, Workers, here
 from updamp.report.page import write_report
 from updamp.workflow.code_version import SEARCH, code_version
-from updamp.workflow.compare_run import CompareFiles, Subject, pictures_of, provenance_of, subject_of
+from updamp.workflow.compare_run import CompareFiles, ComparisonInputs, comparison_inputs, pictures_of, provenance_of
 from updamp.workflow.diagnose_stated import diagnose_stated, tables
 from updamp.workflow.kept_results import ResultKey, inputs_digest
 from updamp.workflow.progress import Display
-from updamp.workflow.search_cache import CachedAttempts, SearchCache
+from updamp.workflow.search_cache import CachedFits, SearchCache
 
 _STAGE = "diagnosis"
 # Predicted with each explanation, to find the next measurement: some 6 s of one core with 36 patches.
@@ -78,28 +78,28 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
         nor usable stated values, or a run to hold out was not measured
     """
     with Display(console) as display:
-        subject = subject_of(files, preset, options.jobs, display, options.finer)
-        provenance = {**provenance_of(files, subject, preset), "date": date.today().isoformat()}
-        if not subject.measurement.runs:
-            return _of_stated(files, options, subject, provenance, display, console)
-        effects = _effects(subject, options)
+        inputs = comparison_inputs(files, preset, options.jobs, display, options.finer)
+        provenance = {**provenance_of(files, inputs, preset), "date": date.today().isoformat()}
+        if not inputs.measurement.runs:
+            return _of_stated(files, options, inputs, provenance, display, console)
+        effects = _effects(inputs, options)
         files.out.mkdir(parents=True, exist_ok=True)
-        plan, told = plan_of(subject.measurement), _telling(display)
-        cache = _cache(files, preset, options, subject, effects, display)
+        plan, progress = plan_of(inputs.measurement), _progress_bar(display)
+        cache = _cache(files, preset, options, inputs, effects, display)
         with _workers(options) as workers:
-            start = _baseline(cache, subject, plan, options, told, BranchesBy(workers))
-            found = search(start, effects, options.criteria, told, CachedAttempts(cache, RunBy(workers)), workers)
+            start = _baseline(cache, inputs, plan, options, progress, BranchesBy(workers))
+            found = search(start, effects, options.criteria, progress, CachedFits(cache, FitRunnerOf(workers)), workers)
             provenance["held out"] = ", ".join(plan.conditions[i].name for i in start.held_out) or "nothing"
-            names = {channel.point: channel.name for channel in subject.measurement.channels}
+            names = {channel.point: channel.name for channel in inputs.measurement.channels}
             decision = decide(found.evidence, options.criteria)
             forces = _forces(found, decision) if options.report else ()
-            following = _following(cache, found, decision, options, told, workers) if options.report else ()
+            following = _following(cache, found, decision, options, progress, workers) if options.report else ()
             verdict = conclude(found, decision, options.criteria, names, forces, provenance, following)
             VERDICT_JSON.write(files.out / "diagnosis.json", verdict)
             EVIDENCE_JSON.write(files.out / "evidence.json", found.evidence)
             write_ablations(files.out / "ablations.json", found.evidence, options.criteria)
             if options.report:
-                _report(files, subject, verdict, told, BranchesBy(workers))
+                _report(files, inputs, verdict, progress, BranchesBy(workers))
         display.done(_STAGE, f"{verdict.verdict}: {', '.join(verdict.effects or verdict.group) or 'no effect'}")
     return verdict
 
@@ -107,41 +107,41 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
 def _of_stated(
     files: CompareFiles,
     options: DiagnoseOptions,
-    subject: Subject,
+    inputs: ComparisonInputs,
     provenance: Mapping[str, str],
     display: Display,
     console: Console,
 ) -> Verdict:
     """Where no curve was measured: diagnosis.json, report.html and two tables."""
-    if not subject.measurement.features or is_modal(files.rig):
+    if not inputs.measurement.features or is_modal(files.rig):
         raise ValueError(
             f"{files.measurement}: no runs (curves), and no stated features that a rig with contacts could answer to; "
             "measure curves with repeats"
         )
-    rig, told = load_rig(files.rig), _telling(display)
+    rig, progress = load_rig(files.rig), _progress_bar(display)
     found = diagnose_stated(
-        subject.before_effects,
+        inputs.before_effects,
         {name: mode.window for name, mode in rig.study.modes.items()},
         f"blade_{rig.excitation.blade}",
-        subject.measurement.features,
-        _effects(subject, options),
-        subject.taken,
+        inputs.measurement.features,
+        _effects(inputs, options),
+        inputs.rig_effects,
         provenance,
-        told,
+        progress,
     )
     files.out.mkdir(parents=True, exist_ok=True)
     VERDICT_JSON.write(files.out / "diagnosis.json", found.verdict)
     if options.report:
-        _report(files, subject, found.verdict, told, in_turn)
+        _report(files, inputs, found.verdict, progress, in_turn)
     display.done(_STAGE, found.verdict.verdict)
     for shown in tables(found):
         console.print(shown)
     return found.verdict
 
 
-def _effects(subject: Subject, options: DiagnoseOptions) -> tuple[Effect, ...]:
+def _effects(inputs: ComparisonInputs, options: DiagnoseOptions) -> tuple[Effect, ...]:
     """Those of the catalogue and the user's own that the rig file does not have yet."""
-    taken = {one.effect.name for one in subject.taken}
+    taken = {one.effect.name for one in inputs.rig_effects}
     known = [*catalogue().values(), *(effect_from_file(path) for path in options.own)]
     return tuple(effect for effect in known if effect.name not in taken)
 
@@ -150,23 +150,23 @@ def _cache(
     files: CompareFiles,
     preset: str,
     options: DiagnoseOptions,
-    subject: Subject,
+    inputs: ComparisonInputs,
     effects: Sequence[Effect],
     display: Display,
 ) -> SearchCache:
     """What was found so far, if it was by this version of updamp and from the same inputs."""
-    key = ResultKey(code_version(*SEARCH), _digest(files, preset, options, subject, effects))
+    key = ResultKey(code_version(*SEARCH), _digest(files, preset, options, inputs, effects))
     return SearchCache(files.out / "search", key, lambda sentence: display.note(_STAGE, sentence)).without_stale()
 
 
 def _digest(
-    files: CompareFiles, preset: str, options: DiagnoseOptions, subject: Subject, effects: Sequence[Effect]
+    files: CompareFiles, preset: str, options: DiagnoseOptions, inputs: ComparisonInputs, effects: Sequence[Effect]
 ) -> str:
     """Of all that the results depend on beside updamp itself. The rig file counts as it is read: what the files that it
     names hold counts too, comments do not."""
     code = [hashlib.sha256(path.read_bytes()).hexdigest() for path in options.own]
     code += [code_of(effect, None) for effect in effects]
-    data = [f"{name} {value}" for name, value in sorted((subject.measurement.hashes or {}).items())]
+    data = [f"{name} {value}" for name, value in sorted((inputs.measurement.hashes or {}).items())]
     rig = to_json(load_any(files.rig)).decode()
     decisive = replace(options, jobs=1, scheduler="", report=True, next_measurement=True, own=())
     return inputs_digest(rig, preset, repr(decisive), *code, *data, *(e.name for e in effects))
@@ -174,16 +174,16 @@ def _digest(
 
 def _baseline(
     cache: SearchCache,
-    subject: Subject,
+    inputs: ComparisonInputs,
     plan: Plan,
     options: DiagnoseOptions,
-    told: Callable[[str], None],
+    progress: Callable[[str], None],
     branches_of: Branches,
 ) -> Baseline:
     start: Baseline | None = cache.read("baseline")
     if start is None:
         held_out = held_out_runs(plan, options.held_out, options.held_out_modes)
-        start = baseline(subject.before_effects, subject.taken, plan, subject.finer, held_out, told, branches_of)
+        start = baseline(inputs.before_effects, inputs.rig_effects, plan, inputs.finer, held_out, progress, branches_of)
         cache.write("baseline", start)
     return start
 
@@ -218,7 +218,7 @@ def _wait_for_workers(client: Any, address: str) -> None:
         ) from error
 
 
-def _forces(found: Found, decision: Decision) -> tuple[MissingForce, ...]:
+def _forces(found: SearchResult, decision: Decision) -> tuple[MissingForce, ...]:
     if decision.outcome == "adequate":
         return ()
     fitted = found.baseline.fitted
@@ -227,49 +227,53 @@ def _forces(found: Found, decision: Decision) -> tuple[MissingForce, ...]:
 
 def _following(
     cache: SearchCache,
-    found: Found,
+    found: SearchResult,
     decision: Decision,
     options: DiagnoseOptions,
-    told: Callable[[str], None],
+    progress: Callable[[str], None],
     workers: Workers,
 ) -> tuple[NextMeasurement, ...]:
-    """The next measurements worth making, where explanations are left to be told apart."""
-    explanations = rivals(found, decision, options.criteria) if options.next_measurement else {}
+    """The next measurements worth making, where explanations are still to be separated."""
+    explanations = surviving_explanations(found, decision, options.criteria) if options.next_measurement else {}
     if not explanations:
         return ()
     name = f"next measurement {', '.join(explanations)}"
     proposed: tuple[NextMeasurement, ...] | None = cache.read(name)
     if proposed is None:
-        proposed = next_measurements(explanations, found.baseline.plan, told, _RUNS, workers)
+        proposed = next_measurements(explanations, found.baseline.plan, progress, _RUNS, workers)
         cache.write(name, proposed)
     return proposed
 
 
 def _report(
-    files: CompareFiles, subject: Subject, verdict: Verdict, told: Callable[[str], None], branches_of: Branches
+    files: CompareFiles,
+    inputs: ComparisonInputs,
+    verdict: Verdict,
+    progress: Callable[[str], None],
+    branches_of: Branches,
 ) -> None:
     comparison, _ = compare(
-        subject.before_effects,
-        subject.measurement,
-        subject.features,
+        inputs.before_effects,
+        inputs.measurement,
+        inputs.features,
         verdict.provenance,
         None,
-        told,
-        subject.finer,
-        subject.taken,
+        progress,
+        inputs.finer,
+        inputs.rig_effects,
         branches_of,
     )
     COMPARISON_JSON.write(files.comparison, comparison)
     write_report(comparison, files.report, pictures_of(files.out), verdict)
 
 
-def _telling(display: Display) -> Callable[[str], None]:
+def _progress_bar(display: Display) -> Callable[[str], None]:
     """How many fits there will be is not known: the bar tells what it is at."""
     share = 0.0
 
-    def told(step: str) -> None:
+    def progress(step: str) -> None:
         nonlocal share
         share += (1 - share) / 40
         display.update(_STAGE, share, step)
 
-    return told
+    return progress

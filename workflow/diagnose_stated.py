@@ -9,9 +9,14 @@ from rich.table import Table
 from updamp.comparison.findings.stated_values import RESONANCE, WITHOUT_DAMPER
 from updamp.diagnosis.stated.low_force_modes import LowForceModes, low_force_modes
 from updamp.diagnosis.stated.stated_explanations import Explanation, Explanations, LowForceProblem, explanations
-from updamp.diagnosis.stated.stated_predictions import MeasurableQuantity, StatedPrediction, predict, quantities
+from updamp.diagnosis.stated.stated_predictions import (
+    MeasurableQuantity,
+    StatedPrediction,
+    predict_quantities,
+    quantities,
+)
 from updamp.diagnosis.stated.stated_score import stated_score
-from updamp.diagnosis.stated.stated_verdict import reason_against, rivals, verdict_of
+from updamp.diagnosis.stated.stated_verdict import survivors_of, verdict_of, why_not_the_cause
 from updamp.diagnosis.verdict import Verdict
 from updamp.effects.chosen import ChosenEffect, with_effects
 from updamp.effects.effect import Effect
@@ -40,7 +45,7 @@ def diagnose_stated(
     component: str,
     features: Sequence[Feature],
     effects: Sequence[Effect],
-    taken: Sequence[ChosenEffect] = (),
+    rig_effects: Sequence[ChosenEffect] = (),
     provenance: Mapping[str, str] | None = None,
     progress: Progress = lambda _: None,
 ) -> StatedDiagnosis:
@@ -48,7 +53,7 @@ def diagnose_stated(
 
     raises: ValueError where no stated value is a resonance frequency at small force, or of a mode that is not known
     """
-    whole = with_effects(model, taken)
+    whole = with_effects(model, rig_effects)
     modes = low_force_modes(whole, windows, component)
     used = tuple(f for f in features if _at_small_force(f, whole, modes))
     if not used:
@@ -56,13 +61,13 @@ def diagnose_stated(
             f"none of the {len(features)} stated features is a resonance_frequency with a value, at a force at which "
             "the model's contacts stick: state one, or measure curves"
         )
-    problem = LowForceProblem(model, used, modes, tuple(taken))
+    problem = LowForceProblem(model, used, modes, tuple(rig_effects))
     found = explanations(problem, effects, progress)
     by_name = {e.name: e for e in effects}
     scored = {name: stated_score(problem, found.calibrated, by_name[name]) for name in found.helped}
     wanted = quantities(modes)
     progress("next measurement")
-    predictions = predict(rivals(found), modes, wanted)
+    predictions = predict_quantities(survivors_of(found), modes, wanted)
     verdict = verdict_of(problem, found, scored, effects, predictions, wanted, provenance or {})
     left_out = tuple(f for f in features if f not in used)
     return StatedDiagnosis(verdict, problem, found, predictions, wanted, left_out)
@@ -98,7 +103,7 @@ def explanation_table(diagnosis: StatedDiagnosis) -> Table:
     for feature in problem.features:
         shown.add_column(f"{feature.mode} {feature.value:g} Hz", justify="right")
     shown.add_column("met")
-    helped = [e for name, e in found.helped.items() if not reason_against(found, name)]
+    helped = [e for name, e in found.helped.items() if not why_not_the_cause(found, name)]
     pairs = [e for e in found.pairs if e.met]
     for e in (found.as_given, *found.single, found.calibrated, *found.alone.values(), *helped, *pairs):
         off = [f"{100 * (f / s - 1):+.2f} %" for f, s in zip(e.frequencies, problem.stated, strict=True)]
@@ -120,7 +125,7 @@ def prediction_table(diagnosis: StatedDiagnosis) -> Table:
     shown = Table(title="What they would do elsewhere", title_justify="left", header_style="bold")
     shown.add_column("measure", overflow="fold")
     for p in diagnosis.predictions:
-        shown.add_column(p.rival.name, justify="right", overflow="fold")
+        shown.add_column(p.survivor.name, justify="right", overflow="fold")
     for i, q in enumerate(diagnosis.wanted):
         shown.add_row(
             q.what, *(f"{p.value[i]:.4g} ± {p.deviation[i]:.1g} {q.unit}".strip() for p in diagnosis.predictions)

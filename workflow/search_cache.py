@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from updamp.diagnosis.candidate_models.attempts import Attempt, Bench, Done, Result, without_branches
 from updamp.diagnosis.candidate_models.baseline import Baseline
+from updamp.diagnosis.candidate_models.fit_tasks import FitRunner, FitTask, FittedCandidate, OnFitted, without_branches
 from updamp.diagnosis.criteria import Criteria
 from updamp.workflow.kept_results import Message, ResultKey, made_with, read_result, write_result
 
@@ -48,25 +48,25 @@ class SearchCache:
 
 
 @dataclass(frozen=True)
-class CachedAttempts:
-    """Refits of which those that are in the cache are not made again; what `bench` makes is written there."""
+class CachedFits:
+    """Refits of which those that are in the cache are not made again; what `runner` makes is written there."""
 
     cache: SearchCache
-    bench: Bench
+    runner: FitRunner
 
     def __call__(
-        self, start: Baseline, criteria: Criteria, attempts: Sequence[Attempt], done: Done
-    ) -> list[Result | None]:
+        self, start: Baseline, criteria: Criteria, tasks: Sequence[FitTask], done: OnFitted
+    ) -> list[FittedCandidate | None]:
         beside = "".join(f"{e.name}__" for e in start.fitted.parametrisation.effects)
-        known: list[Result | None] = [self.cache.read(beside + a.name) for a in attempts]
+        known: list[FittedCandidate | None] = [self.cache.read(beside + a.name) for a in tasks]
 
-        def kept(attempt: Attempt, result: Result | None) -> None:
+        def kept(task: FitTask, result: FittedCandidate | None) -> None:
             if result is not None:
-                self.cache.write(beside + attempt.name, result.with_fit(without_branches(result.refit.fitted)))
-            done(attempt, result)
+                self.cache.write(beside + task.name, result.with_fit(without_branches(result.refit.fitted)))
+            done(task, result)
 
         missing = [i for i, result in enumerate(known) if result is None]
-        made = self.bench(start, criteria, [attempts[i] for i in missing], kept)
+        made = self.runner(start, criteria, [tasks[i] for i in missing], kept)
         for i, result in zip(missing, made, strict=True):
             known[i] = result
         return known

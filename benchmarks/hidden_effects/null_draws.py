@@ -25,8 +25,9 @@ from updamp.benchmarks.virtual_rig.measurement import RIG, make_measurement
 from updamp.comparison.compare import damping_share
 from updamp.comparison.findings.all_findings import all_findings
 from updamp.comparison.findings.findings import lack_of_fit, misfits
-from updamp.comparison.fit.fit import Compared, compare_at, fit, predict
-from updamp.comparison.fit.numerical_gate import gated
+from updamp.comparison.fit.compared import Compared, compare_at, predict_branches
+from updamp.comparison.fit.fit import fit
+from updamp.comparison.fit.numerical_gate import apply_numerical_gate
 from updamp.comparison.fit.observations import Plan, plan_of
 from updamp.comparison.fit.scatter import Scatter, learn
 from updamp.comparison.prediction.moved_branch import move_branch
@@ -35,7 +36,7 @@ from updamp.comparison.prediction.predicted_branch import PredictedBranch, at_si
 from updamp.measurement.load import load_measurement
 from updamp.model.calibration import LOSS_FACTOR
 from updamp.workflow.code_version import SEARCH, code_version
-from updamp.workflow.compare_run import CompareFiles, subject_of
+from updamp.workflow.compare_run import CompareFiles, comparison_inputs
 from updamp.workflow.kept_results import ResultKey, inputs_digest, read_result, write_result
 from updamp.workflow.progress import Display
 
@@ -91,11 +92,11 @@ class Result:
 
 def prepare(measurement: Path, models: Path) -> Prepared:
     with Display() as display:
-        subject = subject_of(CompareFiles(RIG, measurement, models), FITTED, 1, display, FINER)
-    model, plan = subject.before_effects, plan_of(subject.measurement)
+        inputs = comparison_inputs(CompareFiles(RIG, measurement, models), FITTED, 1, display, FINER)
+    model, plan = inputs.before_effects, plan_of(inputs.measurement)
     wide = tuple(replace(c, window=_widened(c.window)) for c in plan.conditions)
     plan = replace(plan, conditions=wide)
-    return Prepared(*gated(model, subject.taken, plan, subject.finer))
+    return Prepared(*apply_numerical_gate(model, inputs.rig_effects, plan, inputs.finer))
 
 
 def _widened(window: tuple[float, float]) -> tuple[float, float]:
@@ -117,7 +118,7 @@ def compare_draw(draw: Draw, prepared: Path, key: ResultKey, results: Path) -> R
     truth = at_truth(parametrisation, plan, branches)
     fitted = fit(parametrisation, plan, np.zeros(len(parametrisation)), at_start=branches)
     loss_factor = parametrisation.names.index(LOSS_FACTOR.name)
-    after = predict(parametrisation, fitted.u, plan, fitted.compared.branches)
+    after = predict_branches(parametrisation, fitted.u, plan, fitted.compared.branches)
     after = tuple(at_sizes(branch, fitted.u) for branch in after)
     shares = [damping_share(b, loss_factor) for b in after]
     found = misfits(fitted, plan, shares)
@@ -184,7 +185,7 @@ class Summary:
 
     def _chi2(self) -> list[str]:
         rows = [
-            "| chi2 per degree of freedom | mean | lowest | highest | within 0.8-1.25 | noise factor |",
+            "| reduced chi-square | mean | lowest | highest | within 0.8-1.25 | noise factor |",
             "|---|---|---|---|---|---|",
         ]
         at_truth = [r["truth"] | {"values": r["values"], "parameters": ()} for r in self.results]

@@ -14,7 +14,7 @@ from updamp.comparison.compare import CalibrationResult, calibrate
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.measurement.measurement import Measurement
 from updamp.workflow.code_version import SEARCH, code_version
-from updamp.workflow.compare_run import CompareFiles, provenance_of, subject_of
+from updamp.workflow.compare_run import CompareFiles, comparison_inputs, provenance_of
 from updamp.workflow.kept_results import ResultKey, inputs_digest, read_result, write_result
 from updamp.workflow.progress import Display
 
@@ -41,10 +41,10 @@ def calibrated(case: Case, data: Layout, folder: Path, models: Path) -> Kept:
     started = time.perf_counter()
     files = CompareFiles(RIG, data.measurement(case.name), folder)
     with Display() as display:
-        subject = subject_of(files, FITTED, 1, display, FINER)
-    done = calibrate(subject.before_effects, subject.measurement, finer=subject.finer, taken=subject.taken)
+        inputs = comparison_inputs(files, FITTED, 1, display, FINER)
+    done = calibrate(inputs.before_effects, inputs.measurement, finer=inputs.finer, rig_effects=inputs.rig_effects)
     seconds = time.perf_counter() - started
-    kept = Kept(_slim(done), subject.measurement, provenance_of(files, subject, FITTED), seconds)
+    kept = Kept(_slim(done), inputs.measurement, provenance_of(files, inputs, FITTED), seconds)
     write_result(store, key, kept)
     return kept
 

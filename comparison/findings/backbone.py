@@ -6,13 +6,16 @@ follows a straight line (D. J. Ewins, Modal Testing, 2000, ch. 4). Where many co
 is near, it does not: what the phase tells is taken where the width at 1/sqrt(2) of the height tells the same.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.comparison import Backbone
+from updamp.comparison.curves import model_curve, receptance_of
+from updamp.comparison.fit.observations import Observations, Plan
+from updamp.comparison.prediction.predicted_branch import PredictedBranch
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -33,17 +36,17 @@ class Resonance:
     loss_factor: float
 
 
-def resonance(frequency: Floats, receptance: Complex, force: Floats) -> Resonance:
+def read_resonance(frequency: Floats, receptance: Complex, force: Floats) -> Resonance:
     """Of one sweep, in its own order. frequency: (n,) [Hz]; receptance: (n,) [m/N]; force: (n,) [N]"""
     size = np.abs(receptance)
     i = highest(size)
     top, at = summit(frequency, np.log(size), i)
     by_phase = _loss_factor(frequency, receptance, i, at)
-    widths = np.array([half_power(frequency, size, i, side) for side in (-1, 1)])
+    widths = np.array([half_power_frequency(frequency, size, i, side) for side in (-1, 1)])
     # both halves together, which another mode nearby makes unlike each other; a window narrower than them tells neither
     by_width = by_phase if np.isnan(widths).all() else 2 * float(np.mean(np.abs(widths - at))) / at
-    told = abs(np.log(by_phase / by_width)) < _LIKE_OSCILLATOR
-    return Resonance(at, float(np.exp(top)), float(np.exp(top) * force[i]), by_phase if told else float("nan"))
+    agree = abs(np.log(by_phase / by_width)) < _LIKE_OSCILLATOR
+    return Resonance(at, float(np.exp(top)), float(np.exp(top) * force[i]), by_phase if agree else float("nan"))
 
 
 def highest(size: Floats) -> int:
@@ -53,7 +56,7 @@ def highest(size: Floats) -> int:
     return int(tops[np.argmax(size[tops])]) if len(tops) else int(np.argmax(size))
 
 
-def half_power(f: Floats, size: Floats, i: int, side: int) -> float:
+def half_power_frequency(f: Floats, size: Floats, i: int, side: int) -> float:
     """Where the receptance has fallen to 1/sqrt(2) of its largest value, on one side of it in the order of the points;
     nan where it does not."""
     wanted, k = size[i] / np.sqrt(2), i
@@ -104,7 +107,7 @@ def _increasing(x: Floats, y: Floats) -> tuple[Floats, Floats]:
 
 def backbone(mode: str, channel: str, entries: Sequence[tuple[float, int, Floats, Complex, Floats]]) -> Backbone:
     """entries: (level, repeat, frequency, receptance, force) of each sweep"""
-    found = [(level, repeat, resonance(f, z, force)) for level, repeat, f, z, force in entries]
+    found = [(level, repeat, read_resonance(f, z, force)) for level, repeat, f, z, force in entries]
     return Backbone(
         mode,
         channel,
@@ -115,3 +118,54 @@ def backbone(mode: str, channel: str, entries: Sequence[tuple[float, int, Floats
         np.array([r.loss_factor for *_, r in found]),
         np.array([r.receptance for *_, r in found]),
     )
+
+
+def measured_backbones(plan: Plan, names: Mapping[str, str]) -> tuple[Backbone, ...]:
+    """One a mode and sensor, with an entry for every run. names: of the channels, by point of the model"""
+    return _backbones(
+        plan,
+        names,
+        lambda o, j: (
+            o.repeat,
+            o.frequency,
+            receptance_of(o.observed, o.log_force, plan.conditions[o.test].force, j),
+            plan.conditions[o.test].force * np.exp(o.log_force),
+        ),
+        plan.observations,
+    )
+
+
+def model_backbones(plan: Plan, names: Mapping[str, str], branches: Sequence[PredictedBranch]) -> tuple[Backbone, ...]:
+    """Likewise, with an entry for every condition. branches: one a condition"""
+    first = [next(o for o in plan.observations if o.test == i) for i in range(len(plan.conditions))]
+
+    def curve(o: Observations, sensor: int) -> tuple[int, Floats, Complex, Floats]:
+        whole = model_curve(branches[o.test], sensor)
+        # beyond the window that was measured the branch may climb to another mode's resonance
+        low, high = plan.conditions[o.test].window
+        measured = whole.visited & (whole.frequency >= low) & (whole.frequency <= high)
+        used = measured if measured.any() else whole.visited
+        f, z = whole.frequency[used], whole.receptance[used]
+        return 0, f, z, np.full(len(f), plan.conditions[o.test].force)
+
+    return _backbones(plan, names, curve, first)
+
+
+def _backbones(
+    plan: Plan,
+    names: Mapping[str, str],
+    curve: Callable[[Observations, int], tuple[int, Floats, Complex, Floats]],
+    runs: Sequence[Observations],
+) -> tuple[Backbone, ...]:
+    found = []
+    for mode in dict.fromkeys(c.mode for c in plan.conditions):
+        of_mode = [o for o in runs if plan.conditions[o.test].mode == mode]
+        sensors = [s for s in plan.conditions[of_mode[0].test].sensors if s[1] == 1]
+        for point, k in sensors:
+            entries = []
+            for o in of_mode:
+                condition = plan.conditions[o.test]
+                repeat, f, z, force = curve(o, condition.sensors.index((point, k)))
+                entries.append((condition.level, repeat, f, z, force))
+            found.append(backbone(mode, names[point], entries))
+    return tuple(found)

@@ -82,7 +82,7 @@ def misfits(fit: Fit, plan: Plan, damping_share: Sequence[float]) -> tuple[Misfi
     # the parameters stand at their best values: their own gradient is nil, but for the prior's
     estimate = covariance @ (both.T @ r - np.append(fit.u * before, np.zeros(len(sizes))))
     # with the noise that the misfit asks for, where it is larger (R. T. Birge, Phys. Rev. 40 (1932) 207)
-    covariance = covariance * max(1.0, fit.compared.excess)
+    covariance = covariance * max(1.0, fit.compared.reduced_chi2)
     n, found = p.shape[1], []
     for direction, combined in _statements(directions, damping_share):
         # a correction that the model needs upwards is a model that reads low
@@ -166,17 +166,17 @@ def findings(fit: Fit, plan: Plan, found: Sequence[Misfit]) -> tuple[Finding, ..
     """Sentences on the misfits that stand out; none where the model is adequate."""
     limit = float(norm.isf(_RISK / 2 / max(len(found), 1)))
     standing = [m for m in found if abs(m.significance) > limit]
-    said: list[Finding] = []
+    sentences: list[Finding] = []
     for quantity in (FREQUENCY, DAMPING):
         for mode in dict.fromkeys(c.mode for c in plan.conditions):
             of_mode = [m for m in found if m.direction.quantity == quantity and _mode(plan, m) == mode]
-            said += _of_mode(quantity, mode, of_mode, [m for m in standing if m in of_mode], plan)
-    said += [_of_amplitude(m) for m in standing if m.direction.quantity == AMPLITUDE]
-    said += [_of_sensor(m) for m in standing if m.direction.quantity == SENSOR]
-    said.sort(key=lambda f: -abs(f.significance))
-    if not said and lack_of_fit(fit) < _RISK:
-        said.append(_of_all(fit, plan))
-    return tuple(said)
+            sentences += _of_mode(quantity, mode, of_mode, [m for m in standing if m in of_mode], plan)
+    sentences += [_of_amplitude(m) for m in standing if m.direction.quantity == AMPLITUDE]
+    sentences += [_of_sensor(m) for m in standing if m.direction.quantity == SENSOR]
+    sentences.sort(key=lambda f: -abs(f.significance))
+    if not sentences and lack_of_fit(fit) < _RISK:
+        sentences.append(_of_all(fit, plan))
+    return tuple(sentences)
 
 
 def _mode(plan: Plan, misfit: Misfit) -> str:
@@ -230,14 +230,14 @@ def _of_sensor(misfit: Misfit) -> Finding:
 
 
 def _of_all(fit: Fit, plan: Plan) -> Finding:
-    share = fit.compared.excess
+    share = fit.compared.reduced_chi2
     errors = np.array([[m.observations.test, np.mean(m.residual**2)] for m in fit.compared.matched])
     of_test = {int(i): float(np.mean(errors[errors[:, 0] == i, 1])) for i in np.unique(errors[:, 0])}
     worst = max(of_test, key=lambda i: of_test[i])
     condition, size = plan.conditions[worst], float(np.sqrt(of_test[worst])) / fit.compared.scatter.noise
     text = (
         f"the curves differ in shape, most of all {condition.mode} at {level_of(plan, worst)} ({size:.1f} times the "
-        f"scatter): chi2 is {share:.2f} a value, with resonances, peaks and sensors right within the scatter"
+        f"scatter): the reduced chi-square is {share:.2f}, with resonances, peaks and sensors right within the scatter"
     )
     return Finding(text, condition.mode, condition.level, AMPLITUDE, "", float(np.sqrt(share) - 1), _deviations(fit))
 

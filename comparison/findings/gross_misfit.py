@@ -1,4 +1,4 @@
-"""What is said of a model without contacts, also where it fails grossly: its resonances against the measured ones, read
+"""Findings on a model without contacts, also where it fails grossly: its resonances against the measured ones, read
 off both in the same way.
 
 To first order, as misfits are estimated elsewhere, a resonance that is wrong by its own width is not described; and
@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from updamp.comparison.comparison import Backbone, Finding
 from updamp.comparison.findings.findings import DAMPING, FREQUENCY, Direction, Misfit, findings
-from updamp.comparison.fit.fit import Fit, fails_grossly
+from updamp.comparison.fit.compared import fails_grossly
+from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Plan
 from updamp.model.calibration import LOSS_FACTOR
 
@@ -36,7 +37,7 @@ def linear_findings(
         return findings(fit, plan, first_order)
     gains = [m for m in first_order if m.direction.quantity not in (FREQUENCY, DAMPING)]
     read = gross_misfits(fit, plan, measured, model)
-    return (*growth(fit, plan, measured, model), *findings(fit, plan, (*read, *gains)))
+    return (*damping_growth(fit, plan, measured, model), *findings(fit, plan, (*read, *gains)))
 
 
 def _too_large(fit: Fit, first_order: Sequence[Misfit]) -> bool:
@@ -66,7 +67,9 @@ def gross_misfits(fit: Fit, plan: Plan, measured: Sequence[Backbone], model: Seq
     return tuple(found)
 
 
-def growth(fit: Fit, plan: Plan, measured: Sequence[Backbone], model: Sequence[Backbone]) -> tuple[Finding, ...]:
+def damping_growth(
+    fit: Fit, plan: Plan, measured: Sequence[Backbone], model: Sequence[Backbone]
+) -> tuple[Finding, ...]:
     """A sentence for each mode whose damping changes with the level otherwise than the model's."""
     found = []
     for mode in dict.fromkeys(c.mode for c in plan.conditions):

@@ -139,10 +139,10 @@ def _of_damping(test: _Test, directions: Sequence[Direction], covariance: Floats
     made = test.damping[np.isfinite(test.logs).any(axis=1)]
     if not np.isfinite(made).all():
         return []
-    told = np.mean(made, axis=1)
+    by_phase = np.mean(made, axis=1)
     i = directions.index(next(d for d in test.directions if d.quantity == AMPLITUDE))
-    mean = float(np.mean(told))
-    significance = mean / max(float(np.sqrt(covariance[i, i])), _seen(told))
+    mean = float(np.mean(by_phase))
+    significance = mean / max(float(np.sqrt(covariance[i, i])), _seen(by_phase))
     return [PeakMisfit(Direction(DAMPING, directions[i].test), float(np.expm1(mean)), significance, abs(mean))]
 
 

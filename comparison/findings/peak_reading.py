@@ -1,4 +1,5 @@
-"""Tops read off measured runs and off the model in the same way: frequency, height, damping where it is told."""
+"""Tops read off measured runs and off the model in the same way: frequency, height, damping where the phase
+shows it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.findings.backbone import half_power, highest, resonance, summit
+from updamp.comparison.findings.backbone import half_power_frequency, highest, read_resonance, summit
 from updamp.comparison.fit.matching import by_drive
 from updamp.comparison.fit.observations import Observations
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
@@ -63,7 +64,7 @@ def _top_and_step(o: Observations, sensor: int) -> tuple[int, float]:
 
 
 def _loss_factor(frequency: Floats, log_receptance: Complex) -> float:
-    return resonance(frequency, np.exp(log_receptance), np.ones(len(frequency))).loss_factor
+    return read_resonance(frequency, np.exp(log_receptance), np.ones(len(frequency))).loss_factor
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +118,9 @@ class SeenBranch:
         is not seen."""
         frequency, size = np.exp(self.observed[:, 0]), np.exp(self.observed[:, 1 + 2 * sensor])
         i = self._highest(sensor, self.observed)
-        widths = np.abs(np.array([half_power(frequency, size, i, side) for side in (-1, 1)]) / frequency[i] - 1)
+        widths = np.abs(
+            np.array([half_power_frequency(frequency, size, i, side) for side in (-1, 1)]) / frequency[i] - 1
+        )
         widths = widths[widths > 0]
         low, high = self.branch.condition.window
         return float(np.mean(widths)) if len(widths) else 0.1 * float(np.log(high / low))

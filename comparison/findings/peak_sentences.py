@@ -1,7 +1,7 @@
 """Misfits of the peaks in words: one sentence for each mode and quantity, levels that agree taken together.
 
 Sentences come by how much of the misfit they account for, as sum of squares over the tests that they name, the largest
-first; that it stands out of the scatter is what lets them be said at all.
+first. What does not stand out of the scatter gets no sentence.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,7 +15,7 @@ from updamp.comparison.findings.findings import AMPLITUDE, DAMPING, FREQUENCY, S
 from updamp.comparison.findings.peak_misfit import PeakMisfit
 from updamp.comparison.fit.observations import Plan
 
-# Share of the mean by which levels may differ that are said together.
+# Share of the mean by which levels may differ that share a sentence.
 _ALIKE = 1 / 3
 # Share of a mode's largest misfit below which a level counts as right.
 _RIGHT = 0.25
@@ -40,7 +40,7 @@ def peak_findings(
     damping = {m.direction.test: m for m in misfits if m.direction.quantity == DAMPING}
     # each is held against the scatter in two ways, to two sides
     limit = float(norm.isf(risk / 4 / max(len(read), 1)))
-    said: list[_Sentence] = []
+    sentences: list[_Sentence] = []
     for key in dict.fromkeys((m.direction.quantity, m.direction.sensor) for m in read):
         same = [m for m in read if (m.direction.quantity, m.direction.sensor) == key]
         modes = dict.fromkeys(plan.conditions[m.direction.test].mode for m in same)
@@ -48,20 +48,20 @@ def peak_findings(
         if key[0] != FREQUENCY and len(modes) > 1 and _are_alike(same):
             groups = [same]
         for group in groups:
-            said += _of_group(group, limit, plan, names, damping)
-    said.sort(key=lambda s: -s.severity)
-    return tuple(s.finding for s in said)
+            sentences += _of_group(group, limit, plan, names, damping)
+    sentences.sort(key=lambda s: -s.severity)
+    return tuple(s.finding for s in sentences)
 
 
 def without_peak_findings(tests: Sequence[int], plan: Plan) -> tuple[Finding, ...]:
     """A sentence for each mode that has conditions (places in the plan) at which the model has no peak to read."""
-    said = []
+    sentences = []
     for mode in dict.fromkeys(plan.conditions[i].mode for i in tests):
         levels = [level_of(plan, i) for i in tests if plan.conditions[i].mode == mode]
         text = f"{mode}: the model has no peak where it was measured, at {_listed(levels)}"
         level = next(plan.conditions[i].level for i in tests if plan.conditions[i].mode == mode)
-        said.append(Finding(text, mode, level, FREQUENCY, "", float("nan"), float("nan")))
-    return tuple(said)
+        sentences.append(Finding(text, mode, level, FREQUENCY, "", float("nan"), float("nan")))
+    return tuple(sentences)
 
 
 def _are_alike(group: Sequence[PeakMisfit]) -> bool:
@@ -128,16 +128,16 @@ def _span(group: Sequence[PeakMisfit]) -> str:
 
 def _aside(named: Sequence[PeakMisfit], damping: Mapping[int, PeakMisfit], plan: Plan) -> str:
     """What the phase tells of the damping at these peaks, where it does: whether the losses are to blame."""
-    told = [(m, damping[m.direction.test]) for m in named if m.direction.test in damping]
-    if not told:
+    known = [(m, damping[m.direction.test]) for m in named if m.direction.test in damping]
+    if not known:
         return ""
-    sizes = np.array([d.severity for _, d in told])
-    opposite = all(d.relative * m.relative < 0 for m, d in told)
-    where = "" if len(told) == len(named) else f" at {_listed([_name(plan, m) for m, _ in told])}"
+    sizes = np.array([d.severity for _, d in known])
+    opposite = all(d.relative * m.relative < 0 for m, d in known)
+    where = "" if len(known) == len(named) else f" at {_listed([_name(plan, m) for m, _ in known])}"
     if opposite and np.all(sizes > _LOSSES):
-        return f" (damping {_span([d for _, d in told])}{where})"
-    small = np.array([d.severity < max(_NO_LOSSES, _RIGHT * m.severity) for m, d in told])
-    return f" (damping right{where})" if small.all() and min(m.severity for m, _ in told) > 2 * _NO_LOSSES else ""
+        return f" (damping {_span([d for _, d in known])}{where})"
+    small = np.array([d.severity < max(_NO_LOSSES, _RIGHT * m.severity) for m, d in known])
+    return f" (damping right{where})" if small.all() and min(m.severity for m, _ in known) > 2 * _NO_LOSSES else ""
 
 
 def _name(plan: Plan, misfit: PeakMisfit) -> str:

@@ -12,7 +12,6 @@ RESONANCE, SHIFT = "resonance_frequency", "resonance_frequency_shift"
 Resonances = Callable[[str, float], float]
 # Of a stated value that the model misses: this many standard deviations count.
 _LIMIT = 3.0
-
 # In the name of a mode: the excited blade by itself.
 WITHOUT_DAMPER = "without damper"
 

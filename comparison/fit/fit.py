@@ -5,30 +5,31 @@ parameters about where they were solved, while parameters, the offsets of each a
 outside, the branches are solved anew, the same for all assemblies.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from updamp.comparison.fit.matching import Matched, match
-from updamp.comparison.fit.observations import Observations, Plan
-from updamp.comparison.fit.scatter import (
-    Assembly,
-    Offsets,
-    Scatter,
-    assembly,
-    learn,
-    offsets_of,
-    split,
-    whitened,
-    within_reach,
+from updamp.comparison.fit.compared import (
+    Compared,
+    compare_at,
+    fails_grossly,
+    noise_inflation,
+    objective,
+    predict_branches,
+    reweighed,
+    with_inflated_noise,
 )
-from updamp.comparison.prediction.branch_tasks import Branches, BranchTask, in_turn
+from updamp.comparison.fit.observations import Plan
+from updamp.comparison.fit.scatter import (
+    Scatter,
+    learn,
+)
+from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
-from updamp.hbm.continuation.continuation import ContinuationOptions
 
 Floats = NDArray[np.float64]
 Progress = Callable[[str], None]
@@ -40,12 +41,6 @@ _DIGITS = 1e-5
 _LINEAR = 0.2
 # Scatter of the parameters of a single assembly, as a share of what they are expected to scatter by.
 _ALONE = 1e-3
-# chi2 a value from where on the model fails grossly: by ten times the scatter on average.
-GROSS = 100.0
-# chi2 a value up to which a misfit is weighed as it is; beyond it a model fails badly.
-TOLERATED = 3.0
-# Points along a curve that count as one for what a model lacks: its misfit there is the same.
-AS_MANY = 10.0
 
 
 @dataclass(frozen=True)
@@ -58,38 +53,6 @@ class FitOptions:
     rounds: int = 12
     largest_step: float = 0.5
     tolerance: float = 4.0
-
-
-@dataclass(frozen=True, eq=False)
-class Compared:
-    """The model at u against all runs, the scatter given.
-
-    branches: one a condition; matched: one a run; assemblies: one a repeat; offsets: by repeat
-    chi2: with the offsets' share
-    values: number of real values compared
-    """
-
-    u: Floats
-    branches: tuple[PredictedBranch, ...]
-    matched: tuple[Matched, ...]
-    assemblies: tuple[Assembly, ...]
-    offsets: Mapping[int, Offsets]
-    scatter: Scatter
-    chi2: float
-
-    @property
-    def values(self) -> int:
-        return sum(len(a.residual) for a in self.assemblies)
-
-    @property
-    def excess(self) -> float:
-        """chi2 a value"""
-        return self.chi2 / self.values
-
-    def equations(self) -> tuple[Floats, Floats]:
-        """Whitened residual (n,) and its derivative by the parameters (n, p), negative: residual = columns du."""
-        pairs = [whitened(a, self.scatter) for a in self.assemblies]
-        return np.concatenate([r for r, _ in pairs]), np.concatenate([c for _, c in pairs])
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +71,7 @@ class Fit:
 
     @property
     def deviations(self) -> Floats:
-        """(p,) as the data tell u, the numerical error told by them too"""
+        """(p,) standard deviations of u, with the numerical error estimated from the data too"""
         return np.sqrt(np.diag(self.covariance))
 
     @property
@@ -125,99 +88,6 @@ class Fit:
         """(p,) deviations of u with those that finer numerics may move it by, counted once: what intervals are made
         of"""
         return np.hypot(self.given_numerics, self.parametrisation.numerics.uncertainty(len(self.u)))
-
-
-def predict(
-    parametrisation: Parametrisation,
-    u: Floats,
-    plan: Plan,
-    near: Sequence[PredictedBranch] | None = None,
-    branches_of: Branches = in_turn,
-    options: ContinuationOptions | None = None,
-) -> tuple[PredictedBranch, ...]:
-    """Branches of all conditions at u: moved from `near` ones where that works, else traced.
-
-    options: of the continuation, that `near` ones have been traced with
-
-    raises: BranchStoppedError where a branch has no beginning
-    """
-    starts = near if near is not None else [None] * len(plan.conditions)
-    return branches_of(
-        [BranchTask(parametrisation, u, c, start, options) for c, start in zip(plan.conditions, starts, strict=True)]
-    )
-
-
-def compare_at(
-    parametrisation: Parametrisation,
-    u: Floats,
-    plan: Plan,
-    branches: Sequence[PredictedBranch],
-    scatter: Scatter,
-    start: Mapping[int, Offsets] | None = None,
-    spread: Floats | None = None,
-    rounds: int = 3,
-) -> Compared:
-    """Match every run at u, to first order from the branches, with the offsets of its assembly found along the way.
-
-    start: offsets to begin with, by repeat; spread: (p,) for the first round, later ones use the scatter
-    """
-    n = len(parametrisation.nuisances)
-    of_scatter = _padded(np.array([scatter.parameters[x.name] for x in parametrisation.nuisances]), len(u))
-    parts = []
-    for repeat in plan.repeats:
-        runs = [o for o in plan.observations if o.repeat == repeat]
-        offsets = (start or {}).get(repeat, Offsets(np.zeros(n), {}, {}))
-        misfit = 1.0
-        first = of_scatter if spread is None else np.maximum(spread, of_scatter)
-        for i in range(rounds):
-            width = first if i == 0 else of_scatter
-            matched, equations = _assembled(parametrisation, u, plan, runs, branches, offsets, width, misfit)
-            b, chi2 = offsets_of(equations, scatter)
-            if fails_grossly(parametrisation, chi2, len(equations.residual)):
-                misfit = scatter.noise * float(np.sqrt(chi2 / len(equations.residual)))
-                b = within_reach(b, equations, scatter)
-            offsets = split(b, matched, [plan.conditions[o.test].sensors for o in runs], n)
-        parts.append((matched, equations, offsets, chi2))
-    return Compared(
-        u,
-        tuple(branches),
-        tuple(m for matched, *_ in parts for m in matched),
-        tuple(part[1] for part in parts),
-        dict(zip(plan.repeats, (part[2] for part in parts), strict=True)),
-        scatter,
-        sum(part[3] for part in parts),
-    )
-
-
-def fails_grossly(parametrisation: Parametrisation, chi2: float, values: int) -> bool:
-    """Whether a model without contacts is off by ten times the scatter on average. One with contacts has other
-    damping than the material's to calibrate, and is only that far off before it is calibrated."""
-    return parametrisation.base.contacts is None and chi2 > GROSS * values
-
-
-def _assembled(
-    parametrisation: Parametrisation,
-    u: Floats,
-    plan: Plan,
-    runs: Sequence[Observations],
-    branches: Sequence[PredictedBranch],
-    offsets: Offsets,
-    spread: Floats,
-    misfit: float,
-) -> tuple[list[Matched], Assembly]:
-    """One repeat with its offsets given."""
-    sensors = [plan.conditions[o.test].sensors for o in runs]
-    there = u + _padded(offsets.parameters, len(u))
-    matched = [
-        match(branches[o.test], o, there, spread, offsets.correction(o.run, s), misfit)
-        for o, s in zip(runs, sensors, strict=True)
-    ]
-    names = tuple(x.name for x in parametrisation.nuisances)
-    return matched, assembly(runs[0].repeat, matched, sensors, names, offsets)
-
-
-def _padded(values: Floats, length: int) -> Floats:
-    return np.append(values, np.zeros(length - len(values)))
 
 
 def fit(
@@ -237,10 +107,12 @@ def fit(
     raises: BranchStoppedError where the model has no response to compare at the start
     """
     options = options or FitOptions()
-    # the only assembly is what the parameters are fitted to: its offsets from others cannot be told from them
+    # the only assembly is what the parameters are fitted to: its offsets from others cannot be separated from them
     share = 1.0 if len(plan.repeats) > 1 else _ALONE
     prior = Scatter({n.name: share * n.scatter for n in parametrisation.nuisances})
-    common = tuple(at_start) if at_start is not None else predict(parametrisation, start, plan, None, branches_of)
+    common = (
+        tuple(at_start) if at_start is not None else predict_branches(parametrisation, start, plan, None, branches_of)
+    )
     spread = np.where(np.isfinite(parametrisation.deviation), parametrisation.deviation, 0.0)
     best = compare_at(parametrisation, start, plan, common, scatter or prior, None, spread)
     reach, message = options.largest_step, f"not settled in {options.rounds} rounds"
@@ -251,14 +123,16 @@ def fit(
         if now - objective(parametrisation, ahead) < max(options.tolerance, _DIGITS * now):
             # what is still to be gained is, to first order: two standard deviations at most, no need for solving anew
             return _result(parametrisation, _weighed(parametrisation, plan, ahead, scatter, prior), True, "settled")
-        common = predict(parametrisation, ahead.u, plan, best.branches, branches_of)
+        common = predict_branches(parametrisation, ahead.u, plan, best.branches, branches_of)
         solved = compare_at(parametrisation, ahead.u, plan, common, ahead.scatter, ahead.offsets)
-        progress(f"error {np.sqrt(here.excess):.2f} to {np.sqrt(solved.excess):.2f} times the scatter allowed")
+        progress(
+            f"error {np.sqrt(here.reduced_chi2):.2f} to {np.sqrt(solved.reduced_chi2):.2f} times the scatter allowed"
+        )
         gross = fails_grossly(parametrisation, here.chi2, here.values)
         if objective(parametrisation, solved) - now > (_DIGITS if gross else _ROUGH) * here.chi2:
             reach /= 3
             if reach < 0.01 * options.largest_step:
-                message = "no step lowers chi2 any more"
+                message = "no step lowers chi-square any more"
                 break
             continue
         best, reach = solved, min(1.5 * reach, options.largest_step)
@@ -278,39 +152,18 @@ def fit_linear(
 def _round(
     parametrisation: Parametrisation, plan: Plan, best: Compared, scatter: Scatter | None, prior: Scatter, reach: float
 ) -> Compared:
-    """One round, weighed by noise as loose as the model fails."""
+    """One round, weighed by noise inflated as far as the model fails."""
     given = scatter or replace(best.scatter, noise=prior.noise)
-    loose = looseness(parametrisation, reweighed(parametrisation, plan, best, given))
-    about = best if loose == 1 else reweighed(parametrisation, plan, best, loosened(given, loose))
-    return _fit_linear(parametrisation, plan, about, scatter, loosened(prior, loose), reach)
-
-
-def looseness(parametrisation: Parametrisation, compared: Compared) -> float:
-    """Factor on the noise where a model fails.
-
-    What is missing in a model is wrong all along a curve in the same way. Weighed as if every point told it anew, a
-    large misfit would outweigh whatever is known of the parameters, and they would go wherever they lessen it a little.
-    """
-    if parametrisation.base.contacts is None:
-        return 1.0
-    return max(1.0, min(compared.excess / TOLERATED, float(np.sqrt(AS_MANY * compared.excess))))
-
-
-def loosened(scatter: Scatter, factor: float) -> Scatter:
-    """With so many times the noise."""
-    return replace(scatter, noise=factor * scatter.noise)
+    inflation = noise_inflation(parametrisation, reweighed(parametrisation, plan, best, given))
+    about = best if inflation == 1 else reweighed(parametrisation, plan, best, with_inflated_noise(given, inflation))
+    return _fit_linear(parametrisation, plan, about, scatter, with_inflated_noise(prior, inflation), reach)
 
 
 def _weighed(
     parametrisation: Parametrisation, plan: Plan, found: Compared, scatter: Scatter | None, prior: Scatter
 ) -> Compared:
-    """By the scatter that is given, or learnt, whatever it was loosened to on the way."""
+    """By the scatter that is given, or learnt, whatever it was on the way."""
     return reweighed(parametrisation, plan, found, scatter or learn(found.assemblies, prior))
-
-
-def reweighed(parametrisation: Parametrisation, plan: Plan, compared: Compared, scatter: Scatter) -> Compared:
-    """The same comparison weighed with another scatter."""
-    return compare_at(parametrisation, compared.u, plan, compared.branches, scatter, compared.offsets)
 
 
 def _fit_linear(
@@ -370,24 +223,11 @@ class _Equations:
         return np.vstack([-self.at(u).equations()[1], np.diag(1 / self._parametrisation.deviation)])
 
 
-def misfit(parametrisation: Parametrisation, compared: Compared) -> float:
-    """Minus twice the logarithm of the posterior probability, the best noise of the sensors' and more taken: what
-    models that fail are compared by. For one that does not it is chi2 with the priors' share."""
-    excess, n = compared.excess, compared.values
-    of_data = n * excess if excess < 1 else n * (1 + float(np.log(excess)))
-    return of_data + float(np.sum((compared.u / parametrisation.deviation) ** 2))
-
-
-def objective(parametrisation: Parametrisation, compared: Compared) -> float:
-    """What a fit lowers: chi2 and the priors' share."""
-    return compared.chi2 + float(np.sum((compared.u / parametrisation.deviation) ** 2))
-
-
 def _covariance(parametrisation: Parametrisation, compared: Compared) -> Floats:
     _, columns = compared.equations()
     # where the model fails grossly, with the noise that its misfit asks for (R. T. Birge, Phys. Rev. 40 (1932) 207)
     if fails_grossly(parametrisation, compared.chi2, compared.values):
-        columns = columns / np.sqrt(compared.excess)
+        columns = columns / np.sqrt(compared.reduced_chi2)
     information = columns.T @ columns + np.diag(1 / parametrisation.deviation**2)
     return np.asarray(np.linalg.pinv(information), dtype=np.float64)
 

@@ -1,4 +1,9 @@
-"""The first question to a misfit: would finer numerics make it go away?"""
+"""The numerical gate, the first question to a misfit: would finer numerics make it go away?
+
+The model is solved with more harmonics and time samples, and on finer meshes. What that changes is added to the model,
+its uncertainty enters the fit as patterns (`numerical_error.py`). After a fit the same patterns say how far
+the parameters may have been moved by numerical error.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -6,11 +11,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.fit.fit import Fit, predict
+from updamp.comparison.fit.compared import predict_branches
+from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.matching import across
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.branch_tasks import Branches, BranchTask, in_turn
-from updamp.comparison.prediction.numerical_error import UNSURE, NumericalError, difference, jaggedness
+from updamp.comparison.prediction.numerical_error import UNSURE, NumericalError, branch_difference, jaggedness
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.comparison.prediction.run_condition import RunCondition
@@ -44,9 +50,9 @@ def finer_than(model: RigModel, finer: Mapping[str, RigModel]) -> dict[str, RigM
     return {"harmonics": with_finer_harmonics(model), **finer}
 
 
-def gated(
+def apply_numerical_gate(
     model: RigModel,
-    taken: Sequence[ChosenEffect],
+    rig_effects: Sequence[ChosenEffect],
     plan: Plan,
     finer: Mapping[str, RigModel],
     progress: Callable[[str], None] = lambda _: None,
@@ -55,14 +61,14 @@ def gated(
     """The nuisance parameters of a model with its numerical error, and its branches at their nominal values, one a
     condition and without that error.
 
-    taken: effects of the rig file, which neither model has yet; finer: name -> model with finer numerics; that of more
-        harmonics and time samples is made here
+    rig_effects: effects of the rig file, which neither model has yet
+    finer: name -> model with finer numerics; that of more harmonics and time samples is made here
     raises: BranchStoppedError where a model has no response at the beginning of a run
     """
-    parametrisation = Parametrisation(model, nuisances(model), taken=tuple(taken))
+    parametrisation = Parametrisation(model, nuisances(model), rig_effects=tuple(rig_effects))
     nominal = np.zeros(len(parametrisation))
     progress("prediction")
-    branches = predict(parametrisation, nominal, plan, None, branches_of)
+    branches = predict_branches(parametrisation, nominal, plan, None, branches_of)
     progress("numerical error")
     models = finer_than(model, finer)
     return with_numerical_error(parametrisation, nominal, plan, branches, models, branches_of), branches
@@ -131,7 +137,7 @@ def _with_patterns(
 ) -> Parametrisation:
     """finer: finer model's name -> condition's name -> its branch, where it differs"""
     conditions = {c.name: c for c in plan.conditions}
-    coarse = {b.condition.name: unwrapped(b.observed.value) for b in branches}
+    coarse = {b.condition.name: with_unwrapped_phases(b.observed.value) for b in branches}
     expected = {c: np.zeros_like(observed) for c, observed in coarse.items()}
     modes = tuple(dict.fromkeys(c.mode for c in plan.conditions))
     names: list[str] = []
@@ -184,7 +190,7 @@ def change_of_branch(
 
 def _change(observed: Floats, traced: PredictedBranch, condition: RunCondition) -> Floats:
     """(n, m) of the observations (n, m) along a branch, by those of another one that was traced further."""
-    return difference(observed, _densely(traced), condition.wider)
+    return branch_difference(observed, _densely(traced), condition.wider)
 
 
 def _beyond_calibration(
@@ -216,17 +222,16 @@ def _wider(condition: RunCondition) -> RunCondition:
 
 
 def _densely(branch: PredictedBranch) -> Floats:
-    return unwrapped(branch.at(np.linspace(branch.place[0], branch.place[-1], _DENSELY * len(branch.place))).value)
+    return with_unwrapped_phases(
+        branch.at(np.linspace(branch.place[0], branch.place[-1], _DENSELY * len(branch.place))).value
+    )
 
 
-def unwrapped(observed: Floats) -> Floats:
+def with_unwrapped_phases(observed: Floats) -> Floats:
     """Observations (n, m) along a branch with phases that do not jump."""
     smooth = observed.copy()
     smooth[:, 2::2] = np.unwrap(smooth[:, 2::2], axis=0)
     return smooth
-
-
-# How far the error of the numerics may have moved the parameters of a finished fit.
 
 
 def moved_by_numerics(fitted: Fit) -> Floats:

@@ -139,11 +139,11 @@ def learn(assemblies: Sequence[Assembly], prior: Scatter) -> Scatter:
         pairs = zip(assemblies, products, strict=True)
         parts = [p.reduced(a.deviations(scatter), scatter.noise) for a, p in pairs]
         chi2, right, information, log_determinant = (sum(column) for column in zip(*parts, strict=True))
-        # directions that these data do not tell are left alone
+        # directions that these data say nothing of are left alone
         values, vectors = np.linalg.eigh(information)
-        told = values > 1e-8 * values[-1]
-        free = (vectors[:, told].T @ right) ** 2 / values[told]
-        return float(z @ z + chi2 - free.sum() + log_determinant + np.log(values[told]).sum())
+        informed = values > 1e-8 * values[-1]
+        free = (vectors[:, informed].T @ right) ** 2 / values[informed]
+        return float(z @ z + chi2 - free.sum() + log_determinant + np.log(values[informed]).sum())
 
     found = minimize(unlikely, np.zeros(len(names)), method="L-BFGS-B", bounds=[(-_FURTHEST, _FURTHEST)] * len(names))
     return Scatter.of(dict(zip(names, np.exp(start + sizes * found.x).tolist(), strict=True)))

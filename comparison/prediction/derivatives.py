@@ -65,7 +65,7 @@ class Derivatives:
 
 @dataclass(frozen=True, eq=False)
 class Moves:
-    """How observed motion and relative displacements move, at held frequency and force unless said otherwise.
+    """How observed motion and relative displacements move, at held frequency and force unless stated otherwise.
 
     value: (n_rows, n_coefficients) observed motion [m]
     dy: (n_rows, n_coefficients, n + 3) of the observed motion: by the n parameters, by the logarithm of the force, by

@@ -130,7 +130,7 @@ def _covering(
         found = list(points)
         for _ in range(2):
             if not outside(found[-1]):
-                # the walk does not look at the direction: the points before tell it
+                # the direction follows from the points before
                 found += continue_branch(system, excitation, condition.wider, steps, resume_from=found)
             found = _turned(_trimmed(found, condition))
     except BranchStoppedError:

@@ -6,7 +6,7 @@ uncertainty enters the fit as patterns of size 0 with standard deviation 1, so t
 nothing: one pattern for the whole difference and, of what calibration cannot make up for, one a mode and one a test.
 
 Where contacts begin to slip one after the other the response is jagged, by how many of them there are, and so is the
-difference. Nothing is said of where the teeth really are: their size is added to the noise of the sensors there.
+difference. Where the teeth really are is not known: their size is added to the noise of the sensors there.
 """
 
 from collections.abc import Mapping
@@ -92,7 +92,7 @@ def most_similar(observed: Floats, along: Floats, window: tuple[float, float]) -
     return found
 
 
-def difference(coarse: Floats, finer: Floats, window: tuple[float, float]) -> Floats:
+def branch_difference(coarse: Floats, finer: Floats, window: tuple[float, float]) -> Floats:
     """(n, m) of every point of the coarse branch from the most similar place of the finer one, to be added to it."""
     return to_nearest_turn(_between(most_similar(coarse, finer, window), finer) - coarse)
 

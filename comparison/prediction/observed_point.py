@@ -1,7 +1,8 @@
-"""Solved points of a branch without their matrices, which are 1 to 5 MB each, and with them again.
+"""Solved points of a branch as the sensors see them, without the matrices of the point, and with these again.
 
-A branch in a fit is compared with runs, moved and kept; only what differentiates it by something new, or puts measured
-motion into its equations, needs the matrices, and then one evaluation a point makes them.
+An interpolated branch is made of `ObservedPoint`s: what the sensors show, and its derivatives. Matrices are 1 to 5 MB a
+point. A branch in a fit is compared with runs, moved and kept; only what differentiates it by something new, or puts
+measured motion into its equations, needs the matrices, and then one evaluation a point makes them.
 """
 
 from collections.abc import Sequence
@@ -21,6 +22,7 @@ from updamp.hbm.continuation.branch import BranchPoint
 from updamp.hbm.newton.equation import evaluate
 from updamp.hbm.problem.system import Excitation
 
+Floats = NDArray[np.float64]
 _NOTHING: Any = None
 
 
@@ -38,11 +40,6 @@ def with_matrices(model: RigModel, condition: RunCondition, points: Sequence[Bra
         equation = evaluate(model.system, model.excited_by(force_at(point, condition)), point.x, point.w)
         found.append(replace(point, solution=replace(point.solution, equation=equation)))
     return tuple(found)
-
-
-# A solved point as the sensors see it: what an interpolated branch is made of, without the matrices of the point.
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +73,10 @@ def turned_round(points: Sequence[ObservedPoint]) -> list[ObservedPoint]:
 
 @dataclass(frozen=True, eq=False)
 class Observer:
-    """further: changes by parameters that the model does not have yet, after its own"""
+    """What the sensors of a run show at a solved point.
+
+    further: changes by parameters that the model does not have yet, after its own
+    """
 
     there: ModelAt
     condition: RunCondition

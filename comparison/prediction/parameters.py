@@ -24,16 +24,16 @@ class Parametrisation:
     one for each parameter of each effect, scaled: 0 at its null value, 1 at its typical one; then one for each pattern
     of numerical error, which does not change the model but what is observed of it.
 
-    taken: effects with fixed values, those of the rig file; `base` is the model before them. They are applied after the
-        nuisance parameters, as all effects are, so that a fit finds the same whether an effect's values are free or
-        have been taken up.
+    rig_effects: effects of the rig file, with the values stated there; `base` is the model before them. They are
+        applied after the nuisance parameters, as all effects are, so that a fit finds the same whether an effect's
+        values are free or stated.
     """
 
     base: RigModel
     nuisances: tuple[Nuisance, ...]
     effects: tuple[Effect, ...] = ()
     numerics: NumericalError = field(default_factory=NumericalError)
-    taken: tuple[ChosenEffect, ...] = ()
+    rig_effects: tuple[ChosenEffect, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -104,7 +104,7 @@ class Parametrisation:
         for nuisance, log_factor in zip(self.nuisances, u, strict=False):
             if log_factor != 0:
                 model = nuisance.apply(model, float(np.exp(log_factor)))
-        model = with_effects(model, self.taken)
+        model = with_effects(model, self.rig_effects)
         values = self.values(u)
         for effect in self.effects:
             model = effect.apply(model, values[effect.name])

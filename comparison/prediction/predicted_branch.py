@@ -2,7 +2,8 @@
 
 Observed at every place along the branch: the logarithm of the frequency, then for every sensor and harmonic the
 logarithm of the amplitude and the phase. Along the branch these are smooth where the response at a fixed frequency is
-not, at turning points, and where it changes by multiples, at resonance.
+not, at turning points, and where it changes by multiples, at resonance. The patterns of numerical error join the
+parameters (`with_patterns`); after a fit they are given the sizes that it has found (`at_sizes`).
 """
 
 from collections.abc import Iterable, Sequence
@@ -20,7 +21,7 @@ from updamp.comparison.prediction.numerical_error import NumericalError
 from updamp.comparison.prediction.observed_point import ObservedPoint, Observer, light
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.run_condition import RunCondition
-from updamp.comparison.prediction.swept_points import OtherEnd, swept_points
+from updamp.comparison.prediction.swept_points import BranchFromFarEnd, swept_points
 from updamp.hbm.continuation.branch import BranchPoint
 from updamp.hbm.continuation.continuation import ContinuationOptions, continue_branch
 from updamp.hbm.continuation.sweeps import sweep
@@ -136,11 +137,11 @@ def trace_branch(
     system, excitation = there.model.system, there.model.excited_by(condition.force)
     low, high = condition.wider
 
-    def walk(upwards: bool) -> Iterable[BranchPoint]:
+    def follow(upwards: bool) -> Iterable[BranchPoint]:
         return continue_branch(system, excitation, (low, high), options, upwards)
 
-    other_end = OtherEnd(lambda: walk(not condition.upwards), 2 * np.pi * (high - low))
-    return observe_swept(there, condition, walk(condition.upwards), other_end=other_end)
+    far_end = BranchFromFarEnd(lambda: follow(not condition.upwards), 2 * np.pi * (high - low))
+    return observe_swept(there, condition, follow(condition.upwards), far_end=far_end)
 
 
 def observe_swept(
@@ -148,15 +149,15 @@ def observe_swept(
     condition: RunCondition,
     points: Iterable[BranchPoint],
     stopped: str = "",
-    other_end: OtherEnd | None = None,
+    far_end: BranchFromFarEnd | None = None,
 ) -> PredictedBranch:
     """What a sweep sees of solved points, with margins.
 
-    stopped: why they end inside the window, if known beforehand; other_end: where to look for what a sweep jumps to
+    stopped: why they end inside the window, if known beforehand; far_end: where to look for what a sweep jumps to
 
     raises: BranchStoppedError where the points end with it before there are enough of them
     """
-    seen, reason = swept_points(points, condition.upwards, Observer(there, condition), other_end)
+    seen, reason = swept_points(points, condition.upwards, Observer(there, condition), far_end)
     return _of_observed(there, condition, seen, stopped or reason)
 
 
@@ -273,9 +274,6 @@ def _length(change: Floats, state: Floats, condition: RunCondition) -> Floats:
     of_frequency = np.pi * change[:, 0] / np.log(condition.wider[1] / condition.wider[0])
     of_amplitude = np.linalg.norm(change[:, 1:], axis=1) / np.linalg.norm(state[:, 1:], axis=1)
     return np.asarray(np.hypot(of_frequency, of_amplitude))
-
-
-# Branches of a finished fit: with the sizes that it has found for the patterns of numerical error.
 
 
 def at_sizes(branch: PredictedBranch, u: Floats) -> PredictedBranch:

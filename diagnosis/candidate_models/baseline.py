@@ -1,4 +1,10 @@
-"""Where the search starts: the model without further effects, calibrated to some runs, others kept for judging."""
+"""Where model selection starts: the model without further effects, calibrated to some runs, others held out.
+
+What a finer mesh would change is found for the model without effects. An effect may have a numerical error of its own:
+where it lets the contacts at the ends of a face slip early, how many elements there are at the ends decides how early.
+So a fit that explains most of a misfit, and still leaves more than the scatter, passes the numerical gate once more,
+with the effect in the model (`with_own_numerics`).
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -6,8 +12,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.fit.fit import Fit, FitOptions, compare_at, fit, predict
-from updamp.comparison.fit.numerical_gate import finer_than, gated, with_numerical_error
+from updamp.comparison.fit.compared import compare_at, predict_branches
+from updamp.comparison.fit.fit import Fit, FitOptions, fit
+from updamp.comparison.fit.numerical_gate import apply_numerical_gate, finer_than, with_numerical_error
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.repeat_scatter import scatter_of_repeats
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
@@ -49,7 +56,7 @@ class Baseline:
 
 def baseline(
     model: RigModel,
-    taken: tuple[ChosenEffect, ...],
+    rig_effects: tuple[ChosenEffect, ...],
     plan: Plan,
     finer: Mapping[str, RigModel],
     held_out: Sequence[str] | None = None,
@@ -65,7 +72,7 @@ def baseline(
     """
     kept = _held_out(plan, held_out)
     training = tuple(i for i in range(len(plan.conditions)) if i not in kept)
-    parametrisation, before = gated(model, taken, plan, finer, progress, branches_of)
+    parametrisation, before = apply_numerical_gate(model, rig_effects, plan, finer, progress, branches_of)
     train = plan.only(training)
     at_start = tuple(with_patterns(before[i], parametrisation.numerics) for i in training)
     start = np.zeros(len(parametrisation))
@@ -77,7 +84,7 @@ def baseline(
 
 
 def _held_out(plan: Plan, names: Sequence[str] | None) -> tuple[int, ...]:
-    """Places of the conditions: the second highest level of each mode, if not said otherwise."""
+    """Places of the conditions: the second highest level of each mode, unless stated otherwise."""
     if names is not None:
         known = [c.name for c in plan.conditions]
         unknown = [name for name in names if name not in known]
@@ -96,12 +103,9 @@ def error_of(fitted: Fit, plan: Plan, branches_of: Branches = in_turn) -> float:
     """Weighted residual RMS on runs that the fit may not have seen, parameters and scatter as they are."""
     if not plan.conditions:
         return float("nan")
-    branches = predict(fitted.parametrisation, fitted.u, plan, None, branches_of)
+    branches = predict_branches(fitted.parametrisation, fitted.u, plan, None, branches_of)
     compared = compare_at(fitted.parametrisation, fitted.u, plan, branches, fitted.compared.scatter)
-    return float(np.sqrt(compared.excess))
-
-
-# Which runs no fit is to see, and how they are called in the verdict.
+    return float(np.sqrt(compared.reduced_chi2))
 
 
 def held_out_runs(plan: Plan, runs: Sequence[str] | None, modes: Sequence[str]) -> tuple[str, ...] | None:
@@ -130,17 +134,7 @@ def unseen(start: Baseline) -> str:
     return "runs that the fit never saw"
 
 
-# The numerical gate once more, for a model with an effect in it.
-#
-# What a finer mesh would change is found for the model without effects. An effect may have a numerical error of its
-# own:
-# where it lets the contacts at the ends of a face slip early, how many elements there are at the ends decides how
-# early.
-# So a fit that explains most of a misfit, and still leaves more than the scatter, is compared with finer models that
-# have the effect too.
-
-
-def gated_again(found: Fit, start: Baseline, options: FitOptions) -> Fit:
+def with_own_numerics(found: Fit, start: Baseline, options: FitOptions) -> Fit:
     """The fit gone on with the numerical error of its own model.
 
     raises: BranchStoppedError where a finer model has no response at the beginning of a run
@@ -148,8 +142,8 @@ def gated_again(found: Fit, start: Baseline, options: FitOptions) -> Fit:
     p = found.parametrisation
     plain = replace(p, numerics=NumericalError())
     at = found.u[: len(plain)]
-    branches = predict(plain, at, start.plan)
-    gated = with_numerical_error(plain, at, start.plan, branches, finer_than(p.base, start.finer))
-    u = np.append(at, np.zeros(len(gated) - len(plain)))
-    at_start = [with_patterns(branches[i], gated.numerics) for i in start.training]
-    return fit(gated, start.train_plan, u, found.compared.scatter, at_start, options)
+    branches = predict_branches(plain, at, start.plan)
+    extended = with_numerical_error(plain, at, start.plan, branches, finer_than(p.base, start.finer))
+    u = np.append(at, np.zeros(len(extended) - len(plain)))
+    at_start = [with_patterns(branches[i], extended.numerics) for i in start.training]
+    return fit(extended, start.train_plan, u, found.compared.scatter, at_start, options)

@@ -9,7 +9,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.fit.fit import Fit, FitOptions, fit, objective
+from updamp.comparison.fit.compared import objective
+from updamp.comparison.fit.fit import Fit, FitOptions, fit
 from updamp.diagnosis.candidate_models.baseline import Baseline
 from updamp.diagnosis.candidate_models.refit import as_given, compared_at
 from updamp.effects.effect import Effect
@@ -17,7 +18,7 @@ from updamp.effects.effect import Effect
 Floats = NDArray[np.float64]
 
 # Times the size that was fitted.
-SIZES = (0.5, 2.0)
+SIZE_FACTORS = (0.5, 2.0)
 _ROUNDS = FitOptions(rounds=6)
 # Of chi2, that 95 % of the minima of one parameter lie within.
 _WITHIN = 3.84
@@ -27,7 +28,7 @@ def have_two_signs(effects: tuple[Effect, ...]) -> bool:
     return all(effect.has_two_signs for effect in effects)
 
 
-def resized(found: Fit, effects: tuple[Effect, ...], size: float, start: Baseline) -> Fit | None:
+def fit_from_size(found: Fit, effects: tuple[Effect, ...], size: float, start: Baseline) -> Fit | None:
     """The fit from so many times the effects' sizes: the other parameters as they are, or as given, whatever is closer;
     None where the model has no response at either."""
     p, scatter = found.parametrisation, found.compared.scatter
@@ -37,7 +38,7 @@ def resized(found: Fit, effects: tuple[Effect, ...], size: float, start: Baselin
     return fit(p, start.train_plan, best.u, scatter, best.branches, _ROUNDS) if best else None
 
 
-def at_size(found: Fit, effects: tuple[Effect, ...], size: float) -> Fit:
+def with_size(found: Fit, effects: tuple[Effect, ...], size: float) -> Fit:
     """Not fitted: effects of so many times their sizes in the model as given, without branches."""
     u = _sized(found, effects, size, as_given(found))
     return replace(found, compared=replace(found.compared, u=u, branches=()))
@@ -55,4 +56,4 @@ def as_likely(fitted: Fit, best: Fit) -> bool:
     """Whether the data do not tell one from the other; both of one parametrisation, the misfit that is left taken as
     noise"""
     further = objective(fitted.parametrisation, fitted.compared) - objective(best.parametrisation, best.compared)
-    return further < _WITHIN * max(1.0, best.compared.excess)
+    return further < _WITHIN * max(1.0, best.compared.reduced_chi2)

@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.fit.fit import AS_MANY, TOLERATED, Compared, Fit, FitOptions, compare_at, fit, misfit, predict
+from updamp.comparison.fit.compared import AS_MANY, TOLERATED, Compared, compare_at, misfit, predict_branches
+from updamp.comparison.fit.fit import Fit, FitOptions, fit
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.scatter import Offsets
 from updamp.comparison.prediction.parameters import Parametrisation
@@ -35,7 +36,7 @@ class Refit:
     """drop: of the misfit from the baseline (`fit.misfit`); delta_bic: gain of the information criterion by it
 
     at_bound: parameter that stands at a bound beyond which it makes no sense, "" if none
-    gated_again: whether the numerical error is that of the model with the effects (`baseline.py`)
+    own_numerics: whether the numerical error is that of the model with the effects (`baseline.with_own_numerics`)
     also: other minima that the data do not tell from this one (`other_sizes.py`), without their branches
     """
 
@@ -44,13 +45,13 @@ class Refit:
     drop: float
     delta_bic: float
     at_bound: str
-    gated_again: bool = False
+    own_numerics: bool = False
     also: tuple[Fit, ...] = ()
 
     @property
-    def excess(self) -> float:
-        """chi2 a value"""
-        return self.fitted.compared.excess
+    def reduced_chi2(self) -> float:
+        """Reduced chi-square"""
+        return self.fitted.compared.reduced_chi2
 
 
 def refit(
@@ -70,7 +71,7 @@ def refit(
     if near is not None:
         solved = near.compared.branches or None
         again = fit(near.parametrisation, plan, near.u, base.compared.scatter, solved, _options(full))
-        return judged(base, again, effects, criteria)
+        return assessed(base, again, effects, criteria)
     extended = replace(base.parametrisation, effects=(*base.parametrisation.effects, *effects))
     p, given = base.parametrisation, as_given(base)
     kinds = [
@@ -82,7 +83,7 @@ def refit(
         kinds = [[*kinds[0], *kinds[1]]]
     found = [_fit_from(base, plan, extended, kind, full) for kind in kinds]
     return max(
-        (judged(base, fitted, effects, criteria) for fitted in found if fitted is not None),
+        (assessed(base, fitted, effects, criteria) for fitted in found if fitted is not None),
         key=lambda r: r.drop,
         default=None,
     )
@@ -96,7 +97,7 @@ def _fit_from(base: Fit, plan: Plan, extended: Parametrisation, starts: Sequence
         value = misfit(extended, compared)
         if best is None or value < best[0]:
             best = value, compared
-        if value < before and _far_better(base, compared.excess):
+        if value < before and _far_better(base, compared.reduced_chi2):
             break
     if best is None:
         return None
@@ -117,7 +118,7 @@ def compared_at(
     for start in starts:
         u = np.clip(start, parametrisation.lower, parametrisation.upper)
         try:
-            branches = predict(parametrisation, u, plan, near.branches or None)
+            branches = predict_branches(parametrisation, u, plan, near.branches or None)
         except BranchStoppedError:
             continue
         yield compare_at(parametrisation, u, plan, branches, near.scatter, offsets)
@@ -139,19 +140,19 @@ def coarse_enough(base: Fit) -> ContinuationOptions | None:
 
 
 def fails_badly(base: Fit) -> bool:
-    return base.compared.excess > TOLERATED
+    return base.compared.reduced_chi2 > TOLERATED
 
 
-def _far_better(base: Fit, excess: float) -> bool:
+def _far_better(base: Fit, reduced_chi2: float) -> bool:
     """Whether other starts need not be tried: where the model fails badly, the first that is better is not enough."""
-    return not fails_badly(base) or excess < max(TOLERATED, _FAR * base.compared.excess)
+    return not fails_badly(base) or reduced_chi2 < max(TOLERATED, _FAR * base.compared.reduced_chi2)
 
 
 def _options(full: bool) -> FitOptions:
     return FULL if full else _SHORT
 
 
-def judged(base: Fit, found: Fit, effects: Sequence[Effect], criteria: Criteria) -> Refit:
+def assessed(base: Fit, found: Fit, effects: Sequence[Effect], criteria: Criteria) -> Refit:
     drop = misfit(base.parametrisation, base.compared) - misfit(found.parametrisation, found.compared)
     parameters = sum(len(e.parameters) for e in effects)
     delta_bic = gain_of_bic(drop, parameters, found.compared.values)

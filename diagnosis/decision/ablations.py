@@ -1,4 +1,4 @@
-"""What would have been said without a part of the method: to see what each part is worth."""
+"""The verdict without a part of the method: to see what each part is worth."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -9,12 +9,12 @@ from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.decision.decide import decide
 from updamp.diagnosis.evidence import EffectScore, Evidence
 
-Said = tuple[str, tuple[str, ...], tuple[str, ...]]
+VerdictSummary = tuple[str, tuple[str, ...], tuple[str, ...]]
 # Score above which a test alone would call an effect found.
 _FOUND = 6.0
 
 
-def ablations(evidence: Evidence, criteria: Criteria) -> dict[str, Said]:
+def ablations(evidence: Evidence, criteria: Criteria) -> dict[str, VerdictSummary]:
     """Name -> verdict, effects and group: by the residual's likeness to the signature alone, by the score test alone
     with and without scatter, by BIC alone, and without held-out runs."""
     return {
@@ -26,21 +26,21 @@ def ablations(evidence: Evidence, criteria: Criteria) -> dict[str, Said]:
     }
 
 
-def _by(evidence: Evidence, value: Callable[[EffectScore], float], found: bool, limit: float = 0.0) -> Said:
+def _by(evidence: Evidence, value: Callable[[EffectScore], float], found: bool, limit: float = 0.0) -> VerdictSummary:
     best = max(evidence.tested, key=value, default=None)
     if best is None or not found or value(best) < limit:
         return "adequate", (), ()
     return "identified", (best.effect,), ()
 
 
-def _by_bic(evidence: Evidence, criteria: Criteria) -> Said:
+def _by_bic(evidence: Evidence, criteria: Criteria) -> VerdictSummary:
     best = max(evidence.trials, key=lambda t: t.delta_bic, default=None)
     if best is None or best.delta_bic < criteria.delta_bic:
         return "adequate", (), ()
     return "identified", best.effects, ()
 
 
-def _without_held_out(evidence: Evidence, criteria: Criteria) -> Said:
+def _without_held_out(evidence: Evidence, criteria: Criteria) -> VerdictSummary:
     nan = float("nan")
     blind = replace(
         evidence,
@@ -52,6 +52,6 @@ def _without_held_out(evidence: Evidence, criteria: Criteria) -> Said:
 
 
 def write_ablations(path: Path, evidence: Evidence, criteria: Criteria) -> None:
-    said: Mapping[str, Said] = ablations(evidence, criteria)
-    document = {name: {"verdict": v, "effects": list(e), "group": list(g)} for name, (v, e, g) in said.items()}
+    summaries: Mapping[str, VerdictSummary] = ablations(evidence, criteria)
+    document = {name: {"verdict": v, "effects": list(e), "group": list(g)} for name, (v, e, g) in summaries.items()}
     path.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.compare import calibration
+from updamp.comparison.compare import calibrated_factors
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.numerical_gate import moved_by_numerics
 from updamp.comparison.fit.repeat_scatter import scatter_of_repeats
@@ -16,7 +16,7 @@ from updamp.diagnosis.decision.decide import Decision, reason_against
 from updamp.diagnosis.decision.signature_curves import signatures
 from updamp.diagnosis.evidence import EffectScore, Trial
 from updamp.diagnosis.score_tests.score import cosines
-from updamp.diagnosis.selection.search import Found
+from updamp.diagnosis.selection.search import SearchResult
 from updamp.diagnosis.verdict import (
     Candidate,
     Confounding,
@@ -34,7 +34,7 @@ _95 = 1.96
 
 
 def conclude(
-    found: Found,
+    found: SearchResult,
     decision: Decision,
     criteria: Criteria,
     names: Mapping[str, str],
@@ -58,11 +58,11 @@ def conclude(
         missing_forces=tuple(forces),
         history=_history(found, decision),
         provenance=provenance or {},
-        calibration=calibration(chosen.fitted if chosen is not None else found.baseline.fitted),
+        calibration=calibrated_factors(chosen.fitted if chosen is not None else found.baseline.fitted),
     )
 
 
-def _candidates(found: Found, decision: Decision, criteria: Criteria) -> tuple[Candidate, ...]:
+def _candidates(found: SearchResult, decision: Decision, criteria: Criteria) -> tuple[Candidate, ...]:
     listed = []
     for tested in found.evidence.tested:
         name = tested.effect
@@ -73,7 +73,7 @@ def _candidates(found: Found, decision: Decision, criteria: Criteria) -> tuple[C
 
 
 def _candidate(
-    found: Found, tested: EffectScore, trial: Trial | None, fitted: Refit | None, criteria: Criteria
+    found: SearchResult, tested: EffectScore, trial: Trial | None, fitted: Refit | None, criteria: Criteria
 ) -> Candidate:
     effect = next(s.effect for s in found.scored if s.effect.name == tested.effect)
     nan = float("nan")
@@ -110,14 +110,14 @@ def _not_fitted(tested: EffectScore, criteria: Criteria) -> str:
 def parameters(refit: Refit, effect: Effect) -> tuple[FittedParameter, ...]:
     """Of an effect in the fit, with 95 % intervals that hold those of all minima that are as likely, cut off at the
     bounds: what the data leave open, and how far the numerics may have moved it."""
-    p, said = refit.fitted.parametrisation, []
+    p, found = refit.fitted.parametrisation, []
     value = p.values(refit.fitted.u)[effect.name]
     intervals = [_intervals(fitted, effect) for fitted in (refit.fitted, *refit.also)]
     for i, q in enumerate(effect.parameters):
         lower = max(min(each[i][0] for each in intervals), q.lower)
         upper = min(max(each[i][1] for each in intervals), q.upper)
-        said.append(FittedParameter(q.name, q.unit, value[q.name], lower, upper, q.null, q.lower, q.upper))
-    return tuple(said)
+        found.append(FittedParameter(q.name, q.unit, value[q.name], lower, upper, q.null, q.lower, q.upper))
+    return tuple(found)
 
 
 def _intervals(fitted: Fit, effect: Effect) -> list[tuple[float, float]]:
@@ -125,7 +125,7 @@ def _intervals(fitted: Fit, effect: Effect) -> list[tuple[float, float]]:
     p, moved = fitted.parametrisation, moved_by_numerics(fitted)
     place, values = p.columns(effect.name).start, p.values(fitted.u)[effect.name]
     # where the model leaves more than the scatter, intervals are wider by as much (Birge 1932)
-    excess, found = max(1.0, fitted.compared.excess), []
+    excess, found = max(1.0, fitted.compared.reduced_chi2), []
     for i, q in enumerate(effect.parameters):
         deviation = np.hypot(fitted.given_numerics[place + i] * np.sqrt(excess), moved[place + i])
         half = _95 * float(deviation) * abs(q.typical - q.null)
@@ -133,7 +133,7 @@ def _intervals(fitted: Fit, effect: Effect) -> list[tuple[float, float]]:
     return found
 
 
-def _error(found: Found, trial: Trial | None) -> ErrorReached:
+def _error(found: SearchResult, trial: Trial | None) -> ErrorReached:
     before, held = float(np.sqrt(found.evidence.excess)), found.evidence.held_out
     if trial is None:
         return ErrorReached(before, before, held, held, found.evidence.repeatability)
@@ -142,7 +142,7 @@ def _error(found: Found, trial: Trial | None) -> ErrorReached:
     return ErrorReached(before, float(np.sqrt(trial.excess)), held, trial.held_out, repeatability)
 
 
-def _history(found: Found, decision: Decision) -> tuple[Step, ...]:
+def _history(found: SearchResult, decision: Decision) -> tuple[Step, ...]:
     steps = [Step((), float(np.sqrt(found.evidence.excess)), found.evidence.held_out)]
     if decision.trial is not None and decision.effects:
         for n in range(1, len(decision.effects) + 1):
@@ -152,15 +152,15 @@ def _history(found: Found, decision: Decision) -> tuple[Step, ...]:
     return tuple(steps)
 
 
-def _confounding(found: Found, criteria: Criteria) -> Confounding:
+def _confounding(found: SearchResult, criteria: Criteria) -> Confounding:
     names = tuple(s.effect.name for s in found.scored)
     groups: list[tuple[str, ...]] = [tuple(sorted((a, b))) for a, b, _ in found.evidence.alike]
     return Confounding(names, cosines(found.scored), criteria.cosine, tuple(dict.fromkeys(groups)))
 
 
-def sentence(decision: Decision, found: Found, candidates: Sequence[Candidate]) -> str:
+def sentence(decision: Decision, found: SearchResult, candidates: Sequence[Candidate]) -> str:
     """The verdict in plain words."""
-    said = {c.name: c.sentence for c in candidates}
+    sentences = {c.name: c.sentence for c in candidates}
     before, trial = float(np.sqrt(found.evidence.excess)), decision.trial
     if decision.outcome == "adequate":
         return (
@@ -179,4 +179,4 @@ def sentence(decision: Decision, found: Found, candidates: Sequence[Candidate]) 
         fall += f", on {unseen(found.baseline)} from {found.evidence.held_out:.1f} to {trial.held_out:.2f}"
     if decision.outcome == "inseparable":
         return f"one of {', '.join(decision.group)} is missing, and these data do not tell which: {fall}"
-    return f"{' and '.join(said[e] for e in decision.effects)} ({', '.join(decision.effects)}): {fall}"
+    return f"{' and '.join(sentences[e] for e in decision.effects)} ({', '.join(decision.effects)}): {fall}"

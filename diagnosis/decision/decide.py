@@ -32,9 +32,9 @@ def decide(evidence: Evidence, criteria: Criteria) -> Decision:
         return Decision("identified", pair.effects, (), pair)
     if _still_fails(best, criteria):
         return Decision("unknown", (), (), best)
-    rivals = [t for t in accepted if t is not best and t.excess < (1 + criteria.rival) * best.excess]
-    if rivals:
-        group = (*best.effects, *(name for t in rivals for name in t.effects))
+    equals = [t for t in accepted if t is not best and t.excess < (1 + criteria.as_good) * best.excess]
+    if equals:
+        group = (*best.effects, *(name for t in equals for name in t.effects))
         return Decision("inseparable", best.effects, group, best)
     return Decision("identified", best.effects, (), best)
 

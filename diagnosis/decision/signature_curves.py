@@ -7,20 +7,20 @@ from numpy.typing import NDArray
 
 from updamp.comparison.fit.matching import Matched
 from updamp.diagnosis.score_tests.score import Score
-from updamp.diagnosis.selection.search import Found
+from updamp.diagnosis.selection.search import SearchResult
 from updamp.diagnosis.verdict import Signature
 
 Floats = NDArray[np.float64]
-# Effects shown: the best by the score test.
-_SHOWN = 6
+# Effects drawn: the best by the score test.
+_MOST_EFFECTS = 6
 
 
-def signatures(found: Found, names: Mapping[str, str]) -> tuple[Signature, ...]:
+def signatures(found: SearchResult, names: Mapping[str, str]) -> tuple[Signature, ...]:
     """Of the best effects in the first repeat of every training run. names: point of the model -> its channel"""
     plan, compared = found.baseline.train_plan, found.extended.compared
     first = plan.repeats[0]
-    shown = []
-    for score in found.scored[:_SHOWN]:
+    curves = []
+    for score in found.scored[:_MOST_EFFECTS]:
         for m in (m for m in compared.matched if m.observations.repeat == first):
             condition = plan.conditions[m.observations.test]
             change = _observed(found, m, score)
@@ -31,7 +31,7 @@ def signatures(found: Found, names: Mapping[str, str]) -> tuple[Signature, ...]:
                 columns = 1 + 2 * j, 2 + 2 * j
                 own = [change[:, c] / noise[:, c] for c in columns]
                 left = [m.difference[:, c] / noise[:, c] for c in columns]
-                shown.append(
+                curves.append(
                     Signature(
                         score.effect.name,
                         condition.name,
@@ -43,10 +43,10 @@ def signatures(found: Found, names: Mapping[str, str]) -> tuple[Signature, ...]:
                         *left,
                     )
                 )
-    return tuple(shown)
+    return tuple(curves)
 
 
-def _observed(found: Found, m: Matched, score: Score) -> Floats:
+def _observed(found: SearchResult, m: Matched, score: Score) -> Floats:
     """(n, m) change of the observations by the effect's step and the nuisance parameters' best answer to it.
 
     The columns are those across the branch: back in the observations they have no part along it.

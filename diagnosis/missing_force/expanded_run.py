@@ -13,7 +13,7 @@ from updamp.comparison.fit.matching import Matched, by_drive
 from updamp.comparison.prediction.held_branch import force_at
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.diagnosis.missing_force.modal_expansion import Expansion, MeasuredPoint, expand
-from updamp.diagnosis.missing_force.resonant_mode import ResonantMode, first_harmonics, modal_amplitudes, system_of
+from updamp.diagnosis.missing_force.resonant_mode import ResonantMode, first_harmonics, modal_amplitudes, system_at
 from updamp.hbm.newton.observe import response
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
@@ -91,7 +91,7 @@ def _added(branch: PredictedBranch, sensors: Integers, excitation: str) -> tuple
     """What the branch has beyond the solved points that it is made of: (n_points,) of the logarithm of the frequency,
     (n_points, n_sensors) of the logarithms of the amplitudes."""
     points = branch.points
-    system = system_of(points[0])
+    system = system_at(points[0])
     rows = np.array([system.free.row(branch.condition.sensors[i][0]) for i in sensors])
     excited, condition = system.free.row(excitation), branch.condition
     solved = []
@@ -126,7 +126,7 @@ class _Points:
 
     @staticmethod
     def of(matched: Matched, branch: PredictedBranch, excitation: str, mode: ResonantMode) -> "_Points":
-        at, system = branch.at(matched.place), system_of(branch.points[0])
+        at, system = branch.at(matched.place), system_at(branch.points[0])
         # the force is put into the equations as it was measured, so its share of the difference is left in
         observed = at.value + matched.difference + by_drive(matched.observations, at.slopes)
         sensors = np.array(first_harmonics(branch))

@@ -26,7 +26,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.fit.fit import Compared
+from updamp.comparison.fit.compared import Compared
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.scatter import assembly, whitened
 from updamp.comparison.prediction.observed_point import with_matrices

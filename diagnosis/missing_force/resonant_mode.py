@@ -15,9 +15,9 @@ Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 
-# Modes up to this many times the resonant one's frequency, or down to its inverse, are told from it by the sensors.
+# Neighbours whose frequency is within this factor of the resonant one's are separated from it by the sensors.
 _NEAR = 2.0
-# Least singular value over the largest of what the sensors see of modes of equal size, for them to be told apart.
+# Least singular value over the largest of what the sensors see of modes of equal size, for them to be separated.
 _APART = 0.1
 
 
@@ -45,7 +45,7 @@ def resonant_mode(branch: PredictedBranch, excitation: str) -> ResonantMode:
     height = np.abs(branch.amplitude[:, first])
     at, sensor = (int(i) for i in np.unravel_index(np.argmax(height), height.shape))
     point = branch.points[at]
-    system = system_of(point)
+    system = system_at(point)
     rows = [system.free.row(branch.condition.sensors[i][0]) for i in first]
     shapes = system.stuck.phi[rows]
     q = modal_amplitudes(point, Excitation(system.free.row(excitation), force_at(point, branch.condition)))
@@ -89,8 +89,8 @@ def modal_amplitudes(point: BranchPoint, excitation: Excitation) -> Complex:
     """(m,) first harmonic of every stuck mode's coordinate [m kg^1/2]"""
     equation = point.solution.equation
     coordinates = respond(equation.receptance, all_loads(equation, excitation)).modal[..., 0]
-    return system_of(point).harmonics.amplitude(coordinates, 1)
+    return system_at(point).harmonics.amplitude(coordinates, 1)
 
 
-def system_of(point: BranchPoint) -> NonlinearSystem:
+def system_at(point: BranchPoint) -> NonlinearSystem:
     return point.solution.equation.receptance.system

@@ -56,7 +56,7 @@ def _of_mode(conditions: Sequence[RunCondition], parametrisation: Parametrisatio
     usual = tuple(dict.fromkeys(sensor for c in conditions for sensor in c.sensors if sensor[1] == 1))
     if not usual:
         raise ValueError(
-            f"mode {lowest.mode!r}: no sensor has the first harmonic, by which explanations are told apart; compare "
+            f"mode {lowest.mode!r}: no sensor has the first harmonic, by which explanations are separated; compare "
             "harmonic 1 too"
         )
     window = _window(conditions)

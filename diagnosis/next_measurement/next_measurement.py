@@ -1,4 +1,4 @@
-"""The measurement that would tell the surviving explanations apart best, per hour of testing.
+"""The explanations that the data leave side by side, and the measurement that would separate them best, per hour.
 
 Every run that the rig could make next (candidate_runs.py, with the hours that each is taken to need) is predicted with
 each explanation, by a branch traced at its fitted parameters; how far two predictions lie apart is in separation.py.
@@ -17,13 +17,13 @@ from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.numerical_error import NumericalError
 from updamp.comparison.prediction.predicted_branch import trace_branch
-from updamp.diagnosis.candidate_models.attempts import without_branches
+from updamp.diagnosis.candidate_models.fit_tasks import without_branches
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.decision.decide import Decision
 from updamp.diagnosis.evidence import Trial
 from updamp.diagnosis.next_measurement.candidate_runs import CandidateRun, Recording, candidate_runs
 from updamp.diagnosis.next_measurement.separation import PredictedRun, separation
-from updamp.diagnosis.selection.search import Found
+from updamp.diagnosis.selection.search import SearchResult
 from updamp.diagnosis.verdict import NextMeasurement
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions
 from updamp.parallel.workers import Workers, here
@@ -40,6 +40,9 @@ _FINE = ContinuationOptions(largest_step=0.1)
 _MORE = 1.1
 # Measurements kept for every pair of explanations.
 _KEPT = 3
+# Explanations at most: each is predicted with every run.
+_MOST = 3
+NOTHING = "nothing missing"
 
 
 def next_measurements(
@@ -137,15 +140,8 @@ def _prediction(
     return PredictedRun(branch, fit.covariance[:n, :n], names, fit.compared.scatter, noise)
 
 
-# Explanations that the data so far leave side by side, for a next measurement to tell apart.
-
-NOTHING = "nothing missing"
-# Each is predicted with every run.
-_MOST = 3
-
-
-def rivals(found: Found, decision: Decision, criteria: Criteria) -> dict[str, Fit]:
-    """Name of the explanation -> its fit, the best first; at least two, or none where nothing is to be told apart.
+def surviving_explanations(found: SearchResult, decision: Decision, criteria: Criteria) -> dict[str, Fit]:
+    """Name of the explanation -> its fit, the best first; at least two, or none where there is nothing to separate.
 
     inseparable: the group; unknown: the best effects, as far as they explain nearly as much; adequate: that nothing is
     missing and the best effect that the data of the fit alone would ask for
@@ -164,5 +160,5 @@ def rivals(found: Found, decision: Decision, criteria: Criteria) -> dict[str, Fi
     return _fits(found, chosen[:_MOST]) if len(chosen) > 1 else {}
 
 
-def _fits(found: Found, trials: list[Trial]) -> dict[str, Fit]:
+def _fits(found: SearchResult, trials: list[Trial]) -> dict[str, Fit]:
     return {" and ".join(t.effects): found.refits[t.effects].fitted for t in trials}

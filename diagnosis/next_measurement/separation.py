@@ -156,7 +156,7 @@ def _places(branch: PredictedBranch, other: PredictedBranch) -> Floats:
 
 
 def _matched(truth: PredictedRun, model: PredictedRun, place: Floats, sensors: Sequence[Sensor]) -> Floats:
-    """(n,) places on the model's branch, told by the first harmonics that are measured anyway."""
+    """(n,) places on the model's branch, found from the first harmonics, which are measured anyway."""
     first = [s for s in sensors if s[1] == 1 and s[0] in truth.noise]
     a, b = _restricted(truth.branch, first), _restricted(model.branch, first)
     noise = np.array([truth.noise[point] for point, _ in first]) * truth.scatter.noise

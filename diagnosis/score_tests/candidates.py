@@ -6,8 +6,8 @@ from itertools import zip_longest
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.diagnosis.candidate_models.attempts import Attempt
 from updamp.diagnosis.candidate_models.baseline import Baseline
+from updamp.diagnosis.candidate_models.fit_tasks import FitTask
 from updamp.diagnosis.candidate_models.refit import fails_badly
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.score_tests.probe import probes
@@ -20,14 +20,14 @@ Floats = NDArray[np.float64]
 _FARTHEST = 3.0
 
 
-def attempts(
+def fit_tasks(
     start: Baseline,
     effects: Sequence[Effect],
     scored: Sequence[Score],
     criteria: Criteria,
     progress: Callable[[str], None],
     workers: Workers = here,
-) -> list[Attempt]:
+) -> list[FitTask]:
     """Short ones, the most promising first: by the score test; where the model fails badly, by turns with what effects
     of typical size could do.
 
@@ -36,7 +36,7 @@ def attempts(
     visible = [s for s in scored if s.visibility >= criteria.visibility]
     by_score = {s.effect.name: s for s in visible if s.score >= criteria.score}
     if not fails_badly(start.fitted):
-        return [Attempt((s.effect,), _starts(s.step), full=False, as_given=_typical(s)) for s in by_score.values()]
+        return [FitTask((s.effect,), _starts(s.step), full=False, as_given=_typical(s)) for s in by_score.values()]
     worth = {s.effect.name for s in visible}
     tried = [e for e in effects if e.name in worth]
     by_probe = {p.effect.name: p for p in probes(start, tried, progress, workers)}
@@ -45,7 +45,7 @@ def attempts(
         given = (by_probe[name].start,) if name in by_probe else ()
         calibrated = _starts(by_score[name].step) if name in by_score else ()
         effect = next(e for e in effects if e.name == name)
-        found.append(Attempt((effect,), calibrated, full=False, as_given=given))
+        found.append(FitTask((effect,), calibrated, full=False, as_given=given))
     return found
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.fit.numerical_gate import change_of_branch, unwrapped
+from updamp.comparison.fit.numerical_gate import change_of_branch, with_unwrapped_phases
 from updamp.comparison.prediction.model_at import ModelAt
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.comparison.prediction.run_condition import RunCondition
@@ -22,7 +22,7 @@ _NOTHING = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
-class _Step:
+class _FiniteStep:
     """observed: (n, m) along a branch of the model without the effect; options: of the continuation
     motions: relative displacements (n_relative, n_coefficients) [m] and angular frequency [rad/s] of its points
     """
@@ -48,7 +48,9 @@ def steps_along(
     options: of the continuation
     """
     steps = [
-        _Step(e, b.condition, unwrapped(b.observed.value), tuple((p.x, p.w) for p in b.points), options)
+        _FiniteStep(
+            e, b.condition, with_unwrapped_phases(b.observed.value), tuple((p.x, p.w) for p in b.points), options
+        )
         for e in effects
         for b in solved
     ]
@@ -58,7 +60,7 @@ def steps_along(
     return [[found[j * len(solved) + i] for j in range(len(effects))] for i in range(len(solved))]
 
 
-def _by_step_of(there: ModelAt, step: _Step) -> Floats:
+def _by_step_of(there: ModelAt, step: _FiniteStep) -> Floats:
     """(n, n_parameters, m) changes of the observations for all parameters at their typical values.
 
     Parameters beyond the first have no column of their own: the refit moves them.

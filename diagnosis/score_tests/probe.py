@@ -12,13 +12,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.fit.fit import Fit, compare_at, fit_linear, misfit, predict
+from updamp.comparison.fit.compared import compare_at, misfit, predict_branches
+from updamp.comparison.fit.fit import Fit, fit_linear
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.branch_tasks import BranchesBy
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
-from updamp.diagnosis.candidate_models.attempts import without_branches
 from updamp.diagnosis.candidate_models.baseline import Baseline
+from updamp.diagnosis.candidate_models.fit_tasks import without_branches
 from updamp.diagnosis.candidate_models.refit import as_given, coarse_enough
 from updamp.effects.effect import Effect
 from updamp.hbm.continuation.continuation import BranchStoppedError
@@ -51,7 +52,7 @@ def probes(
     """
     plan = start.train_plan.only(highest_levels(start.train_plan))
     at = as_given(start.fitted)
-    near = predict(
+    near = predict_branches(
         start.fitted.parametrisation, at, plan, None, BranchesBy(workers), options=coarse_enough(start.fitted)
     )
     shared = _About(without_branches(start.fitted), plan, at, near)
@@ -113,7 +114,7 @@ def _probe(about: _About, effect: Effect, size: Floats) -> Probe | None:
     u = base.parametrisation.with_further(about.at, size)
     u = np.clip(u, extended.lower, extended.upper)
     try:
-        branches = predict(extended, u, plan, about.near, options=coarse_enough(base))
+        branches = predict_branches(extended, u, plan, about.near, options=coarse_enough(base))
     except BranchStoppedError:
         return None
     compared = compare_at(extended, u, plan, branches, scatter)

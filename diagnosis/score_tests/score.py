@@ -13,7 +13,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
-from updamp.comparison.fit.fit import Compared, loosened, looseness
+from updamp.comparison.fit.compared import Compared, noise_inflation, with_inflated_noise
 from updamp.diagnosis.score_tests.signature import Extended
 from updamp.effects.effect import Effect
 
@@ -45,8 +45,8 @@ class Score:
 
 def scores(extended: Extended) -> tuple[Score, ...]:
     """Of all further effects, the largest drop first."""
-    loose, factor = as_loose_as_it_fails(extended)
-    found = _scores(extended, loose)
+    weighed, factor = with_noise_of_misfit(extended)
+    found = _scores(extended, weighed)
     # what the nuisance parameters can imitate is a matter of the sensors, not of what the model lacks
     visible = {s.effect.name: s.visibility for s in (found if factor == 1 else _scores(extended, extended.compared))}
     scaled = (replace(s, drop=factor * s.drop, visibility=visible[s.effect.name]) for s in found)
@@ -74,12 +74,13 @@ def _scores(extended: Extended, compared: Compared) -> list[Score]:
     return found
 
 
-def as_loose_as_it_fails(extended: Extended) -> tuple[Compared, float]:
+def with_noise_of_misfit(extended: Extended) -> tuple[Compared, float]:
     """Weighed as in a fit, or nuisance parameters could imitate any effect; and the factor that brings its chi2 to what
     it is with the noise that the misfit asks for (R. T. Birge, Phys. Rev. 40 (1932) 207)."""
     compared = extended.compared
-    loose = looseness(extended.parametrisation, compared)
-    return replace(compared, scatter=loosened(compared.scatter, loose)), loose**2 / max(1.0, compared.excess)
+    inflation = noise_inflation(extended.parametrisation, compared)
+    weighed = replace(compared, scatter=with_inflated_noise(compared.scatter, inflation))
+    return weighed, inflation**2 / max(1.0, compared.reduced_chi2)
 
 
 def _score(
@@ -96,8 +97,8 @@ def _score(
     step = np.zeros(len(size))
     step[used] = found.x
     drop = float(left @ left - np.sum((left - own @ step) ** 2))
-    shown = step if drop > 1e-6 else used.astype(float)
-    signature, whole = own @ shown, raw @ shown
+    size = step if drop > 1e-6 else used.astype(float)
+    signature, whole = own @ size, raw @ size
     length = _length(whole)
     visible = _length(signature) / length
     alike = float(abs(whole @ rows)) / (length * _length(rows))

@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.fit.fit import Compared, Fit, compare_at, predict
+from updamp.comparison.fit.compared import Compared, compare_at, predict_branches
+from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.branch_tasks import Branches, BranchesBy
 from updamp.comparison.prediction.derivatives import Change
@@ -89,7 +90,7 @@ def _solved_at(fitted: Fit, plan: Plan, branches_of: Branches) -> tuple[Predicte
     n = p.n_of_model
     if all(np.array_equal(branch.u[:n], u[:n]) for branch in branches):
         return branches
-    return predict(p, u, plan, branches, branches_of)
+    return predict_branches(p, u, plan, branches, branches_of)
 
 
 def _with_a_place(there: ModelAt, effects: Sequence[Effect]) -> tuple[list[Effect], dict[str, str]]:

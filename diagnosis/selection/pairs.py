@@ -4,17 +4,17 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from updamp.comparison.prediction.branch_tasks import BranchesBy
-from updamp.diagnosis.candidate_models.attempts import Attempt, Result, with_branches
-from updamp.diagnosis.candidate_models.fits import Fits, Results, best_first, nearly
-from updamp.diagnosis.candidate_models.refit import Refit, judged
-from updamp.diagnosis.score_tests.candidates import attempts
+from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext, best_first, nearly
+from updamp.diagnosis.candidate_models.fit_tasks import FitTask, FittedCandidate, with_branches
+from updamp.diagnosis.candidate_models.refit import Refit, assessed
+from updamp.diagnosis.score_tests.candidates import fit_tasks
 from updamp.diagnosis.score_tests.score import scores
 from updamp.diagnosis.score_tests.signature import extend
-from updamp.diagnosis.selection.single_effects import numerics_anew
+from updamp.diagnosis.selection.single_effects import refits_with_own_numerics
 from updamp.effects.effect import Effect
 
 
-def try_pairs(fits: Fits, effects: Sequence[Effect], singles: Results) -> Results:
+def try_pairs(fits: FitContext, effects: Sequence[Effect], singles: CandidateFits) -> CandidateFits:
     """Second effects beside the best single one, where that leaves a misfit or explains it by more of itself than there
     can be, and beside the next one where it explains nearly as much: with a second effect beside them the two may
     change places."""
@@ -22,15 +22,17 @@ def try_pairs(fits: Fits, effects: Sequence[Effect], singles: Results) -> Result
     settled = sorted((r.refit for r in singles.values() if r.trial.full), key=lambda r: -r.drop)
     if not settled or settled[0].drop <= 0:
         return {}
-    if settled[0].excess < criteria.look_further and not settled[0].at_bound:
+    if settled[0].reduced_chi2 < criteria.look_further and not settled[0].at_bound:
         return {}
-    found: Results = {}
+    found: CandidateFits = {}
     for first in (settled[0], *(r for r in settled[1:2] if nearly(r, settled[0], start, criteria))):
         found = _better(found, _beside(fits, first, effects, singles))
     return found
 
 
-def exchanged(fits: Fits, effects: Sequence[Effect], singles: Results, pairs: Results) -> tuple[Results, Results]:
+def exchanged(
+    fits: FitContext, effects: Sequence[Effect], singles: CandidateFits, pairs: CandidateFits
+) -> tuple[CandidateFits, CandidateFits]:
     """Where the best pair still fails though its second effect helps: that one alone, and others beside it. The first
     was chosen by itself, and may only have stood in for what is missing.
 
@@ -51,7 +53,7 @@ def exchanged(fits: Fits, effects: Sequence[Effect], singles: Results, pairs: Re
     return further, found
 
 
-def _better(some: Results, others: Results) -> Results:
+def _better(some: CandidateFits, others: CandidateFits) -> CandidateFits:
     """All of them; of pairs that differ by the order of their effects the one that takes off more."""
     found = dict(some)
     for names, result in others.items():
@@ -63,18 +65,18 @@ def _better(some: Results, others: Results) -> Results:
     return found
 
 
-def _best(pairs: Results) -> Result | None:
+def _best(pairs: CandidateFits) -> FittedCandidate | None:
     return min(pairs.values(), key=lambda r: r.trial.excess, default=None)
 
 
-def _as_in(pair: Result, effect: Effect) -> Attempt:
+def _as_in(pair: FittedCandidate, effect: Effect) -> FitTask:
     """The effect alone, from its size in the pair."""
     fitted = pair.refit.fitted
     start = fitted.u[fitted.parametrisation.columns(effect.name)]
-    return Attempt((effect,), (start,), full=True, as_given=(start,))
+    return FitTask((effect,), (start,), full=True, as_given=(start,))
 
 
-def alone(fits: Fits, singles: Results, pairs: Results) -> Results:
+def alone(fits: FitContext, singles: CandidateFits, pairs: CandidateFits) -> CandidateFits:
     """Second effects that have not been tried alone, where one explains the data together with a first: it may be all
     that is missing, and the first one a wrong guess that has become small beside it."""
     best = _best(pairs)
@@ -84,29 +86,29 @@ def alone(fits: Fits, singles: Results, pairs: Results) -> Results:
     if (second.name,) in singles:
         return {}
     found = fits.results([_as_in(best, second)])
-    return found | numerics_anew(fits, found)
+    return found | refits_with_own_numerics(fits, found)
 
 
-def _beside(fits: Fits, first: Refit, effects: Sequence[Effect], singles: Results) -> Results:
+def _beside(fits: FitContext, first: Refit, effects: Sequence[Effect], singles: CandidateFits) -> CandidateFits:
     (one,), start, criteria = first.effects, fits.start, fits.criteria
     fits.progress(f"second effect beside {one.name}")
     beside = replace(fits, start=replace(start, fitted=with_branches(first.fitted, start, BranchesBy(fits.workers))))
     others = [e for e in effects if e.name != one.name]
     again = scores(extend(beside.start.fitted, start.train_plan, others, fits.progress, fits.workers))
-    wanted = attempts(beside.start, others, again, criteria, fits.progress, fits.workers)
+    wanted = fit_tasks(beside.start, others, again, criteria, fits.progress, fits.workers)
     short = beside.results(wanted[: criteria.short])
     settled = beside.full(best_first(short)[: criteria.full])
-    found: Results = {}
-    for r in (settled | numerics_anew(beside, settled)).values():
+    found: CandidateFits = {}
+    for r in (settled | refits_with_own_numerics(beside, settled)).values():
         (second,) = r.refit.effects
-        both = judged(start.fitted, r.refit.fitted, (one, second), criteria)
+        both = assessed(start.fitted, r.refit.fitted, (one, second), criteria)
         names = (one.name, second.name)
         trial = replace(r.trial, effects=names, drop=both.drop, delta_bic=gain_over_one(both, singles))
-        found[names] = Result(both, trial)
+        found[names] = FittedCandidate(both, trial)
     return found
 
 
-def gain_over_one(pair: Refit, singles: Results) -> float:
+def gain_over_one(pair: Refit, singles: CandidateFits) -> float:
     """Gain of the information criterion by a pair over the better one of its two effects alone, which has fewer
     parameters by those of the other one."""
     alone = [singles[(e.name,)].refit.delta_bic for e in pair.effects if (e.name,) in singles]

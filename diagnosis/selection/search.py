@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.prediction.branch_tasks import BranchesBy
-from updamp.diagnosis.candidate_models.attempts import Bench, run_here
 from updamp.diagnosis.candidate_models.baseline import Baseline, error_of
-from updamp.diagnosis.candidate_models.fits import Fits, Progress
+from updamp.diagnosis.candidate_models.candidate_fits import FitContext, Progress
+from updamp.diagnosis.candidate_models.fit_tasks import FitRunner, fit_here
 from updamp.diagnosis.candidate_models.refit import Refit
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.evidence import EffectScore, Evidence
@@ -24,7 +24,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class SearchResult:
     """extended: the calibrated model with all effects at null; scored: about the model without effects
 
     refits: by the names of their effects
@@ -42,10 +42,10 @@ def search(
     effects: Sequence[Effect],
     criteria: Criteria,
     progress: Progress = lambda _: None,
-    bench: Bench = run_here,
+    runner: FitRunner = fit_here,
     workers: Workers = here,
-) -> Found:
-    """bench: where the fits are run; workers: likewise what leads to them
+) -> SearchResult:
+    """runner: where the fits are run; workers: likewise what leads to them
 
     raises: BranchStoppedError where the calibrated model has no response at the beginning of a run
     """
@@ -53,14 +53,14 @@ def search(
     extended = extend(base, plan, effects, progress, workers)
     scored = scores(extended)
     held_out = error_of(base, start.held_out_plan, BranchesBy(workers))
-    fits = Fits(start, criteria, progress, bench, workers)
+    fits = FitContext(start, criteria, progress, runner, workers)
     singles = try_singles(fits, effects, scored)
     singles |= other_sizes(fits, singles)
     further, pairs = exchanged(fits, effects, singles, try_pairs(fits, effects, singles))
     singles |= further
     singles |= alone(fits, singles, pairs)
     evidence = Evidence(
-        base.compared.excess,
+        base.compared.reduced_chi2,
         held_out,
         start.repeatability,
         _tested(extended, scored),
@@ -69,7 +69,7 @@ def search(
         _alike(scored, criteria),
     )
     refits = {names: r.refit for names, r in {**singles, **pairs}.items()}
-    return Found(start, extended, scored, refits, evidence)
+    return SearchResult(start, extended, scored, refits, evidence)
 
 
 def _tested(extended: Extended, scored: Sequence[Score]) -> tuple[EffectScore, ...]:

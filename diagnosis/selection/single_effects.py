@@ -5,35 +5,42 @@ from dataclasses import replace
 
 import numpy as np
 
-from updamp.diagnosis.candidate_models.attempts import Attempt, Result, without_branches
 from updamp.diagnosis.candidate_models.baseline import Baseline
-from updamp.diagnosis.candidate_models.fits import Fits, Results, best_first, explains, nearly, telling
-from updamp.diagnosis.candidate_models.other_sizes import SIZES, as_likely, have_two_signs
+from updamp.diagnosis.candidate_models.candidate_fits import (
+    CandidateFits,
+    FitContext,
+    best_first,
+    explains,
+    nearly,
+    reporting,
+)
+from updamp.diagnosis.candidate_models.fit_tasks import FitTask, FittedCandidate, without_branches
+from updamp.diagnosis.candidate_models.other_sizes import SIZE_FACTORS, as_likely, have_two_signs
 from updamp.diagnosis.candidate_models.refit import Refit
 from updamp.diagnosis.criteria import Criteria
-from updamp.diagnosis.score_tests.candidates import attempts
+from updamp.diagnosis.score_tests.candidates import fit_tasks
 from updamp.diagnosis.score_tests.score import Score, cosines
 from updamp.effects.effect import Effect
 
 
-def try_singles(fits: Fits, effects: Sequence[Effect], scored: Sequence[Score]) -> Results:
+def try_singles(fits: FitContext, effects: Sequence[Effect], scored: Sequence[Score]) -> CandidateFits:
     """Short refits of those that look most likely, full ones of the best."""
     start, criteria = fits.start, fits.criteria
-    wanted = attempts(start, effects, scored, criteria, fits.progress, fits.workers)[: criteria.short]
+    wanted = fit_tasks(start, effects, scored, criteria, fits.progress, fits.workers)[: criteria.short]
     half = (len(wanted) + 1) // 2
     found = fits.results(wanted[:half])
     enough = _left(start, 1 - criteria.promising)
     found |= fits.full([r for r in best_first(found)[:1] if r.trial.excess < enough])
-    found |= numerics_anew(fits, found)
+    found |= refits_with_own_numerics(fits, found)
     found |= fits.results(_unless_explained(wanted[half:], found, scored, criteria))
     best = best_first(found)[: criteria.full]
     asked_for = [r for r in best if not r.trial.full and r.refit.delta_bic >= criteria.delta_bic]
     close = [r for r in asked_for if _comes_close(r.refit, best[0].refit, start, criteria)]
     found |= fits.full(close)
-    return found | numerics_anew(fits, found)
+    return found | refits_with_own_numerics(fits, found)
 
 
-def numerics_anew(fits: Fits, found: Results) -> Results:
+def refits_with_own_numerics(fits: FitContext, found: CandidateFits) -> CandidateFits:
     """Full fits that take off most of a misfit, and yet leave some: with the numerical error of their own models. Of
     the best one this is to be known before a second effect is looked for."""
     start, criteria = fits.start, fits.criteria
@@ -43,17 +50,17 @@ def numerics_anew(fits: Fits, found: Results) -> Results:
     most, least = _left(start, criteria.nearly), min((r.trial.excess for r in settled), default=0.0)
     close = [r for r in settled if r.trial.excess < min(most, criteria.comparable * least)]
     if not close:
-        close = [r for r in settled[:1] if r.trial.excess < _left(start, criteria.gated)]
-    left = [r for r in close if not r.refit.gated_again and not explains(r.trial, criteria)]
-    again = fits.full(left, gated_again=True)
+        close = [r for r in settled[:1] if r.trial.excess < _left(start, criteria.own_numerics)]
+    left = [r for r in close if not r.refit.own_numerics and not explains(r.trial, criteria)]
+    again = fits.full(left, own_numerics=True)
     return again | _turned_round(fits, left, again)
 
 
-def _turned_round(fits: Fits, fitted: Sequence[Result], again: Results) -> Results:
+def _turned_round(fits: FitContext, fitted: Sequence[FittedCandidate], again: CandidateFits) -> CandidateFits:
     """Likewise from the other sign, where that is better: a coarse mesh may show an effect of the right sign so weakly
     that a fit on it ends at the wrong one."""
     tries = [
-        Attempt(r.refit.effects, (), True, near=r.refit.fitted, gated_again=True, size=-1.0)
+        FitTask(r.refit.effects, (), True, near=r.refit.fitted, own_numerics=True, size=-1.0)
         for r in fitted
         if have_two_signs(r.refit.effects)
     ]
@@ -61,7 +68,7 @@ def _turned_round(fits: Fits, fitted: Sequence[Result], again: Results) -> Resul
     return {names: r for names, r in found.items() if names not in again or r.refit.drop > again[names].refit.drop}
 
 
-def other_sizes(fits: Fits, found: Results) -> Results:
+def other_sizes(fits: FitContext, found: CandidateFits) -> CandidateFits:
     """The best effect, where it explains the data, fitted from other sizes too: the best of these fits, which knows of
     those that are as likely."""
     start, criteria = fits.start, fits.criteria
@@ -69,27 +76,27 @@ def other_sizes(fits: Fits, found: Results) -> Results:
     if not explain or explain[0].refit.delta_bic < criteria.delta_bic:
         return {}
     first = explain[0].refit
-    tries = [Attempt(first.effects, (), True, near=first.fitted, size=size) for size in SIZES]
-    tried = fits.bench(start, criteria, tries, telling(fits.progress))
+    tries = [FitTask(first.effects, (), True, near=first.fitted, size=size) for size in SIZE_FACTORS]
+    tried = fits.runner(start, criteria, tries, reporting(fits.progress))
     some = [explain[0], *(r for r in tried if r is not None)]
     best = max(some, key=lambda r: r.refit.drop)
     also = [r.refit.fitted for r in some if r is not best and as_likely(r.refit.fitted, best.refit.fitted)]
-    refit = replace(best.refit, also=tuple(without_branches(f) for f in also), gated_again=first.gated_again)
+    refit = replace(best.refit, also=tuple(without_branches(f) for f in also), own_numerics=first.own_numerics)
     return {best.trial.effects: replace(best, refit=refit)}
 
 
 def _left(start: Baseline, share: float) -> float:
-    """chi2 a value once so much of the misfit is taken off; what the scatter leaves, 1, is none"""
-    return 1 + (1 - share) * (start.fitted.compared.excess - 1)
+    """Reduced chi-square once so much of the misfit is taken off; what the scatter leaves, 1, is none"""
+    return 1 + (1 - share) * (start.fitted.compared.reduced_chi2 - 1)
 
 
 def _comes_close(one: Refit, best: Refit, start: Baseline, criteria: Criteria) -> bool:
-    return one.excess < criteria.close * best.excess or nearly(one, best, start, criteria)
+    return one.reduced_chi2 < criteria.close * best.reduced_chi2 or nearly(one, best, start, criteria)
 
 
 def _unless_explained(
-    some: Sequence[Attempt], found: Results, scored: Sequence[Score], criteria: Criteria
-) -> Sequence[Attempt]:
+    some: Sequence[FitTask], found: CandidateFits, scored: Sequence[Score], criteria: Criteria
+) -> Sequence[FitTask]:
     """All of them as long as none before explains a misfit, on runs that no fit saw too; then only those that look like
     it."""
     best = min(found.values(), key=lambda r: r.trial.excess, default=None)
@@ -99,4 +106,4 @@ def _unless_explained(
         return ()  # the data ask for none of the best, as where nothing is missing
     matrix, names = np.abs(cosines(scored)), [s.effect.name for s in scored]
     alike = matrix[names.index(best.trial.effects[0])]
-    return [a for a in some if alike[names.index(a.effects[0].name)] > criteria.cosine_of_rivals]
+    return [a for a in some if alike[names.index(a.effects[0].name)] > criteria.cosine_to_refit]

@@ -1,4 +1,4 @@
-"""The study's modes at small force, told by their shapes however far an explanation moves them."""
+"""The study's modes at small force, known by their shapes however far an explanation moves them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -71,7 +71,7 @@ def low_force_modes(model: RigModel, windows: Mapping[str, tuple[float, float]],
     others: list[str] = []
     seen = min(abs(found.at(f"{component}.tip.x", int(np.argmin(abs(found.frequencies - f))))) for f in near.values())
     for i in np.flatnonzero(found.frequencies > max(near.values()) * (1 + 1e-9))[: 4 * _OTHERS]:
-        # one that hardly moves the tip is not seen in a test, and has no shape to be told by
+        # one that hardly moves the tip is not seen in a test, and has no shape to be known by
         if len(others) < _OTHERS and abs(found.at(f"{component}.tip.x", int(i))) > _SEEN * seen:
             others.append(f"mode {i + 1}")
             shapes[others[-1]], near[others[-1]] = found.shapes[points, i], float(found.frequencies[i])

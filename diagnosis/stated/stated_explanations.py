@@ -45,16 +45,16 @@ CONTACT = Nuisance(
 
 @dataclass(frozen=True, eq=False)
 class LowForceProblem:
-    """features: stated values that hold at small force; modes: which modes they are of; taken: effects of the rig
+    """features: stated values that hold at small force; modes: which modes they are of; rig_effects: effects of the rig
     file; each is compared in its standard deviations"""
 
     base: RigModel
     features: tuple[Feature, ...]
     modes: LowForceModes
-    taken: tuple[ChosenEffect, ...] = ()
+    rig_effects: tuple[ChosenEffect, ...] = ()
 
     def parametrisation(self, chosen: Sequence[Nuisance], effects: Sequence[Effect] = ()) -> Parametrisation:
-        return Parametrisation(self.base, tuple(chosen), tuple(effects), taken=self.taken)
+        return Parametrisation(self.base, tuple(chosen), tuple(effects), rig_effects=self.rig_effects)
 
     def frequencies(self, model: RigModel) -> Floats:
         """(n_features,) [Hz]"""

@@ -30,7 +30,7 @@ _LEFT, _RIGHT = "damper.corner_left.y", "damper.corner_right.y"
 
 
 @dataclass(frozen=True)
-class Rival:
+class SurvivingExplanation:
     """An explanation, with what the stated values leave open of it: load_exponent: contact stiffness ~ load^exponent"""
 
     name: str
@@ -101,7 +101,7 @@ class Solved:
 class StatedPrediction:
     """value: (n_quantities,); deviation: (n_quantities,) from what the stated values leave open"""
 
-    rival: Rival
+    survivor: SurvivingExplanation
     value: Floats
     deviation: Floats
 
@@ -141,33 +141,37 @@ def _ratio_of_peaks(mode: str, other: str) -> Callable[[Solved], float]:
     return lambda solved: solved.peak(mode) / solved.peak(other)
 
 
-def predict(
-    rivals: Sequence[Rival], modes: LowForceModes, wanted: Sequence[MeasurableQuantity]
+def predict_quantities(
+    survivors: Sequence[SurvivingExplanation], modes: LowForceModes, wanted: Sequence[MeasurableQuantity]
 ) -> tuple[StatedPrediction, ...]:
-    """Of each rival, with what its parameters' uncertainty makes of it to first order."""
-    return tuple(_predicted(rival, modes, wanted) for rival in rivals)
+    """Of each explanation, with what its parameters' uncertainty makes of it to first order."""
+    return tuple(_predicted(survivor, modes, wanted) for survivor in survivors)
 
 
-def _predicted(rival: Rival, modes: LowForceModes, wanted: Sequence[MeasurableQuantity]) -> StatedPrediction:
-    e = rival.explanation
+def _predicted(
+    survivor: SurvivingExplanation, modes: LowForceModes, wanted: Sequence[MeasurableQuantity]
+) -> StatedPrediction:
+    e = survivor.explanation
     lower, upper = e.parametrisation.lower, e.parametrisation.upper
-    value, slopes = _values(rival, e.u, modes, wanted), np.zeros((len(wanted), len(e.u)))
+    value, slopes = _values(survivor, e.u, modes, wanted), np.zeros((len(wanted), len(e.u)))
     for i in range(len(e.u)):
         above, below = e.u.copy(), e.u.copy()
         above[i], below[i] = min(e.u[i] + _STEP, upper[i]), max(e.u[i] - _STEP, lower[i])
-        change = _values(rival, above, modes, wanted) - _values(rival, below, modes, wanted)
+        change = _values(survivor, above, modes, wanted) - _values(survivor, below, modes, wanted)
         slopes[:, i] = change / (above[i] - below[i])
     deviation = np.sqrt(np.einsum("qi,ij,qj->q", slopes, e.covariance, slopes))
     for u in e.as_good:
         # two standard deviations off at most
-        deviation = np.maximum(deviation, np.abs(_values(rival, u, modes, wanted) - value) / 2)
-    return StatedPrediction(rival, value, deviation)
+        deviation = np.maximum(deviation, np.abs(_values(survivor, u, modes, wanted) - value) / 2)
+    return StatedPrediction(survivor, value, deviation)
 
 
-def _values(rival: Rival, u: Floats, modes: LowForceModes, wanted: Sequence[MeasurableQuantity]) -> Floats:
+def _values(
+    survivor: SurvivingExplanation, u: Floats, modes: LowForceModes, wanted: Sequence[MeasurableQuantity]
+) -> Floats:
     solved = {}
     for load in dict.fromkeys(q.load for q in wanted):
-        model = rival.model(u, load)
+        model = survivor.model(u, load)
         solved[load] = Solved(model, modes.solved(model, tuple(modes.shapes)), modes.component)
     return np.array([q.read(solved[q.load]) for q in wanted])
 
@@ -175,7 +179,7 @@ def _values(rival: Rival, u: Floats, modes: LowForceModes, wanted: Sequence[Meas
 def separating(
     predictions: Sequence[StatedPrediction], wanted: Sequence[MeasurableQuantity]
 ) -> tuple[NextMeasurement, ...]:
-    """For each pair of rivals the measurements that separate them best per hour; a pair that none separates has one."""
+    """For each pair of explanations the measurements that separate them best per hour; the best one where none does."""
     found = []
     for a, b in combinations(predictions, 2):
         measurements = [_measurement(a, b, i, q) for i, q in enumerate(wanted)]
@@ -194,6 +198,6 @@ def _measurement(a: StatedPrediction, b: StatedPrediction, i: int, q: Measurable
     apart = abs(one - other) / max(float(np.sqrt(noise**2 + a.deviation[i] ** 2 + b.deviation[i] ** 2)), 1e-300)
     unit = f" {q.unit}" if q.unit else ""
     hint = "" if apart >= DECIDES else " (that is a hint at most)"
-    names = (a.rival.name, b.rival.name)
+    names = (a.survivor.name, b.survivor.name)
     sentence = f"{q.what}: {one:.4g}{unit} with {names[0]}, {other:.4g}{unit} with {names[1]}{hint}"
     return NextMeasurement(sentence, names, apart, q.hours)

@@ -10,7 +10,12 @@ import numpy as np
 
 from updamp.comparison.comparison import Calibrated
 from updamp.diagnosis.stated.stated_explanations import MET, Explanation, Explanations, LowForceProblem
-from updamp.diagnosis.stated.stated_predictions import MeasurableQuantity, Rival, StatedPrediction, separating
+from updamp.diagnosis.stated.stated_predictions import (
+    MeasurableQuantity,
+    StatedPrediction,
+    SurvivingExplanation,
+    separating,
+)
 from updamp.diagnosis.stated.stated_score import StatedScore
 from updamp.diagnosis.verdict import Candidate, Confounding, ErrorReached, FittedParameter, Outcome, Step, Verdict
 from updamp.effects.effect import Effect
@@ -31,13 +36,12 @@ def verdict_of(
     wanted: Sequence[MeasurableQuantity],
     provenance: Mapping[str, str],
 ) -> Verdict:
-    """predictions: of `rivals(found)`, of the quantities `wanted`"""
+    """predictions: of `survivors_of(found)`, of the quantities `wanted`"""
     outcome, group = decided(found)
     accepted = _accepted(found)
     best = min((found.helped[name] for name in accepted), key=lambda e: e.chi2, default=found.calibrated)
     nan, n = float("nan"), len(problem.features)
     before, after = (float(np.sqrt(e.chi2 / n)) for e in (found.as_given, best))
-    shown = tuple(name for name in scored)
     return Verdict(
         verdict=outcome,
         sentence=_sentence(outcome, found),
@@ -47,7 +51,7 @@ def verdict_of(
         error=ErrorReached(before, after, nan, nan, 1.0),
         next_measurement=separating(predictions, wanted),
         signatures=(),
-        confounding=Confounding(shown, _cosines(scored), 0.9, _alike(scored, 0.9)),
+        confounding=Confounding(tuple(scored), _cosines(scored), 0.9, _alike(scored, 0.9)),
         missing_forces=(),
         history=(Step((), before, nan),),
         provenance=provenance,
@@ -67,28 +71,28 @@ def decided(found: Explanations) -> tuple[Outcome, tuple[str, ...]]:
     return ("undecidable" if any(e.met for e in found.pairs) else "unknown"), ()
 
 
-def rivals(found: Explanations) -> tuple[Rival, ...]:
+def survivors_of(found: Explanations) -> tuple[SurvivingExplanation, ...]:
     """The surviving explanations: of contact stiffness also that it comes from the pressure."""
-    survivors: list[Rival] = []
+    survivors: list[SurvivingExplanation] = []
     if found.as_given.met:
         return ()
     for e in (e for e in found.single if e.met):
-        survivors.append(Rival(e.name, e))
+        survivors.append(SurvivingExplanation(e.name, e))
         if e.name in ("normal_stiffness", "contact_stiffness"):
-            survivors.append(Rival(f"{e.name} by pressure", e, HERTZ))
+            survivors.append(SurvivingExplanation(f"{e.name} by pressure", e, HERTZ))
     if not survivors and found.calibrated.met:
-        survivors.append(Rival("calibration", found.calibrated))
+        survivors.append(SurvivingExplanation("calibration", found.calibrated))
     for name in _accepted(found):
         fit = found.alone[name] if found.alone[name].met else found.helped[name]
-        survivors.append(Rival(fit.name, fit))
+        survivors.append(SurvivingExplanation(fit.name, fit))
     return tuple(survivors)
 
 
 def _accepted(found: Explanations) -> tuple[str, ...]:
-    return tuple(name for name in found.helped if not reason_against(found, name))
+    return tuple(name for name in found.helped if not why_not_the_cause(found, name))
 
 
-def reason_against(found: Explanations, name: str) -> str:
+def why_not_the_cause(found: Explanations, name: str) -> str:
     """Why an effect that moves a stated value is not taken to be the cause, "" if it is."""
     alone, helped = found.alone[name], found.helped[name]
     if not helped.met:
@@ -101,14 +105,14 @@ def reason_against(found: Explanations, name: str) -> str:
 def worst(e: Explanation) -> str:
     """The stated value that is missed most, and nuisance parameters that cannot be believed."""
     i = int(np.argmax(np.abs(e.off)))
-    said = f"a frequency {abs(e.off[i]):.3g} standard deviations {'high' if e.off[i] > 0 else 'low'}"
+    missed = f"a frequency {abs(e.off[i]):.3g} standard deviations {'high' if e.off[i] > 0 else 'low'}"
     if abs(e.off[i]) <= MET:
         deviation = e.parametrisation.deviation
         n = len(e.parametrisation.nuisances)
         j = int(np.argmax(np.abs(e.u[:n]) / deviation[:n]))
         name = e.parametrisation.names[j]
-        said = f"{name} at {np.exp(e.u[j]):.3g} times the rig file's"
-    return said
+        missed = f"{name} at {np.exp(e.u[j]):.3g} times the rig file's"
+    return missed
 
 
 def _sentence(outcome: Outcome, found: Explanations) -> str:
@@ -126,9 +130,9 @@ def _sentence(outcome: Outcome, found: Explanations) -> str:
     if not found.calibrated.met:
         return f"no single effect meets the stated values, {pairs} pairs do; so few values do not tell which"
     alone = [f"{e.name} at {next(iter(e.factors.values())):.3g} times the rig file's" for e in found.single if e.met]
-    said = f"the stated values do not ask for an effect: {' or '.join(alone) or 'calibration'} meets all of them"
+    sentence = f"the stated values do not ask for an effect: {' or '.join(alone) or 'calibration'} meets all of them"
     also = f", so would {', '.join(accepted)}" if accepted else ""
-    return said + also + (f", and {pairs} pairs of effects" if pairs else "")
+    return sentence + also + (f", and {pairs} pairs of effects" if pairs else "")
 
 
 def _candidates(
@@ -136,32 +140,36 @@ def _candidates(
 ) -> tuple[Candidate, ...]:
     nan, listed = float("nan"), []
     for effect in effects:
-        said = effect.name, effect.sentence
+        named = effect.name, effect.sentence
         if effect.name in found.helped:
-            helped, score, reason = found.helped[effect.name], scored[effect.name], reason_against(found, effect.name)
+            helped, score, reason = (
+                found.helped[effect.name],
+                scored[effect.name],
+                why_not_the_cause(found, effect.name),
+            )
             drop = found.calibrated.chi2 - helped.chi2
             bic = drop - len(effect.parameters) * float(np.log(len(helped.off)))
             fit = found.alone[effect.name] if found.alone[effect.name].met else helped
             listed.append(
-                Candidate(*said, score.score, score.visibility, score.score**2, drop, bic, nan, _parameters(fit),
+                Candidate(*named, score.score, score.visibility, score.score**2, drop, bic, nan, _parameters(fit),
                           not reason, reason)
             )  # fmt: skip
         else:
             why = found.without_place.get(effect.name, "it does not move a resonance at small force")
-            listed.append(Candidate(*said, 0.0, 0.0, 0.0, nan, nan, nan, (), False, why))
+            listed.append(Candidate(*named, 0.0, 0.0, 0.0, nan, nan, nan, (), False, why))
     return tuple(sorted(listed, key=lambda c: (not c.accepted, -c.obtained_drop if c.obtained_drop > 0 else 0.0)))
 
 
 def _parameters(fit: Explanation) -> tuple[FittedParameter, ...]:
     (effect,), n = fit.parametrisation.effects, len(fit.parametrisation.nuisances)
-    values, said = fit.parametrisation.values(fit.u)[effect.name], []
+    values, found = fit.parametrisation.values(fit.u)[effect.name], []
     for i, p in enumerate(effect.parameters):
         half = _95 * float(np.sqrt(fit.covariance[n + i, n + i])) * abs(p.typical - p.null)
         value = values[p.name]
         others = [fit.parametrisation.values(u)[effect.name][p.name] for u in fit.as_good]
         lower, upper = max(min([value - half, *others]), p.lower), min(max([value + half, *others]), p.upper)
-        said.append(FittedParameter(p.name, p.unit, value, lower, upper, p.null, p.lower, p.upper))
-    return tuple(said)
+        found.append(FittedParameter(p.name, p.unit, value, lower, upper, p.null, p.lower, p.upper))
+    return tuple(found)
 
 
 def _calibration(fit: Explanation) -> tuple[Calibrated, ...]:

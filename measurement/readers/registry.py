@@ -1,4 +1,5 @@
-"""Readers of data files: each registers itself by the one line above its function."""
+"""Readers of data files: each registers itself by the one line above its function. Before it opens a file it asks
+whether that can be used at all (`usable_file`)."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -72,9 +73,6 @@ def reader_of(path: Path, name: str | None) -> Reader:
         f"{path}: no reader for files ending in '{path.suffix}' (known are {endings}); "
         f'name one, such as reader = "{next(iter(_READERS))}"; there are {", ".join(_READERS)}'
     )
-
-
-# What every reader asks of a file before it opens it.
 
 
 def usable_file(path: Path, largest: float = float("inf")) -> None:

@@ -3,7 +3,7 @@
 from typing import Any
 
 from updamp.comparison.comparison import Backbone
-from updamp.report.markup import figure
+from updamp.report.markup import figure_element
 from updamp.report.section import Content, Report, ReportSection
 
 
@@ -12,7 +12,7 @@ def render(report: Report) -> Content | None:
     if not measured and not model:
         return None
     html = "<p>Shown for the mode and channel chosen above.</p>" if report.comparison.curves else ""
-    html += figure(
+    html += figure_element(
         "backbones",
         "Resonance frequency and equivalent loss factor against the displacement amplitude, and peak receptance "
         "against force: measured as points, calibrated model as a line.",

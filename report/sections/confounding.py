@@ -4,7 +4,7 @@ from html import escape
 
 import numpy as np
 
-from updamp.report.markup import TWO_SIDED_SCALE, figure
+from updamp.report.markup import TWO_SIDED_SCALE, figure_element
 from updamp.report.section import Content, Report, ReportSection
 
 CELL = 34  # px
@@ -31,9 +31,9 @@ def render(report: Report) -> Content | None:
         f"<p>Cosine between what two effects do to the data, calibration taken out: beyond ±{found.threshold:g} these "
         "data cannot tell them apart.</p>"
     )
-    text += f"<p>Cannot be told apart:</p><ul>{groups}</ul>" if groups else "<p>All of them can be told apart.</p>"
+    text += f"<p>Cannot be separated:</p><ul>{groups}</ul>" if groups else "<p>All of them can be separated.</p>"
     spoken = f"Matrix of cosines between the signatures of {len(names)} effects. {_alike(names, found.cosine)}"
-    plot = figure("confounding", spoken, height=220 + CELL * len(names))
+    plot = figure_element("confounding", spoken, height=220 + CELL * len(names))
     return Content(text + plot, {"confounding": {"data": [trace], "layout": layout}})
 
 

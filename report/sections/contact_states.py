@@ -1,6 +1,6 @@
 """What the contacts do at the peak of each curve."""
 
-from updamp.report.markup import BLUE, GREY, ORANGE, PURPLE, figure
+from updamp.report.markup import BLUE, GREY, ORANGE, PURPLE, figure_element
 from updamp.report.section import Content, Report, ReportSection
 
 STATES = (("stuck", BLUE), ("slipping", ORANGE), ("separating", PURPLE), ("open", GREY))
@@ -25,7 +25,7 @@ def render(report: Report) -> Content | None:
         "legend": {"orientation": "h", "traceorder": "normal", "x": 0, "y": 1.0, "yanchor": "bottom"},
     }  # fmt: skip
     spoken = "; ".join(f"{name}: {_in_words(shares)}" for name, shares in states.items())
-    html = figure("contact-states", f"Share of contacts at the peak. {spoken}.", height=120 + 28 * len(names))
+    html = figure_element("contact-states", f"Share of contacts at the peak. {spoken}.", height=120 + 28 * len(names))
     return Content(html, {"contact-states": {"data": traces, "layout": layout}})
 
 

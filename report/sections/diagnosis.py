@@ -27,7 +27,7 @@ def render(report: Report) -> Content | None:
 
 def _names(verdict: Verdict) -> str:
     sentences = {candidate.name: candidate.sentence for candidate in verdict.candidates}
-    title, names = ("Cannot be told apart", verdict.group) if verdict.group else ("Missing", verdict.effects)
+    title, names = ("Cannot be separated", verdict.group) if verdict.group else ("Missing", verdict.effects)
     items = "".join(f"<li><code>{escape(name)}</code> {escape(sentences.get(name, ''))}</li>" for name in names)
     return f'<h3>{title}</h3><ul class="findings">{items}</ul>' if items else ""
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import Any
 
 from updamp.diagnosis.verdict import Step
-from updamp.report.markup import BLUE, GREEN, GREY, MINUS, MISSING, VERMILLION, figure, number, table
+from updamp.report.markup import BLUE, GREEN, GREY, MINUS, MISSING, VERMILLION, figure_element, number, table
 from updamp.report.section import Content, Report, ReportSection
 
 HEAD = ("Step", "Effects in the model", "Misfit in the fit", "Misfit on held-out data")
@@ -24,7 +24,9 @@ def render(report: Report) -> Content | None:
         for name, step in zip(names, history, strict=True)
     ]
     spoken = f"Misfit step by step, on data of the fit and held out; repeatability is {number(floor, 3)}."
-    html = figure("waterfall", spoken, f"Dashed: repeatability, {number(floor, 3)}: what repeats alone give.", 400)
+    html = figure_element(
+        "waterfall", spoken, f"Dashed: repeatability, {number(floor, 3)}: what repeats alone give.", 400
+    )
     html += table(HEAD, rows, numbers_from=2)
     return Content(html, {"waterfall": _waterfall(names, history, floor)})
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.comparison import Comparison, CurvePair, MeasuredCurve, ModelCurve
-from updamp.report.markup import figure
+from updamp.report.markup import figure_element
 from updamp.report.phases import CurvePhases, phases_of
 from updamp.report.section import Content, Report, ReportSection
 
@@ -29,7 +29,7 @@ def render(report: Report) -> Content | None:
     curves = report.comparison.curves
     if not curves:
         return None
-    plot = figure(
+    plot = figure_element(
         "response",
         "Receptance against frequency, amplitude above and phase below: measured repeats as points with their "
         "95 % band, the model before calibration dashed, calibrated solid, parts no slow sweep visits dotted.",

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from updamp.diagnosis.verdict import MissingForce
-from updamp.report.markup import LEVELS, figure, level_name
+from updamp.report.markup import LEVELS, figure_element, level_name
 from updamp.report.section import Content, Report, ReportSection
 
 TEXT = """<p>The measured motion put into the model leaves a force over. Here it is per displacement and per velocity:
@@ -21,7 +21,7 @@ def render(report: Report) -> Content | None:
         return None
     forces = report.verdict.missing_forces
     readings = "".join(f"<li><strong>{escape(f.mode)}</strong>: {escape(f.reading)}</li>" for f in forces if f.reading)
-    plot = figure(
+    plot = figure_element(
         "missing-force",
         "Missing stiffness and missing damping against displacement amplitude, one colour a mode. "
         + " ".join(f"{force.mode}: {force.reading}." for force in forces),

@@ -62,7 +62,7 @@ def _cards(comparison: Comparison) -> str:
     names = ("Misfit before calibration", "Misfit after calibration") if comparison.calibration else ("Misfit",)
     cards = [
         *((name, number(value, 3), "times the scatter") for name, value in zip(names, rms, strict=False)),
-        ("χ² per degree of freedom", number(comparison.chi2_after / free, 3), f"{free} degrees of freedom"),
+        ("Reduced chi-square", number(comparison.chi2_after / free, 3), f"χ² over {free} degrees of freedom"),
     ]
     if comparison.curves:
         runs = {curve.run for curve in comparison.curves}

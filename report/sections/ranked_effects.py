@@ -4,7 +4,7 @@ import math
 from html import escape
 
 from updamp.diagnosis.verdict import Candidate, FittedParameter
-from updamp.report.markup import BLUE, MISSING, SKY, bar, figure, number, percent, table, with_unit
+from updamp.report.markup import BLUE, MISSING, SKY, bar, figure_element, number, percent, table, with_unit
 from updamp.report.section import Content, Report, ReportSection
 
 TEXT = """<p>Score: how far the effect stands out of the scatter, in standard deviations. Visibility: the share of its
@@ -24,7 +24,7 @@ def render(report: Report) -> Content | None:
     fitted = [_parameter_row(each, p) for each in candidates for p in each.parameters]
     if fitted:
         html += "<h3>Fitted parameters</h3>" + table(PARAMETER_HEAD, fitted, numbers_from=2)
-    html += "<h3>Predicted and obtained gain</h3>" + figure(
+    html += "<h3>Predicted and obtained gain</h3>" + figure_element(
         "gains",
         "Bars of the predicted and the obtained fall of chi-square, effect by effect; the table above has the numbers.",
         height=130 + ROW_HEIGHT * len(candidates),

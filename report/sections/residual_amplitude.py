@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from updamp.comparison.comparison import Comparison
-from updamp.report.markup import figure, level_word
+from updamp.report.markup import figure_element, level_word
 from updamp.report.section import Content, Report, ReportSection
 
 INTRODUCTION = """<p>Positive: measured above the model, or ahead of it in phase. Shown for the mode, channel and sweep
@@ -18,7 +18,7 @@ def render(report: Report) -> Content | None:
     if not points:
         return None
     level = level_word(report.comparison.level_unit)
-    html = INTRODUCTION.format(level=level) + figure(
+    html = INTRODUCTION.format(level=level) + figure_element(
         "residual-amplitude",
         "Residual of amplitude and of phase in standard deviations against the displacement amplitude, coloured by "
         f"{level}.",

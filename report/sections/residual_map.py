@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from updamp.comparison.comparison import PointResidual
-from updamp.report.markup import RESIDUAL_SCALE, figure, level_name
+from updamp.report.markup import RESIDUAL_SCALE, figure_element, level_name
 from updamp.report.section import Content, Report, ReportSection
 
 COLUMNS = 20  # of frequency; each as wide as it takes to hold as many points as the others
@@ -29,7 +29,7 @@ def render(report: Report) -> Content | None:
     modes, unit = dict.fromkeys(r.mode for r in known), comparison.level_unit
     maps = [_map_of([r for r in known if r.mode == mode], upwards, unit) for mode in modes]
     height = 150 + ROW_HEIGHT * max(max(len(each["rows"]) for each in maps), 6)  # room for the colour bar
-    html = INTRODUCTION + figure(
+    html = INTRODUCTION + figure_element(
         "residual-map",
         "Heat map of the residual's size: one panel a mode, one row a force level and sweep direction, frequency to "
         "the right. The largest are listed below it.",

@@ -1,6 +1,6 @@
 """What each effect would do to the data, over the residual that is to be explained."""
 
-from updamp.report.markup import figure
+from updamp.report.markup import figure_element
 from updamp.report.section import Content, Report, ReportSection
 
 TEXT = """<p>Points: residual of the calibrated model. Line: what the effect would change, calibration taken out and
@@ -22,7 +22,7 @@ def render(report: Report) -> Content | None:
         }
         for each in report.verdict.signatures
     ]  # fmt: skip
-    plot = figure(
+    plot = figure_element(
         "signatures",
         "Change of amplitude and of phase that the chosen effect makes, against frequency, over the residual.",
         height=400,

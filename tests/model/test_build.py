@@ -21,7 +21,7 @@ from updamp.hbm.newton.newton import solve
 from updamp.hbm.problem.linear_model import add_springs, from_matrices
 from updamp.hbm.problem.structural_changes import Attachment, attach
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
-from updamp.model.build import contact_elements, from_reduced, rig_model, wires
+from updamp.model.build import contact_group, from_reduced, rig_model, wire_attachments
 from updamp.model.rig_files import load_rig
 
 RIG_FILE = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
@@ -44,8 +44,8 @@ def side_by_side(stages) -> tuple[NonlinearSystem, Excitation]:
     """The coupled problem put together by hand: components, wires, contacts."""
     reduced, rest, rig = stages
     reduced, rest = DAMPER_MODELS[rig.damper_model].apply(reduced, rest)
-    linear = attach(from_reduced(reduced, rig.material.loss_factor), wires(rig))
-    balance, contacts = rig.harmonic_balance, contact_elements(reduced.contacts.area, rest, rig)
+    linear = attach(from_reduced(reduced, rig.material.loss_factor), wire_attachments(rig))
+    balance, contacts = rig.harmonic_balance, contact_group(reduced.contacts.area, rest, rig)
     system = NonlinearSystem(linear, (contacts,), Harmonics(balance.harmonics), balance.time_samples)
     return system, Excitation(linear.row(f"blade_{rig.excitation.blade}.excitation.x"), 25.0)
 
@@ -98,7 +98,7 @@ def test_wires_are_springs_at_both_ends_and_against_roll(stages):
     for side, sign in (("right", 1), ("left", -1)):
         directions[free.row(f"damper.corner_{side}.y"), 6] = sign / (2 * rig.face_bottom[0])
     stiffness[6] = rig.load.pull * rig.wire.attachment_height
-    expected, attached = add_springs(free, directions, stiffness), attach(free, wires(rig))
+    expected, attached = add_springs(free, directions, stiffness), attach(free, wire_attachments(rig))
     np.testing.assert_allclose(attached.omega_squared, expected.omega_squared, rtol=1e-12, atol=1e-3)
     np.testing.assert_allclose(attached.receptance(2000.0), expected.receptance(2000.0), rtol=1e-9, atol=1e-16)
 

@@ -142,7 +142,7 @@ def test_every_verdict_has_its_words(comparison: Comparison) -> None:
     group = ("shaker_attachment", "blade_mistuning")
     page = build_page(Report(comparison, replace(verdict, verdict="inseparable", effects=(), group=group)), SECTIONS)
     assert "these data cannot tell which" in page
-    assert "Cannot be told apart" in page
+    assert "Cannot be separated" in page
     for outcome in ("adequate", "unknown", "undecidable"):
         bare = replace(
             verdict, verdict=outcome, effects=(), history=verdict.history[:1],

@@ -7,7 +7,7 @@ import pytest
 from support.synthetic_comparison import synthetic_comparison
 
 from updamp.comparison.comparison import CurvePair, MeasuredCurve, ModelCurve
-from updamp.report.phases import CurvePhases, phases_of, turns, unwrapped
+from updamp.report.phases import CurvePhases, phases_of, turns, unwrapped_phase
 
 
 @pytest.fixture(scope="module")
@@ -78,7 +78,7 @@ def test_gaps_are_left_and_unwrapped_across():
     receptance = np.exp(-1j * np.radians([10.0, 120.0, 0.0, 230.0, 300.0]))
     receptance[2] = 0
     receptance[4] = np.nan
-    phase = unwrapped(receptance)
+    phase = unwrapped_phase(receptance)
     np.testing.assert_allclose(phase[[0, 1, 3]], [-10.0, -120.0, -230.0])
     assert np.isnan(phase[[2, 4]]).all()
 

@@ -24,7 +24,7 @@ from updamp.fem.static_contact.static_contact import static_contact
 from updamp.geometry.build_mesh import build_mesh
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.problem.structural_changes import attach
-from updamp.model.build import from_reduced, modal_model, rig_before_effects, rig_model, wires
+from updamp.model.build import from_reduced, modal_model, rig_before_effects, rig_model, wire_attachments
 from updamp.model.calibration import FRICTION, LOSS_FACTOR, NORMAL, YOUNGS_MODULUS
 from updamp.model.rig_files import load_modal, load_rig
 from updamp.rig.errors import RigError
@@ -212,7 +212,7 @@ def test_the_problem_of_a_curve_is_that_of_the_diagnosis_and_without_effects_tha
     rig = job_of(folder).rig
     reduced = plain_reduced_model(rig, build_mesh(rig, "small").contacts)
     rest = static_contact(reduced, rig)
-    by_hand = attach(from_reduced(reduced, rig.material.loss_factor), wires(rig))
+    by_hand = attach(from_reduced(reduced, rig.material.loss_factor), wire_attachments(rig))
     for name in ("omega_squared", "phi", "residual", "hysteretic", "viscous"):
         np.testing.assert_array_equal(getattr(plain.free, name), getattr(by_hand, name))
     assert request.excitation.force == 0.5
@@ -285,7 +285,7 @@ def test_a_fit_finds_the_same_whether_values_are_free_or_taken_up(nuisance, name
     reduced = plain_reduced_model(rig, build_mesh(rig, "small").contacts)
     base = rig_before_effects(reduced, static_contact(reduced, rig), rig)
     free = Parametrisation(base, (nuisance,), (effect,)).model(np.array([0.5, 1.0]))
-    taken = Parametrisation(base, (nuisance,), taken=resolved(rig.effects)).model(np.array([0.5]))
+    taken = Parametrisation(base, (nuisance,), rig_effects=resolved(rig.effects)).model(np.array([0.5]))
     other_order = nuisance.apply(rig_model(reduced, static_contact(reduced, rig), rig), float(np.exp(0.5)))
 
     def entries(model):

@@ -12,12 +12,12 @@ import pytest
 from rich.console import Console
 from support import measured_beam
 
-from updamp.diagnosis.candidate_models.attempts import Attempt, Done
 from updamp.diagnosis.candidate_models.baseline import Baseline
+from updamp.diagnosis.candidate_models.fit_tasks import FitTask, OnFitted
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.verdict import VERDICT_JSON, Verdict
 from updamp.workflow import diagnose_run as module
-from updamp.workflow.compare_run import CompareFiles, subject_of
+from updamp.workflow.compare_run import CompareFiles, comparison_inputs
 from updamp.workflow.diagnose_run import DiagnoseOptions, diagnose
 from updamp.workflow.progress import Display
 
@@ -83,11 +83,11 @@ def test_nothing_is_done_again(verdict: Verdict, folder: Path, monkeypatch: pyte
     def must_not_run(*_: object) -> None:
         raise AssertionError("this is known")
 
-    def nothing_to_run(_start: Baseline, _criteria: Criteria, attempts: Sequence[Attempt], _done: Done) -> list[None]:
-        assert not attempts, "these fits are known"
+    def nothing_to_run(_start: Baseline, _criteria: Criteria, tasks: Sequence[FitTask], _done: OnFitted) -> list[None]:
+        assert not tasks, "these fits are known"
         return []
 
-    monkeypatch.setattr(module, "RunBy", lambda _: nothing_to_run)
+    monkeypatch.setattr(module, "FitRunnerOf", lambda _: nothing_to_run)
     monkeypatch.setattr(module, "_report", lambda *_: None)
     for name in ("next_measurements", "baseline"):
         monkeypatch.setattr(module, name, must_not_run)
@@ -108,9 +108,9 @@ def test_what_is_known_is_dropped_when_a_user_s_effect_changes(tmp_path: Path) -
         (tmp_path / "more.py").write_text(looked_for, encoding="utf-8")
         options = DiagnoseOptions(own=(tmp_path / "more.py",), jobs=1 + i)
         with Display(Console(file=io.StringIO())) as display:
-            subject = subject_of(files, "full", 1, display, ())
-        assert [one.effect.name for one in subject.taken] == ["drag"]
-        digests.append(module._digest(files, "full", options, subject, module._effects(subject, options)))
+            inputs = comparison_inputs(files, "full", 1, display, ())
+        assert [one.effect.name for one in inputs.rig_effects] == ["drag"]
+        digests.append(module._digest(files, "full", options, inputs, module._effects(inputs, options)))
     assert len(set(digests)) == 3
     assert digests[2] == digests[3], "how many processes there are makes no difference"
 
@@ -144,14 +144,14 @@ def test_files_that_the_rig_file_names_count_and_its_comments_do_not(tmp_path: P
     uniform = 'model = "uniform"'
     assert uniform in text
     mapped = text.replace(uniform, 'model = "polynomial"\nmap = "film.csv"')
-    subject: Any = SimpleNamespace(measurement=SimpleNamespace(hashes={"sweeps.csv": "..."}))
+    inputs: Any = SimpleNamespace(measurement=SimpleNamespace(hashes={"sweeps.csv": "..."}))
 
     def digest(text: str, pressure: float) -> str:
         rig.write_text(text, encoding="utf-8")
         samples = [f"{s / 4},{z / 4},{pressure + s}" for s in range(-3, 4) for z in range(-3, 4)]
         film.write_text("\n".join(["s,z,pressure", *samples]), encoding="utf-8")
         files = CompareFiles(rig, tmp_path / "measurement.toml", tmp_path / "out")
-        return module._digest(files, "small", DiagnoseOptions(), subject, ())
+        return module._digest(files, "small", DiagnoseOptions(), inputs, ())
 
     known = digest(mapped, 5.0)
     assert digest(f"# looked at again\n{mapped}", 5.0) == known

@@ -9,7 +9,7 @@ from updamp.diagnosis.candidate_models.baseline import baseline
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.decision.conclude import conclude
 from updamp.diagnosis.decision.decide import decide
-from updamp.diagnosis.selection.search import Found, search
+from updamp.diagnosis.selection.search import SearchResult, search
 from updamp.diagnosis.verdict import Verdict
 from updamp.effects.catalogue import CATALOGUE, JOINTS
 from updamp.measurement.load import load_measurement
@@ -22,7 +22,7 @@ HELD_OUT = ("20 m/s2", "40 m/s2", "60 m/s2", "80 m/s2")
 
 
 @pytest.fixture(scope="module")
-def found() -> Found:
+def found() -> SearchResult:
     if not DATA.is_file():
         pytest.skip(f"{DATA} is missing: the beam's data are under GPL-3.0 and are kept beside the checkout")
     model = modal_before_effects(load_modal(ROOT / "rigs" / "brake_reuss.toml"))
@@ -34,7 +34,7 @@ def found() -> Found:
 
 
 @pytest.fixture(scope="module")
-def verdict(found: Found) -> Verdict:
+def verdict(found: SearchResult) -> Verdict:
     return conclude(found, decide(found.evidence, Criteria()), Criteria(), {"beam.drive.x": "accelerometer"})
 
 
@@ -51,7 +51,7 @@ def test_error_falls_to_repeatability_on_runs_that_no_fit_has_seen(verdict: Verd
     assert verdict.error.held_out_after < 1.05
 
 
-def test_other_single_effects_are_worse_or_cannot_be_seen(found: Found, verdict: Verdict) -> None:
+def test_other_single_effects_are_worse_or_cannot_be_seen(found: SearchResult, verdict: Verdict) -> None:
     trials = {t.effects: t for t in (*found.evidence.trials, *found.evidence.pairs)}
     pair = trials[verdict.effects]
     assert 1.6 < trials["joint_quadratic",].excess / pair.excess < 2.2
@@ -70,6 +70,6 @@ def test_microslips_parameters(verdict: Verdict) -> None:
     assert 0.4 < values["exponent"].lower < values["exponent"].value < values["exponent"].upper < 0.9
 
 
-def test_effects_of_contacts_are_refused(found: Found) -> None:
+def test_effects_of_contacts_are_refused(found: SearchResult) -> None:
     assert "no contacts" in found.extended.refused["sub_patch_microslip"]
     assert "blade_left.tip.x" in found.extended.refused["material_damping"]

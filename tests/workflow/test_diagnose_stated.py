@@ -8,7 +8,7 @@ import pytest
 from support.plain_rig import plain_reduced_model
 
 from updamp.diagnosis.stated.low_force_modes import low_force_modes
-from updamp.diagnosis.stated.stated_predictions import Rival
+from updamp.diagnosis.stated.stated_predictions import SurvivingExplanation
 from updamp.diagnosis.verdict import VERDICT_JSON
 from updamp.effects.catalogue import CATALOGUE
 from updamp.fem.static_contact.static_contact import static_contact
@@ -156,15 +156,15 @@ def test_only_low_forces_are_used(model, windows):
 
 
 def test_load_leaves_the_stated_pressure(model, windows):
-    """k = k0 (p/p0)^m with a fixed p0: under twice the load all contacts are stiffer by 2^m."""
+    """k = k0 (p/p0)^m with a fixed p0: under twice the load all contacts are stiffer by 2^m, and so are the wires."""
     effect = CATALOGUE["pressure_dependent_stiffness"]
     features = stated(model, windows, model)
     found = diagnose_stated(model, windows, BLADE, features, EFFECTS[2:])
     with_effect = replace(
         found.found.as_given, parametrisation=found.problem.parametrisation((), (effect,)), u=np.array([1.5])
     )
-    loaded = Rival("pressure", with_effect).model(with_effect.u, 2.0)
-    stiffer = NORMAL.apply(model, 2**0.3)
+    loaded = SurvivingExplanation("pressure", with_effect).model(with_effect.u, 2.0)
+    stiffer = NORMAL.apply(model.with_pull(2.0), 2**0.3)
     stiffer = stiffer.with_contacts(kt=np.asarray(stiffer.contacts.parameters.kt) * 2**0.3)
     expected = small_amplitude(stiffer, 300.0).frequencies[:3]
     np.testing.assert_allclose(small_amplitude(loaded, 300.0).frequencies[:3], expected, rtol=1e-6)

@@ -8,11 +8,12 @@ import pytest
 from support.small_model import FINE, NUISANCES, condition, parametrisation, synthetic_plan
 
 from updamp.comparison.findings.all_findings import all_findings
-from updamp.comparison.findings.backbone import resonance
+from updamp.comparison.findings.backbone import read_resonance
 from updamp.comparison.findings.findings import AMPLITUDE, DAMPING, FREQUENCY, SENSOR
 from updamp.comparison.findings.peak_misfit import PeakMisfit, peak_misfits, without_peak
 from updamp.comparison.findings.peak_sentences import peak_findings, without_peak_findings
-from updamp.comparison.fit.fit import Fit, compare_at
+from updamp.comparison.fit.compared import compare_at
+from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Observations, Plan
 from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.prediction.predicted_branch import PredictedBranch, trace_branch
@@ -143,7 +144,7 @@ def test_of_a_linear_oscillator(loss_factor: float, sign: int, points: int) -> N
     """At the driving point or opposite to it, swept either way; at least five points in the width of the resonance."""
     f = np.linspace(79.07, 81.0, points)[::sign]
     receptance = sign * 0.5 / ((2 * np.pi * 80) ** 2 * (1 + 1j * loss_factor) - (2 * np.pi * f) ** 2)
-    found = resonance(f, receptance, np.full(points, 3.0))
+    found = read_resonance(f, receptance, np.full(points, 3.0))
     assert found.loss_factor == pytest.approx(loss_factor, rel=0.02)
     assert found.frequency == pytest.approx(80, abs=0.03)
     assert found.receptance == pytest.approx(0.5 / ((2 * np.pi * 80) ** 2 * loss_factor), rel=0.03)
@@ -156,5 +157,5 @@ def test_no_damping_is_told_where_the_phase_does_not_turn_as_an_oscillator_does(
     receptance = 0.5 / ((2 * np.pi * 80) ** 2 * (1 + 0.003j) - (2 * np.pi * f) ** 2)
     size = np.abs(receptance)
     flat = receptance / np.sqrt(1 + (size / (0.5 * size.max())) ** 2)
-    assert np.isnan(resonance(f, flat, np.ones(201)).loss_factor)
-    assert resonance(f, flat, np.ones(201)).frequency == pytest.approx(80, abs=0.02)
+    assert np.isnan(read_resonance(f, flat, np.ones(201)).loss_factor)
+    assert read_resonance(f, flat, np.ones(201)).frequency == pytest.approx(80, abs=0.02)

@@ -7,7 +7,8 @@ import pytest
 from support.small_model import FINE, NUISANCES, condition, parametrisation, synthetic_plan
 
 from updamp.comparison.findings.findings import findings, misfits
-from updamp.comparison.fit.fit import Fit, compare_at, fit, predict
+from updamp.comparison.fit.compared import compare_at, predict_branches
+from updamp.comparison.fit.fit import Fit, fit
 from updamp.comparison.fit.observations import Plan, roughness
 from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.prediction.predicted_branch import trace_branch
@@ -50,7 +51,7 @@ def test_chi2_at_the_truth_is_that_of_the_scatter(runs):
 def test_offsets_of_the_assemblies_are_found(runs):
     """Friction's, which nothing else imitates: within a third of its scatter."""
     plan, drawn = runs
-    branches = predict(parametrisation(), TRUTH, plan)
+    branches = predict_branches(parametrisation(), TRUTH, plan)
     found = compare_at(parametrisation(), TRUTH, plan, branches, KNOWN)
     slip = np.array([o.parameters[2] + o.parameters[3] for o in found.offsets.values()])
     np.testing.assert_allclose(slip, drawn[:, 2] + drawn[:, 3], atol=0.015)

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 from support.small_model import condition, parametrisation, small_model, synthetic_plan
 
-from updamp.comparison.fit.fit import FitOptions, fit, predict
+from updamp.comparison.fit.compared import predict_branches
+from updamp.comparison.fit.fit import FitOptions, fit
 from updamp.comparison.fit.numerical_gate import (
     change_of_branch,
     finer_than,
     moved_by_numerics,
-    unwrapped,
     with_numerical_error,
+    with_unwrapped_phases,
 )
 from updamp.hbm.harmonics import Harmonics
 from updamp.model.calibration import YOUNGS_MODULUS
@@ -25,15 +26,15 @@ def gated():
     """A plan, and the parametrisation with a finer model that is stiffer."""
     plain = parametrisation()
     plan, _ = synthetic_plan(plain, np.zeros(4), (condition(30.0),), np.full(4, 1e-4), seed=2)
-    branches = predict(plain, np.zeros(4), plan)
+    branches = predict_branches(plain, np.zeros(4), plan)
     finer = {"stiffer": YOUNGS_MODULUS.apply(small_model(), float(np.exp(STIFFER)))}
     return plan, with_numerical_error(plain, np.zeros(4), plan, branches, finer)
 
 
 def test_the_change_by_another_model_is_free_of_the_error_that_was_taken_off(gated):
     plan, p = gated
-    (branch,) = predict(p, np.zeros(len(p)), plan)
-    observed = unwrapped(branch.at(branch.place).value)
+    (branch,) = predict_branches(p, np.zeros(len(p)), plan)
+    observed = with_unwrapped_phases(branch.at(branch.place).value)
     same = change_of_branch(small_model(), branch.condition, observed, p.numerics)
     assert np.abs(same).max() < 2e-3
     # else the error itself would count as what the other model changes

@@ -12,7 +12,7 @@ from updamp.comparison.prediction.moved_branch import move_branch
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch, observe, observe_swept, trace_branch
 from updamp.comparison.prediction.run_condition import RunCondition
-from updamp.comparison.prediction.swept_points import OtherEnd, swept_points
+from updamp.comparison.prediction.swept_points import BranchFromFarEnd, swept_points
 from updamp.effects.catalogue import JOINTS
 from updamp.hbm.continuation.continuation import BranchStoppedError, continue_branch
 from updamp.hbm.newton.newton import Status
@@ -149,7 +149,7 @@ def stopping(*frequencies: float):
 
 
 def test_a_way_back_that_stops_ends_at_what_is_found_from_the_other_end():
-    other = OtherEnd(lambda: points(12, 11, 10, 9.5, 8.9, 8.8, 8.7, 8.6, 8.5), 10.0)
+    other = BranchFromFarEnd(lambda: points(12, 11, 10, 9.5, 8.9, 8.8, 8.7, 8.6, 8.5), 10.0)
     found, stopped = swept_points(stopping(6, 7, 8, 9, *BACK[:6]), True, Kept, other)
     assert stopped == ""
     ahead = [(8.6, True), (8.7, False), (8.8, False), (8.9, False), *((w, False) for w in (9.5, 10, 11, 12))]
@@ -157,8 +157,8 @@ def test_a_way_back_that_stops_ends_at_what_is_found_from_the_other_end():
 
 
 def test_an_other_end_that_turns_back_or_stops_leaves_the_way_back():
-    turning = OtherEnd(lambda: points(12, 11, *(11 + 0.05 * i for i in range(1, 30))), 10.0)
-    for other in (turning, OtherEnd(lambda: stopping(12, 11, 10), 10.0)):
+    turning = BranchFromFarEnd(lambda: points(12, 11, *(11 + 0.05 * i for i in range(1, 30))), 10.0)
+    for other in (turning, BranchFromFarEnd(lambda: stopping(12, 11, 10), 10.0)):
         found = swept_points(points(8, 9, *BACK, 9.5, 12), True, Kept, other)
         assert of(found[0]) == of(swept_points(points(8, 9, *BACK, 9.5, 12), True, Kept)[0])
         assert found[1] == ""
@@ -168,7 +168,9 @@ def test_a_second_fold_may_be_reached_though_the_first_was_not():
     """Hysteresis of one mode after the other: from the other end the branch turns back between both folds."""
     back = [9 - 0.1 * i for i in range(1, 20)]
     first_fold = points(8, 9, *back, 9.5, 13, *(13 - 0.2 * i for i in range(1, 40)))
-    other = OtherEnd(lambda: points(16, 15, 14, 12.5, 12, 11.5, 11, *(11 + 0.05 * i for i in range(1, 30))), 10.0)
+    other = BranchFromFarEnd(
+        lambda: points(16, 15, 14, 12.5, 12, 11.5, 11, *(11 + 0.05 * i for i in range(1, 30))), 10.0
+    )
     found, _ = swept_points(first_fold, True, Kept, other)
     assert [k.point.w for k in found[-7:]] == [11, 11.5, 12, 12.5, 14, 15, 16]
     assert 9.5 in [k.point.w for k in found]  # the first way back was followed

@@ -9,7 +9,7 @@ from support.small_model import NUISANCES, condition, small_model, synthetic_pla
 from updamp.comparison.fit import numerical_gate
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.diagnosis.candidate_models.baseline import baseline
-from updamp.diagnosis.candidate_models.other_sizes import SIZES, as_likely, have_two_signs, resized
+from updamp.diagnosis.candidate_models.other_sizes import SIZE_FACTORS, as_likely, fit_from_size, have_two_signs
 from updamp.diagnosis.candidate_models.refit import Starts, refit
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.decision.conclude import parameters
@@ -59,7 +59,7 @@ def test_the_other_minimum_is_found_is_as_likely_and_is_in_the_interval(fitted):
     (one,) = parameters(found, TWOFOLD)
     assert one.value == pytest.approx(ALIKE[0], rel=0.1)
     assert one.upper < ALIKE[1]
-    other = resized(found.fitted, (TWOFOLD,), 2.0, start)
+    other = fit_from_size(found.fitted, (TWOFOLD,), 2.0, start)
     assert other.parametrisation.values(other.u)["twofold"]["size"] == pytest.approx(ALIKE[1], rel=0.1)
     assert as_likely(other, found.fitted)
     (both,) = parameters(replace(found, also=(other,)), TWOFOLD)
@@ -68,8 +68,8 @@ def test_the_other_minimum_is_found_is_as_likely_and_is_in_the_interval(fitted):
 
 def test_where_there_is_one_minimum_every_size_leads_back_to_it(fitted):
     start, found = fitted(PLAIN)
-    for size in SIZES:
-        again = resized(found.fitted, (PLAIN,), size, start)
+    for size in SIZE_FACTORS:
+        again = fit_from_size(found.fitted, (PLAIN,), size, start)
         np.testing.assert_allclose(again.u[-1], found.fitted.u[-1], atol=0.5 * found.fitted.deviations[-1])
 
 

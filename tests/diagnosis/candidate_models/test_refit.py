@@ -8,12 +8,12 @@ from support.small_model import NUISANCES, condition, small_model, synthetic_pla
 
 from updamp.comparison.fit import numerical_gate
 from updamp.comparison.prediction.parameters import Parametrisation
-from updamp.diagnosis.candidate_models.attempts import Attempt, run_here
-from updamp.diagnosis.candidate_models.baseline import baseline, gated_again
-from updamp.diagnosis.candidate_models.fits import Fits
+from updamp.diagnosis.candidate_models.baseline import baseline, with_own_numerics
+from updamp.diagnosis.candidate_models.candidate_fits import FitContext
+from updamp.diagnosis.candidate_models.fit_tasks import FitTask, fit_here
 from updamp.diagnosis.candidate_models.refit import FULL, Starts, refit
 from updamp.diagnosis.criteria import Criteria
-from updamp.diagnosis.selection.single_effects import numerics_anew
+from updamp.diagnosis.selection.single_effects import refits_with_own_numerics
 from updamp.effects.effect import Effect, EffectParameter
 from updamp.hbm.problem.structural_changes import Attachment
 
@@ -64,12 +64,12 @@ def test_a_fit_that_leaves_a_misfit_of_its_mesh_explains_the_data_once_that_is_k
     starts = Starts((np.ones(1),), ())
     start = baseline(small_model(), (), plan, {"fine": FINE})
     found = refit(start.fitted, plan, (SPRING,), starts, Criteria(), full=True)
-    again = gated_again(found.fitted, start, FULL)
+    again = with_own_numerics(found.fitted, start, FULL)
     # what the right model leaves: sensors, and the interpolation between points of a single contact's branch
     right = replace(start.fitted, parametrisation=replace(start.fitted.parametrisation, base=FINE))
-    least = refit(right, plan, (SPRING,), starts, Criteria(), full=True).excess
-    assert found.excess > 20 * least
-    assert again.compared.excess < 2 * least  # what the mesh changes was found where the first fit ended
+    least = refit(right, plan, (SPRING,), starts, Criteria(), full=True).reduced_chi2
+    assert found.reduced_chi2 > 20 * least
+    assert again.compared.reduced_chi2 < 2 * least  # what the mesh changes was found where the first fit ended
     assert again.parametrisation.values(again.u)["spring"]["size"] == pytest.approx(1.0, rel=0.1)
 
 
@@ -94,11 +94,15 @@ def test_a_fit_that_ended_at_the_wrong_sign_is_turned_round(monkeypatch):
     truth = Parametrisation(shown_weakly(FINE, {"size": 1.0}), NUISANCES)
     plan, _ = synthetic_plan(truth, np.zeros(4), (condition(60.0),), np.array([1e-4, 0.02, 0.02, 0.01]), seed=7)
     start, criteria = baseline(small_model(), (), plan, {"fine": FINE}), Criteria()
-    (found,) = run_here(start, criteria, [Attempt((WEAKLY,), (-np.ones(1),), full=True)], lambda *_: None)
+    (found,) = fit_here(start, criteria, [FitTask((WEAKLY,), (-np.ones(1),), full=True)], lambda *_: None)
     assert found.refit.fitted.u[found.refit.fitted.parametrisation.columns("spring")] < 0
-    tries = [Attempt((WEAKLY,), (), True, near=found.refit.fitted, gated_again=True, size=size) for size in (1.0, -1.0)]
-    same, turned = run_here(start, criteria, tries, lambda *_: None)
-    best = numerics_anew(Fits(start, criteria, lambda _: None, run_here), {("spring",): found})[("spring",)]
+    tries = [
+        FitTask((WEAKLY,), (), True, near=found.refit.fitted, own_numerics=True, size=size) for size in (1.0, -1.0)
+    ]
+    same, turned = fit_here(start, criteria, tries, lambda *_: None)
+    best = refits_with_own_numerics(FitContext(start, criteria, lambda _: None, fit_here), {("spring",): found})[
+        ("spring",)
+    ]
     assert same.refit.drop < turned.refit.drop == pytest.approx(best.refit.drop)
     p = best.refit.fitted.parametrisation
     assert p.values(best.refit.fitted.u)["spring"]["size"] == pytest.approx(1.0, rel=0.3)

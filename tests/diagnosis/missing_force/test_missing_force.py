@@ -8,7 +8,7 @@ import pytest
 from support.amplitude_damper import AmplitudeDamper, AmplitudeDamperParameters
 from support.small_model import condition, small_model, synthetic_plan
 
-from updamp.comparison.fit.fit import compare_at, predict
+from updamp.comparison.fit.compared import compare_at, predict_branches
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.prediction.parameters import Parametrisation
@@ -32,7 +32,7 @@ MODEL = Parametrisation(small_model(), KNOWN)
 def missing():
     """What is read off data of a hidden model with the plain small model."""
     empty = Plan(CONDITIONS, ())
-    branches = predict(MODEL, np.zeros(2), empty)
+    branches = predict_branches(MODEL, np.zeros(2), empty)
     scatter = Scatter({n.name: n.scatter for n in KNOWN}, drift=5e-5, gain=0.005)
 
     def read(hidden):

@@ -9,14 +9,20 @@ import pytest
 from support.amplitude_damper import AmplitudeDamper, AmplitudeDamperParameters
 from support.small_model import condition, small_model, synthetic_plan
 
-from updamp.comparison.fit.fit import compare_at, fit, predict
+from updamp.comparison.fit.compared import compare_at, predict_branches
+from updamp.comparison.fit.fit import fit
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import trace_branch
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.decision.decide import Decision
 from updamp.diagnosis.evidence import Evidence, Trial
 from updamp.diagnosis.next_measurement.candidate_runs import candidate_runs
-from updamp.diagnosis.next_measurement.next_measurement import NOTHING, _worth_recording, next_measurements, rivals
+from updamp.diagnosis.next_measurement.next_measurement import (
+    NOTHING,
+    _worth_recording,
+    next_measurements,
+    surviving_explanations,
+)
 from updamp.diagnosis.next_measurement.separation import PredictedRun, distance, separation
 from updamp.diagnosis.verdict import NextMeasurement
 from updamp.effects.effect import Effect, EffectParameter
@@ -116,7 +122,7 @@ def test_the_separation_foretells_what_the_run_shows(explanations):
 
 def _adjusted(f, plan):
     """chi2 of new data alone, with the parameters' covariance so far."""
-    about = compare_at(f.parametrisation, f.u, plan, predict(f.parametrisation, f.u, plan), f.compared.scatter)
+    about = compare_at(f.parametrisation, f.u, plan, predict_branches(f.parametrisation, f.u, plan), f.compared.scatter)
     residual, columns = about.equations()
     right = columns.T @ residual
     return residual @ residual - right @ np.linalg.solve(np.linalg.inv(f.covariance) + columns.T @ columns, right)
@@ -167,7 +173,7 @@ def trial(*effects, excess, delta_bic=50.0, full=True, drop=100.0):
 
 
 def found(*trials):
-    """Fits stand for themselves by the names of their effects."""
+    """FitContext stand for themselves by the names of their effects."""
     singles, pairs = ([t for t in trials if len(t.effects) == n] for n in (1, 2))
     evidence = Evidence(9.0, 9.0, 1.0, (), tuple(singles), tuple(pairs), ())
     baseline = SimpleNamespace(fitted="calibrated")
@@ -176,7 +182,7 @@ def found(*trials):
 
 
 def of(outcome, group=(), *trials):
-    return rivals(found(*trials), Decision(outcome, group[:1], group, None), Criteria())
+    return surviving_explanations(found(*trials), Decision(outcome, group[:1], group, None), Criteria())
 
 
 def test_a_group_is_told_apart_and_nobody_else():

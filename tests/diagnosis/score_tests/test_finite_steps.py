@@ -62,7 +62,7 @@ def test_where_all_sticks_nothing_changes_and_nothing_is_traced(there, branches,
 def test_where_contacts_slip_or_the_structure_changes_the_step_is_that_of_a_trace(there, branches):
     found = steps(there, branches, WEAKER, SPRING)
     for branch, (weaker, spring) in zip(branches, found, strict=True):
-        observed = numerical_gate.unwrapped(branch.observed.value)
+        observed = numerical_gate.with_unwrapped_phases(branch.observed.value)
         for own, change in ((WEAKER, weaker), (SPRING, spring)):
             if own is WEAKER and branch is branches[0]:
                 continue

@@ -11,7 +11,7 @@ from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.diagnosis.candidate_models.baseline import baseline
 from updamp.diagnosis.criteria import Criteria
-from updamp.diagnosis.score_tests.candidates import attempts
+from updamp.diagnosis.score_tests.candidates import fit_tasks
 from updamp.diagnosis.score_tests.probe import highest_levels, probes
 from updamp.diagnosis.score_tests.score import scores
 from updamp.diagnosis.score_tests.signature import extend
@@ -61,7 +61,7 @@ def test_an_effect_that_acts_with_its_square_is_tried_first_and_near_its_size(st
     found = probes(start, (DASHPOT, ASKEW))
     assert [p.effect for p in found] == [ASKEW, DASHPOT]
     assert abs(0.8 * found[0].start[0]) == pytest.approx(1.0, rel=0.1)
-    assert attempts(start, (DASHPOT, ASKEW), scored, Criteria(), lambda _: None)[0].effects == (ASKEW,)
+    assert fit_tasks(start, (DASHPOT, ASKEW), scored, Criteria(), lambda _: None)[0].effects == (ASKEW,)
 
 
 def test_only_the_highest_level_of_each_mode_is_looked_at(start):
@@ -70,7 +70,7 @@ def test_only_the_highest_level_of_each_mode_is_looked_at(start):
 
 def test_a_misfit_does_not_go_into_the_scatter(start):
     """Sizes went to the ends of their range, 2.7 times their guess up or down, while a misfit counted as scatter."""
-    assert start.fitted.compared.excess > 1000
+    assert start.fitted.compared.reduced_chi2 > 1000
     guess = Scatter({n.name: n.scatter for n in NUISANCES}).as_numbers()
     for name, deviation in start.fitted.compared.scatter.as_numbers().items():
         assert 0.5 < deviation / guess[name] < 2, name

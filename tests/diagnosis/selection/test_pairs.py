@@ -2,7 +2,7 @@
 
 import pytest
 
-from updamp.diagnosis.candidate_models.attempts import Result
+from updamp.diagnosis.candidate_models.fit_tasks import FittedCandidate
 from updamp.diagnosis.candidate_models.refit import Refit, gain_of_bic
 from updamp.diagnosis.evidence import Trial
 from updamp.diagnosis.selection.pairs import gain_over_one
@@ -25,7 +25,7 @@ def singles(*refits):
     found = {}
     for r in refits:
         names = tuple(e.name for e in r.effects)
-        found[names] = Result(r, Trial(names, 1.0, r.drop, r.delta_bic, float("nan"), "", True))
+        found[names] = FittedCandidate(r, Trial(names, 1.0, r.drop, r.delta_bic, float("nan"), "", True))
     return found
 
 

@@ -9,9 +9,9 @@ from support.small_model import NUISANCES, condition, small_model, synthetic_pla
 
 from updamp.comparison.fit import numerical_gate
 from updamp.comparison.prediction.parameters import Parametrisation
-from updamp.diagnosis.candidate_models.attempts import Attempt, run_here
 from updamp.diagnosis.candidate_models.baseline import baseline
-from updamp.diagnosis.candidate_models.fits import Fits
+from updamp.diagnosis.candidate_models.candidate_fits import FitContext
+from updamp.diagnosis.candidate_models.fit_tasks import FitTask, fit_here
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.decision.decide import decide
 from updamp.diagnosis.score_tests.signature import extend
@@ -75,7 +75,7 @@ def test_one_level_is_held_out_and_the_hidden_spring_is_named_with_its_size():
 def test_a_gross_misfit_leads_neither_the_calibration_nor_the_search_astray():
     """A spring ten times as stiff: numerical error must not be taken to its limits to lessen it a little."""
     gross = start(3e4)
-    assert gross.fitted.compared.excess > 30
+    assert gross.fitted.compared.reduced_chi2 > 30
     numerics = gross.fitted.u[gross.fitted.parametrisation.n_of_model :]
     assert np.max(np.abs(numerics)) < 1
     result = found(3e4, (DASHPOT, SPRING, WEAKER))
@@ -110,8 +110,8 @@ def test_an_effect_without_a_place_in_the_model_is_refused_with_its_reason():
 
 
 def test_second_effects_are_looked_for_where_the_first_explains_all_but_stands_at_its_bound(monkeypatch):
-    fits, tried = Fits(start(3e3), Criteria(), lambda _: None, run_here), []
-    singles = fits.results([Attempt((SPRING,), (np.full(1, 1.5),), full=True)])
+    fits, tried = FitContext(start(3e3), Criteria(), lambda _: None, fit_here), []
+    singles = fits.results([FitTask((SPRING,), (np.full(1, 1.5),), full=True)])
     ((names, found_alone),) = singles.items()
     assert found_alone.trial.excess < Criteria().look_further
     monkeypatch.setattr(pairs, "_beside", lambda _fits, first, *_: tried.append(first) or {})
@@ -124,19 +124,19 @@ def test_second_effects_are_looked_for_where_the_first_explains_all_but_stands_a
 
 def test_pairs_are_given_the_numerical_error_of_the_model_with_both_effects(monkeypatch):
     """That they help is shown in test_refit.py; here that they are asked for, and that the answer counts."""
-    fits, asked = Fits(start(3e3), Criteria(score=0.0), lambda _: None, run_here), []
+    fits, asked = FitContext(start(3e3), Criteria(score=0.0), lambda _: None, fit_here), []
 
     def anew(beside, settled):
         asked.append((beside.start.fitted.parametrisation.effects, tuple(settled)))
         return {
-            names: replace(r, refit=replace(r.refit, gated_again=True), trial=replace(r.trial, held_out=0.5))
+            names: replace(r, refit=replace(r.refit, own_numerics=True), trial=replace(r.trial, held_out=0.5))
             for names, r in settled.items()
         }
 
-    singles = fits.results([Attempt((DASHPOT,), (np.full(1, 0.5),), full=True)])
-    monkeypatch.setattr(pairs, "numerics_anew", anew)
+    singles = fits.results([FitTask((DASHPOT,), (np.full(1, 0.5),), full=True)])
+    monkeypatch.setattr(pairs, "refits_with_own_numerics", anew)
     ((names, pair),) = pairs.try_pairs(fits, (SPRING, DASHPOT), singles).items()
     assert asked == [((DASHPOT,), (("spring",),))]
     assert names == ("dashpot", "spring") == pair.trial.effects
     assert pair.trial.held_out == 0.5
-    assert pair.refit.excess < singles[("dashpot",)].refit.excess
+    assert pair.refit.reduced_chi2 < singles[("dashpot",)].refit.reduced_chi2

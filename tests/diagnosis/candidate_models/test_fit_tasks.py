@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 from support.small_model import condition, parametrisation, synthetic_plan
 
-from updamp.comparison.fit.fit import Fit, compare_at, predict
+from updamp.comparison.fit.compared import compare_at, predict_branches
+from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.prediction.model_at import ModelAt
 from updamp.comparison.prediction.observed_point import with_matrices
 from updamp.comparison.prediction.predicted_branch import observe
-from updamp.diagnosis.candidate_models.attempts import with_branches, without_branches
+from updamp.diagnosis.candidate_models.fit_tasks import with_branches, without_branches
 
 U = np.array([0.0, 0.1, 0.05, 0.0])
 
@@ -22,7 +23,7 @@ def fitted() -> Fit:
     p = parametrisation()
     plan, _ = synthetic_plan(p, U, (condition(60.0),), np.zeros(4), seed=1, repeats=1)
     scatter = Scatter({n.name: n.scatter for n in p.nuisances})
-    return Fit(p, compare_at(p, U, plan, predict(p, U, plan), scatter), np.eye(4), True, "")
+    return Fit(p, compare_at(p, U, plan, predict_branches(p, U, plan), scatter), np.eye(4), True, "")
 
 
 def test_branches_keep_no_matrices_and_are_differentiated_the_same_with_them_again(fitted):

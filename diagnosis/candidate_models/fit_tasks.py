@@ -1,0 +1,121 @@
+"""Fits of candidate models as tasks that do not depend on each other: run here, or side by side in other processes."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.comparison.fit.compared import predict_branches
+from updamp.comparison.fit.fit import Fit
+from updamp.comparison.prediction.branch_tasks import Branches, in_turn
+from updamp.diagnosis.candidate_models.baseline import Baseline, error_of, with_own_numerics
+from updamp.diagnosis.candidate_models.other_sizes import fit_from_size, with_size
+from updamp.diagnosis.candidate_models.refit import FULL, Refit, Starts, assessed, refit
+from updamp.diagnosis.criteria import Criteria
+from updamp.diagnosis.evidence import Trial
+from updamp.effects.effect import Effect
+from updamp.hbm.continuation.continuation import BranchStoppedError
+from updamp.parallel.workers import Workers, here
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class FitTask:
+    """A candidate model, and how it is to be fitted.
+
+    effects: further ones; starts: of their parameters in typical sizes, beside the calibrated model's
+    as_given: likewise, beside the model's as it was before calibration
+    full: whether the fit is left to settle; near: a fit of the same to go on from
+    own_numerics: whether the numerical error is to be that of the model with the effects
+    size: of the effects, times that of `near`, to go on from (`other_sizes.py`)
+    """
+
+    effects: tuple[Effect, ...]
+    starts: tuple[Floats, ...]
+    full: bool
+    near: Fit | None = None
+    as_given: tuple[Floats, ...] = ()
+    own_numerics: bool = False
+    size: float = 1.0
+
+    @property
+    def name(self) -> str:
+        settled = self.near is not None and self.size == 1
+        how = ", with its own numerical error" if self.own_numerics else ", until settled" if settled else ""
+        if self.size != 1:
+            how = f", from {self.size:g} times the size{how}"
+        return ", ".join(e.name for e in self.effects) + how
+
+
+@dataclass(frozen=True, eq=False)
+class FittedCandidate:
+    """A candidate model as fitted, and what the decision needs of it."""
+
+    refit: Refit
+    trial: Trial
+
+    def with_fit(self, fitted: Fit) -> "FittedCandidate":
+        return replace(self, refit=replace(self.refit, fitted=fitted))
+
+
+# Called with a task that is done, and its result: None where the model with the effects has no response.
+OnFitted = Callable[[FitTask, FittedCandidate | None], None]
+# Runs tasks, from a model that the effects are to be added to; results in the order of the tasks.
+FitRunner = Callable[[Baseline, Criteria, Sequence[FitTask], OnFitted], list[FittedCandidate | None]]
+
+
+@dataclass(frozen=True)
+class FitRunnerOf:
+    """Fits run by workers."""
+
+    workers: Workers
+
+    def __call__(
+        self, start: Baseline, criteria: Criteria, tasks: Sequence[FitTask], done: OnFitted
+    ) -> list[FittedCandidate | None]:
+        return self.workers(_run, (start, criteria), tasks, lambda place, result: done(tasks[place], result))
+
+
+fit_here = FitRunnerOf(here)
+
+
+def without_branches(fitted: Fit) -> Fit:
+    """What takes least room. The branches are to be traced again, with other points on them."""
+    return replace(fitted, compared=replace(fitted.compared, branches=()))
+
+
+def with_branches(fitted: Fit, start: Baseline, branches_of: Branches = in_turn) -> Fit:
+    """The fit, with branches traced where it has none."""
+    if fitted.compared.branches:
+        return fitted
+    branches = predict_branches(fitted.parametrisation, fitted.u, start.train_plan, None, branches_of)
+    return replace(fitted, compared=replace(fitted.compared, branches=branches))
+
+
+def _run(shared: tuple[Baseline, Criteria], task: FitTask) -> FittedCandidate | None:
+    start, criteria = shared
+    r = _refit(start, criteria, task)
+    if r is None:
+        return None
+    held_out = error_of(r.fitted, start.held_out_plan) if task.full else float("nan")
+    names = tuple(e.name for e in task.effects)
+    return FittedCandidate(r, Trial(names, r.reduced_chi2, r.drop, r.delta_bic, held_out, r.at_bound, task.full))
+
+
+def _refit(start: Baseline, criteria: Criteria, a: FitTask) -> Refit | None:
+    if a.near is None or (a.size == 1 and not a.own_numerics):
+        starts = Starts(a.as_given, a.starts)
+        return refit(start.fitted, start.train_plan, a.effects, starts, criteria, a.full, a.near)
+    try:
+        if not a.own_numerics:
+            found = fit_from_size(a.near, a.effects, a.size, start)
+        else:
+            near = a.near if a.size == 1 else with_size(a.near, a.effects, a.size)
+            found = with_own_numerics(near, start, FULL)
+    except BranchStoppedError:
+        return None
+    if found is None:
+        return None
+    return replace(assessed(start.fitted, found, a.effects, criteria), own_numerics=a.own_numerics)
