@@ -10,17 +10,13 @@ from rich.text import Text
 from updamp.commands.shared import Debug, RigFile, clean_errors, interruptible
 from updamp.parallel.resources import one_thread, usual_workers
 
+# On call, as everywhere in this folder: JAX takes seconds to load, and has to find the number of threads stated.
 if TYPE_CHECKING:
     from updamp.workflow.add import Changed
 
 Out = Annotated[
     Path | None, typer.Option(help="The new rig file; RIG itself to change it.", show_default="RIG's name and EFFECT's")
 ]
-
-
-def join(app: typer.Typer) -> None:
-    for command in (diagnose, add, remove, history):
-        app.command()(command)
 
 
 def diagnose(
@@ -121,7 +117,7 @@ def add(
 
         if folder is None:
             raise ValueError(f"--from: missing; give the folder of: updamp diagnose {rig} MEASUREMENT --out DIR")
-        _tell(add_effects(rig, effect or (), folder, AddOptions(out, replace, with_calibration, tuple(file or ()))))
+        _show(add_effects(rig, effect or (), folder, AddOptions(out, replace, with_calibration, tuple(file or ()))))
 
 
 def remove(
@@ -135,7 +131,7 @@ def remove(
     with clean_errors(debug):
         from updamp.workflow.add import remove as remove_effects
 
-        _tell(remove_effects(rig, effect, out, replace))
+        _show(remove_effects(rig, effect, out, replace))
 
 
 def history(
@@ -147,20 +143,18 @@ def history(
 ) -> None:
     """Show which effects were added to a rig file and how the error fell with each of them."""
     with clean_errors(debug):
-        from updamp.workflow.history import history_file, history_table, read_history
+        from updamp.workflow.history import draw_history, history_file, history_table, read_history
 
-        told, console = read_history(rig), Console()
-        if not told.steps:
+        found, console = read_history(rig), Console()
+        if not found.steps:
             raise ValueError(f"{history_file(rig)}: no history yet; it begins with: updamp add {rig} EFFECT --from DIR")
-        console.print(history_table(f"History of {rig.name}", told))
+        console.print(history_table(f"History of {rig.name}", found))
         if picture is not None:
-            from updamp.workflow.history import draw_history
-
-            draw_history(picture, f"History of {rig.name}", told)
+            draw_history(picture, f"History of {rig.name}", found)
             console.print(f"{picture}", highlight=False, soft_wrap=True)
 
 
-def _tell(changed: "Changed") -> None:
+def _show(changed: "Changed") -> None:
     from updamp.workflow.history import History, history_table
 
     console = Console()

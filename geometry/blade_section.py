@@ -1,13 +1,7 @@
 """Blocks of the right-hand blade: the stem and, on its inner side, the platform."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from updamp.geometry.extruded_blocks import Block, CrossSection
-
-if TYPE_CHECKING:
-    from updamp.rig.rig import MeshDivisions, Rig
+from updamp.rig.rig import MeshDivisions, Rig
 
 Point = tuple[float, float]
 

@@ -1,9 +1,6 @@
 """The mesh stage: from the rig's dimensions to hexahedra and contact elements."""
 
-from __future__ import annotations
-
 from math import degrees
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,9 +9,7 @@ from updamp.geometry.contact_triangulation import contact_elements
 from updamp.geometry.damper_section import damper_section
 from updamp.geometry.extruded_blocks import extrude_section
 from updamp.geometry.rig_mesh import ComponentMesh, GeometryError, RigMesh, scaled_jacobian
-
-if TYPE_CHECKING:
-    from updamp.rig.rig import Rig
+from updamp.rig.rig import Rig
 
 SMALLEST_SCALED_JACOBIAN = 0.2
 

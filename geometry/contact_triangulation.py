@@ -1,20 +1,15 @@
 """Lay an exact number of near-equilateral triangles over the damper's contact faces."""
 
-from __future__ import annotations
-
 from functools import cache
 from itertools import pairwise
 from math import cos, floor, sin, sqrt
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements
 from updamp.geometry.rig_mesh import GeometryError
-
-if TYPE_CHECKING:
-    from updamp.rig.rig import MeshDivisions, Rig
+from updamp.rig.rig import MeshDivisions, Rig
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

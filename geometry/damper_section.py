@@ -1,13 +1,7 @@
 """Blocks of the wedge damper: a triangle with a small flat on top and vertical flats at the bottom corners."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from updamp.geometry.extruded_blocks import Block, CrossSection
-
-if TYPE_CHECKING:
-    from updamp.rig.rig import MeshDivisions, Rig
+from updamp.rig.rig import MeshDivisions, Rig
 
 
 def damper_section(rig: Rig, divisions: MeshDivisions) -> CrossSection:

@@ -15,16 +15,19 @@ from enum import Enum
 from multiprocessing import get_context
 from pathlib import Path
 from queue import Empty
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from updamp.fem.reduced_model import ReducedModel
+from updamp.fem.static_contact.rest_state import StaticContact
+from updamp.hbm.continuation.curve import CurveRequest, trace
+from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.hbm.problem.system import NonlinearSystem
+from updamp.model.build import rig_model
 from updamp.parallel.resources import Meter, environment, thread_limits
 from updamp.rig.rig import Rig
 from updamp.workflow import store
-
-if TYPE_CHECKING:
-    from updamp.hbm.continuation.response_curve import ResponseCurve
 
 CHECKPOINT_EVERY = 20.0  # s
 REPORT_EVERY = 0.2  # s
@@ -93,8 +96,6 @@ def trace_curve(
     checkpoint_every: [s]
     memory_of: process whose memory (with all below it) is metered, this one by default
     """
-    from updamp.hbm.continuation.curve import trace
-
     system, request = curve_problem(job)
     earlier, stamp = _resumable(job)
     last_written, curve = -np.inf, earlier
@@ -115,13 +116,8 @@ def trace_curve(
     return CurveEnd.FINISHED
 
 
-def curve_problem(job: CurveJob) -> tuple[Any, Any]:
+def curve_problem(job: CurveJob) -> tuple[NonlinearSystem, CurveRequest]:
     """The nonlinear system and the request of a job, from the files of the stages before."""
-    from updamp.fem.reduced_model import ReducedModel
-    from updamp.fem.static_contact.rest_state import StaticContact
-    from updamp.hbm.continuation.curve import CurveRequest
-    from updamp.model.build import rig_model
-
     reduced, rest = store.read(job.finite_elements, ReducedModel, part="reduced"), store.read(job.rest, StaticContact)
     model = rig_model(reduced, rest, job.rig)
     system = model.system
@@ -130,9 +126,7 @@ def curve_problem(job: CurveJob) -> tuple[Any, Any]:
     return system, CurveRequest(job.mode, model.excited_by(job.force), window, observed)
 
 
-def _resumable(job: CurveJob) -> "tuple[ResponseCurve | None, store.Stamp]":
-    from updamp.hbm.continuation.response_curve import ResponseCurve
-
+def _resumable(job: CurveJob) -> tuple[ResponseCurve | None, store.Stamp]:
     fresh = store.Stamp(job.key)
     try:
         stamp = store.read_stamp(job.partial)
@@ -147,7 +141,7 @@ def _stamp(job: CurveJob, earlier: store.Stamp, meter: Meter) -> store.Stamp:
     return store.Stamp(job.key, {"hbm": seconds}, intervals, max(earlier.peak_memory, meter.peak_memory))
 
 
-def _progress(curve: "ResponseCurve", window: tuple[float, float], upwards: bool) -> CurveProgress:
+def _progress(curve: ResponseCurve, window: tuple[float, float], upwards: bool) -> CurveProgress:
     """The share counts how far the branch ever came: it turns back in frequency at folds."""
     low, high = window
     reached = curve.frequency.max() - low if upwards else high - curve.frequency.min()
@@ -198,7 +192,7 @@ def _ease(job: CurveJob) -> tuple[float, float]:
 
 
 def _outcomes(
-    futures: "Mapping[Future[CurveOutcome], CurveJob]", messages: Any, report: Callable[[str, CurveProgress], None]
+    futures: Mapping[Future[CurveOutcome], CurveJob], messages: Any, report: Callable[[str, CurveProgress], None]
 ) -> Iterator[CurveOutcome]:
     """Each curve's outcome as it comes, passing on progress in between."""
     waiting = dict(futures)

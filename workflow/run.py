@@ -1,12 +1,14 @@
 """One run: the stages in order, each taken from its file where nothing that goes into it has changed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import Generic, TypeVar
 
+from updamp.fem.finite_element_model import CoupledCheck, FiniteElementResult
+from updamp.fem.static_contact.rest_state import StaticContact
+from updamp.geometry.rig_mesh import RigMesh
+from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.parallel.resources import Meter
 from updamp.rig.rig import Rig
 from updamp.workflow import stages, store
@@ -14,12 +16,6 @@ from updamp.workflow.curve_jobs import CurveEnd, CurveJob, CurveOutcome, CurvePr
 from updamp.workflow.progress import Display
 from updamp.workflow.stage_functions import StageFunctions
 from updamp.workflow.stages import Stage
-
-if TYPE_CHECKING:
-    from updamp.fem.finite_element_model import CoupledCheck, FiniteElementResult
-    from updamp.fem.static_contact.rest_state import StaticContact
-    from updamp.geometry.rig_mesh import RigMesh
-    from updamp.hbm.continuation.response_curve import ResponseCurve
 
 Product = TypeVar("Product")
 
@@ -123,8 +119,6 @@ class Run:
         return replace(done, curves=curves, failures=failures)
 
     def _mesh(self) -> Stored[RigMesh]:
-        from updamp.geometry.rig_mesh import RigMesh
-
         def compute(meter: Meter) -> tuple[RigMesh, Mapping[str, float]]:
             mesh = self.functions.mesh(self.rig, self.options.preset)
             return mesh, {"mesh": meter.seconds}
@@ -133,8 +127,6 @@ class Run:
 
     def _finite_elements(self, mesh: RigMesh) -> tuple[Stored[FiniteElementResult], Stored[CoupledCheck] | None]:
         """Both stages: the check shares the factorisation of the blade where the finite elements have to be run."""
-        from updamp.fem.finite_element_model import CoupledCheck, FiniteElementResult
-
         check = self.options.check and self.wanted(stages.COUPLED_CHECK)
         fresh: list[FiniteElementResult] = []
 
@@ -154,8 +146,6 @@ class Run:
         return finite_elements, self._obtain(stages.COUPLED_CHECK, CoupledCheck, compare) if check else None
 
     def _static_contact(self, finite_elements: FiniteElementResult) -> Stored[StaticContact]:
-        from updamp.fem.static_contact.rest_state import StaticContact
-
         def compute(meter: Meter) -> tuple[StaticContact, Mapping[str, float]]:
             rest = self.functions.static_contact(self.rig, finite_elements.reduced)
             return rest, {"static_contact": meter.seconds}
@@ -211,8 +201,6 @@ class Run:
     def _curves(
         self, finite_elements: Path, rest: Path
     ) -> tuple[tuple[Stored[ResponseCurve], ...], tuple[CurveOutcome, ...]]:
-        from updamp.hbm.continuation.response_curve import ResponseCurve
-
         jobs = self.jobs(finite_elements, rest)
         found = {job.output: stored(job.output, ResponseCurve, job.key) for job in jobs}
         missing = [job for job in jobs if found[job.output] is None]
@@ -237,8 +225,6 @@ class Run:
         if outcome.end is not CurveEnd.FINISHED:
             self.display.failed(name, outcome.message or outcome.end.value)
             return
-        from updamp.hbm.continuation.response_curve import ResponseCurve
-
         self.executed.append(name)
         curve = store.read(outcome.job.output, ResponseCurve)
         show = self.display.failed if curve.stopped else self.display.done

@@ -1,17 +1,28 @@
 """What a run leaves for people and other programs: ParaView meshes, CSV, pictures, summary.json."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from updamp.workflow import stages
+import numpy as np
+
+from updamp.fem.lumped_damper import DAMPER_MODELS
+from updamp.geometry.rig_mesh import mirrored_mesh
+from updamp.geometry.write_vtu import write_vtu
+from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.hbm.newton.observe import contact_states
+from updamp.hbm.problem.system import NonlinearSystem
+from updamp.model.build import rig_model
+from updamp.pictures import bodies, faces, kinematics, response
+from updamp.pictures.modes import ModeShape, animation, panel
+from updamp.pictures.scene import RenderingError
+from updamp.workflow import stages, summary
 from updamp.workflow.run import Products, Run
+from updamp.workflow.summary import write_responses
 
 # Files made from stage products for people and other programs: made again only when their sources have changed.
 
@@ -45,11 +56,6 @@ class Outputs:
         return True
 
 
-if TYPE_CHECKING:
-    from updamp.hbm.continuation.response_curve import ResponseCurve
-    from updamp.hbm.problem.system import NonlinearSystem
-    from updamp.pictures.modes import ModeShape
-
 CSV_VERSION = PICTURE_VERSION = VTU_VERSION = 1  # to be raised when a file of the same products looks different
 
 BLADE_SHAPES = 4  # of the free blade, beside the two coupled ones
@@ -62,8 +68,6 @@ def response_point(run: Run) -> str:
 
 def write_outputs(run: Run, products: Products) -> tuple[tuple[str, ...], str]:
     """Files made anew, by name; and why those that need rendering were not, "" if they were. raises: OSError"""
-    from updamp.pictures.scene import RenderingError
-
     outputs = Outputs(run.options.folder, run.options.folder / "stages" / "outputs.json")
     made = [*_meshes(outputs, products), *_tables(outputs, products)]
     try:
@@ -77,8 +81,6 @@ def write_outputs(run: Run, products: Products) -> tuple[tuple[str, ...], str]:
 
 
 def _meshes(outputs: Outputs, products: Products) -> list[str]:
-    from updamp.geometry.write_vtu import write_vtu
-
     def write(path: Path) -> None:
         write_vtu(products.mesh.product, path.parent)
 
@@ -87,8 +89,6 @@ def _meshes(outputs: Outputs, products: Products) -> list[str]:
 
 
 def _tables(outputs: Outputs, products: Products) -> list[str]:
-    from updamp.workflow.summary import write_responses
-
     made = []
     for mode, curves in _by_mode(products).items():
         name, keys = f"frf_{mode}.csv", _keys(products, mode)
@@ -123,8 +123,6 @@ def _pictures(run: Run, products: Products) -> list[Picture]:
 
 
 def _plots(run: Run, products: Products) -> list[Picture]:
-    from updamp.pictures import faces, kinematics, response
-
     pictures: list[Picture] = []
     contacts, rest = products.mesh.product.contacts, products.static_contact
     if rest is not None:
@@ -153,25 +151,20 @@ def _plots(run: Run, products: Products) -> list[Picture]:
 
 
 def _renderings(products: Products) -> list[Picture]:
-    from updamp.pictures import bodies, modes
-
     mesh = products.mesh
     pictures: list[Picture] = [
         ("pictures/mesh.png", [mesh.stamp.key], lambda path: bodies.mesh(path, mesh.product)),
     ]
     if products.finite_elements is not None:
         keys = [entry.stamp.key for entry in (products.finite_elements, products.coupled_check) if entry is not None]
-        pictures.append(("pictures/modes.png", keys, lambda path: modes.panel(path, mode_shapes(products))))
+        pictures.append(("pictures/modes.png", keys, lambda path: panel(path, mode_shapes(products))))
         first = 1 if products.coupled_check is not None else 0  # IP where the coupled modes are known
-        pictures.append(("pictures/mode.gif", keys, lambda path: modes.animation(path, mode_shapes(products)[first])))
+        pictures.append(("pictures/mode.gif", keys, lambda path: animation(path, mode_shapes(products)[first])))
     return pictures
 
 
 def mode_shapes(products: Products) -> tuple[ModeShape, ...]:
     """The stuck OOP and IP modes where the coupled check was made, then the first of the free blade."""
-    from updamp.geometry.rig_mesh import mirrored_mesh
-    from updamp.pictures.modes import ModeShape
-
     mesh, result = products.mesh.product, products.finite_elements
     assert result is not None, "mode shapes come with the finite elements"
     shapes = []
@@ -196,11 +189,6 @@ def peak_place(run: Run, curve: ResponseCurve) -> int:
 
 def states_at_peaks(run: Run, products: Products, curves: Sequence[ResponseCurve]) -> dict[float, Any]:
     """force -> (n_patches,) ContactState over a period at the point of largest response."""
-    import numpy as np
-
-    from updamp.fem.lumped_damper import DAMPER_MODELS
-    from updamp.hbm.newton.observe import contact_states
-
     system = nonlinear_system(run, products)
     element = DAMPER_MODELS[run.rig.damper_model].element_of_patch(products.mesh.product.contacts)
     states = {}
@@ -214,8 +202,6 @@ def states_at_peaks(run: Run, products: Products, curves: Sequence[ResponseCurve
 def nonlinear_system(run: Run, products: Products) -> NonlinearSystem:
     assert products.finite_elements is not None, "a curve has a reduced model"
     assert products.static_contact is not None, "a curve has a rest state"
-    from updamp.model.build import rig_model
-
     return rig_model(products.finite_elements.product.reduced, products.static_contact.product, run.rig).system
 
 
@@ -224,8 +210,6 @@ def nonlinear_system(run: Run, products: Products) -> NonlinearSystem:
 
 def summarise(run: Run, products: Products, seconds: float, peak_memory: float) -> dict[str, Any]:
     """seconds, peak_memory [bytes]: of the present run. Stages taken from their files report what they once cost."""
-    from updamp.workflow import summary
-
     stamps = products.stamps
     parts = ("mesh", "assembly", "modes", "reduction", "coupled_check", "static_contact")
     timing = {part: sum(stamp.seconds.get(part, 0.0) for stamp in stamps) for part in parts}

@@ -8,10 +8,18 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Protocol
 
-if TYPE_CHECKING:  # the command line reads this table before it says how many threads numpy, loaded by it, is to use
-    from updamp.rig.rig import Rig
+# No module of updamp is imported here: the command line reads this table before it says how many threads numpy, which
+# those load, is to use.
+
+
+class StatedRig(Protocol):
+    """What a stage has to know of `updamp.rig.rig.Rig`."""
+
+    def digest(self, *keys: str) -> str: ...
+
+    def states(self, key: str) -> bool: ...
 
 
 @dataclass(frozen=True)
@@ -32,7 +40,7 @@ class Stage:
     choices: tuple[str, ...] = ()
     optional: tuple[str, ...] = ()
 
-    def key(self, rig: "Rig", choice: Mapping[str, str]) -> str:
+    def key(self, rig: StatedRig, choice: Mapping[str, str]) -> str:
         """SHA-256 of all that goes into the product, hexadecimal.
 
         choice: values of "preset", "mode" and "force", as far as this stage and those before it use them

@@ -7,8 +7,11 @@ from pathlib import Path
 from rich.console import Console
 
 from updamp.diagnosis.verdict import Verdict
+from updamp.hbm.compilation_cache import keep_compiled
 from updamp.model.rig_files import load_rig
 from updamp.workflow import stages
+from updamp.workflow.compare_run import CompareFiles
+from updamp.workflow.diagnose_run import DiagnoseOptions, diagnose
 from updamp.workflow.progress import Display
 from updamp.workflow.run import Run, RunOptions
 
@@ -22,10 +25,6 @@ def diagnose_case(rig: Path, preset: str, measurement: Path, out: Path) -> Verdi
     Where the diagnosis tells what it would have said without a part of the method, it does so in out/ablations.json or
     in the verdict's provenance: see `scored_case.ablations_of`.
     """
-    from updamp.hbm.compilation_cache import keep_compiled
-    from updamp.workflow.compare_run import CompareFiles
-    from updamp.workflow.diagnose_run import DiagnoseOptions, diagnose
-
     keep_compiled()
     options = DiagnoseOptions(finer=FINER[preset], report=False)
     return diagnose(CompareFiles(rig, measurement, out), preset, options, Console(quiet=True))

@@ -1,0 +1,131 @@
+"""Commands of a prediction: `updamp run`, `check`, `show`."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+from rich.text import Text
+
+from updamp.commands.shared import INCOMPLETE, Debug, RigFile, clean_errors, interruptible
+from updamp.parallel.resources import Meter, usual_workers
+from updamp.workflow import stages
+
+# What a command needs is imported when it is called: JAX, scikit-fem, matplotlib and pydantic take 1 to 3 s each to
+# load, of which `updamp --help`, another command or the message of a mistyped option would have nothing.
+if TYPE_CHECKING:
+    from updamp.rig.rig import Rig
+    from updamp.workflow.run import RunOptions
+
+
+def run(
+    rig: RigFile,
+    mesh: Annotated[str, typer.Option(help="Preset of the rig file: small (first looks), medium or full.")],
+    out: Annotated[Path, typer.Option(help="Folder for all that is written; the same one to resume or to reuse.")],
+    jobs: Annotated[
+        int | None, typer.Option(help="Curves traced at the same time.", show_default="the CPUs, at most 4")
+    ] = None,
+    mode: Annotated[list[str] | None, typer.Option(help="Only this mode of the study; may be repeated.")] = None,
+    force: Annotated[
+        list[str] | None, typer.Option(help='Only this amplitude, such as "3.84 N"; may be repeated.')
+    ] = None,
+    pictures: Annotated[bool, typer.Option(help="Whether to draw pictures.")] = True,
+    check: Annotated[bool, typer.Option(help="Whether to compare the reduced with the full coupled model.")] = True,
+    until: Annotated[str | None, typer.Option(help=f"Last stage: {', '.join(s.name for s in stages.STAGES)}.")] = None,
+    debug: Debug = False,
+) -> None:
+    """Run all stages: mesh, finite elements, static contact, response curves.
+
+    A stage whose input has not changed is taken from its file. After an interruption the same command goes on where
+    it stopped, in the middle of a curve too.
+    """
+    with clean_errors(debug), interruptible():
+        from updamp.model.rig_files import load_rig
+
+        forces, last = tuple(_force(text) for text in force or ()), _stage(until)
+        with Meter() as meter:
+            loaded = load_rig(rig)
+            from updamp.workflow.run import RunOptions  # once the rig file is known to be sound
+
+            options = RunOptions(
+                preset=mesh,
+                folder=out,
+                workers=jobs if jobs is not None else usual_workers(),
+                modes=tuple(mode or ()),
+                forces=forces,
+                check=check,
+                pictures=pictures,
+                until=last,
+            )
+            complete = _run(loaded, options, meter)
+    if not complete:
+        raise typer.Exit(INCOMPLETE)
+
+
+def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
+    """Whether every curve crossed its window and every picture was drawn."""
+    from updamp.workflow.progress import Display
+    from updamp.workflow.run import Run
+    from updamp.workflow.run_outputs import summarise, write_outputs
+    from updamp.workflow.summary import curves_table, write_summary
+
+    console = Console()
+    with Display(console) as display:
+        this = Run(rig, options, display)
+        products = this.products()
+        made, undrawn = write_outputs(this, products)
+        display.done("files", ", ".join(made) or "all as they were")
+    summary = summarise(this, products, meter.seconds, meter.peak_memory)
+    path = options.folder / "summary.json"
+    write_summary(path, summary)
+    if summary.get("curves"):
+        console.print(curves_table(summary["curves"]))
+    problems = [f"{c['mode']} {c['force_N']:g} N: {c['problem']}" for c in summary.get("curves", ()) if c["problem"]]
+    problems += [f"{name}: {message}" for name, message in summary.get("failed_curves", {}).items()]
+    problems += [undrawn] if undrawn else []
+    for line in problems:
+        console.print(Text.assemble(("not complete ", "red"), line), soft_wrap=True)
+    console.print(f"{path} after {summary['timing_s']['total']:.1f} s", highlight=False, soft_wrap=True)
+    return not problems
+
+
+def _force(text: str) -> float:
+    from updamp.rig.fields import Quantity
+
+    try:
+        return Quantity("N", "10 N", above=0).to_si(text)
+    except ValueError as error:
+        raise ValueError(f"--force {text}: {error}") from None
+
+
+def _stage(name: str | None) -> stages.Stage | None:
+    known = {stage.name: stage for stage in stages.STAGES}
+    if name is not None and name not in known:
+        raise ValueError(f"--until {name}: the stages are {', '.join(known)}")
+    return known[name] if name else None
+
+
+def check(rig: RigFile, debug: Debug = False) -> None:
+    """Read a rig file and explain it: every value in SI, and what follows from them."""
+    with clean_errors(debug):
+        from updamp.model.rig_files import load_rig
+        from updamp.rig.tables import derived_table, values_table
+
+        loaded, console = load_rig(rig), Console()
+        console.print(values_table(loaded))
+        console.print(derived_table(loaded))
+
+
+def show(folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.")], debug: Debug = False) -> None:
+    """Show what a run found."""
+    with clean_errors(debug):
+        path = folder / "summary.json"
+        if not path.is_file():
+            raise ValueError(f"{path}: no such file; make it with: updamp run RIG --mesh PRESET --out {folder}")
+        from updamp.workflow.summary import curves_table, overview_table
+
+        summary, console = json.loads(path.read_text(encoding="utf-8")), Console()
+        console.print(overview_table(summary))
+        if summary.get("curves"):
+            console.print(curves_table(summary["curves"]))
