@@ -1,4 +1,4 @@
-"""The degrees of freedom through which a component is seen: contact elements and named points."""
+"""The interface of a component: the degrees of freedom at its contact elements and named points."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -16,7 +16,7 @@ from updamp.comparison.prediction.model_at import ModelAt
 from updamp.comparison.prediction.run_condition import HeldResponse, RunCondition
 from updamp.hbm.continuation.branch import BranchPoint, point_at
 from updamp.hbm.continuation.continuation import BranchStoppedError
-from updamp.hbm.newton.held_response import Held, HeldSolution, linear_start, solve_held
+from updamp.hbm.newton.held_response import HeldAmplitude, HeldSolution, linear_start, solve_held
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 Floats = NDArray[np.float64]
@@ -64,7 +64,9 @@ def _points(
     low, high = (2 * np.pi * f for f in condition.wider)
     towards, width = (1.0, high - low) if condition.upwards else (-1.0, low - high)
     w, end = (low, high) if condition.upwards else (high, low)
-    last = solve_held(system, (held := Held(excited, row, control.amplitude(w))), linear_start(system, held, w), w)
+    last = solve_held(
+        system, (held := HeldAmplitude(excited, row, control.amplitude(w))), linear_start(system, held, w), w
+    )
     if not last.converged:
         raise BranchStoppedError(w / (2 * np.pi), last.solution.errors[-1], last.solution.status)
     scale = abs(width)
@@ -73,7 +75,7 @@ def _points(
     while w != end:
         following = w + step * width
         following = end if towards * (following - end) > 0 else following
-        held = Held(excited, row, control.amplitude(following))
+        held = HeldAmplitude(excited, row, control.amplitude(following))
         found = solve_held(system, held, _ahead(before, last, following), following)
         turned = _turned(last, found)
         if found.converged and turned < _LONGEST:

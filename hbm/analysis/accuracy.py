@@ -247,7 +247,7 @@ def _around_the_peak(size: Floats) -> Integers:
 def local_curve(
     curve: ResponseCurve, request: CurveRequest, points: Iterable[BranchPoint], point: str
 ) -> ResponseCurve:
-    """A few points as a curve of its own, seen at one point."""
+    """A few points as a curve of its own, observed at one point."""
     chosen = list(points)
     system = chosen[0].solution.equation.receptance.system
     rows = np.array([system.free.row(point)])

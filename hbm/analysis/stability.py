@@ -1,4 +1,4 @@
-"""Whether a periodic response would be seen: turning points always, Hill's exponents with checks that say when not.
+"""Stability of a periodic response: from turning points, and from Hill's exponents with checks that say when not.
 
 Turning points are exact for the equations solved: there the Jacobian is singular and a real exponent passes zero.
 Between two of them, on the part that runs against the sweep, the response is unstable. That it is stable elsewhere

@@ -15,7 +15,7 @@ from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 @dataclass(frozen=True, eq=False)
 class CurveRequest:
-    """What to trace: a branch through `window` [Hz] at constant force, seen at named points.
+    """What to trace: a branch through `window` [Hz] at constant force, observed at named points.
 
     mode: its name in the study; upwards: start at the lower end of the window
     connecting: where a curve is traced from both ends and its segments cover the window, so many points more are spent,

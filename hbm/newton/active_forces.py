@@ -86,7 +86,7 @@ class KrylovForces:
 
     @property
     def determinant_sign(self) -> float:
-        """As of `DirectForces`, which it needs: dear."""
+        """That of `DirectForces`, which has to be made for it: costly."""
         return self._direct.determinant_sign
 
     @cached_property

@@ -25,7 +25,7 @@ _LARGEST = 1.0
 
 
 @dataclass(frozen=True, eq=False)
-class Held:
+class HeldAmplitude:
     """excited, row: rows of the linear model where the force acts and whose response is held; amplitude: of its first
     harmonic [m]"""
 
@@ -46,7 +46,7 @@ class HeldSolution:
         return self.solution.converged
 
 
-def linear_start(system: NonlinearSystem, held: Held, w: float) -> tuple[Floats, float]:
+def linear_start(system: NonlinearSystem, held: HeldAmplitude, w: float) -> tuple[Floats, float]:
     """Relative displacements and force with all elements stuck: the natural first guess."""
     unit = Excitation(held.excited, 1.0)
     motion = Receptance(system, w).excitation(unit, np.array([held.row]))
@@ -56,7 +56,7 @@ def linear_start(system: NonlinearSystem, held: Held, w: float) -> tuple[Floats,
 
 def solve_held(
     system: NonlinearSystem,
-    held: Held,
+    held: HeldAmplitude,
     start: tuple[Floats, float],
     w: float,
     options: NewtonOptions | None = None,
@@ -95,7 +95,7 @@ def solve_held(
 
 
 def _condition(
-    equation: Equation, excitation: Excitation, held: Held
+    equation: Equation, excitation: Excitation, held: HeldAmplitude
 ) -> tuple[float, Callable[[Floats], float], float]:
     """By how much the logarithm of the amplitude is off, its derivative by x as a function of dx, and that by the
     logarithm of the force with x held."""

@@ -5,9 +5,9 @@ that steps are even in the logarithm of the amplitude and in the phase, off reso
 
 The mean position hardly counts. Where all contacts slip, only the bending of the blades holds it: it drifts by many
 times the vibration, and turns back sharply wherever a contact sticks again, while amplitude and frequency go on
-evenly. Measured with it, a branch is all corners. Where it becomes thousands of times the vibration, as where all
-contacts slip in a direction and nothing but wires holds the damper, it is measured against itself: the vibration is
-seen all the same, and the drift is passed in its logarithm.
+evenly. Measured with it, a branch is all kinks. Where it becomes thousands of times the vibration, as where all
+contacts slip in a direction and nothing but wires holds the damper, it is measured against itself: the vibration
+still counts, and the drift is passed in its logarithm.
 """
 
 from dataclasses import dataclass

@@ -43,7 +43,7 @@ class NewtonOptions:
     smallest_damping: shortest part of a step that is tried
     memory: a residual may exceed the last one, but not all of this many
     damped: whether steps are shortened at all. Across a kink the full step solves the far side's equations, however
-        much the residual rises on the way; shortened, it stays at the kink. For starts close to a solution.
+        much the residual rises on the way; a shortened one stays at the kink. For starts close to a solution.
     patience: given up where after so many iterations the residual is not below `PROGRESS` of the first; None: never
     support: share of their stiffness in the mean position that slipping and open contacts keep in Newton's tangent.
         Where they all slip in a direction, little holds the mean position: from a residual of 1e-10 of the displacement

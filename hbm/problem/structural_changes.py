@@ -100,7 +100,7 @@ def add_inertia(model: LinearModel, directions: Floats, mass: Floats, dashpot: F
 
 
 def _residual_modes(model: LinearModel, directions: Floats) -> Floats:
-    """(n_rows, p) A, p the rank of the residual flexibility seen by the directions [(m/N)^1/2]"""
+    """(n_rows, p) A, p the rank of the residual flexibility between the directions [(m/N)^1/2]"""
     driven = model.residual @ directions
     sizes, U = scipy.linalg.eigh(directions.T @ driven)
     elastic = model.omega_squared > 0

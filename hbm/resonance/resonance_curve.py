@@ -24,7 +24,7 @@ Integers = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class ResonanceRequest:
-    """What to follow: one mode's resonance, as seen at `point`, under a force at `excited`, both named.
+    """What to follow: one mode's resonance, as observed at `point`, under a force at `excited`, both named.
 
     window: [Hz] where it lies while stuck; forces: [N], met exactly, from the first to the last
     start: see `follow_resonance`

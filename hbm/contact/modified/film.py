@@ -36,7 +36,7 @@ class ViscousFilm(ModifiedLaw):
 def closed_share(compression: jax.Array) -> jax.Array:
     """(n_time,) share of the time from half a sample before to half a sample after that the contact is closed.
 
-    On straight lines between the samples, so that the force does not leap when an opening moves past a sample.
+    On straight lines between the samples, so that the force does not jump when an opening moves past a sample.
     """
     before = (jnp.roll(compression, 1) + compression) / 2
     after = (jnp.roll(compression, -1) + compression) / 2

@@ -7,7 +7,7 @@ import pytest
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.newton.equation import evaluate
-from updamp.hbm.newton.held_response import Held, linear_start, solve_held
+from updamp.hbm.newton.held_response import HeldAmplitude, linear_start, solve_held
 from updamp.hbm.newton.newton import NewtonOptions, Status
 from updamp.hbm.problem.elements import ElementGroup
 from updamp.hbm.problem.linear_model import LinearModel
@@ -30,7 +30,7 @@ def system() -> NonlinearSystem:
 def test_force_that_holds_the_response_is_the_dynamic_stiffness_times_it(system: NonlinearSystem) -> None:
     """Each from the one before. With this force there are three responses near 505 rad/s: the one of the amplitude
     wanted is found."""
-    held, start = Held(1, 1, AMPLITUDE), None
+    held, start = HeldAmplitude(1, 1, AMPLITUDE), None
     for w in np.arange(480.0, 526.0, 0.25):
         found = solve_held(system, held, start or linear_start(system, held, w), w)
         assert found.converged
@@ -44,7 +44,7 @@ def test_force_that_holds_the_response_is_the_dynamic_stiffness_times_it(system:
 
 
 def test_want_of_convergence_is_told(system: NonlinearSystem) -> None:
-    held = Held(1, 1, AMPLITUDE)
+    held = HeldAmplitude(1, 1, AMPLITUDE)
     found = solve_held(system, held, linear_start(system, held, 505.0), 505.0, NewtonOptions(iterations=1))
     assert not found.converged
     assert found.solution.status is Status.TOO_MANY_ITERATIONS
