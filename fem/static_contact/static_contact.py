@@ -1,16 +1,93 @@
-"""The static contact stage: the rest state of every contact element under the pull."""
+"""The static contact stage: the rest state of every contact element under the pull.
 
-from collections.abc import Callable, Mapping
+`PRESSURE_MODELS` are the models that a rig file can name. Three prescribe the pressure, after Pesaresi et al. 2017: a
+4th-order polynomial, given or fitted to the scan of a pressure film (section 2); a central strip of each face that
+carries its own share of the load (section 4: 70/30 to 100/0); the same pressure everywhere (eq. 5). The fourth finds it
+from unilateral contact (fem/static_contact/finite_element_pressure.py).
+"""
+
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
+
+import numpy as np
+from numpy.polynomial.polynomial import polyval2d, polyvander2d
+from numpy.typing import NDArray
+from shapely import area, box, intersection, polygons
 
 from updamp.fem.reduced_model import ReducedModel
 from updamp.fem.static_contact.finite_element_pressure import finite_element
-from updamp.fem.static_contact.prescribed_pressure import polynomial, two_area, uniform
-from updamp.fem.static_contact.rest_state import StaticContact
-from updamp.rig.pressure import FePressure, PolynomialPressure, TwoAreaPressure, UniformPressure
+from updamp.fem.static_contact.rest_state import FaceCoordinates, StaticContact, patch_average, prescribed_rest
+from updamp.rig.pressure import ORDER, FePressure, PolynomialPressure, TwoAreaPressure, UniformPressure
 from updamp.rig.rig import Rig
 
+Floats = NDArray[np.float64]
 PressureModel = Callable[[ReducedModel, Rig], StaticContact]
+
+
+def polynomial(reduced: ReducedModel, rig: Rig) -> StaticContact:
+    """Average of max(p, 0) over each patch, scaled to the load; (s, z) run from -1 to 1 over the face.
+
+    s points up the slope and z along the damper on both faces: they are mirror images.
+    raises: ValueError if a scan does not determine the polynomial
+    """
+    options = rig.contact.pressure
+    assert isinstance(options, PolynomialPressure)
+    coefficients = np.asarray(options.coefficients) if options.map is None else fit_polynomial(options.map)
+    coordinates = FaceCoordinates.of(reduced.contacts)
+    half_length, half_width = coordinates.length[:, None] / 2, coordinates.width[:, None] / 2
+
+    def pressure(s: Floats, z: Floats) -> Floats:
+        return np.maximum(polyval2d(s / half_length, z / half_width, coefficients), 0.0)
+
+    return prescribed_rest(reduced.contacts, patch_average(coordinates, pressure), rig)
+
+
+def fit_polynomial(samples: Sequence[tuple[float, float, float]]) -> Floats:
+    """(5, 5) coefficients c[i, j] of s^i z^j, i + j <= 4, by least squares.
+
+    samples: (s, z, pressure), s and z from -1 to 1
+    raises: ValueError if the samples lie so that they do not determine all 15 coefficients
+    """
+    s, z, pressure = np.asarray(samples, dtype=float).T
+    powers = [(i, j) for i in range(ORDER + 1) for j in range(ORDER + 1 - i)]
+    columns = polyvander2d(s, z, [ORDER, ORDER])[:, [i * (ORDER + 1) + j for i, j in powers]]
+    fitted, _, rank, _ = np.linalg.lstsq(columns, pressure, rcond=1e-10)
+    if rank < len(powers):
+        raise ValueError(
+            f"contact.pressure.map: the {len(s)} samples determine only {rank} of the {len(powers)} coefficients of a "
+            f"4th-order polynomial; spread them over the face, at least 5 different values each of s and of z"
+        )
+    coefficients = np.zeros((ORDER + 1, ORDER + 1))
+    for (i, j), value in zip(powers, fitted, strict=True):
+        coefficients[i, j] = value
+    return coefficients
+
+
+def two_area(reduced: ReducedModel, rig: Rig) -> StaticContact:
+    """Pressure constant in the central strip and constant outside it; the strip spans the whole face up the slope.
+
+    A patch across the border gets the area-weighted mean, by exact clipping, so the shares hold exactly on any mesh.
+    """
+    options = rig.contact.pressure
+    assert isinstance(options, TwoAreaPressure)
+    inside = central_part(FaceCoordinates.of(reduced.contacts), options.central_fraction)
+    share, fraction = options.central_share, options.central_fraction
+    pressure = inside * share / fraction + (1 - inside) * (1 - share) / (1 - fraction)
+    return prescribed_rest(reduced.contacts, pressure, rig)
+
+
+def central_part(coordinates: FaceCoordinates, fraction: float) -> Floats:
+    """(n,) part of each patch's area that lies in the central strip of this fraction of the damper's length."""
+    patches = polygons(np.stack([coordinates.slope, coordinates.along], axis=-1))
+    half = fraction * coordinates.width / 2
+    strips = box(-coordinates.length, -half, coordinates.length, half)
+    return area(intersection(patches, strips)) / area(patches)
+
+
+def uniform(reduced: ReducedModel, rig: Rig) -> StaticContact:
+    """The same pressure everywhere, sigma0 = CF / (2 A (cos(alpha) + mu sin(alpha))); N0 its integral over a patch."""
+    return prescribed_rest(reduced.contacts, np.ones(len(reduced.contacts)), rig)
+
 
 PRESSURE_MODELS: Mapping[type, PressureModel] = MappingProxyType(
     {

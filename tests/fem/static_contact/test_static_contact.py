@@ -16,9 +16,8 @@ from updamp.fem.static_contact.finite_element_pressure import (
     solve_along,
     wedge_problem,
 )
-from updamp.fem.static_contact.prescribed_pressure import fit_polynomial
 from updamp.fem.static_contact.rest_state import FaceCoordinates, patch_average
-from updamp.fem.static_contact.static_contact import PRESSURE_MODELS, static_contact
+from updamp.fem.static_contact.static_contact import PRESSURE_MODELS, fit_polynomial, static_contact
 from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements
 from updamp.model.rig_files import load_rig
 from updamp.rig.pressure import SurfaceProfile
