@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support.peers import friction, one_degree_of_freedom, solved
-from support.period_map import multipliers
+from support.time_march import multipliers
 
 from updamp.hbm.analysis.hill import HillProblem
 from updamp.hbm.analysis.perturbed_forces import perturbed_tangent

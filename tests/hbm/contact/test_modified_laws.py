@@ -176,19 +176,33 @@ def test_microslip_is_sliders_side_by_side():
     assert np.abs(one_slider[0, :257, 0] - masing).max() > 0.2 * limit
 
 
-@pytest.mark.parametrize("modification", MODIFICATIONS)
-def test_directions_are_decoupled_where_the_law_says_so(motions, modification):
-    """The tangent without a word of it is the same; friction that falls with the speed couples the directions."""
-    law = modification(JenkinsBox(2))
-    assert getattr(law, "decoupled_directions", ()) == (() if modification is VelocityFriction else (0, 1))
-    assert getattr(modification(CoulombCircle(3)), "decoupled_directions", ()) == ()
+def test_which_directions_are_decoupled():
+    """Friction that falls with the speed couples the directions, and so does a limit that is a circle."""
+    for modification in MODIFICATIONS:
+        law = modification(JenkinsBox(2))
+        assert getattr(law, "decoupled_directions", ()) == (() if modification is VelocityFriction else (0, 1))
+        twice = SubPatchMicroslip.modify(law)
+        assert getattr(twice, "decoupled_directions", ()) == getattr(law, "decoupled_directions", ())
+        assert getattr(modification(CoulombCircle(3)), "decoupled_directions", ()) == ()
 
-    class Coupled(modification):
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        *(modification(SampledJenkinsBox(2)) for modification in MODIFICATIONS),
+        fully_modified(JenkinsBox(2), [each for each in MODIFICATIONS if each is not VelocityFriction]),
+    ],
+    ids=[*(modification.__name__ for modification in MODIFICATIONS), "four modifications, events between samples"],
+)
+def test_directions_are_decoupled_where_the_law_says_so(motions, law):
+    """The tangent without a word of it is the same."""
+
+    class Coupled(type(law)):
         decoupled_directions = ()
 
-    entries = {name: STRONG[name] for name in modification.entries}
+    entries = {name: STRONG[name] for name in law.parameters._fields if name in STRONG}
     together, apart = (
-        element_forces(group(each, **entries), motions, 2.0, HARMONICS, 64) for each in (law, Coupled(JenkinsBox(2)))
+        element_forces(group(each, **entries), motions, 2.0, HARMONICS, 64) for each in (law, Coupled(law.inner))
     )
     np.testing.assert_allclose(together.force, apart.force, rtol=0, atol=1e-13)
     np.testing.assert_allclose(together.tangent, apart.tangent, rtol=0, atol=1e-12)
