@@ -4,9 +4,8 @@ from math import degrees
 
 import numpy as np
 
-from updamp.geometry.blade_section import blade_section
 from updamp.geometry.contact_triangulation import contact_elements
-from updamp.geometry.damper_section import damper_section
+from updamp.geometry.cross_sections import blade_section, damper_section
 from updamp.geometry.extruded_blocks import extrude_section
 from updamp.geometry.rig_mesh import ComponentMesh, GeometryError, RigMesh, scaled_jacobian
 from updamp.rig.rig import Rig

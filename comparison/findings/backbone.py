@@ -27,7 +27,7 @@ _LIKE_OSCILLATOR = 0.15
 
 
 @dataclass(frozen=True)
-class Resonance:
+class ResonanceReading:
     """frequency [Hz], receptance [m/N], amplitude [m], loss factor [-] (nan where the phase does not tell)"""
 
     frequency: float
@@ -36,7 +36,7 @@ class Resonance:
     loss_factor: float
 
 
-def read_resonance(frequency: Floats, receptance: Complex, force: Floats) -> Resonance:
+def read_resonance(frequency: Floats, receptance: Complex, force: Floats) -> ResonanceReading:
     """Of one sweep, in its own order. frequency: (n,) [Hz]; receptance: (n,) [m/N]; force: (n,) [N]"""
     size = np.abs(receptance)
     i = highest(size)
@@ -46,7 +46,7 @@ def read_resonance(frequency: Floats, receptance: Complex, force: Floats) -> Res
     # both halves together, which another mode nearby makes unlike each other; a window narrower than them tells neither
     by_width = by_phase if np.isnan(widths).all() else 2 * float(np.mean(np.abs(widths - at))) / at
     agree = abs(np.log(by_phase / by_width)) < _LIKE_OSCILLATOR
-    return Resonance(at, float(np.exp(top)), float(np.exp(top) * force[i]), by_phase if agree else float("nan"))
+    return ResonanceReading(at, float(np.exp(top)), float(np.exp(top) * force[i]), by_phase if agree else float("nan"))
 
 
 def highest(size: Floats) -> int:

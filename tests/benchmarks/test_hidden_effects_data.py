@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.tiny_mesh import TINY
+from support.plain_rig import TINY
 
 from updamp.benchmarks.hidden_effects.cases import NULLS, PAIRS, Case, by_name, cases
 from updamp.benchmarks.hidden_effects.in_turn import in_turn

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.tiny_mesh import TINY
+from support.plain_rig import TINY
 
 from updamp.benchmarks.hidden_effects import detectability
 from updamp.benchmarks.hidden_effects.cases import NOISE, PLAN

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import typer
-from support.tiny_mesh import TINY_PRESET
+from support.plain_rig import TINY_PRESET
 
 from updamp.benchmarks.hidden_effects import run
 from updamp.benchmarks.hidden_effects.cases import by_name

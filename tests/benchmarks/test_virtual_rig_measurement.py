@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.tiny_mesh import TINY
+from support.plain_rig import TINY
 
 from updamp.benchmarks.virtual_rig.assembled import assembled
 from updamp.benchmarks.virtual_rig.bench import Bench, bench_of

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.tiny_mesh import TINY
+from support.plain_rig import TINY
 
 from updamp.benchmarks.virtual_rig import bodies as bodies_module
 from updamp.benchmarks.virtual_rig.assembled import Assembled, assembled

@@ -15,6 +15,14 @@ from updamp.model.build import rig_model
 from updamp.model.rig_files import load_rig
 from updamp.rig.rig import Rig
 
+# A mesh preset for the virtual rig as coarse as it can be; as it stands in a rig file below.
+TINY = {
+    "width": 4, "face": 2, "platform_outer": 1, "platform_inner": 1, "platform_height": 2, "stem_thickness": 1,
+    "stem_below_excitation": 2, "stem_below_platform": 1, "stem_above_platform": 4, "stem_top": 1,
+    "damper_across": 2, "damper_apex": 1, "damper_base": 1, "contact_elements": 36,
+}  # fmt: skip
+TINY_PRESET = "\n[mesh.tiny]\n" + "".join(f"{name} = {value}\n" for name, value in TINY.items())
+
 LOCAL_FLEXIBILITY = 2e-10  # m/N, of each contact degree of freedom
 BLADE_MODES = ((269.0, 0), (1500.0, 2), (4000.0, 1))  # Hz, direction
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import psutil
 import pytest
-from support.odd_tasks import Killed
+from support.odd_work import Killed
 
 from updamp.comparison.prediction.branch_tasks import BranchTask, InTurn, PredictionError, by_processes, in_turn
 from updamp.comparison.prediction.parameters import Parametrisation
@@ -87,7 +87,7 @@ def test_a_worker_that_the_system_ends_is_told():
 def test_nothing_is_left_behind_by_an_interruption_or_a_sudden_end(number):
     paths = os.pathsep.join(path for path in [str(TESTS), *sys.path] if path)
     with subprocess.Popen(
-        [sys.executable, "-m", "support.odd_tasks"],
+        [sys.executable, "-m", "support.odd_work"],
         env={**os.environ, "PYTHONPATH": paths},
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
