@@ -67,7 +67,7 @@ MARGIN = 0.05  # of the window, beyond the lowest and the highest linear frequen
 
 
 @dataclass(frozen=True)
-class Case:
+class StressCase:
     """One curve."""
 
     mode: str
@@ -82,7 +82,7 @@ class Case:
 class Outcome:
     """What became of a case; reason: why it did not finish, "" if it did; seconds: of processor time"""
 
-    case: Case
+    case: StressCase
     finished: bool
     reason: str
     window_Hz: tuple[float, float]  # noqa: N815
@@ -92,13 +92,13 @@ class Outcome:
     seconds: float
 
 
-def design() -> tuple[Case, ...]:
+def design() -> tuple[StressCase, ...]:
     """All cases, in an order in which any first part is mixed."""
     rng = np.random.default_rng(SEED)
-    corners = [Case(mode, *values) for mode in MODES for values in itertools.product(*RANGES.values())]
+    corners = [StressCase(mode, *values) for mode in MODES for values in itertools.product(*RANGES.values())]
     low, high = np.log10(np.array(list(RANGES.values())).T)
     inside = [
-        Case(mode, *(float(f"{10**v:.4g}") for v in row))
+        StressCase(mode, *(float(f"{10**v:.4g}") for v in row))
         for mode in MODES
         for row in qmc.scale(qmc.LatinHypercube(len(RANGES), rng=rng).random(INSIDE), low, high)
     ]
@@ -109,7 +109,7 @@ def design() -> tuple[Case, ...]:
 # --- one curve ---
 
 
-def system_of(case: Case, reduced: ReducedModel) -> tuple[NonlinearSystem, CurveRequest]:
+def system_of(case: StressCase, reduced: ReducedModel) -> tuple[NonlinearSystem, CurveRequest]:
     rig = load_rig(
         RIG,
         {
@@ -141,7 +141,7 @@ def bending_frequency(model: LinearModel, sign: float) -> float:
     return float(model.frequencies[np.argmax((right + sign * left) ** 2 / model.omega_squared)])
 
 
-def run_case(case: Case, reduced: ReducedModel, limit: float) -> Outcome:
+def run_case(case: StressCase, reduced: ReducedModel, limit: float) -> Outcome:
     """limit: of processor time [s]"""
     started, curve, over = time.process_time(), None, False
     system, request = system_of(case, reduced)
@@ -156,7 +156,7 @@ def run_case(case: Case, reduced: ReducedModel, limit: float) -> Outcome:
 
 
 def _outcome(
-    case: Case, window: tuple[float, float], curve: ResponseCurve, limit: float | None, seconds: float
+    case: StressCase, window: tuple[float, float], curve: ResponseCurve, limit: float | None, seconds: float
 ) -> Outcome:
     reason = curve.stopped
     if limit is not None:
@@ -169,16 +169,16 @@ def _outcome(
 # --- many curves, and what is kept of them ---
 
 
-def read_outcomes(path: Path) -> dict[Case, Outcome]:
+def read_outcomes(path: Path) -> dict[StressCase, Outcome]:
     """Those on file; the last one counts where a case was traced again. A line cut short is passed over."""
-    outcomes: dict[Case, Outcome] = {}
+    outcomes: dict[StressCase, Outcome] = {}
     if path.exists():
         for line in path.read_text().splitlines():
             try:
                 entry = json.loads(line)
             except json.JSONDecodeError:  # the run was interrupted as it wrote
                 continue
-            case = Case(**entry.pop("case"))
+            case = StressCase(**entry.pop("case"))
             outcomes[case] = Outcome(case, **{**entry, "window_Hz": tuple(entry["window_Hz"])})
     return outcomes
 
@@ -190,7 +190,7 @@ def append_outcome(path: Path, outcome: Outcome) -> None:
         file.write(("\n" if cut_short else "") + json.dumps(asdict(outcome)) + "\n")
 
 
-def to_do(cases: Sequence[Case], known: dict[Case, Outcome], again: bool) -> list[Case]:
+def to_do(cases: Sequence[StressCase], known: dict[StressCase, Outcome], again: bool) -> list[StressCase]:
     """Cases not on file, and with `again` those that did not finish."""
     return [case for case in cases if case not in known or (again and not known[case].finished)]
 
@@ -201,7 +201,7 @@ def summary(outcomes: Iterable[Outcome]) -> dict[str, Any]:
     return {"curves": len(outcomes), "finished": len(outcomes) - len(unfinished), "unfinished": unfinished}
 
 
-def run_all(cases: Sequence[Case], reduced: ReducedModel, limit: float, jobs: int) -> Iterator[Outcome]:
+def run_all(cases: Sequence[StressCase], reduced: ReducedModel, limit: float, jobs: int) -> Iterator[Outcome]:
     """Outcomes as they come; an error in a case is its reason."""
     if jobs == 1:
         for case in cases:
@@ -212,7 +212,7 @@ def run_all(cases: Sequence[Case], reduced: ReducedModel, limit: float, jobs: in
             yield future.result()
 
 
-def _safely(case: Case, reduced: ReducedModel, limit: float) -> Outcome:
+def _safely(case: StressCase, reduced: ReducedModel, limit: float) -> Outcome:
     try:
         return run_case(case, reduced, limit)
     except Exception as error:

@@ -46,9 +46,9 @@ def _branch(ax: Axes, curve: ResponseCurve, point: str, colour: Any) -> None:
     for upwards, marker in ((True, ">"), (False, "<")):
         seen = sweep(curve.frequency, upwards)
         for place in seen.jump_after:
-            start, landing = seen.visited[place], seen.visited[place + 1]
+            start, end = seen.visited[place], seen.visited[place + 1]
             at = curve.frequency[start]
-            ax.plot([at, at], [size[start], size[landing]], ":", color=colour, linewidth=1.1)
+            ax.plot([at, at], [size[start], size[end]], ":", color=colour, linewidth=1.1)
             ax.plot(at, size[start], marker, color=colour, markeredgecolor=INK, markeredgewidth=0.6, markersize=7)
     if curve.stopped:
         ax.plot(curve.frequency[-1], size[-1], "x", color=colour, markersize=8, markeredgewidth=2)

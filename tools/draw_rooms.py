@@ -87,8 +87,8 @@ def row(path: str, imported: Iterable[str]) -> Row:
     place, _, pattern = path.rpartition("/")
     files = sorted((ROOT / place).glob(pattern) if pattern else (ROOT / place).rglob("*.py"))
     lines = sum(len(file.read_text(encoding="utf-8").splitlines()) for file in files)
-    told = ROOT / path if path.endswith(".py") and "*" not in path else ROOT / place / "__init__.py"
-    purpose = (ast.get_docstring(ast.parse(told.read_text(encoding="utf-8"))) or "").split("\n")[0]
+    described = ROOT / path if path.endswith(".py") and "*" not in path else ROOT / place / "__init__.py"
+    purpose = (ast.get_docstring(ast.parse(described.read_text(encoding="utf-8"))) or "").split("\n")[0]
     return Row(path, "its own files" if "*" in path else purpose, len(files), lines, tuple(sorted(imported)))
 
 

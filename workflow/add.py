@@ -12,7 +12,7 @@ from updamp.model.calibration import present_name
 from updamp.model.rig_files import load_any
 from updamp.rig.errors import RigError
 from updamp.workflow import rig_text
-from updamp.workflow.add_checks import already, calibration_missing, not_fitted, notes, taken_name, unknown
+from updamp.workflow.add_checks import already_there, calibration_missing, name_in_use, not_fitted, notes, unknown
 from updamp.workflow.history import Errors, HistoryStep, data_hash, read_history, write_history
 from updamp.workflow.rig_text import EffectText
 
@@ -55,10 +55,10 @@ def add(rig: Path, names: Sequence[str], folder: Path, options: AddOptions | Non
     out = options.out or rig.with_name(f"{rig.stem}+{'+'.join(names)}.toml")
     problems = [
         *not_fitted(verdict, names, source),
-        *already(present, names, rig, options.replace),
+        *already_there(present, names, rig, options.replace),
         *unknown(verdict, names, [*own, *(effect.name for effect in present)]),
         *calibration_missing(verdict, names, options.with_calibration),
-        *taken_name(out, rig, options.replace),
+        *name_in_use(out, rig, options.replace),
     ]
     if problems:
         raise ValueError("\n".join(problems))
@@ -89,7 +89,7 @@ def remove(rig: Path, names: Sequence[str], out: Path | None = None, replace: bo
     out = out or rig.with_name(f"{rig.stem}-{'-'.join(names)}.toml")
     has = f"it has {', '.join(removable)}" if removable else "it has no effects"
     problems = [f"{rig}: {name} is not there; {has}" for name in names if name not in removable]
-    if problems := [*problems, *taken_name(out, rig, replace)]:
+    if problems := [*problems, *name_in_use(out, rig, replace)]:
         raise ValueError("\n".join(problems))
     text = rig_text.moved(rig.read_text(encoding="utf-8"), rig.parent, out.parent)
     text = rig_text.without_effects(text, names)

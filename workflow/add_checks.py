@@ -25,7 +25,7 @@ def not_fitted(verdict: Verdict, names: Sequence[str], source: Path) -> Iterator
             )
 
 
-def already(present: Sequence[RigEffect], names: Sequence[str], rig: Path, replace: bool) -> Iterator[str]:
+def already_there(present: Sequence[RigEffect], names: Sequence[str], rig: Path, replace: bool) -> Iterator[str]:
     """An effect at its null values waits to be fitted: it may be replaced unasked."""
     for effect in present:
         if effect.name in names and not replace and not _absent(effect):
@@ -62,7 +62,7 @@ def calibration_missing(verdict: Verdict, names: Sequence[str], wanted: bool) ->
         )
 
 
-def taken_name(out: Path, rig: Path, replace: bool) -> Iterator[str]:
+def name_in_use(out: Path, rig: Path, replace: bool) -> Iterator[str]:
     """The rig file itself may be named as the new one: who does so wants it changed."""
     if out.exists() and not replace and out.resolve() != rig.resolve():
         yield f"{out}: is there already; give another name with --out, or --replace to put the new one in its place"

@@ -210,7 +210,7 @@ _stop: Any = None
 
 
 def _start_worker(messages: Any, stop: Any) -> None:
-    """An interruption from the keyboard reaches the workers too; they leave it to the parent to tell them."""
+    """An interruption from the keyboard reaches the workers too; the parent asks them to stop."""
     global _messages, _stop
     messages.cancel_join_thread()  # progress that nobody reads any more must not hold up the end
     _messages, _stop = messages, stop

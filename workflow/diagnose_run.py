@@ -93,8 +93,8 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
             names = {channel.point: channel.name for channel in inputs.measurement.channels}
             decision = decide(found.evidence, options.criteria)
             forces = _forces(found, decision) if options.report else ()
-            following = _following(cache, found, decision, options, progress, workers) if options.report else ()
-            verdict = conclude(found, decision, options.criteria, names, forces, provenance, following)
+            proposed = _next_measurements(cache, found, decision, options, progress, workers) if options.report else ()
+            verdict = conclude(found, decision, options.criteria, names, forces, provenance, proposed)
             VERDICT_JSON.write(files.out / "diagnosis.json", verdict)
             EVIDENCE_JSON.write(files.out / "evidence.json", found.evidence)
             write_ablations(files.out / "ablations.json", found.evidence, options.criteria)
@@ -134,16 +134,16 @@ def _of_stated(
     if options.report:
         _report(files, inputs, found.verdict, progress, in_turn)
     display.done(_STAGE, found.verdict.verdict)
-    for shown in tables(found):
-        console.print(shown)
+    for table in tables(found):
+        console.print(table)
     return found.verdict
 
 
 def _effects(inputs: ComparisonInputs, options: DiagnoseOptions) -> tuple[Effect, ...]:
     """Those of the catalogue and the user's own that the rig file does not have yet."""
-    taken = {one.effect.name for one in inputs.rig_effects}
+    present = {one.effect.name for one in inputs.rig_effects}
     known = [*catalogue().values(), *(effect_from_file(path) for path in options.own)]
-    return tuple(effect for effect in known if effect.name not in taken)
+    return tuple(effect for effect in known if effect.name not in present)
 
 
 def _cache(
@@ -225,7 +225,7 @@ def _forces(found: SearchResult, decision: Decision) -> tuple[MissingForce, ...]
     return missing_forces(fitted.compared, fitted.parametrisation, found.baseline.train_plan)
 
 
-def _following(
+def _next_measurements(
     cache: SearchCache,
     found: SearchResult,
     decision: Decision,

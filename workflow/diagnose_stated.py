@@ -86,29 +86,29 @@ def _at_small_force(feature: Feature, model: RigModel, modes: LowForceModes) -> 
 
 def tables(diagnosis: StatedDiagnosis) -> tuple[Table, ...]:
     """For the terminal: explanations, what the surviving ones would do elsewhere, what to measure next."""
-    shown = [explanation_table(diagnosis)]
+    found = [explanation_table(diagnosis)]
     if diagnosis.predictions:
-        shown.append(prediction_table(diagnosis))
+        found.append(prediction_table(diagnosis))
     if diagnosis.verdict.next_measurement:
-        shown.append(next_table(diagnosis))
-    return tuple(shown)
+        found.append(next_table(diagnosis))
+    return tuple(found)
 
 
 def explanation_table(diagnosis: StatedDiagnosis) -> Table:
     """One line an explanation: parameters, and how far each stated value is off in per cent."""
     found, problem = diagnosis.found, diagnosis.problem
-    shown = Table(title="What could explain the stated frequencies", title_justify="left", header_style="bold")
-    shown.add_column("changed", overflow="fold")
-    shown.add_column("to", overflow="fold")
+    table = Table(title="What could explain the stated frequencies", title_justify="left", header_style="bold")
+    table.add_column("changed", overflow="fold")
+    table.add_column("to", overflow="fold")
     for feature in problem.features:
-        shown.add_column(f"{feature.mode} {feature.value:g} Hz", justify="right")
-    shown.add_column("met")
+        table.add_column(f"{feature.mode} {feature.value:g} Hz", justify="right")
+    table.add_column("met")
     helped = [e for name, e in found.helped.items() if not why_not_the_cause(found, name)]
     pairs = [e for e in found.pairs if e.met]
     for e in (found.as_given, *found.single, found.calibrated, *found.alone.values(), *helped, *pairs):
         off = [f"{100 * (f / s - 1):+.2f} %" for f, s in zip(e.frequencies, problem.stated, strict=True)]
-        shown.add_row(e.name, changed(e), *off, "yes" if e.met else "no")
-    return shown
+        table.add_row(e.name, changed(e), *off, "yes" if e.met else "no")
+    return table
 
 
 def changed(e: Explanation) -> str:
@@ -122,22 +122,22 @@ def changed(e: Explanation) -> str:
 
 def prediction_table(diagnosis: StatedDiagnosis) -> Table:
     """One line a quantity, one column a surviving explanation."""
-    shown = Table(title="What they would do elsewhere", title_justify="left", header_style="bold")
-    shown.add_column("measure", overflow="fold")
+    table = Table(title="What they would do elsewhere", title_justify="left", header_style="bold")
+    table.add_column("measure", overflow="fold")
     for p in diagnosis.predictions:
-        shown.add_column(p.survivor.name, justify="right", overflow="fold")
+        table.add_column(p.survivor.name, justify="right", overflow="fold")
     for i, q in enumerate(diagnosis.wanted):
-        shown.add_row(
+        table.add_row(
             q.what, *(f"{p.value[i]:.4g} ± {p.deviation[i]:.1g} {q.unit}".strip() for p in diagnosis.predictions)
         )
-    return shown
+    return table
 
 
 def next_table(diagnosis: StatedDiagnosis) -> Table:
     """One line a measurement, most separation per hour first."""
-    shown = Table(title="What to measure next", title_justify="left", header_style="bold")
+    table = Table(title="What to measure next", title_justify="left", header_style="bold")
     for heading in ("measurement", "separates by", "hours"):
-        shown.add_column(heading, justify="left" if heading == "measurement" else "right", overflow="fold")
+        table.add_column(heading, justify="left" if heading == "measurement" else "right", overflow="fold")
     for m in diagnosis.verdict.next_measurement:
-        shown.add_row(m.sentence, f"{m.separation:.3g}", f"{m.hours:.2g}")
-    return shown
+        table.add_row(m.sentence, f"{m.separation:.3g}", f"{m.hours:.2g}")
+    return table

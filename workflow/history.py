@@ -120,7 +120,7 @@ def record_comparison(rig: Path, effects: tuple[str, ...], comparison: Compariso
 
 
 def _same(a: HistoryStep, b: HistoryStep) -> bool:
-    """Whether both tell of the same rig and data."""
+    """Whether both are of the same rig and data."""
     return (a.kind, a.rig, a.effects, a.data) == (b.kind, b.rig, b.effects, b.data)
 
 

@@ -19,7 +19,7 @@ from updamp.workflow.stages import Stage
 
 Product = TypeVar("Product")
 
-FINITE_ELEMENT_STEPS = 8  # told by the finite elements as they begin, for the progress bar
+FINITE_ELEMENT_STEPS = 8  # announced by the finite elements, for the progress bar
 
 
 @dataclass(frozen=True)

@@ -49,7 +49,7 @@ class SearchCache:
 
 @dataclass(frozen=True)
 class CachedFits:
-    """Refits of which those that are in the cache are not made again; what `runner` makes is written there."""
+    """Fits of candidate models. Those in the cache are not made again; what `runner` makes is written there."""
 
     cache: SearchCache
     runner: FitRunner
@@ -57,12 +57,12 @@ class CachedFits:
     def __call__(
         self, start: Baseline, criteria: Criteria, tasks: Sequence[FitTask], done: OnFitted
     ) -> list[FittedCandidate | None]:
-        beside = "".join(f"{e.name}__" for e in start.fitted.parametrisation.effects)
-        known: list[FittedCandidate | None] = [self.cache.read(beside + a.name) for a in tasks]
+        prefix = "".join(f"{e.name}__" for e in start.fitted.parametrisation.effects)
+        known: list[FittedCandidate | None] = [self.cache.read(prefix + a.name) for a in tasks]
 
         def kept(task: FitTask, result: FittedCandidate | None) -> None:
             if result is not None:
-                self.cache.write(beside + task.name, result.with_fit(without_branches(result.refit.fitted)))
+                self.cache.write(prefix + task.name, result.with_fit(without_branches(result.refit.fitted)))
             done(task, result)
 
         missing = [i for i, result in enumerate(known) if result is None]

@@ -198,12 +198,12 @@ def _norm(covariance: Floats, signature: Floats) -> float:
 
 
 @dataclass(frozen=True)
-class Looked:
+class Computed:
     case: str
     seconds: float
 
 
-def look(case: Case, layout: Layout) -> Looked:
+def compute(case: Case, layout: Layout) -> Computed:
     started = time.perf_counter()
     b = background(case.laboratory, case.fitted)
     signatures = {one.name: b.signature(one) for one in case.hidden}
@@ -211,7 +211,7 @@ def look(case: Case, layout: Layout) -> Looked:
     effects = {name: asdict(one) for name, one in found.items()}
     content = {"case": case.name, "digest": case.digest, "code": code_version(*CODE), "effects": effects}
     write_whole(layout.expected(case.name), content)
-    return Looked(case.name, time.perf_counter() - started)
+    return Computed(case.name, time.perf_counter() - started)
 
 
 def is_known(case: Case, layout: Layout) -> bool:
@@ -227,7 +227,9 @@ def main(
     """Expected score and visibility of every case with something hidden."""
     layout = Layout(out)
     wanted = [case for case in by_name(tuple(only)) if case.hidden and not is_known(case, layout)]
-    in_turn(partial(look, layout=layout), wanted, jobs, "expected scores", lambda looked: f"{looked.seconds:.0f} s")
+    in_turn(
+        partial(compute, layout=layout), wanted, jobs, "expected scores", lambda computed: f"{computed.seconds:.0f} s"
+    )
 
 
 if __name__ == "__main__":

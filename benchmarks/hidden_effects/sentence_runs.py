@@ -22,7 +22,7 @@ FITTED, FINER = "diagnosis", ("diagnosis_fine",)
 
 
 @dataclass(frozen=True, eq=False)
-class Kept:
+class KeptCalibration:
     """A finished calibration. seconds: that it took, on the clock"""
 
     calibration: CalibrationResult
@@ -31,10 +31,10 @@ class Kept:
     seconds: float
 
 
-def calibrated(case: Case, data: Layout, folder: Path, models: Path) -> Kept:
+def calibrated(case: Case, data: Layout, folder: Path, models: Path) -> KeptCalibration:
     """As `updamp compare` does it, from the folder where this version of updamp has done it already."""
     store, key = folder / "calibration.pkl", _key(data.data(case.name))
-    found: Kept | None = read_result(store, key, lambda sentence: print(sentence, file=sys.stderr))
+    found: KeptCalibration | None = read_result(store, key, lambda sentence: print(sentence, file=sys.stderr))
     if found is not None:
         return found
     place(models / FITTED, folder, FINER)
@@ -44,7 +44,7 @@ def calibrated(case: Case, data: Layout, folder: Path, models: Path) -> Kept:
         inputs = comparison_inputs(files, FITTED, 1, display, FINER)
     done = calibrate(inputs.before_effects, inputs.measurement, finer=inputs.finer, rig_effects=inputs.rig_effects)
     seconds = time.perf_counter() - started
-    kept = Kept(_slim(done), inputs.measurement, provenance_of(files, inputs, FITTED), seconds)
+    kept = KeptCalibration(_slim(done), inputs.measurement, provenance_of(files, inputs, FITTED), seconds)
     write_result(store, key, kept)
     return kept
 

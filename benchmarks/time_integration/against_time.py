@@ -14,7 +14,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from updamp.benchmarks.time_integration.rig_against_time import FINER, Case, Problem
+from updamp.benchmarks.time_integration.rig_against_time import FINER, MarchedCase, Problem
 from updamp.fem.finite_element_model import finite_element_model
 from updamp.geometry.build_mesh import build_mesh
 from updamp.hbm.analysis.settings import Setting
@@ -25,14 +25,14 @@ ROOT = Path(__file__).parents[2]
 RIG = ROOT / "rigs" / "pesaresi2017.toml"
 MANY = Setting(tuple(range(16)), 512, 3)
 CASES = (
-    (Case("OOP", 10.0, (440.0, 452.0), 0.01), 0.6),
-    (Case("OOP", 30.0, (440.0, 449.0), 0.01), 0.1),
-    (Case("OOP", 60.0, (437.0, 450.0), 0.01), 0.6),
-    (Case("IP", 10.0, (420.0, 434.0), 0.01), 0.6),
-    (Case("IP", 15.0, (415.0, 434.0), 0.01), 0.1),
-    (Case("IP", 25.0, (380.0, 436.0), 0.01), 0.6),
-    (Case("OOP", 9.6, (440.0, 450.0)), 0.6),
-    (Case("OOP", 17.0, (438.0, 450.0)), 0.6),
+    (MarchedCase("OOP", 10.0, (440.0, 452.0), 0.01), 0.6),
+    (MarchedCase("OOP", 30.0, (440.0, 449.0), 0.01), 0.1),
+    (MarchedCase("OOP", 60.0, (437.0, 450.0), 0.01), 0.6),
+    (MarchedCase("IP", 10.0, (420.0, 434.0), 0.01), 0.6),
+    (MarchedCase("IP", 15.0, (415.0, 434.0), 0.01), 0.1),
+    (MarchedCase("IP", 25.0, (380.0, 436.0), 0.01), 0.6),
+    (MarchedCase("OOP", 9.6, (440.0, 450.0)), 0.6),
+    (MarchedCase("OOP", 17.0, (438.0, 450.0)), 0.6),
 )
 
 

@@ -28,7 +28,7 @@ TIP = "blade_right.tip.x"
 FINER = Setting((0, 1, 2, 3, 4, 5, 6, 7), 256, 3)
 
 
-class Case(NamedTuple):
+class MarchedCase(NamedTuple):
     """A curve. loss: factor at the middle of the window, None for the rig's; window [Hz]; force [N]"""
 
     mode: str
@@ -53,7 +53,7 @@ class Problem:
     loss: float
 
     @staticmethod
-    def of(reduced: ReducedModel, rig: Rig, case: Case) -> "Problem":
+    def of(reduced: ReducedModel, rig: Rig, case: MarchedCase) -> "Problem":
         """The rig with viscous damping in place of the structural one."""
         model = rig_model(reduced, static_contact(reduced, rig), rig)
         system = model.system

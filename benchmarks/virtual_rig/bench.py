@@ -46,7 +46,7 @@ class Patches:
 
 
 @dataclass(frozen=True, eq=False)
-class Attachment:
+class BenchAttachment:
     """Linear, on the displacement sum_i weight_i u_i of points. dynamic_stiffness: at w [rad/s], complex [N/m]"""
 
     name: str
@@ -55,7 +55,7 @@ class Attachment:
 
 
 @dataclass(frozen=True, eq=False)
-class PointElement:
+class BenchElement:
     """Nonlinear, on the displacement sum_i weight_i u_i of points."""
 
     name: str
@@ -77,10 +77,10 @@ class Bench:
 
     bodies: Bodies
     patches: Patches
-    attachments: tuple[Attachment, ...]
+    attachments: tuple[BenchAttachment, ...]
     excitation: str
     loss_factor: float
-    elements: tuple[PointElement, ...] = ()
+    elements: tuple[BenchElement, ...] = ()
     loss_growth: float = 0.0
     tuning: Mapping[str, float] | None = None
     clamp_compliance: float = 0.0
@@ -92,10 +92,10 @@ class Bench:
     def with_patches(self, **entries: Floats | float) -> "Bench":
         return replace(self, patches=replace(self.patches, **entries))
 
-    def with_attachment(self, *more: Attachment) -> "Bench":
+    def with_attachment(self, *more: BenchAttachment) -> "Bench":
         return replace(self, attachments=(*self.attachments, *more))
 
-    def with_element(self, *more: PointElement) -> "Bench":
+    def with_element(self, *more: BenchElement) -> "Bench":
         return replace(self, elements=(*self.elements, *more))
 
     def tuned(self, **factors: float) -> "Bench":
@@ -123,11 +123,11 @@ def bench_of(rig: Rig, bodies: Bodies) -> Bench:
     return Bench(bodies, patches, wires(rig), excitation, rig.material.loss_factor)
 
 
-def spring(name: str, direction: Mapping[str, float], stiffness: float) -> Attachment:
-    return Attachment(name, direction, lambda _: stiffness)
+def spring(name: str, direction: Mapping[str, float], stiffness: float) -> BenchAttachment:
+    return BenchAttachment(name, direction, lambda _: stiffness)
 
 
-def wires(rig: Rig, axial_factor: float = 1.0) -> tuple[Attachment, ...]:
+def wires(rig: Rig, axial_factor: float = 1.0) -> tuple[BenchAttachment, ...]:
     """Both wires: axial stiffness upwards, tension over length sideways, and the roll moment of a pull that acts above
     the damper's centroid."""
     sideways, upwards = rig.load.pull / 2 / rig.wire.length, axial_factor * rig.wire.axial_stiffness / 2

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.benchmarks.virtual_rig.bench import (
-    Attachment,
     Bench,
+    BenchAttachment,
+    BenchElement,
     HiddenEffect,
-    PointElement,
     PointForce,
     Values,
     strengths,
@@ -33,7 +33,7 @@ def shaker_attachment(bench: Bench, values: Values, _rig: Rig) -> Bench:
     def dynamic_stiffness(w: float) -> complex:
         return values["stiffness"] + 1j * w * values["dashpot"] - w**2 * values["mass"]
 
-    return bench.with_attachment(Attachment("shaker", {bench.excitation: 1.0}, dynamic_stiffness))
+    return bench.with_attachment(BenchAttachment("shaker", {bench.excitation: 1.0}, dynamic_stiffness))
 
 
 def clamp_flexibility(bench: Bench, values: Values, _rig: Rig) -> Bench:
@@ -61,7 +61,7 @@ def cubic(coefficient: float) -> PointForce:
 
 def blade_cubic_stiffness(bench: Bench, values: Values, _rig: Rig) -> Bench:
     """A cubic spring at both tips"""
-    return bench.with_element(*(PointElement(f"cubic {tip}", {tip: 1.0}, cubic(values["coefficient"])) for tip in TIPS))
+    return bench.with_element(*(BenchElement(f"cubic {tip}", {tip: 1.0}, cubic(values["coefficient"])) for tip in TIPS))
 
 
 def shaker(mass: float, stiffness: float, dashpot: float) -> dict[str, float]:

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.benchmarks.virtual_rig.bench import (
-    Attachment,
     Bench,
+    BenchAttachment,
+    BenchElement,
     HiddenEffect,
-    PointElement,
     PointForce,
     Values,
     strengths,
@@ -29,7 +29,7 @@ def drag(coefficient: float) -> PointForce:
 
 def quadratic_damping(bench: Bench, values: Values, _rig: Rig) -> Bench:
     """c |v| v at both tips, as of air or a fluid [N s^2/m^2]"""
-    return bench.with_element(*(PointElement(f"drag {tip}", {tip: 1.0}, drag(values["coefficient"])) for tip in TIPS))
+    return bench.with_element(*(BenchElement(f"drag {tip}", {tip: 1.0}, drag(values["coefficient"])) for tip in TIPS))
 
 
 def force_drop_off(bench: Bench, values: Values, _rig: Rig) -> Bench:
@@ -53,7 +53,7 @@ def stop(stiffness: float, gap: float) -> PointForce:
 def second_damper_contact(bench: Bench, values: Values, _rig: Rig) -> Bench:
     """The damper's right bottom corner strikes the blade beside it once it has come closer by the gap"""
     closer = {"damper.corner_right.x": 1.0, "blade_right.platform.x": -1.0}
-    return bench.with_element(PointElement("stop", closer, stop(values["stiffness"], values["gap"])))
+    return bench.with_element(BenchElement("stop", closer, stop(values["stiffness"], values["gap"])))
 
 
 def absorber_mass(bench: Bench, values: Values, _rig: Rig) -> Bench:
@@ -63,7 +63,7 @@ def absorber_mass(bench: Bench, values: Values, _rig: Rig) -> Bench:
     def dynamic_stiffness(w: float) -> complex:
         return complex(-(w**2) * mass * k / (k - w**2 * mass))
 
-    return bench.with_attachment(Attachment("absorber", {TIPS[0]: 1.0}, dynamic_stiffness))
+    return bench.with_attachment(BenchAttachment("absorber", {TIPS[0]: 1.0}, dynamic_stiffness))
 
 
 def absorber(mass: float) -> dict[str, float]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from updamp.benchmarks.virtual_rig.assembled import Assembled
 from updamp.benchmarks.virtual_rig.patch_forces import Basis, departures
-from updamp.benchmarks.virtual_rig.receptance import Receptance, receptance
+from updamp.benchmarks.virtual_rig.receptance import BenchReceptance, receptance
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -35,7 +35,7 @@ class Motion:
     w: float
     force: float
     departure: Floats
-    receptance: Receptance
+    receptance: BenchReceptance
     iterations: int
 
     def response(self, point: str) -> Complex:

@@ -14,7 +14,7 @@ Complex = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, eq=False)
-class Receptance:
+class BenchReceptance:
     """modal: (H, m, m); through: (H, rows, a) receptance to the attachments; answer: (H, a, a) of these"""
 
     rig: Assembled
@@ -52,7 +52,7 @@ def _each(matrices: Complex, columns: Complex) -> Complex:
     return np.asarray((matrices @ columns.T[:, :, None])[:, :, 0].T)
 
 
-def receptance(rig: Assembled, basis: Basis, w: float, tip_amplitude: dict[str, float]) -> Receptance:
+def receptance(rig: Assembled, basis: Basis, w: float, tip_amplitude: dict[str, float]) -> BenchReceptance:
     """tip_amplitude: of the blades, which the loss factor may grow with [m]"""
     bench, stuck = rig.bench, rig.stuck
     loss = {b: bench.loss_factor * (1 + bench.loss_growth * tip_amplitude.get(b, 0.0)) for b in BODIES}
@@ -66,4 +66,4 @@ def receptance(rig: Assembled, basis: Basis, w: float, tip_amplitude: dict[str, 
         modal.append(inverse)
         through.append(G)
         answer.append(np.linalg.solve(np.eye(len(z)) + z[:, None] * (V.T @ G), np.diag(z)))
-    return Receptance(rig, basis, np.array(modal), np.array(through), np.array(answer))
+    return BenchReceptance(rig, basis, np.array(modal), np.array(through), np.array(answer))

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from updamp.benchmarks.time_integration.rig_against_time import Case, Problem
+from updamp.benchmarks.time_integration.rig_against_time import MarchedCase, Problem
 from updamp.benchmarks.time_integration.rig_march import March, Plane, shoot
 from updamp.fem.finite_element_model import finite_element_model
 from updamp.fem.reduced_model import ReducedModel
@@ -25,10 +25,10 @@ STUCK, SLIP, OPEN = ContactState.STUCK, ContactState.STICK_SLIP, ContactState.SE
 # Case, friction coefficient, how many contacts do what at the peak. With the rig's own friction contacts open before
 # they slip.
 CASES = {
-    "stick": (Case("IP", 10.0, (425.0, 428.0), 0.01), 0.6, {STUCK: 36}),
-    "slip": (Case("OOP", 30.0, (443.5, 447.5), 0.01), 0.1, {STUCK: 18, SLIP: 18}),
-    "slip and separation": (Case("IP", 15.0, (415.0, 434.0), 0.01), 0.1, {STUCK: 20, SLIP: 8, OPEN: 8}),
-    "edges separate": (Case("OOP", 60.0, (440.0, 450.0), 0.01), 0.6, {STUCK: 28, OPEN: 8}),
+    "stick": (MarchedCase("IP", 10.0, (425.0, 428.0), 0.01), 0.6, {STUCK: 36}),
+    "slip": (MarchedCase("OOP", 30.0, (443.5, 447.5), 0.01), 0.1, {STUCK: 18, SLIP: 18}),
+    "slip and separation": (MarchedCase("IP", 15.0, (415.0, 434.0), 0.01), 0.1, {STUCK: 20, SLIP: 8, OPEN: 8}),
+    "edges separate": (MarchedCase("OOP", 60.0, (440.0, 450.0), 0.01), 0.6, {STUCK: 28, OPEN: 8}),
 }
 
 
