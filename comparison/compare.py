@@ -12,7 +12,7 @@ from updamp.comparison.comparison import (
     FeatureComparison,
     PointResidual,
 )
-from updamp.comparison.curves import curve_pair
+from updamp.comparison.curves import curve_pairs
 from updamp.comparison.findings.all_findings import all_findings
 from updamp.comparison.findings.backbone import measured_backbones, model_backbones
 from updamp.comparison.findings.findings import lack_of_fit, misfits
@@ -113,8 +113,7 @@ def comparison_of(
     """The findings on a calibrated model, with the curves and numbers behind them."""
     plan, before, fitted, after = calibrated.plan, calibrated.before, calibrated.fit, calibrated.after
     parametrisation = fitted.parametrisation
-    start = np.zeros(len(parametrisation))
-    as_given = compare_at(parametrisation, start, plan, before, fitted.compared.scatter)
+    as_given = compare_at(parametrisation, np.zeros(len(parametrisation)), plan, before, fitted.compared.scatter)
     loss_factor = parametrisation.names.index(LOSS_FACTOR.name)
     names = {channel.point: channel.name for channel in measurement.channels}
     of_tests, of_model = measured_backbones(plan, names), model_backbones(plan, names, after)
@@ -125,11 +124,7 @@ def comparison_of(
         adequate=not found,
         findings=found,
         calibration=calibrated_factors(fitted),
-        curves=tuple(
-            curve_pair(plan, i, j, names, before[i], after[i])
-            for i, condition in enumerate(plan.conditions)
-            for j in range(len(condition.sensors))
-        ),
+        curves=curve_pairs(plan, names, before, after),
         residuals=tuple(_point_residuals(fitted, plan, names)),
         measured_backbones=of_tests,
         model_backbones=of_model,
@@ -139,11 +134,7 @@ def comparison_of(
         chi2_after=fitted.compared.chi2,
         values=fitted.compared.values,
         parameters=len(fitted.u),
-        contact_states={
-            f"{c.mode} {c.level_name} {'up' if c.upwards else 'down'}": _states(parametrisation, fitted.u, b)
-            for c, b in zip(plan.conditions, after, strict=True)
-            if parametrisation.base.contacts is not None
-        },
+        contact_states=_states_of_tests(fitted, plan, after),
         assumptions=measurement.assumptions,
         provenance={**(provenance or {}), "calibration": fitted.message, "lack of fit": f"{lack_of_fit(fitted):.3g}"},
         level_unit=plan.conditions[0].unit,
@@ -192,6 +183,18 @@ def _point_residuals(fitted: Fit, plan: Plan, names: Mapping[str, str]) -> list[
                 for values in zip(o.frequency, amplitude, phase, size, strict=True)
             ]
     return found
+
+
+def _states_of_tests(
+    fitted: Fit, plan: Plan, branches: Sequence[PredictedBranch]
+) -> dict[str, tuple[float, float, float, float]]:
+    """By mode, level and direction of the sweep; none of a model without contacts."""
+    if fitted.parametrisation.base.contacts is None:
+        return {}
+    return {
+        f"{c.mode} {c.level_name} {'up' if c.upwards else 'down'}": _states(fitted.parametrisation, fitted.u, branch)
+        for c, branch in zip(plan.conditions, branches, strict=True)
+    }
 
 
 def _states(parametrisation: Parametrisation, u: Floats, branch: PredictedBranch) -> tuple[float, float, float, float]:

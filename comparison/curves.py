@@ -21,7 +21,21 @@ Complex = NDArray[np.complex128]
 _MOST_POINTS = 400  # of a model's curve in the report
 
 
-def curve_pair(
+def curve_pairs(
+    plan: Plan, names: Mapping[str, str], before: Sequence[PredictedBranch], after: Sequence[PredictedBranch]
+) -> tuple[CurvePair, ...]:
+    """Every test at every sensor.
+
+    names: of the channels, by point of the model; before, after: branches, one a test, as given and calibrated
+    """
+    return tuple(
+        _curve_pair(plan, i, j, names, before[i], after[i])
+        for i, condition in enumerate(plan.conditions)
+        for j in range(len(condition.sensors))
+    )
+
+
+def _curve_pair(
     plan: Plan,
     test: int,
     sensor: int,
@@ -29,21 +43,9 @@ def curve_pair(
     before: PredictedBranch,
     after: PredictedBranch,
 ) -> CurvePair:
-    """One test at one sensor, all repeats: their places in the plan and in the condition.
-
-    names: of the channels, by point of the model; before, after: the test's branch, as given and calibrated
-    """
+    """One test at one sensor, all repeats: their places in the plan and in the condition."""
     condition = plan.conditions[test]
-    runs = [o for o in plan.observations if o.test == test]
-    measured = tuple(
-        MeasuredCurve(
-            o.repeat,
-            o.frequency,
-            receptance_of(o.observed, o.log_force, condition.force, sensor),
-            condition.force * np.exp(o.log_force),
-        )
-        for o in runs
-    )
+    measured = _measured_curves(plan, test, sensor)
     curve = model_curve(after, sensor)
     at_measured = [_on_sweep(curve, m.frequency) for m in measured]
     z, y = np.concatenate([m.receptance for m in measured]), np.concatenate(at_measured)
@@ -62,6 +64,18 @@ def curve_pair(
         frac=frac(z, y),
         csac=csac(*of_all_sensors),
         csf=csf(*of_all_sensors),
+    )
+
+
+def _measured_curves(plan: Plan, test: int, sensor: int) -> tuple[MeasuredCurve, ...]:
+    """One a repeat."""
+    force = plan.conditions[test].force
+    return tuple(
+        MeasuredCurve(
+            o.repeat, o.frequency, receptance_of(o.observed, o.log_force, force, sensor), force * np.exp(o.log_force)
+        )
+        for o in plan.observations
+        if o.test == test
     )
 
 

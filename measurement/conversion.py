@@ -45,10 +45,7 @@ def measured_run(
     names = [name for name in run.channels or tuple(file.channels) if name != file.force_channel]
     recorded = {name: _recorded(where, file, sweep, name) for name in (file.force_channel, *names)}
     notes += _checked(where, file, sweep, recorded)
-    force_read = recorded[file.force_channel]
-    raw_force = _turned(file, force_read.amplitude[force_read.harmonics.index(1)])
-    force = raw_force * _factor(file.channels[file.force_channel])
-    check_force(where, force, sweep.frequency)
+    raw_force, force = _force(where, file, recorded[file.force_channel], sweep.frequency)
     harmonics, kept = _common_harmonics(where, file, recorded)
     notes += kept
     w = 2 * np.pi * sweep.frequency
@@ -56,9 +53,7 @@ def measured_run(
         name: _converted(f"{where} channel '{name}'", file, name, recorded[name], harmonics, raw_force, w)
         for name in names
     }
-    for name in names:
-        if file.channels[name].model_point == file.excitation:
-            check_power(f"{where} channel '{name}'", converted[name].displacement[harmonics.index(1)], force, w)
+    _check_power(where, file, converted, harmonics, force, w)
     level, level_notes = _level(where, file, run, force, converted, harmonics)
     measured = MeasuredRun(
         name=run.name,
@@ -101,6 +96,14 @@ def _recorded(where: str, file: MeasurementFile, sweep: RecordedSweep, name: str
         f"{where}: {what}channel '{name}' (label = \"{label}\") is not in the file; {near(label, sweep.others)}. "
         f"Correct its label, or name those that the run has: channels = {[n for n in file.channels if n in present]}"
     )
+
+
+def _force(where: str, file: MeasurementFile, channel: RecordedChannel, frequency: Floats) -> tuple[Complex, Complex]:
+    """Its first harmonic as read, and in N along the model's axis."""
+    raw = _turned(file, channel.amplitude[channel.harmonics.index(1)])
+    force = raw * _factor(file.channels[file.force_channel])
+    check_force(where, force, frequency)
+    return raw, force
 
 
 def _factor(table: ChannelTable, sort: str | None = None) -> float:
@@ -160,6 +163,20 @@ def _converted(
     elif channel.noise is not None:
         noise = channel.noise[rows] * size * np.abs(factor) / at**derivatives
     return Converted(amplitude * factor, displacement, noise)
+
+
+def _check_power(
+    where: str,
+    file: MeasurementFile,
+    converted: dict[str, Converted],
+    harmonics: Sequence[int],
+    force: Complex,
+    w: Floats,
+) -> None:
+    """Where the sensor is that moves with the force."""
+    for name, channel in converted.items():
+        if file.channels[name].model_point == file.excitation:
+            check_power(f"{where} channel '{name}'", channel.displacement[harmonics.index(1)], force, w)
 
 
 def _noise(where: str, converted: dict[str, Converted], order: slice) -> Floats | None:

@@ -46,27 +46,7 @@ def load_measurement(path: str | Path, points: Sequence[str] | None = None, rig:
         )
     named = {f"channels.{name}.point": channel.model_point for name, channel in file.channels.items()}
     _check_points(path, {"excitation": file.excitation, **named}, points)
-    runs, assumptions = _runs(path, file, files)
-    if file.repeatability is not None and len(repeats := {run.repeat for run in runs}) > 1:
-        raise MeasurementError(
-            f"{path}: repeatability = {file.repeatability:g}: there are {len(repeats)} repeats among the runs, which "
-            "tell it; take the line out"
-        )
-    return Measurement(
-        title=file.title,
-        pull=file.damper_load,
-        excitation=file.excitation,
-        channels=tuple(
-            Channel(name, channel.model_point, channel.negative)
-            for name, channel in file.channels.items()
-            if name != file.force_channel
-        ),
-        runs=runs,
-        features=_features(file, files),
-        assumptions=tuple(dict.fromkeys([*_conventions(file), *assumptions, *_few_repeats(runs)])),
-        hashes=files.hashes,
-        repeatability=file.repeatability or 0.0,
-    )
+    return _with_runs(path, file, files)
 
 
 @dataclass
@@ -93,6 +73,30 @@ class _Files:
             self.sweeps[key] = reader.read(data, labels, options)
             self.hash(data)
         return self.sweeps[key]
+
+
+def _with_runs(path: Path, file: MeasurementFile, files: _Files) -> Measurement:
+    runs, assumptions = _runs(path, file, files)
+    if file.repeatability is not None and len(repeats := {run.repeat for run in runs}) > 1:
+        raise MeasurementError(
+            f"{path}: repeatability = {file.repeatability:g}: there are {len(repeats)} repeats among the runs, which "
+            "tell it; take the line out"
+        )
+    return Measurement(
+        title=file.title,
+        pull=file.damper_load,
+        excitation=file.excitation,
+        channels=tuple(
+            Channel(name, channel.model_point, channel.negative)
+            for name, channel in file.channels.items()
+            if name != file.force_channel
+        ),
+        runs=runs,
+        features=_features(file, files),
+        assumptions=tuple(dict.fromkeys([*_conventions(file), *assumptions, *_few_repeats(runs)])),
+        hashes=files.hashes,
+        repeatability=file.repeatability or 0.0,
+    )
 
 
 def _runs(path: Path, file: MeasurementFile, files: _Files) -> tuple[tuple[MeasuredRun, ...], list[str]]:

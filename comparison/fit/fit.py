@@ -107,9 +107,7 @@ def fit(
     raises: BranchStoppedError where the model has no response to compare at the start
     """
     options = options or FitOptions()
-    # the only assembly is what the parameters are fitted to: its offsets from others cannot be separated from them
-    share = 1.0 if len(plan.repeats) > 1 else _ALONE
-    prior = Scatter({n.name: share * n.scatter for n in parametrisation.nuisances})
+    prior = _prior_scatter(parametrisation, plan)
     common = (
         tuple(at_start) if at_start is not None else predict_branches(parametrisation, start, plan, None, branches_of)
     )
@@ -128,8 +126,7 @@ def fit(
         progress(
             f"error {np.sqrt(here.reduced_chi2):.2f} to {np.sqrt(solved.reduced_chi2):.2f} times the scatter allowed"
         )
-        gross = fails_grossly(parametrisation, here.chi2, here.values)
-        if objective(parametrisation, solved) - now > (_DIGITS if gross else _ROUGH) * here.chi2:
+        if _rises(parametrisation, here, solved):
             reach /= 3
             if reach < 0.01 * options.largest_step:
                 message = "no step lowers chi-square any more"
@@ -147,6 +144,19 @@ def fit_linear(
     prior = Scatter({n.name: n.scatter for n in parametrisation.nuisances})
     ahead = _round(parametrisation, plan, compared, scatter, prior, reach)
     return reweighed(parametrisation, plan, ahead, scatter)
+
+
+def _prior_scatter(parametrisation: Parametrisation, plan: Plan) -> Scatter:
+    """The only assembly is what the parameters are fitted to: its offsets from others cannot be separated from them."""
+    share = 1.0 if len(plan.repeats) > 1 else _ALONE
+    return Scatter({n.name: share * n.scatter for n in parametrisation.nuisances})
+
+
+def _rises(parametrisation: Parametrisation, before: Compared, after: Compared) -> bool:
+    """Whether chi-square rises by more than it may in a step."""
+    gross = fails_grossly(parametrisation, before.chi2, before.values)
+    rise = objective(parametrisation, after) - objective(parametrisation, before)
+    return rise > (_DIGITS if gross else _ROUGH) * before.chi2
 
 
 def _round(

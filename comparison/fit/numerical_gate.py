@@ -138,38 +138,45 @@ def _with_patterns(
     """finer: finer model's name -> condition's name -> its branch, where it differs"""
     conditions = {c.name: c for c in plan.conditions}
     coarse = {b.condition.name: with_unwrapped_phases(b.observed.value) for b in branches}
-    expected = {c: np.zeros_like(observed) for c, observed in coarse.items()}
-    modes = tuple(dict.fromkeys(c.mode for c in plan.conditions))
+    none = {c: np.zeros_like(observed) for c, observed in coarse.items()}
+    expected, rough = ({c: change.copy() for c, change in none.items()} for _ in range(2))
     names: list[str] = []
     patterns: dict[str, list[Floats]] = {c: [] for c in coarse}
-    rough = {c: np.zeros_like(observed) for c, observed in coarse.items()}
-    taken_up: list[Floats] = []
+    compensation: list[Floats] = []
     for name, traced in finer.items():
-        none = {c: np.zeros_like(observed) for c, observed in coarse.items()}
         changes = none | {c: _change(coarse[c], b, conditions[c]) for c, b in traced.items()}
-        left, made_up_for = _beyond_calibration(parametrisation, plan, branches, changes)
-        taken_up.append(made_up_for)
-        names += [name, *(f"{name} {mode}" for mode in modes), *(f"{name} {c.name}" for c in plan.conditions)]
-        for c in plan.conditions:
-            expected[c.name] += changes[c.name]
-            patterns[c.name] += [
-                UNSURE * changes[c.name],
-                *(UNSURE * (c.mode == mode) * left[c.name] for mode in modes),
-                *(UNSURE * (c.name == test.name) * left[c.name] for test in plan.conditions),
-            ]
-            rough[c.name] = np.hypot(rough[c.name], jaggedness(changes[c.name]))
-    numerics = NumericalError(
-        tuple(names),
-        coarse,
-        expected,
-        {
-            c: np.stack(each, axis=1) if each else np.zeros((len(coarse[c]), 0, coarse[c].shape[1]))
-            for c, each in patterns.items()
-        },
-        rough,
-        np.array(taken_up) if taken_up else None,
-    )
+        left, by_parameters = _beyond_calibration(parametrisation, plan, branches, changes)
+        compensation.append(by_parameters)
+        names += _pattern_names(name, plan)
+        for c in conditions:
+            expected[c] += changes[c]
+            patterns[c] += _patterns(changes[c], left[c], c, plan)
+            rough[c] = np.hypot(rough[c], jaggedness(changes[c]))
+    stacked = {
+        c: np.stack(each, axis=1) if each else np.zeros((len(coarse[c]), 0, coarse[c].shape[1]))
+        for c, each in patterns.items()
+    }
+    compensations = np.array(compensation) if compensation else None
+    numerics = NumericalError(tuple(names), coarse, expected, stacked, rough, compensations)
     return replace(parametrisation, numerics=numerics)
+
+
+def _pattern_names(finer: str, plan: Plan) -> list[str]:
+    return [finer, *(f"{finer} {mode}" for mode in _modes(plan)), *(f"{finer} {c.name}" for c in plan.conditions)]
+
+
+def _patterns(change: Floats, left: Floats, condition: str, plan: Plan) -> list[Floats]:
+    """Of one finer model in one test: its change as a whole; what calibration leaves of that, by mode and by test."""
+    mode = next(c.mode for c in plan.conditions if c.name == condition)
+    return [
+        UNSURE * change,
+        *(UNSURE * (mode == other) * left for other in _modes(plan)),
+        *(UNSURE * (condition == test.name) * left for test in plan.conditions),
+    ]
+
+
+def _modes(plan: Plan) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(c.mode for c in plan.conditions))
 
 
 def change_of_branch(

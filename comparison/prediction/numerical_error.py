@@ -31,8 +31,8 @@ class NumericalError:
     expected: condition's name -> (n, m) to be added to the observations
     patterns: condition's name -> (n, n_patterns, m) standard deviations of what that is off by
     rough: condition's name -> (n, m) standard deviations of what is left of place to place
-    taken_up: (n_models, p) what calibration would move the model's parameters by, to make up for what each finer one
-        changes
+    compensation: (n_models, p) what calibration would move the model's parameters by, to make up for what each finer
+        one changes
     """
 
     names: tuple[str, ...] = ()
@@ -40,14 +40,14 @@ class NumericalError:
     expected: Mapping[str, Floats] | None = None
     patterns: Mapping[str, Floats] | None = None
     rough: Mapping[str, Floats] | None = None
-    taken_up: Floats | None = None
+    compensation: Floats | None = None
 
     def uncertainty(self, n: int) -> Floats:
         """(n,) standard deviations of parameters, of which the model's come first: as unsure as the change is, of which
         calibration takes up this much without a trace in the residual."""
         found = np.zeros(n)
-        if self.taken_up is not None:
-            found[: self.taken_up.shape[1]] = UNSURE * np.linalg.norm(self.taken_up, axis=0)
+        if self.compensation is not None:
+            found[: self.compensation.shape[1]] = UNSURE * np.linalg.norm(self.compensation, axis=0)
         return found
 
     def at(self, condition: str, observed: Floats, window: tuple[float, float]) -> tuple[Floats, Floats, Floats]:

@@ -52,6 +52,27 @@ def candidate_runs(plan: Plan, parametrisation: Parametrisation, most: int) -> t
 
 def _of_mode(conditions: Sequence[RunCondition], parametrisation: Parametrisation) -> Iterator[CandidateRun | None]:
     """First what is likely to tell most: a higher level, other harmonics and sensors, another load."""
+    lowest, highest = _extreme_levels(conditions)
+    mode, way = lowest.mode, {True: "upwards", False: "downwards"}
+    above, below = highest.force * _FACTOR, lowest.force / _FACTOR
+    yield _run(highest, above, highest.upwards, f"sweep {mode} at {above:.3g} N, twice the highest level so far")
+    again = _run(highest, highest.force, highest.upwards, "")
+    yield _with_more(again, parametrisation, conditions)
+    loaded = (
+        _run(highest, highest.force, highest.upwards, f"{how} and sweep {mode} at {highest.force:.3g} N", load)
+        for load, how in _LOADS.items()
+        if parametrisation.base.contacts is not None
+    )
+    yield next(loaded, None)
+    if not any(c.upwards != highest.upwards and np.isclose(c.force, highest.force, rtol=0.05) for c in conditions):
+        what = f"sweep {mode} at {highest.force:.3g} N {way[not highest.upwards]} too"
+        yield _run(highest, highest.force, not highest.upwards, what)
+    yield _run(lowest, below, lowest.upwards, f"sweep {mode} at {below:.3g} N, half the lowest level so far")
+    yield from loaded
+
+
+def _extreme_levels(conditions: Sequence[RunCondition]) -> tuple[RunCondition, RunCondition]:
+    """The lowest and the highest of a mode, with all sensors of the first harmonic."""
     lowest, highest = (pick(conditions, key=lambda c: c.force) for pick in (min, max))
     usual = tuple(dict.fromkeys(sensor for c in conditions for sensor in c.sensors if sensor[1] == 1))
     if not usual:
@@ -59,40 +80,20 @@ def _of_mode(conditions: Sequence[RunCondition], parametrisation: Parametrisatio
             f"mode {lowest.mode!r}: no sensor has the first harmonic, by which explanations are separated; compare "
             "harmonic 1 too"
         )
-    window = _window(conditions)
+    return _at_constant_force(lowest, conditions, usual), _at_constant_force(highest, conditions, usual)
 
-    def run(like: RunCondition, force: float, upwards: bool, what: str, load: float = 1.0) -> CandidateRun:
-        name = f"{like.mode} {force:.4g} N {'up' if upwards else 'down'} load {load:g}"
-        condition = replace(
-            like,
-            name=name,
-            force=force,
-            upwards=upwards,
-            window=window,
-            sensors=usual,
-            held=None,
-            unit="N",
-            control=None,
-        )
-        hours = RUN + (LOAD if load != 1 else 0)
-        return CandidateRun(condition, load, (Recording(usual, hours, what),))
 
-    mode, way = lowest.mode, {True: "upwards", False: "downwards"}
-    above, below = highest.force * _FACTOR, lowest.force / _FACTOR
-    yield run(highest, above, highest.upwards, f"sweep {mode} at {above:.3g} N, twice the highest level so far")
-    again = run(highest, highest.force, highest.upwards, "")
-    yield _with_more(again, parametrisation, conditions)
-    loaded = (
-        run(highest, highest.force, highest.upwards, f"{how} and sweep {mode} at {highest.force:.3g} N", load)
-        for load, how in _LOADS.items()
-        if parametrisation.base.contacts is not None
-    )
-    yield next(loaded, None)
-    if not any(c.upwards != highest.upwards and np.isclose(c.force, highest.force, rtol=0.05) for c in conditions):
-        what = f"sweep {mode} at {highest.force:.3g} N {way[not highest.upwards]} too"
-        yield run(highest, highest.force, not highest.upwards, what)
-    yield run(lowest, below, lowest.upwards, f"sweep {mode} at {below:.3g} N, half the lowest level so far")
-    yield from loaded
+def _at_constant_force(
+    like: RunCondition, conditions: Sequence[RunCondition], sensors: tuple[tuple[str, int], ...]
+) -> RunCondition:
+    return replace(like, window=_window(conditions), sensors=sensors, held=None, unit="N", control=None)
+
+
+def _run(like: RunCondition, force: float, upwards: bool, what: str, load: float = 1.0) -> CandidateRun:
+    name = f"{like.mode} {force:.4g} N {'up' if upwards else 'down'} load {load:g}"
+    condition = replace(like, name=name, force=force, upwards=upwards)
+    hours = RUN + (LOAD if load != 1 else 0)
+    return CandidateRun(condition, load, (Recording(like.sensors, hours, what),))
 
 
 def _window(conditions: Sequence[RunCondition]) -> tuple[float, float]:

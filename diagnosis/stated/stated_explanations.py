@@ -134,8 +134,8 @@ def explanations(
     moving = [n for n in (*nuisances(problem.base), CONTACT) if _moves(problem, n)]
     known = [n for n in moving if n is not CONTACT]
     as_given = explained(problem, "as given", problem.parametrisation(()), [])
-    single = [explained(problem, n.name, problem.parametrisation((n,)), _grid(problem, (n,), ())) for n in moving]
-    calibrated = explained(problem, "calibration", problem.parametrisation(known), _grid(problem, known, ()))
+    single = tuple(_searched(problem, n.name, (n,)) for n in moving)
+    calibrated = _searched(problem, "calibration", known)
     still, without_place, alone, helped = [], {}, {}, {}
     for effect in effects:
         progress(effect.name)
@@ -147,26 +147,28 @@ def explanations(
         if not moves:
             still.append(effect.name)
             continue
-        alone[effect.name] = explained(
-            problem, effect.name, problem.parametrisation((), (effect,)), _grid(problem, (), (effect,))
-        )
-        helped[effect.name] = explained(
-            problem,
-            f"{effect.name} and calibration",
-            problem.parametrisation(known, (effect,)),
-            _grid(problem, known, (effect,)),
-        )
-    pairs = []
-    by_name = {e.name: e for e in effects}
-    for names in combinations(alone, 2):
-        progress(" and ".join(names))
-        two = tuple(by_name[name] for name in names)
-        pairs.append(
-            explained(problem, " and ".join(names), problem.parametrisation((), two), _pair_grid(problem, alone, two))
-        )
-    return Explanations(
-        as_given, tuple(single), calibrated, alone, helped, tuple(pairs), tuple(still), without_place
-    )  # fmt: skip
+        alone[effect.name] = _searched(problem, effect.name, (), (effect,))
+        helped[effect.name] = _searched(problem, f"{effect.name} and calibration", known, (effect,))
+    pairs = _pairs(problem, [e for e in effects if e.name in alone], alone, progress)
+    return Explanations(as_given, single, calibrated, alone, helped, pairs, tuple(still), without_place)
+
+
+def _searched(
+    problem: LowForceProblem, name: str, chosen: Sequence[Nuisance], effects: Sequence[Effect] = ()
+) -> Explanation:
+    return explained(problem, name, problem.parametrisation(chosen, effects), _grid(problem, chosen, effects))
+
+
+def _pairs(
+    problem: LowForceProblem, effects: Sequence[Effect], alone: Mapping[str, Explanation], progress: Progress
+) -> tuple[Explanation, ...]:
+    """Every two effects together; alone: effect -> its fit without the other"""
+    found = []
+    for two in combinations(effects, 2):
+        name = " and ".join(e.name for e in two)
+        progress(name)
+        found.append(explained(problem, name, problem.parametrisation((), two), _pair_grid(problem, alone, two)))
+    return tuple(found)
 
 
 def explained(

@@ -96,7 +96,7 @@ def test_intervals_know_what_finer_numerics_would_move_the_parameters_by(fitted)
     """Calibration takes a change up without a trace in the residual; half of it counts, models in quadrature."""
     p = fitted.parametrisation
     moved = np.array([[0.003, 0.0, 0.0, 0.04], [0.004, 0.0, 0.1, 0.0]])
-    known = replace(fitted, parametrisation=replace(p, numerics=replace(p.numerics, taken_up=moved)))
+    known = replace(fitted, parametrisation=replace(p, numerics=replace(p.numerics, compensation=moved)))
     np.testing.assert_allclose(
         known.uncertainty**2 - fitted.deviations**2, np.array([0.0025, 0.0, 0.05, 0.02]) ** 2, atol=1e-15
     )
