@@ -100,13 +100,13 @@ def response_curve(
     raises: ValueError naming a mode, window, force or point that cannot be
     """
     name, frequencies = _window(model, window)
-    shown = _points(model, points)
-    every = tuple(dict.fromkeys((*shown, *(p for p in model.points if ".excitation." not in p))))
+    reported = _points(model, points)
+    every = tuple(dict.fromkeys((*reported, *(p for p in model.points if ".excitation." not in p))))
     request = CurveRequest(
         name, model.parts.excited_by(_force(force)), frequencies, every, upwards, options or ContinuationOptions()
     )
     *_, curve = trace(model.system, request)
-    return Curve(curve, shown)
+    return Curve(curve, reported)
 
 
 def resonance(
@@ -127,10 +127,10 @@ def resonance(
     raises: ValueError naming a mode, window, force or point that cannot be
     """
     name, frequencies = _window(model, window)
-    (seen,) = _points(model, point)
+    (observed,) = _points(model, point)
     wanted = (_force(forces),) if np.ndim(forces) == 0 else tuple(map(_force, np.asarray(forces)))
     request = ResonanceRequest(
-        name, model.parts.excitation, seen, frequencies, wanted, condition or MaximumResonance(), options
+        name, model.parts.excitation, observed, frequencies, wanted, condition or MaximumResonance(), options
     )
     *_, curve = trace_resonance(model.system, request)
     return Resonance(curve)

@@ -49,7 +49,7 @@ class Clock:
     started: float = field(default_factory=time.perf_counter)
     steps: list[tuple[float, str]] = field(default_factory=list)
 
-    def telling(self, _: Display) -> "Clock":
+    def progress_bar(self, _: Display) -> "Clock":
         return self
 
     def __call__(self, step: str) -> None:
@@ -77,7 +77,7 @@ def diagnose(out: Path, jobs: int, clock: Clock) -> Verdict:
     files = CompareFiles(RIG, out / "data" / "measurement.toml", out / "diagnosis")
     options = diagnosing.DiagnoseOptions(finer=FINER[FITTED], jobs=jobs)
     clock.started = time.perf_counter()
-    with patch.object(diagnosing, "_progress_bar", clock.telling):
+    with patch.object(diagnosing, "_progress_bar", clock.progress_bar):
         return diagnosing.diagnose(files, FITTED, options, Console(quiet=True))
 
 

@@ -46,7 +46,7 @@ SCATTER = np.array([1e-4, 0.01, 0.01, 0.02, 0.02, 0.01])
 NOISE, GAIN, DRIFT = 0.003, 0.005, 2e-5
 POINTS, ASSEMBLIES = 40, 3
 # Amplitudes shown, as a share of the highest; and how far above the stuck resonance a sweep begins.
-_SHOWN, _ABOVE = 1 / 5, 1.006
+_LOWEST, _ABOVE = 1 / 5, 1.006
 
 
 def parametrisation(rig: Rig, mesh: str, out: Path) -> Parametrisation:
@@ -102,7 +102,7 @@ def _places(branch: PredictedBranch, stuck: float) -> np.ndarray:
     place = place[branch.visited[near] & branch.visited[near + 1]]
     observed = branch.at(place).value
     frequency, amplitude = np.exp(observed[:, 0]), np.exp(observed[:, 3])
-    high = frequency[amplitude > _SHOWN * amplitude.max()]
+    high = frequency[amplitude > _LOWEST * amplitude.max()]
     folded = not branch.visited.all()
     top = max(high.max(), _ABOVE * stuck) if folded else high.max()
     place = place[(frequency <= top) & (frequency >= high.min())]

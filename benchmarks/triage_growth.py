@@ -68,12 +68,12 @@ def seconds(
     """Number of curves that are fitted to, and for each set of effects what each step takes."""
     marks: list[float] = [time.perf_counter()]
 
-    def told(step: str) -> None:
+    def note_time(step: str) -> None:
         if step == "calibration":
             marks.append(time.perf_counter())
 
     branches_of = BranchesBy(workers)
-    start = baseline(inputs.before_effects, inputs.rig_effects, plan, inputs.finer, None, told, branches_of)
+    start = baseline(inputs.before_effects, inputs.rig_effects, plan, inputs.finer, None, note_time, branches_of)
     shared = {STEPS[0]: marks[1] - marks[0], STEPS[1]: time.perf_counter() - marks[1]}
     found = []
     for effects in sets:

@@ -154,8 +154,8 @@ def _of_features(
 def damping_share(branch: PredictedBranch, loss_factor: int) -> float:
     """The material's share of the damping at the branch's highest point: how much the amplitude there answers to it."""
     top = int(np.argmax(np.abs(branch.amplitude[:, 0])))
-    answer = branch.at(branch.place[[top]]).slopes[0, loss_factor, 1]
-    return float(np.clip(-answer, 0.02, 1.0))
+    slope = branch.at(branch.place[[top]]).slopes[0, loss_factor, 1]
+    return float(np.clip(-slope, 0.02, 1.0))
 
 
 def calibrated_factors(fitted: Fit) -> tuple[Calibrated, ...]:

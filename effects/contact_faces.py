@@ -78,6 +78,6 @@ def modify_contacts(model: RigModel, law: type[ModifiedLaw], **entries: Any) -> 
     raises: ValueError where the model has no contacts, or such without friction
     """
     each = np.ones(len(entry(model, "mu")))
-    assert model.contacts is not None, "entry has seen to that"
+    assert model.contacts is not None, "checked by entry"
     added = {name: value * each for name, value in entries.items()}
     return model.with_contacts(law.modify(model.contacts.law), **added)

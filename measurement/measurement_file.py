@@ -186,7 +186,7 @@ def _convention_problems(file: MeasurementFile) -> list[str]:
 def _run_problems(file: MeasurementFile) -> list[str]:
     lines = []
     first: dict[str, RunTable] = {}
-    seen: set[str] = set()
+    listed: set[str] = set()
     for i, run in enumerate(file.runs):
         here = f"runs[{i}]"
         for key, names in (("channels", run.channels or ()), ("held_channel", (run.held_channel,))):
@@ -203,9 +203,9 @@ def _run_problems(file: MeasurementFile) -> list[str]:
                     f'"{getattr(other, key)}"; runs of one name are repeats of one test, give the others another name'
                 )
         same = run.model_dump_json()
-        if same in seen:
+        if same in listed:
             lines.append(f'{here}.name = "{run.name}": the very same run is listed twice; take one of them out')
-        seen.add(same)
+        listed.add(same)
     return lines
 
 

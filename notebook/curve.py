@@ -12,7 +12,7 @@ from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.report.markup import number, table
 
 if TYPE_CHECKING:
-    from updamp.pictures.style import ShownFigure
+    from updamp.pictures.style import NotebookFigure
 
 MM = 1e3  # m to mm
 
@@ -69,7 +69,7 @@ class Curve:
         """Frequency [Hz] and size of the receptance [m/N] where it is largest; point, raises: as for `receptance`"""
         return self.data.peak(point or self.points[0])
 
-    def plot(self, *others: "Curve", points: Sequence[str] | None = None) -> "ShownFigure":
+    def plot(self, *others: "Curve", points: Sequence[str] | None = None) -> "NotebookFigure":
         """Amplitude [mm/N] and phase of the receptance over frequency, together with those of other curves.
 
         points: names of those drawn, by default those shown. The figure shows itself in a notebook; in a script save

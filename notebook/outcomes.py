@@ -11,7 +11,7 @@ from updamp.diagnosis.verdict import Candidate, Verdict
 from updamp.report.markup import number, paragraph, percent, table, with_unit
 
 if TYPE_CHECKING:
-    from updamp.pictures.style import ShownFigure
+    from updamp.pictures.style import NotebookFigure
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -47,7 +47,7 @@ class ComparisonResult:
         before, after = (sqrt(chi2 / c.values) if c.values else float("nan") for chi2 in (c.chi2_before, c.chi2_after))
         return before, after
 
-    def plot(self) -> "ShownFigure":
+    def plot(self) -> "NotebookFigure":
         """Every run at every channel: measured, model as given, calibrated [mm/N]. Shows itself in a notebook.
 
         raises: ValueError where no curve was measured
@@ -60,8 +60,8 @@ class ComparisonResult:
 
     def __repr__(self) -> str:
         before, after = self.error
-        told = "adequate" if self.adequate else f"{len(self.findings)} findings"
-        return f"<ComparisonResult error {before:.3g} -> {after:.3g} times the scatter, {told}; {self.report}>"
+        outcome = "adequate" if self.adequate else f"{len(self.findings)} findings"
+        return f"<ComparisonResult error {before:.3g} -> {after:.3g} times the scatter, {outcome}; {self.report}>"
 
     def _repr_html_(self) -> str:
         before, after = self.error

@@ -13,7 +13,7 @@ from updamp.hbm.resonance.resonance_curve import ResonanceCurve
 from updamp.report.markup import number, table
 
 if TYPE_CHECKING:
-    from updamp.pictures.style import ShownFigure
+    from updamp.pictures.style import NotebookFigure
 
 MM = 1e3  # m to mm
 
@@ -29,31 +29,31 @@ class Resonance:
     data: ResonanceCurve
 
     def __len__(self) -> int:
-        return len(self._asked)
+        return len(self._at_forces)
 
     @cached_property
-    def _asked(self) -> ResonanceCurve:
+    def _at_forces(self) -> ResonanceCurve:
         return self.data.at_forces() if len(self.data) else self.data
 
     @property
     def force(self) -> NDArray[np.float64]:
         """(n,) [N]"""
-        return self._asked.force
+        return self._at_forces.force
 
     @property
     def frequency(self) -> NDArray[np.float64]:
         """(n,) [Hz]"""
-        return self._asked.frequency
+        return self._at_forces.frequency
 
     @property
     def receptance(self) -> NDArray[np.complex128]:
         """(n,) first harmonic over force [m/N]"""
-        return self._asked.receptance
+        return self._at_forces.receptance
 
     @property
     def loss_factor(self) -> NDArray[np.float64]:
         """(n,) energy lost in a cycle over 2 pi times the largest energy stored"""
-        return self._asked.loss_factor
+        return self._at_forces.loss_factor
 
     @property
     def complete(self) -> bool:
@@ -65,7 +65,7 @@ class Resonance:
         """Why it ended early, with what to try; "" where it did not."""
         return self.data.stopped
 
-    def plot(self) -> "ShownFigure":
+    def plot(self) -> "NotebookFigure":
         """Frequency and receptance [mm/N] at resonance over force. Shows itself in a notebook; in a script save it:
         resonance.plot().savefig("resonance.png")
         """
@@ -80,7 +80,7 @@ class Resonance:
 
     def _repr_html_(self) -> str:
         head = ("Force [N]", "Frequency [Hz]", "Receptance [mm/N]", "Loss factor", "Contacts that slip or open")
-        moving = self._asked.states[:, ContactState.STICK_SLIP :].sum(axis=1) if len(self) else ()
+        moving = self._at_forces.states[:, ContactState.STICK_SLIP :].sum(axis=1) if len(self) else ()
         columns = (self.force, self.frequency, MM * np.abs(self.receptance), self.loss_factor)
         rows = [(*(number(float(value), 5) for value in row), str(n)) for *row, n in zip(*columns, moving, strict=True)]
         title = f"{self.data.mode} at {self.data.point}"

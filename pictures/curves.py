@@ -9,16 +9,16 @@ from numpy.typing import NDArray
 from updamp.comparison.comparison import CurvePair
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.resonance.resonance_curve import ResonanceCurve
-from updamp.pictures.style import BLUE, GREY, VERMILLION, ShownFigure, shades, shown_figure
+from updamp.pictures.style import BLUE, GREY, VERMILLION, NotebookFigure, notebook_figure, shades
 
 MM = 1e3  # m/N to mm/N
 _LEGEND = 10  # entries at most; more would cover the curves
 _TICKS = 10  # forces written below the axis, at most
 
 
-def receptance_figure(drawn: Sequence[tuple[ResponseCurve, str]]) -> ShownFigure:
+def receptance_figure(drawn: Sequence[tuple[ResponseCurve, str]]) -> NotebookFigure:
     """Amplitude and phase of the first harmonic over frequency. drawn: curves, each with the point to be drawn"""
-    with shown_figure(8.0, 5.6, rows=2, share=True) as (drawing, (amplitude, phase)):
+    with notebook_figure(8.0, 5.6, rows=2, share=True) as (drawing, (amplitude, phase)):
         for (curve, point), colour in zip(drawn, shades(len(drawn)), strict=True):
             receptance = curve.receptance(point)
             label = f"{curve.mode}, {curve.force:g} N, {point}"
@@ -40,19 +40,19 @@ def _degrees(receptance: NDArray[np.complex128]) -> NDArray[np.float64]:
     return np.asarray(np.degrees(np.unwrap(np.angle(receptance))))
 
 
-def resonance_figure(curve: ResonanceCurve) -> ShownFigure:
+def resonance_figure(curve: ResonanceCurve) -> NotebookFigure:
     """Frequency and receptance at resonance over force; dots at the forces that were asked for."""
-    asked = curve.asked_for.astype(bool)  # of no type where no point was found
+    at_forces = curve.asked_for.astype(bool)  # of no type where no point was found
     values = (curve.frequency, MM * np.abs(curve.receptance))
-    with shown_figure(8.0, 5.6, rows=2, share=True) as (drawing, axes):
+    with notebook_figure(8.0, 5.6, rows=2, share=True) as (drawing, axes):
         for ax, value, label in zip(axes, values, ("resonance [Hz]", "receptance [mm/N]"), strict=True):
             ax.plot(curve.force, value, color=BLUE)
-            ax.plot(curve.force[asked], value[asked], "o", color=BLUE, markersize=5)
+            ax.plot(curve.force[at_forces], value[at_forces], "o", color=BLUE, markersize=5)
             ax.set_ylabel(label)
             ax.ticklabel_format(axis="y", useOffset=False)
         axes[0].set_title(f"{curve.mode} at {curve.point}")
         axes[-1].set_xlabel("force [N]")
-        if len(forces := curve.force[asked]) > 1:
+        if len(forces := curve.force[at_forces]) > 1:
             axes[-1].set_xscale("log")
             axes[-1].set_xticks(forces[:: -(-len(forces) // _TICKS)])
             axes[-1].set_xticks([], minor=True)
@@ -60,11 +60,11 @@ def resonance_figure(curve: ResonanceCurve) -> ShownFigure:
     return drawing
 
 
-def comparison_figure(pairs: Sequence[CurvePair]) -> ShownFigure:
+def comparison_figure(pairs: Sequence[CurvePair]) -> NotebookFigure:
     """Size of the receptance in every run at every channel: measured, model as given, model calibrated."""
     columns = min(len(pairs), 2)
     rows = -(-len(pairs) // columns)
-    with shown_figure(5.0 * columns, 2.8 * rows, rows, columns) as (drawing, axes):
+    with notebook_figure(5.0 * columns, 2.8 * rows, rows, columns) as (drawing, axes):
         for ax, pair in zip(axes, pairs, strict=False):
             for one in pair.measured:
                 ax.plot(one.frequency, MM * np.abs(one.receptance), ".", color=GREY, markersize=4)

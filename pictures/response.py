@@ -44,9 +44,9 @@ def _branch(ax: Axes, curve: ResponseCurve, point: str, colour: Any) -> None:
     frequency, peak = curve.peak(point)
     ax.plot(frequency, MM * peak, "o", color=colour, markeredgecolor="white", markersize=6)
     for upwards, marker in ((True, ">"), (False, "<")):
-        seen = sweep(curve.frequency, upwards)
-        for place in seen.jump_after:
-            start, end = seen.visited[place], seen.visited[place + 1]
+        swept = sweep(curve.frequency, upwards)
+        for place in swept.jump_after:
+            start, end = swept.visited[place], swept.visited[place + 1]
             at = curve.frequency[start]
             ax.plot([at, at], [size[start], size[end]], ":", color=colour, linewidth=1.1)
             ax.plot(at, size[start], marker, color=colour, markeredgecolor=INK, markeredgewidth=0.6, markersize=7)

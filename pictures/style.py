@@ -55,7 +55,7 @@ def figure(path: Path, width: float, height: float) -> Iterator[Figure]:
         write_png(Image.open(BytesIO(_png(drawing))).convert("RGB"), path)
 
 
-class ShownFigure(Figure):
+class NotebookFigure(Figure):
     """A figure that a notebook shows by itself. Made without pyplot: the backend that the user has chosen stays."""
 
     def _repr_png_(self) -> bytes:
@@ -63,15 +63,15 @@ class ShownFigure(Figure):
 
 
 @contextmanager
-def shown_figure(
+def notebook_figure(
     width: float, height: float, rows: int, columns: int = 1, share: bool = False
-) -> Iterator[tuple[ShownFigure, list[Axes]]]:
+) -> Iterator[tuple[NotebookFigure, list[Axes]]]:
     """A figure of so many inches and its axes by rows, for what is inside to draw; to be shown, or saved (`savefig`).
 
     share: whether all axes have one x
     """
     with mpl.rc_context(_RC):
-        drawing = ShownFigure(figsize=(width, height))
+        drawing = NotebookFigure(figsize=(width, height))
         yield drawing, list(drawing.subplots(rows, columns, sharex=share, squeeze=False).ravel())
 
 

@@ -98,7 +98,7 @@ def remove(rig: Path, names: Sequence[str], out: Path | None = None, replace: bo
     history, left = read_history(rig), tuple(name for name in there if name not in names)
     step = HistoryStep(
         "removed", tuple(names), left, history.reached_with(there), history.reached_with(left), float("nan"),
-        out.name, _seen_from(rig, out), "", "", date.today().isoformat(),
+        out.name, _relative_path(rig, out), "", "", date.today().isoformat(),
     )  # fmt: skip
     _write(rig, out, text, step)
     calibrated = bool(loaded.calibration) and "calibration" not in names
@@ -154,7 +154,7 @@ def _added(verdict: Verdict, rig: Path, out: Path, names: Sequence[str], there: 
     new = (*there, *(name for name in names if name not in there))
     before, after = _errors(verdict, frozenset(names), frozenset(there) - frozenset(names))
     return HistoryStep(
-        "added", tuple(names), new, before, after, verdict.error.repeatability, out.name, _seen_from(rig, out),
+        "added", tuple(names), new, before, after, verdict.error.repeatability, out.name, _relative_path(rig, out),
         verdict.provenance.get("measurement", ""), data_hash(verdict.provenance), day,
     )  # fmt: skip
 
@@ -180,7 +180,7 @@ def _errors(verdict: Verdict, added: frozenset[str], kept: frozenset[str]) -> tu
     return before, Errors(held_out=before.held_out * (1 - gain))
 
 
-def _seen_from(rig: Path, out: Path) -> str:
+def _relative_path(rig: Path, out: Path) -> str:
     return os.path.relpath(rig.resolve(), out.resolve().parent)
 
 

@@ -73,9 +73,9 @@ def notes(verdict: Verdict, names: Sequence[str]) -> Iterator[str]:
         if candidate.name in names and not candidate.accepted:
             yield f"{candidate.name} was not accepted by the diagnosis: {candidate.reason or 'no reason given'}"
     for group in verdict.confounding.groups:
-        if taken := [name for name in names if name in group]:
-            others = [name for name in group if name not in taken]
-            if len(taken) > 1:
-                yield f"the data cannot tell {' and '.join(taken)} apart: take one of them off"
+        if chosen := [name for name in names if name in group]:
+            others = [name for name in group if name not in chosen]
+            if len(chosen) > 1:
+                yield f"the data cannot tell {' and '.join(chosen)} apart: take one of them off"
             if others:
-                yield f"the data cannot tell {' and '.join(taken)} from {', '.join(others)}"
+                yield f"the data cannot tell {' and '.join(chosen)} from {', '.join(others)}"

@@ -1,4 +1,4 @@
-"""What is hidden against what is said, as a matrix and a picture."""
+"""What is hidden against what is diagnosed, as a matrix and a picture."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -42,7 +42,7 @@ def confusion(cases: Sequence[ScoredCase]) -> Confusion:
     count = np.zeros((len(rows), len(columns)))
     for case in used:
         row = rows.index(case.truth[0] if case.truth else NOTHING)
-        for name, share in said(case):
+        for name, share in outcome_shares(case):
             # an effect of a user's own has no column
             if name in columns:
                 count[row, columns.index(name)] += share
@@ -50,7 +50,7 @@ def confusion(cases: Sequence[ScoredCase]) -> Confusion:
     return Confusion(rows, columns, count, tuple(of_row))
 
 
-def said(case: ScoredCase) -> list[tuple[str, float]]:
+def outcome_shares(case: ScoredCase) -> list[tuple[str, float]]:
     """Names with shares that add up to 1."""
     if not case.called.names_something:
         return [(WITHOUT_NAMES[case.called.verdict], 1.0)]

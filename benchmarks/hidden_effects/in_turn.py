@@ -19,9 +19,9 @@ Task = TypeVar("Task", bound=Named)
 
 
 def in_turn(
-    work: Callable[[Task], Result], tasks: Sequence[Task], jobs: int, title: str, shown: Callable[[Result], str]
+    work: Callable[[Task], Result], tasks: Sequence[Task], jobs: int, title: str, summary: Callable[[Result], str]
 ) -> list[Result]:
-    """work: of a task, able to go to another process; shown: the line for its result, which must not tell the truth
+    """work: of a task, able to go to another process; summary: the line for its result, which must not tell the truth
 
     Results come in the order in which they are finished. A task that fails is shown, and the others go on.
     raises: RuntimeError at the end naming those that failed
@@ -36,7 +36,7 @@ def in_turn(
                 display.failed(task.name, f"{type(outcome).__name__}: {outcome}")
             else:
                 finished.append(outcome)
-                display.done(task.name, shown(outcome))
+                display.done(task.name, summary(outcome))
             display.update(title, done / len(tasks), f"{done} of {len(tasks)}")
         display.done(title, f"{len(finished)} of {len(tasks)}")
     if failed:

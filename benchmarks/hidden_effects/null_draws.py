@@ -86,7 +86,7 @@ class Prepared:
 @dataclass(frozen=True)
 class Result:
     name: str
-    said: tuple[str, ...]
+    sentences: tuple[str, ...]
     seconds: float
 
 
@@ -110,7 +110,7 @@ def compare_draw(draw: Draw, prepared: Path, key: ResultKey, results: Path) -> R
     results.mkdir(parents=True, exist_ok=True)
     if not draw.measurement.is_file():
         make_measurement(draw.measurement.parent, seed=draw.seed)
-    shared: Prepared = read_result(prepared, key, _say)
+    shared: Prepared = read_result(prepared, key, _notice)
     parametrisation = shared.parametrisation
     measurement = load_measurement(draw.measurement, parametrisation.base.components.points, "virtual_rig")
     plan = plan_of(measurement)
@@ -123,7 +123,7 @@ def compare_draw(draw: Draw, prepared: Path, key: ResultKey, results: Path) -> R
     shares = [damping_share(b, loss_factor) for b in after]
     found = misfits(fitted, plan, shares)
     names = {channel.point: channel.name for channel in measurement.channels}
-    said = tuple(f.text for f in all_findings(fitted, plan, after, found, names, (), ()))
+    sentences = tuple(f.text for f in all_findings(fitted, plan, after, found, names, (), ()))
     n, c = len(parametrisation.nuisances), fitted.compared
     write_result(results / f"{draw.name}.pkl", key, (fitted, plan, shares))
     write_whole(
@@ -143,11 +143,11 @@ def compare_draw(draw: Draw, prepared: Path, key: ResultKey, results: Path) -> R
                 for m in found
             ],
             "of_runs": [[m.observations.run, m.observations.repeat, float(np.mean(m.residual**2))] for m in c.matched],
-            "said": list(said),
+            "sentences": list(sentences),
             "seconds": time.perf_counter() - started,
         },
     )  # fmt: skip
-    return Result(draw.name, said, time.perf_counter() - started)
+    return Result(draw.name, sentences, time.perf_counter() - started)
 
 
 def at_truth(parametrisation: Parametrisation, plan: Plan, branches: tuple[PredictedBranch, ...]) -> Compared:
@@ -179,9 +179,9 @@ class Summary:
 
     def lines(self) -> list[str]:
         """Tables in Markdown."""
-        quiet = sum(not r["said"] for r in self.results)
-        said = [f"- {r['name']}: {'; '.join(r['said'])}" for r in self.results if r["said"]]
-        return [*self._chi2(), "", *self._coverage(), "", f"No misfit: {quiet} of {len(self.results)}", *said]
+        quiet = sum(not r["sentences"] for r in self.results)
+        sentences = [f"- {r['name']}: {'; '.join(r['sentences'])}" for r in self.results if r["sentences"]]
+        return [*self._chi2(), "", *self._coverage(), "", f"No misfit: {quiet} of {len(self.results)}", *sentences]
 
     def _chi2(self) -> list[str]:
         rows = [
@@ -221,11 +221,11 @@ def main(
     if not first.measurement.is_file():
         make_measurement(first.measurement.parent, seed=first.seed)
     key = ResultKey(code_version(*CODE), _digest(RIG, *sorted(first.measurement.parent.iterdir())))
-    if read_result(prepared, key, _say) is None:
+    if read_result(prepared, key, _notice) is None:
         write_result(prepared, key, prepare(first.measurement, out / "models"))
     left = [d for d in wanted if not _is_done(results / f"{d.name}.json", key)]
     work = partial(compare_draw, prepared=prepared, key=key, results=results)
-    in_turn(work, left, jobs, "draws", lambda r: f"{r.seconds:.0f} s, {'; '.join(r.said) or 'no misfit'}")
+    in_turn(work, left, jobs, "draws", lambda r: f"{r.seconds:.0f} s, {'; '.join(r.sentences) or 'no misfit'}")
     found = [content for d in wanted if (content := read(results / f"{d.name}.json")) is not None]
     typer.echo("\n".join(Summary(tuple(found)).lines()))
 
@@ -237,11 +237,11 @@ def _digest(*files: Path) -> str:
 def _is_done(result: Path, key: ResultKey) -> bool:
     known = read(result)
     if known is not None and known.get("code") != key.code:
-        _say(f"{result}: of another version of updamp; compared anew")
+        _notice(f"{result}: of another version of updamp; compared anew")
     return known is not None and known.get("code") == key.code
 
 
-def _say(sentence: str) -> None:
+def _notice(sentence: str) -> None:
     typer.echo(sentence, err=True)
 
 

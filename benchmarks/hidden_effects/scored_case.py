@@ -18,7 +18,7 @@ _IN_PROVENANCE = "ablation "
 
 
 @dataclass(frozen=True)
-class Seen:
+class Detectability:
     """How well a hidden effect shows. score: in standard deviations; nan where nothing is known"""
 
     score: float
@@ -61,8 +61,8 @@ class ScoredCase:
     called: Called
     mark: Mark
     error: ErrorReached
-    by_laboratory: Mapping[str, Seen]
-    by_diagnosis: Mapping[str, Seen]
+    by_laboratory: Mapping[str, Detectability]
+    by_diagnosis: Mapping[str, Detectability]
     recovered: tuple[Recovered, ...]
     ablations: Mapping[str, tuple[Called, Mark]]
     seconds: float
@@ -72,15 +72,15 @@ class ScoredCase:
     def detectable(self) -> bool | None:
         """Every hidden effect is: by the laboratory's own curves where that was computed, by the diagnosis otherwise;
         None where neither is known or nothing is hidden."""
-        return _all_seen(self.by_laboratory if self.by_laboratory else self.by_diagnosis)
+        return _all_detectable(self.by_laboratory if self.by_laboratory else self.by_diagnosis)
 
     @property
     def detectable_by_diagnosis(self) -> bool | None:
-        return _all_seen(self.by_diagnosis)
+        return _all_detectable(self.by_diagnosis)
 
 
-def _all_seen(seen: Mapping[str, Seen]) -> bool | None:
-    each = [one.detectable for one in seen.values()]
+def _all_detectable(effects: Mapping[str, Detectability]) -> bool | None:
+    each = [one.detectable for one in effects.values()]
     if not each or None in each:
         return None
     return all(each)
@@ -108,7 +108,7 @@ def scored(layout: Layout, truth: Mapping[str, Any]) -> ScoredCase | None:
         mark=judged(truth["kind"], hidden, called),
         error=verdict.error,
         by_laboratory=_by_laboratory(layout, truth),
-        by_diagnosis={effect: _seen(candidates.get(effect)) for effect in hidden},
+        by_diagnosis={effect: _detectability(candidates.get(effect)) for effect in hidden},
         recovered=tuple(r for effect in hidden for r in recovered(effect, truth["parameters"], candidates)),
         ablations={name: (call, judged(truth["kind"], hidden, call)) for name, call in others.items()},
         seconds=float(ran["seconds"]),
@@ -116,16 +116,18 @@ def scored(layout: Layout, truth: Mapping[str, Any]) -> ScoredCase | None:
     )
 
 
-def _by_laboratory(layout: Layout, truth: Mapping[str, Any]) -> dict[str, Seen]:
+def _by_laboratory(layout: Layout, truth: Mapping[str, Any]) -> dict[str, Detectability]:
     """Of the same case: what was expected of another one under this number counts for nothing."""
     expected = read(layout.expected(truth["case"]))
     if expected is None or expected["digest"] != truth["digest"]:
         return {}
-    return {effect: Seen(one["score"], one["visibility"]) for effect, one in expected["effects"].items()}
+    return {effect: Detectability(one["score"], one["visibility"]) for effect, one in expected["effects"].items()}
 
 
-def _seen(candidate: Candidate | None) -> Seen:
-    return Seen(float("nan"), float("nan")) if candidate is None else Seen(candidate.score, candidate.visibility)
+def _detectability(candidate: Candidate | None) -> Detectability:
+    if candidate is None:
+        return Detectability(float("nan"), float("nan"))
+    return Detectability(candidate.score, candidate.visibility)
 
 
 def recovered(

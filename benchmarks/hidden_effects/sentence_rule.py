@@ -72,12 +72,12 @@ def judged(comparison: Comparison, changes: Changes) -> Judged:
     if quantity is None or not _reads_peaks(first):
         return Judged(does, {}, "no", "nothing is said of resonance, peak or sides")
     plain = {test: _plain(comparison, test)[quantity] for test in tests}
-    said = float(np.log1p(first.relative))
-    if not all(value * said > 0 and abs(value) >= abs(said) / 2 for value in plain.values()):
+    stated = float(np.log1p(first.relative))
+    if not all(value * stated > 0 and abs(value) >= abs(stated) / 2 for value in plain.values()):
         return Judged(does, plain, "no", "the curves do not show it")
-    for mark, taken_off in (("yes", _nothing), ("yes, calibrated", _calibrated)):
-        left = {test: changes[test][quantity] - taken_off(changes, test, quantity) for test in tests}
-        if all(-value * said > 0 and abs(value) >= VISIBLE[quantity] for value in left.values()):
+    for mark, removed in (("yes", _nothing), ("yes, calibrated", _calibrated)):
+        left = {test: changes[test][quantity] - removed(changes, test, quantity) for test in tests}
+        if all(-value * stated > 0 and abs(value) >= VISIBLE[quantity] for value in left.values()):
             return Judged(does, plain, mark, main=quantity in _main(changes))
     return Judged(does, plain, "no", "the effect does not do that")
 
@@ -85,9 +85,9 @@ def judged(comparison: Comparison, changes: Changes) -> Judged:
 def _main(changes: Changes) -> set[str]:
     """The quantity that changes most, as it is and after calibration."""
     found = set()
-    for taken_off in (_nothing, _calibrated):
+    for removed in (_nothing, _calibrated):
         sizes = {
-            q: sum(((values[q] - taken_off(changes, test, q)) / WHOLE[q]) ** 2 for test, values in changes.items())
+            q: sum(((values[q] - removed(changes, test, q)) / WHOLE[q]) ** 2 for test, values in changes.items())
             for q in WHOLE
         }
         found.add(max(sizes, key=lambda q: sizes[q]))
@@ -127,8 +127,8 @@ def _plain(comparison: Comparison, test: str) -> dict[str, float]:
         pair = pairs[side]
         measured = np.array([_top(m.frequency, np.abs(m.receptance), _everywhere) for m in pair.measured])
         inside = _inside(pair)
-        shown = pair.after.visited
-        model = _top(pair.after.frequency[shown], np.abs(pair.after.receptance[shown]), inside)
+        visited = pair.after.visited
+        model = _top(pair.after.frequency[visited], np.abs(pair.after.receptance[visited]), inside)
         found[side] = np.log(model) - np.log(measured).mean(axis=0)
     (f_left, left), (f_right, right) = found["tip_left"], found["tip_right"]
     return {FREQUENCY: float(f_left + f_right) / 2, HEIGHT: float(left + right) / 2, SIDES: float(left - right)}

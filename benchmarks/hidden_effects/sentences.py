@@ -35,7 +35,7 @@ DOCS = HERE.parents[1] / "docs" / "comparison.md"
 BEGIN, END = "<!-- sentences: sentences.py -->", "<!-- end of sentences -->"
 
 
-def say(case: Case, data: Layout, out: Path) -> dict[str, Any]:
+def judge_case(case: Case, data: Layout, out: Path) -> dict[str, Any]:
     """Calibrate where that is not done, compare, judge; the result is a row of the table."""
     keep_compiled()
     folder = out / case.name
@@ -45,7 +45,7 @@ def say(case: Case, data: Layout, out: Path) -> dict[str, Any]:
     changes = laboratory_changes(case, out / "laboratory")
     verdict = judged(comparison, changes)
     row = _row(case, comparison, verdict, kept.seconds)
-    write_whole(folder / "said.json", row)
+    write_whole(folder / "sentences.json", row)
     return row
 
 
@@ -55,7 +55,7 @@ def _row(case: Case, comparison: Comparison, verdict: Judged, seconds: float) ->
         "hidden": case.detail,
         "does": verdict.does,
         "excess": comparison.chi2_after / comparison.values,
-        "said": list(sentences(comparison)),
+        "sentences": list(sentences(comparison)),
         "plain": verdict.plain,
         "mark": verdict.mark,
         "why": verdict.why,
@@ -67,8 +67,8 @@ def _row(case: Case, comparison: Comparison, verdict: Judged, seconds: float) ->
 def table(rows: Sequence[Mapping[str, Any]]) -> str:
     lines = ["| case | hidden | what it does (laboratory) | reduced chi-square | findings | right? |", "|---" * 6 + "|"]
     for row in rows:
-        said = "; ".join(f"**{text}**" if i == 0 else text for i, text in enumerate(row["said"]))
-        cells = (row["case"].removeprefix("case_"), row["hidden"], row["does"], f"{row['excess']:.3g}", said)
+        statements = "; ".join(f"**{text}**" if i == 0 else text for i, text in enumerate(row["sentences"]))
+        cells = (row["case"].removeprefix("case_"), row["hidden"], row["does"], f"{row['excess']:.3g}", statements)
         why = row["why"] or ("" if row["main"] or row["hidden"] == "nothing" else "not of what changes most")
         lines.append("| " + " | ".join((*cells, f"{row['mark']}; {why}" if why else row["mark"])) + " |")
     effects = [r for r in rows if r["hidden"] != "nothing"]
@@ -95,9 +95,9 @@ def main(
     for preset in (FITTED, *FINER):
         build(RIG, preset, out / "models")
     chosen = by_name(tuple(only) or USED)
-    work = partial(say, data=Layout(data), out=out)
-    in_turn(work, chosen, jobs, "sentences", lambda row: str(row["said"][0]))
-    done = [read(out / case / "said.json") for case in USED]
+    work = partial(judge_case, data=Layout(data), out=out)
+    in_turn(work, chosen, jobs, "sentences", lambda row: str(row["sentences"][0]))
+    done = [read(out / case / "sentences.json") for case in USED]
     text, rows = docs.read_text(encoding="utf-8"), [row for row in done if row is not None]
     head, rest = text.split(BEGIN)
     docs.write_text(f"{head}{BEGIN}\n{table(rows)}\n{END}{rest.split(END)[1]}", encoding="utf-8")

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from math import isfinite
 
 from updamp.benchmarks.hidden_effects.goals import Goal, ablated, ablation_names, identification
-from updamp.benchmarks.hidden_effects.scored_case import ScoredCase, Seen
+from updamp.benchmarks.hidden_effects.scored_case import Detectability, ScoredCase
 
 KINDS = {
     "single": "One effect", "none": "Nothing hidden", "outside": "Outside the catalogue", "pair": "Two effects",
@@ -58,12 +58,12 @@ def case_table(cases: Sequence[ScoredCase]) -> str:
 
 def _cells(c: ScoredCase) -> tuple[str, ...]:
     hidden = " + ".join(f"`{name}`" for name in c.truth) or "-"
-    seen = c.by_laboratory or c.by_diagnosis
-    not_seen = " (not detectable)" if c.detectable is False else ""
+    effects = c.by_laboratory or c.by_diagnosis
+    not_detectable = " (not detectable)" if c.detectable is False else ""
     return (
         c.case[-3:],
         f"{hidden} {c.strength}".strip(),
-        "; ".join(_seen(s) for s in seen.values()) + not_seen,
+        "; ".join(_score_and_visibility(s) for s in effects.values()) + not_detectable,
         verdict(c),
         c.mark if c.mark not in ("wrong", "false alarm") else f"**{c.mark}**",
         _fall(c.error.before, c.error.after),
@@ -80,7 +80,7 @@ def verdict(c: ScoredCase) -> str:
     return "; ".join(filter(None, [" + ".join(f"`{n}`" for n in outright), group]))
 
 
-def _seen(s: Seen) -> str:
+def _score_and_visibility(s: Detectability) -> str:
     return f"{s.score:.0f}, {s.visibility:.2f}" if isfinite(s.score) else "-"
 
 

@@ -107,17 +107,17 @@ class March:
 
     def period(self, state, derivative=None):
         """State one period later, its derivatives, displacement (steps,) of the observed row and its derivatives."""
-        seen = np.empty(self.steps)
+        displacement = np.empty(self.steps)
         slopes = None if derivative is None else np.empty((self.steps, derivative.q.shape[1]))
         modes, n = self.model.phi[self.observed], self.model.n_relative
         static, by_load = self.model.residual[self.observed, :n], self.model.residual[self.observed, self.row]
         for i in range(1, self.steps + 1):
             cosine, place = np.cos(2 * np.pi * i / self.steps), i % self.steps
             state, derivative, force, by_force = self._step(state, derivative, cosine)
-            seen[place] = modes @ state.q + by_load * self.load * cosine - static @ force
+            displacement[place] = modes @ state.q + by_load * self.load * cosine - static @ force
             if slopes is not None:
                 slopes[place] = modes @ derivative.q - static @ by_force
-        return state, derivative, seen, slopes
+        return state, derivative, displacement, slopes
 
     def _step(self, old, derivative, cosine):
         by_q, by_v, by_a, by_load = self.step_matrices

@@ -36,11 +36,11 @@ class Modal:
         R = self.residual[:, :rows]
         W = np.linalg.solve(np.eye(rows) + stiffness[:, None] * R[:rows], np.diag(stiffness))
         W = (W + W.T) / 2
-        seen = self.phi[:rows]
+        shapes = self.phi[:rows]
         return replace(
             self,
-            stiffness=self.stiffness + seen.T @ W @ seen,
-            phi=self.phi - R @ (W @ seen),
+            stiffness=self.stiffness + shapes.T @ W @ shapes,
+            phi=self.phi - R @ (W @ shapes),
             residual=self.residual - R @ W @ R.T,
         )
 
@@ -97,17 +97,17 @@ class Assembled:
         static = np.array([a.dynamic_stiffness(0.0).real / share for a in self.bench.attachments])
         compliance = modal.phi @ np.linalg.solve(modal.stiffness, modal.phi.T) + modal.residual
         V = self.attached.T[:, static != 0]
-        seen = compliance @ V
-        seen = seen @ np.linalg.solve(np.diag(1 / static[static != 0]) + V.T @ seen, seen.T)
-        return (compliance - seen)[:n, :n]
+        motion = compliance @ V
+        motion = motion @ np.linalg.solve(np.diag(1 / static[static != 0]) + V.T @ motion, motion.T)
+        return (compliance - motion)[:n, :n]
 
     def stuck_frequencies(self, count: int = 3) -> Floats:
         """(count,) [Hz] with all attachments as they are at rest, undamped."""
         static = np.array([a.dynamic_stiffness(0.0).real for a in self.bench.attachments])
         V = self.attached[static != 0].T
         W = np.linalg.inv(np.diag(1 / static[static != 0]) + V.T @ self.stuck.residual @ V)
-        seen = V.T @ self.stuck.phi
-        squared = scipy.linalg.eigh(self.stuck.stiffness + seen.T @ W @ seen, self.stuck.mass, eigvals_only=True)
+        shapes = V.T @ self.stuck.phi
+        squared = scipy.linalg.eigh(self.stuck.stiffness + shapes.T @ W @ shapes, self.stuck.mass, eigvals_only=True)
         return np.sqrt(squared[:count]) / (2 * np.pi)
 
 

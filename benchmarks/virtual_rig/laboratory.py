@@ -103,15 +103,15 @@ def windows(rig: Assembled) -> dict[str, tuple[float, float]]:
 def quick_sweep(rig: Assembled, run: PlannedRun) -> tuple[float, tuple[float, float]]:
     """Resonance and half-widths to the left and right of it, at 1/sqrt(2) of the peak [Hz]."""
     low, high = windows(rig)[run.mode]
-    motor, seen = StepMotor(rig, QUICK), []
+    motor, points = StepMotor(rig, QUICK), []
     frequencies = np.linspace(high, low, STEPS)
     for frequency in frequencies[::-1] if run.upwards else frequencies:
         try:
             tips = motor.step(float(frequency), run.force).tips
         except NotSolvedError:
             continue
-        seen.append((frequency, sum(tips.values())))
-    f, size = np.array(sorted(seen)).T
+        points.append((frequency, sum(tips.values())))
+    f, size = np.array(sorted(points)).T
     top = int(size.argmax())
     half = size[top] / np.sqrt(2)
     left, right = f[: top + 1][size[: top + 1] < half], f[top:][size[top:] < half]

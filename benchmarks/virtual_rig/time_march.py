@@ -40,7 +40,7 @@ def march(rig: Assembled, motion: Motion, observed: str, periods: int, steps: in
     stiffness = np.array([a.dynamic_stiffness(0.0).real for a in bench.attachments])
     read = np.vstack([np.eye(n, len(modal.phi)), V.T])  # patches, then attachments
     phi, R = read @ modal.phi, read @ modal.residual @ read.T
-    excited, seen = rig.row(bench.excitation), rig.row(observed)
+    excited, row = rig.row(bench.excitation), rig.row(observed)
     h = 2 / w * np.tan(np.pi / steps)
     C = bench.loss_factor / bench.viscous_at * modal.stiffness
     q, v, a = _state(rig, motion, phi, stiffness)
@@ -50,8 +50,8 @@ def march(rig: Assembled, motion: Motion, observed: str, periods: int, steps: in
     S = np.linalg.inv(4 / h**2 * one + 2 / h * C + modal.stiffness)
     series, opened, slipped = _march(
         q, v, a, S, 4 / h**2 * one + 2 / h * C, 4 / h * one + C, h, phi, phi @ S @ phi.T + R,
-        modal.phi[excited], read @ modal.residual[:, excited], modal.phi[seen], modal.residual[seen] @ read.T,
-        modal.residual[seen, excited], motion.force, stiffness, p.mu, p.kt, p.kn, p.n0, p.gap, p.viscosity,
+        modal.phi[excited], read @ modal.residual[:, excited], modal.phi[row], modal.residual[row] @ read.T,
+        modal.residual[row, excited], motion.force, stiffness, p.mu, p.kt, p.kn, p.n0, p.gap, p.viscosity,
         p.speed_drop, p.speed_scale, shares, periods, steps,
     )  # fmt: skip
     turn = np.exp(-2j * np.pi * np.arange(1, steps + 1) / steps)
@@ -75,11 +75,11 @@ def _state(rig: Assembled, motion: Motion, phi: Floats, stiffness: Floats) -> tu
         w = k * motion.w
         damping = 1j * w * rig.bench.loss_factor / (rig.bench.viscous_at or 1.0)
         D = rig.free.stiffness * (1 + damping) - w**2 * np.eye(len(q))
-        seen = V.T @ rig.free.phi
-        D = D + seen.T @ np.linalg.solve(np.diag(1 / stiffness) + V.T @ rig.free.residual @ V, seen)
+        shapes = V.T @ rig.free.phi
+        D = D + shapes.T @ np.linalg.solve(np.diag(1 / stiffness) + V.T @ rig.free.residual @ V, shapes)
         static = V.T @ (rig.free.residual @ load)
         pull = np.linalg.solve(np.diag(1 / stiffness) + V.T @ rig.free.residual @ V, static)
-        modal = np.linalg.solve(D, rig.free.phi.T @ load - seen.T @ pull)
+        modal = np.linalg.solve(D, rig.free.phi.T @ load - shapes.T @ pull)
         q, v, a = q + modal.real, v + (1j * w * modal).real, a - (w**2 * modal).real
     return q, v, a
 

@@ -39,15 +39,15 @@ def peak(bench: Bench, run: PlannedRun, options: SolverOptions = USUAL) -> tuple
     """Frequency [Hz] and receptance [m/N] of the right tip at its peak, and of the left tip at its own."""
     rig = assembled(bench)
     resonance, (left, right) = quick_sweep(rig, run)
-    motor, seen = StepMotor(rig, options), []
+    motor, points = StepMotor(rig, options), []
     for frequency in np.linspace(resonance + 1.5 * right, resonance - 1.5 * left, 41):
         try:
             motion = motor.step(float(frequency), run.force)
         except NotSolvedError:
             continue
         tips = [motion.response(f"blade_{side}.tip.x")[:1] for side in ("right", "left")]
-        seen.append((frequency, abs(tips[0][0]) / run.force, abs(loose(tips[1], bench.loose_gain)[0]) / run.force))
-    f, right_tip, left_tip = np.array(seen).T
+        points.append((frequency, abs(tips[0][0]) / run.force, abs(loose(tips[1], bench.loose_gain)[0]) / run.force))
+    f, right_tip, left_tip = np.array(points).T
     top = int(np.clip(right_tip.argmax(), 1, len(f) - 2))
     a, b, c = np.polyfit(f[top - 1 : top + 2] - f[top], right_tip[top - 1 : top + 2], 2)
     # Where a jump follows the largest value, there is no summit.

@@ -13,7 +13,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from updamp.comparison.findings.findings import AMPLITUDE, DAMPING, FREQUENCY, SENSOR, Direction
-from updamp.comparison.findings.peak_reading import SeenBranch, reading_noise, seen_branch, tops_of_run
+from updamp.comparison.findings.peak_reading import SweptBranch, reading_noise, swept_branch, tops_of_run
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Observations, Plan
 from updamp.comparison.fit.scatter import Scatter
@@ -102,8 +102,8 @@ def without_peak(plan: Plan, branches: Sequence[PredictedBranch]) -> tuple[int, 
         sensors = [j for j, (_, k) in enumerate(branch.condition.sensors) if k == 1]
         runs = [o for o in plan.observations if o.test == i]
         if sensors and runs:
-            seen = seen_branch(branch, runs, sensors[0])
-            found += [] if all(seen.has_top(j) for j in sensors) else [i]
+            swept = swept_branch(branch, runs, sensors[0])
+            found += [] if all(swept.has_top(j) for j in sensors) else [i]
     return tuple(found)
 
 
@@ -126,10 +126,10 @@ def _significance(row: Floats, logs: Floats, covariance: Floats) -> float:
     each = each[np.isfinite(each)]
     if len(each) == 0:
         return 0.0
-    return abs(float(np.mean(each))) / max(float(np.sqrt(row @ covariance @ row)), _seen(each), 1e-12)
+    return abs(float(np.mean(each))) / max(float(np.sqrt(row @ covariance @ row)), _deviation_of_mean(each), 1e-12)
 
 
-def _seen(each: Floats) -> float:
+def _deviation_of_mean(each: Floats) -> float:
     """Deviation of the mean of the repeats, as they have it."""
     return float(np.std(each, ddof=1) / np.sqrt(len(each))) if len(each) > 1 else 0.0
 
@@ -142,7 +142,7 @@ def _of_damping(test: _Test, directions: Sequence[Direction], covariance: Floats
     by_phase = np.mean(made, axis=1)
     i = directions.index(next(d for d in test.directions if d.quantity == AMPLITUDE))
     mean = float(np.mean(by_phase))
-    significance = mean / max(float(np.sqrt(covariance[i, i])), _seen(by_phase))
+    significance = mean / max(float(np.sqrt(covariance[i, i])), _deviation_of_mean(by_phase))
     return [PeakMisfit(Direction(DAMPING, directions[i].test), float(np.expm1(mean)), significance, abs(mean))]
 
 
@@ -158,17 +158,17 @@ def _of_test(
     fit: Fit, test: int, branch: PredictedBranch, sensors: Sequence[int], runs: Sequence[Observations | None]
 ) -> _Test:
     made = [o for o in runs if o is not None]
-    seen = seen_branch(branch, made, sensors[0])
-    model = seen.tops(sensors)
+    swept = swept_branch(branch, made, sensors[0])
+    model = swept.tops(sensors)
     directions, rows = _statements(test, branch, sensors)
     logs, damping = np.full((len(runs), len(rows)), np.nan), np.full((len(runs), len(sensors)), np.nan)
     for i, o in enumerate(runs):
         if o is not None:
             measured = tops_of_run(o, sensors)
-            logs[i] = rows @ (model.value + seen.by_drive(o, sensors) - measured.value)
+            logs[i] = rows @ (model.value + swept.by_drive(o, sensors) - measured.value)
             damping[i] = np.log(model.loss_factor / measured.loss_factor)
-    half_width = seen.half_width(sensors[int(np.argmax(model.value[len(sensors) :]))])
-    common, by_parameter, own = _scatter(fit, seen, sensors, made, half_width)
+    half_width = swept.half_width(sensors[int(np.argmax(model.value[len(sensors) :]))])
+    common, by_parameter, own = _scatter(fit, swept, sensors, made, half_width)
     of_one = len(sensors) / max(len(sensors) - 1, 1)
     unit = {FREQUENCY: half_width / _STEEPEST, AMPLITUDE: 1.0, SENSOR: of_one}
     units = np.array([unit[d.quantity] for d in directions])
@@ -191,18 +191,18 @@ def _statements(test: int, branch: PredictedBranch, sensors: Sequence[int]) -> t
 
 
 def _scatter(
-    fit: Fit, seen: SeenBranch, sensors: Sequence[int], runs: Sequence[Observations], half_width: float
+    fit: Fit, swept: SweptBranch, sensors: Sequence[int], runs: Sequence[Observations], half_width: float
 ) -> tuple[Floats, Floats, Floats]:
     """Of the tops' values: what scatter of assemblies by one deviation does (q, 2 s), derivatives by the parameters
     (p, 2 s), and the covariance (2 s, 2 s) that is this test's own, of the mean over its runs."""
     s, scatter, nuisances = len(sensors), fit.compared.scatter, fit.parametrisation.nuisances
-    by_parameter = seen.by_parameter(sensors, np.maximum(fit.deviations, _LEAST_STEP))
+    by_parameter = swept.by_parameter(sensors, np.maximum(fit.deviations, _LEAST_STEP))
     of_parameters = by_parameter[: len(nuisances)] * np.array([scatter.parameters[n.name] for n in nuisances])[:, None]
     gains = np.concatenate([np.zeros((s, s)), scatter.gain * np.eye(s)], axis=1)
     frequencies = np.append(np.ones(s), np.zeros(s))
     together = np.outer(frequencies, frequencies)
     noise = scatter.noise * np.mean([reading_noise(o, sensors) for o in runs], axis=0)
-    rough = seen.branch.rough_at(seen.places(sensors))
+    rough = swept.branch.rough_at(swept.places(sensors))
     jagged = np.append(rough[:, 0], rough[np.arange(s), 1 + 2 * np.array(sensors)])
     own = (together * scatter.drift**2 + np.diag(noise**2)) / len(runs)
     own += together * (_PLACED * half_width) ** 2 + np.diag(jagged**2)

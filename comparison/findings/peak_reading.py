@@ -68,7 +68,7 @@ def _loss_factor(frequency: Floats, log_receptance: Complex) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class SeenBranch:
+class SweptBranch:
     """A branch on the parts that the sweep visits, densely. place: (n,); observed: (n, m); slopes: (n, p, m) by the
     parameters; step: spacing of the measured points at the top, of the logarithm of the frequency"""
 
@@ -80,9 +80,9 @@ class SeenBranch:
 
     def tops(self, sensors: Sequence[int]) -> Tops:
         low, high = self.branch.condition.wider
-        seen = self.observed[(self.observed[:, 0] >= np.log(low)) & (self.observed[:, 0] <= np.log(high))]
-        f = np.exp(seen[:, 0])
-        loss = [_loss_factor(f, seen[:, 1 + 2 * j] + 1j * seen[:, 2 + 2 * j]) for j in sensors]
+        inside = self.observed[(self.observed[:, 0] >= np.log(low)) & (self.observed[:, 0] <= np.log(high))]
+        f = np.exp(inside[:, 0])
+        loss = [_loss_factor(f, inside[:, 1 + 2 * j] + 1j * inside[:, 2 + 2 * j]) for j in sensors]
         return Tops(self._values(sensors, self.observed), np.array(loss))
 
     def places(self, sensors: Sequence[int]) -> Floats:
@@ -156,14 +156,14 @@ class SeenBranch:
             i = best
 
 
-def seen_branch(branch: PredictedBranch, runs: Sequence[Observations], sensor: int) -> SeenBranch:
+def swept_branch(branch: PredictedBranch, runs: Sequence[Observations], sensor: int) -> SweptBranch:
     """runs: of the branch's condition; sensor: whose points tell how densely was measured"""
     place = np.linspace(branch.place[0], branch.place[-1], _PLACES)
     near = np.clip(np.searchsorted(branch.place, place, side="right") - 1, 0, len(branch.place) - 2)
     place = place[branch.visited[near] & branch.visited[near + 1]]
     observed = branch.at(place)
     step = float(np.median([_top_and_step(o, sensor)[1] for o in runs]))
-    return SeenBranch(branch, place, observed.value, observed.slopes[:, :-1], step)
+    return SweptBranch(branch, place, observed.value, observed.slopes[:, :-1], step)
 
 
 def _about(log_f: Floats, i: int, reach: float) -> slice:

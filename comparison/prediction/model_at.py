@@ -53,11 +53,11 @@ class ModelAt:
 def model_at(parametrisation: Parametrisation, u: Floats) -> ModelAt:
     """The same one as before where nothing else was asked for meanwhile: the branches of a plan come one after the
     other, and what is made of the parameters serves all of them."""
-    return _last_asked_for(parametrisation, np.asarray(u, dtype=float).tobytes())
+    return _cached_model_at(parametrisation, np.asarray(u, dtype=float).tobytes())
 
 
 @lru_cache(maxsize=1)
-def _last_asked_for(parametrisation: Parametrisation, u: bytes) -> ModelAt:
+def _cached_model_at(parametrisation: Parametrisation, u: bytes) -> ModelAt:
     return ModelAt(parametrisation, np.frombuffer(u))
 
 

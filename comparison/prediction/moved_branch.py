@@ -57,10 +57,10 @@ def move_branch(
     if covering is None:
         return None
     found = observe_swept(there, before.condition, covering, before.stopped)
-    return found if _seen_at_gaps(found) <= _seen_at_gaps(before) else None
+    return found if _visible_gaps(found) <= _visible_gaps(before) else None
 
 
-def _seen_at_gaps(branch: PredictedBranch) -> int:
+def _visible_gaps(branch: PredictedBranch) -> int:
     """How many gaps the sweep sees an edge of: of what was left out because it does not see it, it is not to."""
     return sum(bool(branch.visited[i - 1 : i + 1].any()) for i, p in enumerate(branch.points) if i and p.after_gap)
 

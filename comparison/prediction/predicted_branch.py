@@ -157,8 +157,8 @@ def observe_swept(
 
     raises: BranchStoppedError where the points end with it before there are enough of them
     """
-    seen, reason = swept_points(points, condition.upwards, Observer(there, condition), far_end)
-    return _of_observed(there, condition, seen, stopped or reason)
+    observed, reason = swept_points(points, condition.upwards, Observer(there, condition), far_end)
+    return _of_observed(there, condition, observed, stopped or reason)
 
 
 def observe(

@@ -159,8 +159,8 @@ def _linearised(held: HeldModes, excitation: Excitation, rows: Integers, x: Floa
     x_by_q = np.stack([jacobian.solve(held.moved(relative, unit)) for unit in units], axis=2)
     changes = apply_tangents(system, departure, np.concatenate([dx[..., None], x_by_q], axis=2))
     g, g_by_q = departure.value + changes[..., 0], changes[..., 1:]
-    seen = held.excitation(excitation, rows) + held.moved(rows, q) - held.apply(g, rows)
-    sensors = system.harmonics.amplitude(seen, 1)
+    motion = held.excitation(excitation, rows) + held.moved(rows, q) - held.apply(g, rows)
+    sensors = system.harmonics.amplitude(motion, 1)
     by_q = [
         _pairs(system.harmonics.amplitude(held.moved(rows, unit) - held.apply(g_by_q[..., i], rows), 1) / sensors)
         for i, unit in enumerate(units)

@@ -53,20 +53,20 @@ def resonant_mode(branch: PredictedBranch, excitation: str) -> ResonantMode:
     omega = np.sqrt(np.maximum(system.stuck.omega_squared, 0.0))
     channel = branch.condition.sensors[first[sensor]][0]
     return ResonantMode(
-        channel, _told_apart(shapes, omega, number), float(shapes[sensor, number]), float(omega[number])
+        channel, _distinguishable(shapes, omega, number), float(shapes[sensor, number]), float(omega[number])
     )
 
 
-def _told_apart(shapes: Floats, omega: Floats, number: int) -> tuple[int, ...]:
+def _distinguishable(shapes: Floats, omega: Floats, number: int) -> tuple[int, ...]:
     """The mode with its neighbours, nearest first. shapes: (n_sensors, m); omega: (m,)"""
     numbers = [number]
     distance = np.abs(np.log(np.maximum(omega, np.finfo(float).tiny) / omega[number]))
     for i in np.argsort(distance)[1:]:
-        seen = shapes[:, [*numbers, i]]
-        size = np.linalg.norm(seen, axis=0)
+        columns = shapes[:, [*numbers, i]]
+        size = np.linalg.norm(columns, axis=0)
         if distance[i] > np.log(_NEAR) or len(numbers) == len(shapes):
             break
-        if size.all() and np.linalg.svd(seen / size, compute_uv=False)[-1] > _APART:
+        if size.all() and np.linalg.svd(columns / size, compute_uv=False)[-1] > _APART:
             numbers.append(int(i))
     return tuple(numbers)
 

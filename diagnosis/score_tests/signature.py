@@ -71,7 +71,7 @@ def extend(
     progress(f"signatures of {len(known)} effects")
     solved = _solved_at(fitted, plan, BranchesBy(workers))
     steps = steps_along(there, solved, by_step, coarse_enough(fitted), progress, workers)
-    differentiated = workers(_differentiated, (there, changes), solved, lambda i, _: progress(_told(solved[i])))
+    differentiated = workers(_differentiated, (there, changes), solved, lambda i, _: progress(_step_name(solved[i])))
     branches = [_with_steps(there, b, len(changes), own) for b, own in zip(differentiated, steps, strict=True)]
     ordered = (*by_derivative, *by_step)
     extended = replace(p, effects=(*p.effects, *ordered))
@@ -80,7 +80,7 @@ def extend(
     return Extended(extended, compared, ordered, refused)
 
 
-def _told(branch: PredictedBranch) -> str:
+def _step_name(branch: PredictedBranch) -> str:
     return f"signatures along {branch.condition.name}"
 
 

@@ -34,8 +34,8 @@ def try_singles(fits: FitContext, effects: Sequence[Effect], scored: Sequence[Sc
     found |= refits_with_own_numerics(fits, found)
     found |= fits.results(_unless_explained(wanted[half:], found, scored, criteria))
     best = best_first(found)[: criteria.full]
-    asked_for = [r for r in best if not r.trial.full and r.refit.delta_bic >= criteria.delta_bic]
-    close = [r for r in asked_for if _comes_close(r.refit, best[0].refit, start, criteria)]
+    passing = [r for r in best if not r.trial.full and r.refit.delta_bic >= criteria.delta_bic]
+    close = [r for r in passing if _comes_close(r.refit, best[0].refit, start, criteria)]
     found |= fits.full(close)
     return found | refits_with_own_numerics(fits, found)
 

@@ -15,7 +15,8 @@ Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 _LOOKED_AT = 8  # lowest modes among which the study's are sought
-_OTHERS, _SEEN = 2, 1e-3  # modes above the study's that are followed too, and least motion of the tip, of theirs
+_OTHERS = 2  # modes above the study's that are followed too
+_LEAST_MOTION = 1e-3  # of the tip in such a mode, as a share of that in the study's
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +58,7 @@ def low_force_modes(model: RigModel, windows: Mapping[str, tuple[float, float]],
     """raises: ValueError where no mode of the model lies in a window"""
     found = small_amplitude(model, float(np.mean([np.mean(w) for w in windows.values()])))
     points = slice(found.free.n_relative, found.free.n_rows)
+    tip = f"{component}.tip.x"
     shapes, near = {}, {}
     for name, (low, high) in windows.items():
         inside = np.flatnonzero((found.frequencies > low) & (found.frequencies < high))
@@ -65,14 +67,13 @@ def low_force_modes(model: RigModel, windows: Mapping[str, tuple[float, float]],
                 f"mode {name}: the model has none from {low:g} to {high:g} Hz, where the study looks for it; it has "
                 f"{', '.join(f'{f:.1f}' for f in found.frequencies[:4])} Hz. Widen study.modes.{name}.window"
             )
-        tip = f"{component}.tip.x"
         mode = max((int(i) for i in inside), key=lambda i: found.peak(tip, model.excitation, i))
         shapes[name], near[name] = found.shapes[points, mode], float(found.frequencies[mode])
     others: list[str] = []
-    seen = min(abs(found.at(f"{component}.tip.x", int(np.argmin(abs(found.frequencies - f))))) for f in near.values())
+    of_study = min(abs(found.at(tip, int(np.argmin(abs(found.frequencies - f))))) for f in near.values())
     for i in np.flatnonzero(found.frequencies > max(near.values()) * (1 + 1e-9))[: 4 * _OTHERS]:
         # one that hardly moves the tip is not seen in a test, and has no shape to be known by
-        if len(others) < _OTHERS and abs(found.at(f"{component}.tip.x", int(i))) > _SEEN * seen:
+        if len(others) < _OTHERS and abs(found.at(tip, int(i))) > _LEAST_MOTION * of_study:
             others.append(f"mode {i + 1}")
             shapes[others[-1]], near[others[-1]] = found.shapes[points, i], float(found.frequencies[i])
     return LowForceModes(windows, shapes, near, component, tuple(others))

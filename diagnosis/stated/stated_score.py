@@ -41,5 +41,5 @@ def stated_score(problem: LowForceProblem, calibrated: Explanation, effect: Effe
     best = int(np.argmax(sizes))
     if sizes[best] <= 1e-9 * max(float(whole[best]), 1e-300):
         return StatedScore(0.0, 0.0, np.zeros(len(start)))
-    taken = own @ np.linalg.lstsq(own, left, rcond=1e-9)[0]
-    return StatedScore(float(np.linalg.norm(taken)), float(sizes[best] / whole[best]), own[:, best] / sizes[best])
+    projected = own @ np.linalg.lstsq(own, left, rcond=1e-9)[0]
+    return StatedScore(float(np.linalg.norm(projected)), float(sizes[best] / whole[best]), own[:, best] / sizes[best])

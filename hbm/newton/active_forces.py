@@ -160,10 +160,10 @@ def _active_matrix(receptance: Receptance, departure: Departure, rows: Integers,
         chosen = np.flatnonzero(wanted.any(axis=1))
         if not len(chosen):
             continue
-        rows_seen, wanted = group.rows[chosen], wanted[chosen]
-        targets = places[number[rows_seen[wanted]]]
+        chosen_rows, wanted = group.rows[chosen], wanted[chosen]
+        targets = places[number[chosen_rows[wanted]]]
         for k, part in system.harmonics.slices.items():
-            G = receptance.block(k, rows_seen.ravel(), rows).reshape(*rows_seen.shape, n_active)
+            G = receptance.block(k, chosen_rows.ravel(), rows).reshape(*chosen_rows.shape, n_active)
             product = _times(tangent[chosen][..., part], G, k)[wanted]
             matrix[targets, n_active * part.start : n_active * part.stop] = product
     matrix[np.diag_indices_from(matrix)] += 1

@@ -45,8 +45,8 @@ def register(
     """Decorator of a reader's function. raises: ValueError where the name or an ending is taken"""
 
     def add(read: ReadFunction) -> ReadFunction:
-        taken = {ending for reader in _READERS.values() for ending in reader.endings}
-        if name in _READERS or taken & set(endings):
+        registered = {ending for reader in _READERS.values() for ending in reader.endings}
+        if name in _READERS or registered & set(endings):
             raise ValueError(f"reader '{name}' for {endings}: the name or an ending is taken already")
         _READERS[name] = Reader(name, endings, options, read)
         return read

@@ -86,9 +86,9 @@ def test_what_calibration_takes_up_is_taken_off() -> None:
 
 def test_words_and_table() -> None:
     assert in_words(changes(peak=-0.2, resonance=0.002)) == "IP resonance +0.00, +0.20 %; IP peak +0, -18 %"
-    row = {"case": "case_017", "hidden": "a strong", "does": "d", "excess": 3.0, "said": ["one", "two"], "mark": "yes",
-           "why": "", "main": False}  # fmt: skip
-    text = table([row, row | {"hidden": "nothing", "said": ["no misfit"], "main": False}])
+    row = {"case": "case_017", "hidden": "a strong", "does": "d", "excess": 3.0, "sentences": ["one", "two"],
+           "mark": "yes", "why": "", "main": False}  # fmt: skip
+    text = table([row, row | {"hidden": "nothing", "sentences": ["no misfit"], "main": False}])
     assert "| 017 | a strong | d | 3 | **one**; two | yes; not of what changes most |" in text
     assert "1 of 1 right" in text
     assert "nothing said in 1 of 1" in text
