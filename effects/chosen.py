@@ -49,15 +49,19 @@ class ChosenEffect:
         try:
             return self.effect.apply(model, self.values)
         except (ValueError, KeyError) as error:  # KeyError: a point that the model does not have
-            raise ValueError(
-                f'the effect "{self.effect.name}" cannot be applied: {error.args[0]} (to take it off: updamp remove)'
-            ) from error
+            raise ValueError(f'the effect "{self.effect.name}" cannot be applied: {error.args[0]}') from error
 
 
 def with_effects(model: RigModel, chosen: Sequence[ChosenEffect]) -> RigModel:
-    """The model with all of them, in the order of the file."""
+    """The model with all of them, in the order of the rig file.
+
+    raises: ValueError naming the effect that the model has no place for, and how to take it off the file
+    """
     for one in chosen:
-        model = one.apply(model)
+        try:
+            model = one.apply(model)
+        except ValueError as error:
+            raise ValueError(f"{error} (to take it off: updamp remove)") from error
     return model
 
 

@@ -333,7 +333,10 @@ modal_mass = 1.1
 @pytest.mark.parametrize(
     ("more", "says"),
     [
-        ('[[effects]]\nname = "edge_gap"\nvalues = { depth = "1 um" }', 'the effect "edge_gap" cannot be applied'),
+        (
+            '[[effects]]\nname = "edge_gap"\nvalues = { depth = "1 um" }',
+            'the effect "edge_gap" cannot be applied: .*updamp remove',
+        ),
         ('[[effects]]\nname = "material_damping"\nvalues = { growth = 1 }', 'the effect "material_damping" cannot'),
         ("[calibration]\npreload = 1.01", "calibration.preload: this model has no place for it"),
     ],
