@@ -1,6 +1,6 @@
 """What the search for a missing effect decides by. All of it is fixed before a benchmark is scored.
 
-Reduced chi-square is chi-square over the number of values compared: 1 is what the scatter leaves.
+The mean squared misfit is chi-square over the number of measured values: 1 is what the scatter leaves.
 """
 
 from dataclasses import dataclass
@@ -10,25 +10,25 @@ from dataclasses import dataclass
 class Criteria:
     """score, visibility: of the score test, below which an effect is not looked for in the data
     short, full: how many effects at most get a short refit, and a full one
-    close: reduced chi-square after a short refit, over that of the best one, up to which an effect gets a full one
-    nearly: share of the best effect's fall of reduced chi-square from which on another one is fitted in full too, and
+    close: mean squared misfit after a short refit, over that of the best one, up to which an effect gets a full one
+    nearly: share of the best effect's fall of mean squared misfit from which on another one is fitted in full too, and
         the next one has second effects looked for beside it
     own_numerics: share of the misfit that the best effect has to take off for the numerical error of the model with it
         to be found, before a second effect is looked for
-    comparable: reduced chi-square, over that of the best one, beyond which it does not count as nearly as good
+    comparable: mean squared misfit, over that of the best one, beyond which it does not count as nearly as good
     promising: share of the misfit left by a short refit from where on the full one is done before others are tried
     delta_bic: by which an effect has to improve the information criterion, the misfit that is left taken as noise
     gain: share by which the error on held-out runs has to fall
     at_bound: distance from a bound, as a share of its range, within which a parameter stands at it
-    as_good: an effect explains the data as well as the best one where its reduced chi-square is no more than this share
-        above the best
+    as_good: an effect explains the data as well as the best one where its mean squared misfit is no more than this
+        share above the best
     cosine: of two signatures above which the effects look alike
     cosine_to_refit: to the signature of one that explains the data, from where on another one is fitted too
-    lack: reduced chi-square from where on a model fails that no effect has improved
-    excess: reduced chi-square above which a model with effects still fails
+    lack: mean squared misfit from where on a model fails that no effect has improved
+    excess: mean squared misfit above which a model with effects still fails
     unseen: weighted residual RMS on held-out runs above which a model with effects still fails
-    look_further: reduced chi-square above which a second effect is looked for
-    second: share that a second effect has to bring the reduced chi-square down to
+    look_further: mean squared misfit above which a second effect is looked for
+    second: share that a second effect has to bring the mean squared misfit down to
     """
 
     score: float = 4.0

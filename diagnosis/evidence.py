@@ -9,7 +9,7 @@ from updamp.comparison.json_document import JsonDocument
 class Trial:
     """A fit with effects in the model.
 
-    effects: names; excess: reduced chi-square on the runs of the fit (over the number of values)
+    effects: names; excess: mean squared misfit on the runs of the fit
     drop: of chi-square and priors, from the model without the effects
     delta_bic: from the model with one effect less (of a pair: the better one of its two)
     held_out: weighted residual RMS on runs that the fit never saw, nan where there are none or it is not full

@@ -65,7 +65,10 @@ def _row(case: Case, comparison: Comparison, verdict: Judged, seconds: float) ->
 
 
 def table(rows: Sequence[Mapping[str, Any]]) -> str:
-    lines = ["| case | hidden | what it does (laboratory) | reduced chi-square | findings | right? |", "|---" * 6 + "|"]
+    lines = [
+        "| case | hidden | what it does (laboratory) | mean squared misfit | findings | right? |",
+        "|---" * 6 + "|",
+    ]
     for row in rows:
         statements = "; ".join(f"**{text}**" if i == 0 else text for i, text in enumerate(row["sentences"]))
         cells = (row["case"].removeprefix("case_"), row["hidden"], row["does"], f"{row['excess']:.3g}", statements)

@@ -82,7 +82,7 @@ def misfits(fit: Fit, plan: Plan, damping_share: Sequence[float]) -> tuple[Misfi
     # the parameters stand at their best values: their own gradient is nil, but for the prior's
     estimate = covariance @ (both.T @ r - np.append(fit.u * before, np.zeros(len(sizes))))
     # with the noise that the misfit asks for, where it is larger (R. T. Birge, Phys. Rev. 40 (1932) 207)
-    covariance = covariance * max(1.0, fit.compared.reduced_chi2)
+    covariance = covariance * max(1.0, fit.compared.mean_squared_misfit)
     n, found = p.shape[1], []
     for direction, combined in _statements(directions, damping_share):
         # a correction that the model needs upwards is a model that reads low
@@ -230,16 +230,18 @@ def _of_sensor(misfit: Misfit) -> Finding:
 
 
 def _of_all(fit: Fit, plan: Plan) -> Finding:
-    share = fit.compared.reduced_chi2
+    mean_squared = fit.compared.mean_squared_misfit
     errors = np.array([[m.observations.test, np.mean(m.residual**2)] for m in fit.compared.matched])
     of_test = {int(i): float(np.mean(errors[errors[:, 0] == i, 1])) for i in np.unique(errors[:, 0])}
     worst = max(of_test, key=lambda i: of_test[i])
     condition, size = plan.conditions[worst], float(np.sqrt(of_test[worst])) / fit.compared.scatter.noise
     text = (
         f"the curves differ in shape, most of all {condition.mode} at {level_of(plan, worst)} ({size:.1f} times the "
-        f"scatter): the reduced chi-square is {share:.2f}, with resonances, peaks and sensors right within the scatter"
+        f"scatter): the mean squared misfit is {mean_squared:.2f}, with resonances, peaks and sensors right within the "
+        "scatter"
     )
-    return Finding(text, condition.mode, condition.level, AMPLITUDE, "", float(np.sqrt(share) - 1), _deviations(fit))
+    relative = float(np.sqrt(mean_squared) - 1)
+    return Finding(text, condition.mode, condition.level, AMPLITUDE, "", relative, _deviations(fit))
 
 
 def _deviations(fit: Fit) -> float:

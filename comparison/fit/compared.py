@@ -25,9 +25,9 @@ from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.hbm.continuation.continuation import ContinuationOptions
 
 Floats = NDArray[np.float64]
-# Reduced chi-square from where on the model fails grossly: by ten times the scatter on average.
+# Mean squared misfit from where on the model fails grossly: by ten times the scatter on average.
 GROSS = 100.0
-# Reduced chi-square up to which a misfit is weighed as it is; beyond it a model fails badly.
+# Mean squared misfit up to which it is weighed as it is; beyond it a model fails badly.
 TOLERATED = 3.0
 # Points along a curve that count as one for what a model lacks: its misfit there is the same.
 AS_MANY = 10.0
@@ -55,8 +55,8 @@ class Compared:
         return sum(len(a.residual) for a in self.assemblies)
 
     @property
-    def reduced_chi2(self) -> float:
-        """Reduced chi-square: chi-square over the number of values, 1 where the scatter is all there is."""
+    def mean_squared_misfit(self) -> float:
+        """Chi-square over the number of measured values, 1 where the scatter is all there is."""
         return self.chi2 / self.values
 
     def equations(self) -> tuple[Floats, Floats]:
@@ -166,8 +166,8 @@ def reweighed(parametrisation: Parametrisation, plan: Plan, compared: Compared, 
 def misfit(parametrisation: Parametrisation, compared: Compared) -> float:
     """Minus twice the logarithm of the posterior probability, the best noise of the sensors' and more taken: what
     models that fail are compared by. For one that does not it is chi2 with the priors' share."""
-    reduced, n = compared.reduced_chi2, compared.values
-    of_data = n * reduced if reduced < 1 else n * (1 + float(np.log(reduced)))
+    mean, n = compared.mean_squared_misfit, compared.values
+    of_data = n * mean if mean < 1 else n * (1 + float(np.log(mean)))
     return of_data + float(np.sum((compared.u / parametrisation.deviation) ** 2))
 
 
@@ -184,7 +184,9 @@ def noise_inflation(parametrisation: Parametrisation, compared: Compared) -> flo
     """
     if parametrisation.base.contacts is None:
         return 1.0
-    return max(1.0, min(compared.reduced_chi2 / TOLERATED, float(np.sqrt(AS_MANY * compared.reduced_chi2))))
+    return max(
+        1.0, min(compared.mean_squared_misfit / TOLERATED, float(np.sqrt(AS_MANY * compared.mean_squared_misfit)))
+    )
 
 
 def with_inflated_noise(scatter: Scatter, factor: float) -> Scatter:

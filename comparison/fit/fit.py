@@ -123,9 +123,8 @@ def fit(
             return _result(parametrisation, _weighed(parametrisation, plan, ahead, scatter, prior), True, "settled")
         common = predict_branches(parametrisation, ahead.u, plan, best.branches, branches_of)
         solved = compare_at(parametrisation, ahead.u, plan, common, ahead.scatter, ahead.offsets)
-        progress(
-            f"error {np.sqrt(here.reduced_chi2):.2f} to {np.sqrt(solved.reduced_chi2):.2f} times the scatter allowed"
-        )
+        errors = [float(np.sqrt(one.mean_squared_misfit)) for one in (here, solved)]
+        progress(f"error {errors[0]:.2f} to {errors[1]:.2f} times the scatter allowed")
         if _rises(parametrisation, here, solved):
             reach /= 3
             if reach < 0.01 * options.largest_step:
@@ -237,7 +236,7 @@ def _covariance(parametrisation: Parametrisation, compared: Compared) -> Floats:
     _, columns = compared.equations()
     # where the model fails grossly, with the noise that its misfit asks for (R. T. Birge, Phys. Rev. 40 (1932) 207)
     if fails_grossly(parametrisation, compared.chi2, compared.values):
-        columns = columns / np.sqrt(compared.reduced_chi2)
+        columns = columns / np.sqrt(compared.mean_squared_misfit)
     information = columns.T @ columns + np.diag(1 / parametrisation.deviation**2)
     return np.asarray(np.linalg.pinv(information), dtype=np.float64)
 

@@ -105,7 +105,7 @@ def error_of(fitted: Fit, plan: Plan, branches_of: Branches = in_turn) -> float:
         return float("nan")
     branches = predict_branches(fitted.parametrisation, fitted.u, plan, None, branches_of)
     compared = compare_at(fitted.parametrisation, fitted.u, plan, branches, fitted.compared.scatter)
-    return float(np.sqrt(compared.reduced_chi2))
+    return float(np.sqrt(compared.mean_squared_misfit))
 
 
 def held_out_runs(plan: Plan, runs: Sequence[str] | None, modes: Sequence[str]) -> tuple[str, ...] | None:

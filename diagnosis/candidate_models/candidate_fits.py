@@ -45,9 +45,9 @@ def best_first(found: CandidateFits) -> list[FittedCandidate]:
 
 def nearly(one: Refit, best: Refit, start: Baseline, criteria: Criteria) -> bool:
     """Whether it takes off nearly as much of chi2 as the best one."""
-    before = start.fitted.compared.reduced_chi2
-    comparable = one.reduced_chi2 < criteria.comparable * best.reduced_chi2
-    return comparable and before - one.reduced_chi2 > criteria.nearly * (before - best.reduced_chi2)
+    before = start.fitted.compared.mean_squared_misfit
+    comparable = one.mean_squared_misfit < criteria.comparable * best.mean_squared_misfit
+    return comparable and before - one.mean_squared_misfit > criteria.nearly * (before - best.mean_squared_misfit)
 
 
 def explains(trial: Trial, criteria: Criteria) -> bool:

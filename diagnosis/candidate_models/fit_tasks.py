@@ -101,7 +101,7 @@ def _run(shared: tuple[Baseline, Criteria], task: FitTask) -> FittedCandidate | 
         return None
     held_out = error_of(r.fitted, start.held_out_plan) if task.full else float("nan")
     names = tuple(e.name for e in task.effects)
-    return FittedCandidate(r, Trial(names, r.reduced_chi2, r.drop, r.delta_bic, held_out, r.at_bound, task.full))
+    return FittedCandidate(r, Trial(names, r.mean_squared_misfit, r.drop, r.delta_bic, held_out, r.at_bound, task.full))
 
 
 def _refit(start: Baseline, criteria: Criteria, a: FitTask) -> Refit | None:

@@ -56,4 +56,4 @@ def as_likely(fitted: Fit, best: Fit) -> bool:
     """Whether the data do not tell one from the other; both of one parametrisation, the misfit that is left taken as
     noise"""
     further = objective(fitted.parametrisation, fitted.compared) - objective(best.parametrisation, best.compared)
-    return further < _WITHIN * max(1.0, best.compared.reduced_chi2)
+    return further < _WITHIN * max(1.0, best.compared.mean_squared_misfit)

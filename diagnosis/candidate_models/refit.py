@@ -49,9 +49,8 @@ class Refit:
     also: tuple[Fit, ...] = ()
 
     @property
-    def reduced_chi2(self) -> float:
-        """Reduced chi-square"""
-        return self.fitted.compared.reduced_chi2
+    def mean_squared_misfit(self) -> float:
+        return self.fitted.compared.mean_squared_misfit
 
 
 def refit(
@@ -97,7 +96,7 @@ def _fit_from(base: Fit, plan: Plan, extended: Parametrisation, starts: Sequence
         value = misfit(extended, compared)
         if best is None or value < best[0]:
             best = value, compared
-        if value < before and _far_better(base, compared.reduced_chi2):
+        if value < before and _far_better(base, compared.mean_squared_misfit):
             break
     if best is None:
         return None
@@ -140,12 +139,12 @@ def coarse_enough(base: Fit) -> ContinuationOptions | None:
 
 
 def fails_badly(base: Fit) -> bool:
-    return base.compared.reduced_chi2 > TOLERATED
+    return base.compared.mean_squared_misfit > TOLERATED
 
 
-def _far_better(base: Fit, reduced_chi2: float) -> bool:
+def _far_better(base: Fit, mean_squared_misfit: float) -> bool:
     """Whether other starts need not be tried: where the model fails badly, the first that is better is not enough."""
-    return not fails_badly(base) or reduced_chi2 < max(TOLERATED, _FAR * base.compared.reduced_chi2)
+    return not fails_badly(base) or mean_squared_misfit < max(TOLERATED, _FAR * base.compared.mean_squared_misfit)
 
 
 def _options(full: bool) -> FitOptions:

@@ -125,7 +125,7 @@ def _intervals(fitted: Fit, effect: Effect) -> list[tuple[float, float]]:
     p, moved = fitted.parametrisation, moved_by_numerics(fitted)
     place, values = p.columns(effect.name).start, p.values(fitted.u)[effect.name]
     # where the model leaves more than the scatter, intervals are wider by as much (Birge 1932)
-    excess, found = max(1.0, fitted.compared.reduced_chi2), []
+    excess, found = max(1.0, fitted.compared.mean_squared_misfit), []
     for i, q in enumerate(effect.parameters):
         deviation = np.hypot(fitted.given_numerics[place + i] * np.sqrt(excess), moved[place + i])
         half = _95 * float(deviation) * abs(q.typical - q.null)

@@ -80,7 +80,7 @@ def with_noise_of_misfit(extended: Extended) -> tuple[Compared, float]:
     compared = extended.compared
     inflation = noise_inflation(extended.parametrisation, compared)
     weighed = replace(compared, scatter=with_inflated_noise(compared.scatter, inflation))
-    return weighed, inflation**2 / max(1.0, compared.reduced_chi2)
+    return weighed, inflation**2 / max(1.0, compared.mean_squared_misfit)
 
 
 def _score(

@@ -22,7 +22,7 @@ def try_pairs(fits: FitContext, effects: Sequence[Effect], singles: CandidateFit
     settled = sorted((r.refit for r in singles.values() if r.trial.full), key=lambda r: -r.drop)
     if not settled or settled[0].drop <= 0:
         return {}
-    if settled[0].reduced_chi2 < criteria.look_further and not settled[0].at_bound:
+    if settled[0].mean_squared_misfit < criteria.look_further and not settled[0].at_bound:
         return {}
     found: CandidateFits = {}
     for first in (settled[0], *(r for r in settled[1:2] if nearly(r, settled[0], start, criteria))):

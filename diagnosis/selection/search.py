@@ -60,7 +60,7 @@ def search(
     singles |= further
     singles |= alone(fits, singles, pairs)
     evidence = Evidence(
-        base.compared.reduced_chi2,
+        base.compared.mean_squared_misfit,
         held_out,
         start.repeatability,
         _tested(extended, scored),

@@ -86,12 +86,12 @@ def other_sizes(fits: FitContext, found: CandidateFits) -> CandidateFits:
 
 
 def _left(start: Baseline, share: float) -> float:
-    """Reduced chi-square once so much of the misfit is taken off; what the scatter leaves, 1, is none"""
-    return 1 + (1 - share) * (start.fitted.compared.reduced_chi2 - 1)
+    """Mean squared misfit once so much of the misfit is taken off; what the scatter leaves, 1, is none"""
+    return 1 + (1 - share) * (start.fitted.compared.mean_squared_misfit - 1)
 
 
 def _comes_close(one: Refit, best: Refit, start: Baseline, criteria: Criteria) -> bool:
-    return one.reduced_chi2 < criteria.close * best.reduced_chi2 or nearly(one, best, start, criteria)
+    return one.mean_squared_misfit < criteria.close * best.mean_squared_misfit or nearly(one, best, start, criteria)
 
 
 def _unless_explained(

@@ -67,9 +67,9 @@ def test_a_fit_that_leaves_a_misfit_of_its_mesh_explains_the_data_once_that_is_k
     again = with_own_numerics(found.fitted, start, FULL)
     # what the right model leaves: sensors, and the interpolation between points of a single contact's branch
     right = replace(start.fitted, parametrisation=replace(start.fitted.parametrisation, base=FINE))
-    least = refit(right, plan, (SPRING,), starts, Criteria(), full=True).reduced_chi2
-    assert found.reduced_chi2 > 20 * least
-    assert again.compared.reduced_chi2 < 2 * least  # what the mesh changes was found where the first fit ended
+    least = refit(right, plan, (SPRING,), starts, Criteria(), full=True).mean_squared_misfit
+    assert found.mean_squared_misfit > 20 * least
+    assert again.compared.mean_squared_misfit < 2 * least  # what the mesh changes was found where the first fit ended
     assert again.parametrisation.values(again.u)["spring"]["size"] == pytest.approx(1.0, rel=0.1)
 
 

@@ -70,7 +70,7 @@ def test_only_the_highest_level_of_each_mode_is_looked_at(start):
 
 def test_a_misfit_does_not_go_into_the_scatter(start):
     """Sizes went to the ends of their range, 2.7 times their guess up or down, while a misfit counted as scatter."""
-    assert start.fitted.compared.reduced_chi2 > 1000
+    assert start.fitted.compared.mean_squared_misfit > 1000
     guess = Scatter({n.name: n.scatter for n in NUISANCES}).as_numbers()
     for name, deviation in start.fitted.compared.scatter.as_numbers().items():
         assert 0.5 < deviation / guess[name] < 2, name

@@ -75,7 +75,7 @@ def test_one_level_is_held_out_and_the_hidden_spring_is_named_with_its_size():
 def test_a_gross_misfit_leads_neither_the_calibration_nor_the_search_astray():
     """A spring ten times as stiff: numerical error must not be taken to its limits to lessen it a little."""
     gross = start(3e4)
-    assert gross.fitted.compared.reduced_chi2 > 30
+    assert gross.fitted.compared.mean_squared_misfit > 30
     numerics = gross.fitted.u[gross.fitted.parametrisation.n_of_model :]
     assert np.max(np.abs(numerics)) < 1
     result = found(3e4, (DASHPOT, SPRING, WEAKER))
@@ -139,4 +139,4 @@ def test_pairs_are_given_the_numerical_error_of_the_model_with_both_effects(monk
     assert asked == [((DASHPOT,), (("spring",),))]
     assert names == ("dashpot", "spring") == pair.trial.effects
     assert pair.trial.held_out == 0.5
-    assert pair.refit.reduced_chi2 < singles[("dashpot",)].refit.reduced_chi2
+    assert pair.refit.mean_squared_misfit < singles[("dashpot",)].refit.mean_squared_misfit
