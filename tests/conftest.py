@@ -19,7 +19,41 @@ compilation_cache.LEAST_SECONDS = 0.1  # many small laws, each in several proces
 
 @pytest.fixture(scope="session", autouse=True)
 def _compiled_laws_are_kept() -> None:
-    compilation_cache.keep_compiled()
+    """By this process and by those that tests start, whether these ask for it or not."""
+    folder = compilation_cache.keep_compiled()
+    if folder is not None:
+        os.environ["JAX_COMPILATION_CACHE_DIR"] = str(folder)
+        os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = str(compilation_cache.LEAST_SECONDS)
+
+
+# Each file goes to one process (--dist loadfile), so that what its tests share is made once. These are begun with, or
+# one process would be busy with them alone in the end; by processor time, longest first.
+LONGEST = (
+    "workflow/test_diagnose_brake_reuss.py",
+    "diagnosis/selection/test_search.py",
+    "hbm/test_rig_time_integration.py",
+    "hbm/analysis/test_stability.py",
+    "diagnosis/candidate_models/test_refit.py",
+    "workflow/test_diagnose.py",
+    "hbm/analysis/test_accuracy.py",
+    "commands/test_pipeline.py",
+    "hbm/contact/test_jenkins_box.py",
+    "workflow/test_diagnose_stated.py",
+    "diagnosis/candidate_models/test_other_sizes.py",
+    "comparison/fit/test_fit.py",
+    "comparison/test_modal_comparison.py",
+    "hbm/analysis/test_sensitivity.py",
+    "hbm/contact/test_modified_laws.py",
+    "examples/test_hidden_effect.py",
+    "report/test_in_browser.py",
+)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    place = {Path(__file__).parent / name: i for i, name in enumerate(LONGEST)}
+    if missing := [path for path in place if not path.is_file()]:
+        raise pytest.UsageError(f"tests/conftest.py: LONGEST has files that are not there: {missing}")
+    items.sort(key=lambda item: place.get(item.path, len(LONGEST)))
 
 
 @pytest.fixture(scope="session")
