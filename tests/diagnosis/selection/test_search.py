@@ -50,7 +50,7 @@ def start(stiffness):
     """Calibrated to data with a spring hidden in them; once for all tests."""
     model = small_model()
     truth = Parametrisation(SPRING.apply(model, {"k": stiffness}) if stiffness else model, NUISANCES)
-    plan, _ = synthetic_plan(truth, np.zeros(4), tuple(condition(f) for f in LEVELS), SCATTER, seed=3)
+    plan, _ = synthetic_plan(truth, np.zeros(4), tuple(condition(f) for f in LEVELS), SCATTER, seed=3, repeats=2)
     return baseline(model, (), plan, {})
 
 
