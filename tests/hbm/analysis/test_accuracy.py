@@ -51,11 +51,11 @@ def at_phase(curve, point: str, phase: float) -> float:
 
 
 def test_estimate_against_a_converged_reference_with_separation():
-    """Harmonics 0-3 and 128 samples at 40 N, against 0-9 and 512 samples."""
+    """Harmonics 0-3 and 128 samples at 40 N, against 0-9 and 256 samples (more change the peak by less than 0.01 %)."""
     system = blades_and_damper_system(JenkinsBox(2))
     request = friction_request(system)
     curve = last(system, request)
-    converged = last(with_setting(system, Setting(tuple(range(10)), 512, 2)), request)
+    converged = last(with_setting(system, Setting(tuple(range(10)), 256, 2)), request)
     estimate = estimate_error(system, request, curve)
     error = 100 * (converged.peak("tip")[1] / curve.peak("tip")[1] - 1)
     assert error < -2

@@ -52,7 +52,7 @@ def forces_alone(law, motion, samples):
 
 def test_error_falls_with_the_square_of_the_step_and_that_of_samples_alone_with_the_step(motions):
     exact = forces_alone(SampledJenkinsBox(2), motions[0], 2**16)
-    steps = np.array([64, 128, 256, 512, 1024])
+    steps = np.array([64, 256, 1024])
     orders, errors = [], []
     for law in (JenkinsBox(2), SampledJenkinsBox(2)):
         error = [np.sqrt(np.mean((forces_alone(law, motions[0], n) - exact) ** 2)) for n in steps]

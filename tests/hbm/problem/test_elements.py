@@ -13,8 +13,8 @@ from updamp.hbm.problem.elements import ElementGroup, element_forces, force_only
 
 @pytest.mark.parametrize(
     ("law", "highest"),
-    [(CoulombCircle(), 27), (CoulombCircle(), 28), (JenkinsBox(2), 41), (JenkinsBox(2), 42)],
-    ids=["circle 0-27", "circle 0-28", "box 0-41", "box 0-42"],
+    [(CoulombCircle(), 27), (CoulombCircle(), 28), (JenkinsBox(2), 42)],
+    ids=["circle 0-27", "circle 0-28", "box 0-42"],
 )
 def test_slipping_elements_have_forces_and_tangents_however_many_the_harmonics(law: ContactLaw, highest: int) -> None:
     """Two elements that slip: forces as without tangents, and tangents as the difference of forces."""
