@@ -5,6 +5,8 @@ from typing import ClassVar, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
 
 
 class CubicParameters(NamedTuple):
@@ -24,6 +26,12 @@ class CubicSpring:
 
     def reference_stiffness(self, parameters: CubicParameters) -> jax.Array:
         return jnp.zeros(1)
+
+    def surely_sticks(
+        self, displacement: NDArray[np.float64], parameters: CubicParameters, overshoot: float
+    ) -> NDArray[np.bool_]:
+        """Where its coefficient is 0 it is its reference spring, which has no stiffness, however it moves."""
+        return np.asarray(parameters.coefficient == 0)
 
 
 class UnilateralParameters(NamedTuple):
