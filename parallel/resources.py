@@ -91,7 +91,9 @@ def thread_limits(threads: int) -> Mapping[str, str]:
     names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "PJRT_NPROC")
     values = {name: str(threads) for name in names}
     if threads == 1:
-        values["XLA_FLAGS"] = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
+        flags = os.environ.get("XLA_FLAGS", "").split()
+        wanted = ("--xla_cpu_multi_thread_eigen=false", "intra_op_parallelism_threads=1")
+        values["XLA_FLAGS"] = " ".join([*flags, *(flag for flag in wanted if flag not in flags)])
         values["JAX_CPU_ENABLE_ASYNC_DISPATCH"] = "0"
     return values
 
