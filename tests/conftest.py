@@ -12,6 +12,11 @@ _QUICK = "--xla_cpu_use_fusion_emitters=false"
 if _QUICK not in os.environ.get("XLA_FLAGS", ""):
     os.environ["XLA_FLAGS"] = f"{os.environ.get('XLA_FLAGS', '')} {_QUICK}".strip()
 
+from updamp.parallel.resources import thread_limits  # noqa: E402
+
+# As the processes that updamp starts: what one of them has compiled, the others find.
+os.environ.update(thread_limits(1))
+
 from updamp.hbm import compilation_cache  # noqa: E402
 
 compilation_cache.LEAST_SECONDS = 0.1  # many small laws, each in several processes
