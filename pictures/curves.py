@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from updamp.comparison.comparison import CurvePair
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.resonance.resonance_curve import ResonanceCurve
+from updamp.pictures.response import hatch_gaps
 from updamp.pictures.style import BLUE, GREY, VERMILLION, NotebookFigure, notebook_figure, shades
 
 MM = 1e3  # m/N to mm/N
@@ -24,8 +25,8 @@ def receptance_figure(drawn: Sequence[tuple[ResponseCurve, str]]) -> NotebookFig
             label = f"{curve.mode}, {curve.force:g} N, {point}"
             amplitude.plot(curve.frequency, MM * np.abs(receptance), color=colour, label=label)
             phase.plot(curve.frequency, _degrees(receptance), color=colour)
-            if curve.stopped and len(curve):
-                amplitude.plot(curve.frequency[-1], MM * abs(receptance[-1]), "x", color=colour, markersize=8)
+            if len(curve) and not curve.complete:
+                hatch_gaps(amplitude, curve, colour)
         amplitude.set_ylim(bottom=0)
         amplitude.set_ylabel("receptance, first harmonic [mm/N]")
         phase.set_ylabel("phase against the force [deg]")

@@ -1,18 +1,22 @@
 """Frequency responses in mm/N: the whole branch, and what sweeps would see of it."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.continuation.sweeps import sweep
 from updamp.pictures.style import GREY, INK, figure, shades
 
 MM = 1e3  # m/N to mm/N
+HATCH = "////"  # of what was not followed
 
 
 def frequency_responses(path: Path, mode: str, curves: Sequence[ResponseCurve], point: str) -> None:
@@ -31,16 +35,23 @@ def frequency_responses(path: Path, mode: str, curves: Sequence[ResponseCurve], 
         linear.set_ylabel("receptance, first harmonic [mm/N]")
         linear.set_title(f"{mode} at {point}")
         logarithmic.set_title("the same, logarithmic")
-        handles = [
+        handles: list[Artist] = [
             Line2D([], [], color=colour, label=f"{curve.force:g} N")
             for curve, colour in zip(curves, shades(len(curves)), strict=True)
         ]
         drawing.legend(handles=handles + _key_of_marks(curves), loc="outside lower center", ncols=len(handles) + 3)
 
 
+def hatch_gaps(ax: Axes, curve: ResponseCurve, colour: Any) -> None:
+    """Hatched: frequencies between which the branch of an incomplete curve was not followed, or where it ends."""
+    for one, other in (*curve.gaps(), (curve.frequency[-1],) * 2):
+        ax.axvspan(min(one, other), max(one, other), facecolor="none", edgecolor=colour, hatch=HATCH, linewidth=1.0)
+
+
 def _branch(ax: Axes, curve: ResponseCurve, point: str, colour: Any) -> None:
     size = MM * np.abs(curve.receptance(point))
-    ax.plot(curve.frequency, size, color=colour)
+    for start, end in pairwise([0, *np.flatnonzero(curve.after_gap), len(curve)]):
+        ax.plot(curve.frequency[start:end], size[start:end], color=colour)
     frequency, peak = curve.peak(point)
     ax.plot(frequency, MM * peak, "o", color=colour, markeredgecolor="white", markersize=6)
     for upwards, marker in ((True, ">"), (False, "<")):
@@ -50,16 +61,17 @@ def _branch(ax: Axes, curve: ResponseCurve, point: str, colour: Any) -> None:
             at = curve.frequency[start]
             ax.plot([at, at], [size[start], size[end]], ":", color=colour, linewidth=1.1)
             ax.plot(at, size[start], marker, color=colour, markeredgecolor=INK, markeredgewidth=0.6, markersize=7)
-    if curve.stopped:
-        ax.plot(curve.frequency[-1], size[-1], "x", color=colour, markersize=8, markeredgewidth=2)
+    if not curve.complete:
+        hatch_gaps(ax, curve, colour)
 
 
-def _key_of_marks(curves: Sequence[ResponseCurve]) -> list[Line2D]:
+def _key_of_marks(curves: Sequence[ResponseCurve]) -> list[Artist]:
     marks = [("o", "peak")]
     if any(len(sweep(curve.frequency, True).jumps) for curve in curves):
         marks.append((">", "jump, sweep up"))
     if any(len(sweep(curve.frequency, False).jumps) for curve in curves):
         marks.append(("<", "jump, sweep down"))
-    if any(curve.stopped for curve in curves):
-        marks.append(("x", "branch stopped"))
-    return [Line2D([], [], marker=mark, linestyle="", color=GREY, label=label) for mark, label in marks]
+    key: list[Artist] = [Line2D([], [], marker=mark, linestyle="", color=GREY, label=label) for mark, label in marks]
+    if not all(curve.complete for curve in curves):
+        key.append(Patch(facecolor="none", edgecolor=GREY, hatch=HATCH, label="not followed"))
+    return key

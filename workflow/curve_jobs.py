@@ -21,6 +21,7 @@ import numpy as np
 
 from updamp.fem.reduced_model import ReducedModel
 from updamp.fem.static_contact.rest_state import StaticContact
+from updamp.hbm.compilation_cache import keep_compiled
 from updamp.hbm.continuation.curve import CurveRequest, trace
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.problem.system import NonlinearSystem
@@ -212,6 +213,7 @@ _stop: Any = None
 def _start_worker(messages: Any, stop: Any) -> None:
     """An interruption from the keyboard reaches the workers too; the parent asks them to stop."""
     global _messages, _stop
+    keep_compiled()
     messages.cancel_join_thread()  # progress that nobody reads any more must not hold up the end
     _messages, _stop = messages, stop
     signal.signal(signal.SIGINT, signal.SIG_IGN)

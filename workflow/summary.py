@@ -14,6 +14,7 @@ from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.geometry.rig_mesh import RigMesh
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.continuation.sweeps import sweep
+from updamp.hbm.resonance.quadrature import quadrature_resonances
 
 CSV_POINTS = ("tip.", "corner_")  # what is written of a curve: the places the lasers look at
 
@@ -68,6 +69,7 @@ def curve_entry(curve: ResponseCurve, point: str) -> dict[str, Any]:
         "unconverged": curve.unconverged,
         "seconds": round(curve.seconds, 2),
         "response_point": point,
+        "complete": curve.complete,
         "problem": problem(curve),
     }
     return {**entry, **_solved(curve, point)} if len(curve) else entry
@@ -79,6 +81,10 @@ def _solved(curve: ResponseCurve, point: str) -> dict[str, Any]:
     return {
         "peak_receptance_mm_per_N": 1e3 * peak,
         "peak_frequency_Hz": frequency,
+        "resonances": [
+            {"frequency_Hz": r.frequency, "receptance_mm_per_N": 1e3 * r.receptance}
+            for r in quadrature_resonances(curve, point)
+        ],
         "gaps_Hz": curve.gaps().tolist(),
         "largest_residual": float(curve.error.max()),
         "energy_balance_error": energy_balance_error(curve),
@@ -89,16 +95,8 @@ def _solved(curve: ResponseCurve, point: str) -> dict[str, Any]:
 
 
 def problem(curve: ResponseCurve) -> str:
-    """Why the curve is not the whole branch through its window; "" where it is."""
-    if curve.stopped or not len(curve):
-        return curve.stopped or "the branch has no point"
-    first, last = curve.frequency[0], curve.frequency[-1]
-    if abs(last - first) < np.ptp(curve.frequency) / 2:
-        return (
-            f"the branch turned back and left the window where it had entered, at {last:.4f} Hz: "
-            "take smaller steps, or start from the other end"
-        )
-    return ""
+    """Why the curve is not the whole branch through its window; "" where it is (hbm/continuation/completeness.py)."""
+    return curve.stopped or ("" if len(curve) else "the branch has no point")
 
 
 def energy_balance_error(curve: ResponseCurve) -> float:
@@ -107,8 +105,8 @@ def energy_balance_error(curve: ResponseCurve) -> float:
 
 
 def jumps(curve: ResponseCurve, upwards: bool) -> list[float]:
-    """Frequencies at which a slow sweep jumps [Hz]; none are known of a branch that did not cross it."""
-    return sweep(curve.frequency, upwards).jumps.tolist() if curve.complete and not problem(curve) else []
+    """Frequencies at which a slow sweep jumps [Hz]; none are known of a branch that was not followed throughout."""
+    return sweep(curve.frequency, upwards).jumps.tolist() if curve.complete else []
 
 
 def union_length(intervals: Sequence[tuple[float, float]]) -> float:

@@ -1,6 +1,7 @@
 """A solved point of a branch, with its direction."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,6 +71,15 @@ def point_at(
     if metric.product((dx, dw), direction) < 0:
         length = -length
     return BranchPoint(solution.x, solution.w, dx / length, dw / length, metric, step, after_gap, solution)
+
+
+def other_way_round(points: Sequence[BranchPoint]) -> list[BranchPoint]:
+    """The same points in the opposite direction."""
+    steps = [(0.0, False), *((point.step, point.after_gap) for point in reversed(points[1:]))]
+    return [
+        replace(point, tangent_x=-point.tangent_x, tangent_w=-point.tangent_w, step=step, after_gap=gap)
+        for point, (step, gap) in zip(reversed(points), steps, strict=True)
+    ]
 
 
 def point_after(last: BranchPoint, solution: Solution, excitation: Forcing) -> BranchPoint:

@@ -1,10 +1,10 @@
 """Pseudo-arclength continuation of a response branch in frequency, as an iterator over solved points."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from updamp.hbm.continuation.branch import BranchPoint, point_at
+from updamp.hbm.continuation.branch import BranchPoint, other_way_round, point_at
 from updamp.hbm.continuation.first_point import first_point
 from updamp.hbm.continuation.predictor_corrector import BranchStoppedError, ContinuationOptions, PredictorCorrector
 from updamp.hbm.continuation.retracing import TracedBranch
@@ -30,11 +30,10 @@ def continue_branch(
     options = options or ContinuationOptions()
     stepper = PredictorCorrector(system, excitation, options, options.scale_w(window))
     low, high = (2 * np.pi * f for f in window)
-    traced = TracedBranch.through(list(resume_from) or _first_points(stepper, excitation, low, high, upwards))
-    handed_out = len(resume_from)
-    if not handed_out:
-        yield from traced.points[-2:]
-        handed_out += len(traced.points[-2:])
+    points = list(resume_from) or _first_points(stepper, excitation, low, high, upwards)
+    traced = TracedBranch.through(points)
+    yield from points[len(resume_from) :]
+    handed_out = len(points)
     step = max(traced.last.step, options.first_step) if len(traced.points) > 1 else options.first_step
     while handed_out < options.max_points:
         points, step = stepper.next_points(traced, min(step, options.largest_step))
@@ -48,9 +47,8 @@ def continue_branch(
 def _first_points(
     stepper: PredictorCorrector, excitation: Excitation, low: float, high: float, upwards: bool
 ) -> Sequence[BranchPoint]:
-    """Points up to the first one in the window [rad/s]: that at its end, one a little inside, or those of a branch that
-    begins outside and leads in. Off resonance the contacts bear less, and a first point is found where it is not at the
-    end.
+    """Points from the window's end [rad/s] on: one at it, or those of a branch that begins outside and leads in, or
+    inside and leads out. Off resonance the contacts bear less, and a first point is found where it is not at the end.
 
     raises: BranchStoppedError that says what stopped the attempt at the end itself
     """
@@ -60,26 +58,36 @@ def _first_points(
         w = end - sign * share * (high - low)
         try:
             solution = first_point(stepper.system, excitation, w, stepper.options.persistent)
-            start = point_at(solution, excitation, stepper.scale_w, (0 * solution.x, sign), 0.0)
-            if share <= 0:
-                return [start]
-            if inside := _continued_into(stepper, start, low, high):
-                return inside
         except BranchStoppedError as stop:
             stopped = stopped or stop
+            continue
+        inwards = share > 0
+        start = point_at(solution, excitation, stepper.scale_w, (0 * solution.x, sign if inwards else -sign), 0.0)
+        if inwards:
+            if led := _until(stepper, start, lambda w: low <= w <= high):
+                return led[-2:]
+        else:
+            led = _until(stepper, start, lambda w: not low < w < high) if share else [start]
+            return other_way_round(led or [start])
     assert stopped is not None, "the attempt at the end has returned or stopped"
     raise stopped
 
 
-def _continued_into(stepper: PredictorCorrector, start: BranchPoint, low: float, high: float) -> Sequence[BranchPoint]:
-    """From `start` into the window; none where the branch turns away from it."""
-    traced, step = TracedBranch.through([start]), stepper.options.first_step
-    away = max(low - start.w, start.w - high)
+def _until(
+    stepper: PredictorCorrector,
+    start: BranchPoint,
+    there: Callable[[float], bool],
+) -> Sequence[BranchPoint]:
+    """From `start` on until `there` is true of the angular frequency; none where the branch stops or turns away."""
+    traced, step, points = TracedBranch.through([start]), stepper.options.first_step, [start]
     for _ in range(stepper.options.max_points):
-        points, step = stepper.next_points(traced, min(step, stepper.options.largest_step))
-        traced, last = traced.extended(points), points[-1]
-        if low <= last.w <= high:
-            return traced.points
-        if max(low - last.w, last.w - high) > away:
-            break
+        try:
+            found, step = stepper.next_points(traced, min(step, stepper.options.largest_step))
+        except BranchStoppedError:
+            return []
+        traced, points = traced.extended(found), [*points, *found]
+        if there(points[-1].w):
+            return points
+        if (points[-1].w - start.w) * start.tangent_w < 0:
+            return []
     return []

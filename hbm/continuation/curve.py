@@ -1,20 +1,27 @@
-"""Trace a response curve: continuation, with what is to be kept of every point."""
+"""Trace a response curve: continuation, with what is to be kept of every point.
+
+Most curves are one segment, from one end of the window to the other. Where that one stops, or winds for long, the
+curve is traced from the other end too, until the two meet; where they do not, from further starts between their ends,
+in both directions (hbm/continuation/pieces.py).
+"""
 
 import time
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from updamp.hbm.continuation.branch import BranchPoint, branch_point
+from updamp.hbm.continuation.completeness import shortcoming
 from updamp.hbm.continuation.continuation import continue_branch
-from updamp.hbm.continuation.curve_records import CurveRequest, Records
+from updamp.hbm.continuation.curve_records import CurveRequest, Records, put_together
+from updamp.hbm.continuation.pieces import Pieces
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.continuation.segment import BranchSegment
-from updamp.hbm.continuation.two_ends import from_both_ends
+from updamp.hbm.continuation.starts import starts
 from updamp.hbm.problem.system import NonlinearSystem
 
 __all__ = ["CurveRequest", "trace"]
-
 
 # So many points are traced from one end alone, as many as most curves have; then from both in turn. A branch that goes
 # on as it should costs no more that way; one that was lost at a kink is met from the other end.
@@ -35,13 +42,57 @@ def trace(
         return
     earlier = resume_from if resume_from is not None and len(resume_from) >= 2 else None
     first = _segment(system, request, request.upwards, started, earlier)
+    pieces = Pieces(first, _segment(system, request, not request.upwards, started))
     while first.active and len(first.records) < _FROM_ONE_END:
-        if first.next_point() is not None:
-            yield first.curve()
-    if first.crossed_window:
-        yield first.curve()
-        return
-    yield from from_both_ends(system, request, first, _segment(system, request, not request.upwards, started))
+        if pieces.advance(first):
+            yield first.records.curve()
+    yield from _from_both_ends(request, pieces)
+    yield from _from_further_starts(system, request, pieces, started)
+    yield _finished(request, pieces)
+
+
+def _from_both_ends(request: CurveRequest, pieces: Pieces) -> Iterator[ResponseCurve]:
+    """Both segments in turn, until they meet or have ended, or for long after they have covered the window."""
+    both, left = (pieces.first, pieces.second), request.connecting
+    while not pieces.connected and left > 0 and any(segment.active for segment in both):
+        for segment in both:
+            if segment.active and not pieces.connected:
+                if not pieces.advance(segment):
+                    continue
+                # points up to where a segment turns back are not counted: that is as far as a sweep goes
+                left -= segment.last is not segment.furthest and _covered(pieces)
+                yield pieces.first.records.curve()
+
+
+def _covered(pieces: Pieces) -> bool:
+    """Whether the segments from both ends have passed each other in frequency."""
+    first, second = pieces.first.furthest, pieces.second.furthest
+    return first is not None and second is not None and pieces.first.sign * (first.w - second.w) >= 0
+
+
+def _from_further_starts(
+    system: NonlinearSystem, request: CurveRequest, pieces: Pieces, started: float
+) -> Iterator[ResponseCurve]:
+    """Segments from starts between the open ends, in both directions, until the ends of the window are connected."""
+    for _ in range(request.most_starts):
+        ends = [end.traced for end in pieces.open_ends() if end.traced is not None]
+        start = next((point for point in starts(system, request, ends) if not pieces.knows(point)), None)
+        if start is None:
+            return
+        pair = [_segment_from(system, request, start, upwards, started) for upwards in (True, False)]
+        pieces.add(*pair)
+        for _ in range(request.connecting):
+            for segment in pair:
+                if segment.active and not pieces.connected and pieces.advance(segment):
+                    yield pieces.first.records.curve()
+
+
+def _finished(request: CurveRequest, pieces: Pieces) -> ResponseCurve:
+    parts = pieces.parts()
+    curve = put_together([(part.segment.records, part.backwards, part.gap) for part in parts])
+    why = shortcoming(curve, request.window, request.limits)
+    ends = "; ".join(f"at {s.last.frequency:.2f} Hz: {s.ended_by}" for s in pieces.open_ends() if s.last is not None)
+    return replace(curve, complete=not why, stopped=f"{why}. {ends}" if why else "")
 
 
 def _segment(
@@ -49,8 +100,30 @@ def _segment(
 ) -> BranchSegment:
     """From the lower end of the window (upwards) or the upper one; earlier: what there is of it"""
     resumed = _last_points(system, request, earlier) if earlier is not None else ()
-    points = continue_branch(system, request.excitation, request.window, request.options, upwards, resumed)
+    points = _followed(system, request, upwards, resumed)
     return BranchSegment(Records(system, request, started, earlier), 1.0 if upwards else -1.0, points, resumed)
+
+
+def _segment_from(
+    system: NonlinearSystem, request: CurveRequest, start: BranchPoint, upwards: bool, started: float
+) -> BranchSegment:
+    """From a start that the segment upwards records, and the other one does not."""
+    sign = 1.0 if upwards else -1.0
+    if np.sign(start.tangent_w) != sign:
+        start = replace(start, tangent_x=-start.tangent_x, tangent_w=-start.tangent_w)
+    points = _followed(system, request, upwards, [start])
+    records = Records(system, request, started)
+    if upwards:
+        records.add(replace(start, after_gap=False))
+    return BranchSegment(records, sign, points, [start])
+
+
+def _followed(
+    system: NonlinearSystem, request: CurveRequest, upwards: bool, resumed: Sequence[BranchPoint]
+) -> Iterator[BranchPoint]:
+    """Without jumps: where the branch cannot be followed, other segments lead on."""
+    options = replace(request.options, jumps=())
+    return continue_branch(system, request.excitation, request.window, options, upwards, resumed)
 
 
 def _last_points(system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve) -> Sequence[BranchPoint]:

@@ -1,12 +1,14 @@
 """What is kept of every point of a curve while it is traced."""
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from updamp.hbm.continuation.branch import BranchPoint
+from updamp.hbm.continuation.completeness import CompletenessLimits
 from updamp.hbm.continuation.continuation import ContinuationOptions
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.newton import observe
@@ -19,8 +21,9 @@ class CurveRequest:
 
     mode: its name in the study; upwards: start at the lower end of the window
     connecting: where a curve is traced from both ends and its segments cover the window, so many points more are spent,
-        from where they turn back, on what connects them. It may be long: a hysteresis with many contacts that change
-        their states on the way between its folds
+        from where they turn back, on what connects them, and as many on each further start. It may be long: a
+        hysteresis with many contacts that change their states on the way between its folds
+    limits: of the gaps in a complete curve; most_starts: of segments, where those from both ends do not meet
     """
 
     mode: str
@@ -30,6 +33,8 @@ class CurveRequest:
     upwards: bool = True
     options: ContinuationOptions = field(default_factory=ContinuationOptions)
     connecting: int = 150
+    most_starts: int = 12
+    limits: CompletenessLimits = field(default_factory=CompletenessLimits)
 
 
 class Records:
@@ -74,17 +79,6 @@ class Records:
         for values in self.columns.values():
             del values[length:]
 
-    def joined(self, second: "Records", complete: bool, stopped: str = "", gap: bool = True) -> ResponseCurve:
-        """This segment, and after it the second one the other way round; gap: whether one lies between them."""
-        if not second.columns["after_gap"]:
-            return self.curve(complete, stopped)
-        # A gap of the second segment comes before the point that follows it in its own direction.
-        second.columns["after_gap"] = [gap and bool(self.columns["after_gap"]), *second.columns["after_gap"][1:]]
-        gaps = np.roll(second.columns["after_gap"], -1)
-        for name in COLUMNS:
-            self.columns[name].extend(reversed(second.columns[name]) if name != "after_gap" else gaps[::-1])
-        return self.curve(complete, stopped)
-
     def curve(self, complete: bool = False, stopped: str = "") -> ResponseCurve:
         before = self.earlier.seconds if self.earlier is not None else 0.0
         columns = {name: np.array(values) for name, values in self.columns.items()}
@@ -95,6 +89,19 @@ class Records:
             stopped=stopped,
             seconds=before + time.perf_counter() - self.started,
         )
+
+
+def put_together(parts: Sequence[tuple[Records, bool, bool]]) -> ResponseCurve:
+    """One curve of several records: (records, whether the other way round, whether a gap lies before them)."""
+    first = parts[0][0]
+    whole = Records(first.system, first.request, first.started)
+    for records, backwards, gap in parts:
+        way = slice(None, None, -1 if backwards else 1)
+        # a gap comes before the point that follows it, in the other direction before the one that it follows
+        columns = {**records.columns, "after_gap": [gap and len(whole) > 0, *records.columns["after_gap"][1:][way]]}
+        for name, values in columns.items():
+            whole.columns[name].extend(values if name == "after_gap" else values[way])
+    return whole.curve()
 
 
 COLUMNS = (

@@ -2,8 +2,8 @@
 
 Pseudo-arclength continuation (Keller 1977): a step along the tangent, bent by the tangent's last change, then Newton's
 method on the plane across it. A corrector that fails shortens the step. Where no shorter step helps, the recoveries
-follow in turn: a supported tangent of the mean position, branch switching at a kink, a point a little ahead, branch
-switching with the orientation reversed, a jump.
+follow in turn: a supported tangent of the mean position, branch switching at a kink, a point a little ahead, one a
+little further in phase, branch switching with the orientation reversed, a jump.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -32,6 +32,7 @@ class ContinuationOptions:
     first_step, smallest_step, largest_step: the corrector's failures shorten the step down to the smallest
     skips, jumps: where no smaller step helps and branch switching does not, points so far ahead are tried, no nearer
         than the smallest step
+    phase_steps: likewise, of a step in phase [rad]
     supports, supported_steps: before that, steps with so much of the contacts' stiffness kept in Newton's tangent of
         the mean position (`NewtonOptions.support`)
     wanted_iterations: steps grow where Newton needs fewer and shrink where it needs more
@@ -48,6 +49,7 @@ class ContinuationOptions:
     smallest_step: float = 1e-4
     largest_step: float = 0.2
     skips: tuple[float, ...] = (3e-4, 1e-3, 3e-3, 0.01)
+    phase_steps: tuple[float, ...] = (1e-3, 3e-3, 0.01)
     supports: tuple[float, ...] = (0.0, 1e-5, 1e-3)
     supported_steps: tuple[float, ...] = (0.01, 1e-3, 1e-4)
     jumps: tuple[float, ...] = (0.03, 0.1, 0.2, 0.4)
@@ -131,6 +133,7 @@ class PredictorCorrector:
             self._step_with_support,
             self._switch_branch,
             self._skip_ahead,
+            self._step_in_phase,
             self._switch_branch_reversed,
             self._jump,
         ):
@@ -210,6 +213,27 @@ class PredictorCorrector:
         lengths = self.options.no_shorter(self.options.skips)
         point = point_beyond_gap(self.system, self.excitation, traced, lengths, self.options.newton)
         return [point] if point is not None and point.orientation == traced.last.orientation else []
+
+    def _step_in_phase(self, traced: TracedBranch) -> Sequence[BranchPoint]:
+        """A point whose vibration is a little further in phase, at whatever frequency: at resonance the phase goes on
+        evenly where the frequency turns round in kinks that lie too close to each other for their far sides to be told
+        apart.
+        """
+        last, harmonics = traced.last, self.system.harmonics
+        shift = harmonics.phase_derivative(last.x)
+        size = last.metric.length((shift, 0.0))
+        if not size:
+            return []
+        ahead = np.copysign(1 / size, last.metric.product((shift, 0.0), last.tangent))
+        for step in self.options.phase_steps:
+            plane = Arc(last.x + step * ahead * shift, last.w, (ahead * shift, 0.0), last.metric)
+            solution = solve(self.system, self.excitation, plane.x0, plane.w0, self.options.newton, plane)
+            if not solution.converged or lies_on_last_points(traced.points, solution):
+                continue
+            point = point_after(last, solution, self.excitation)
+            if step / 2 < point.step < 3 * step and not traced.contains(point):
+                return [point]
+        return []
 
     def _jump(self, traced: TracedBranch) -> Sequence[BranchPoint]:
         """The points beyond a jump: from where its far side begins to where the jump ended; none if none is found."""

@@ -206,19 +206,6 @@ def test_a_curve_that_stops_early_is_reported_and_the_run_ends_non_zero(finished
     assert [entry["unconverged"] for entry in summary["curves"]] == [0, 1]
 
 
-def test_a_branch_that_turns_back_is_no_complete_curve(finished, tmp_path):
-    rig, out, _ = finished
-    shutil.copytree(out, tmp_path / "out")
-    path = tmp_path / "out" / "stages" / "curve_IP_0.01N.h5"
-    curve, stamp = store.read(path, ResponseCurve), store.read_stamp(path)
-    middle = curve.frequency.mean()
-    folded = middle - np.abs(curve.frequency - middle)
-    store.write(path, replace(curve, frequency=folded), stamp)
-    result = run_command("run", rig, "--mesh", "small", "--out", tmp_path / "out", "--no-pictures")
-    assert result.exit_code == 1
-    assert "left the window where it had entered" in result.output
-
-
 def test_without_the_libraries_for_rendering_the_rest_is_made(finished, tmp_path, monkeypatch):
     rig, out, _ = finished
     shutil.copytree(out, tmp_path / "out")

@@ -120,7 +120,7 @@ def test_frequency_responses_with_folds_and_a_stopped_branch(tmp_path):
     response.frequency_responses(tmp_path / "frf.png", "IP", curves, "blade_right.tip.x")
     assert share(pixels(tmp_path / "frf.png"), "#FFFFFF") < 0.98
     labels = [mark.get_label() for mark in response._key_of_marks(curves)]
-    assert labels == ["peak", "jump, sweep up", "jump, sweep down", "branch stopped"]
+    assert labels == ["peak", "jump, sweep up", "jump, sweep down", "not followed"]
     assert [mark.get_label() for mark in response._key_of_marks(curves[:1])] == ["peak"]
 
 

@@ -160,7 +160,7 @@ def test_a_branch_that_stops_is_met_from_the_other_end(duffing, monkeypatch):
     *_, joined = trace(system, request)
     assert joined.complete
     assert not joined.stopped
-    assert np.flatnonzero(joined.after_gap).tolist() == [cut]
+    assert not joined.after_gap.any()
     assert len(turning_points(joined.frequency)) == 2
     assert joined.peak("mass") == pytest.approx(whole.peak("mass"), rel=1e-3)
     assert joined.frequency[0] == pytest.approx(whole.frequency[0])

@@ -1,0 +1,66 @@
+"""Whether a curve is the whole branch through its window: one definition for tables, pictures and files."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.hbm.continuation.response_curve import ResponseCurve
+
+Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class CompletenessLimits:
+    """What a gap may be at most, for a curve to count as complete.
+
+    window: width, as a share of the window
+    half_width: width, as a share of the resonance's half-width (half of the width at the height of 1 / sqrt(2))
+    change: of the response across it, relative. Across a tenth of its half-width a linear resonance changes by a tenth
+        at most: for 1 / (1 + i s), s in half-widths, |d ln H / ds| <= 1
+    """
+
+    window: float = 0.005
+    half_width: float = 0.1
+    change: float = 0.1
+
+
+def shortcoming(curve: ResponseCurve, window: tuple[float, float], limits: CompletenessLimits | None = None) -> str:
+    """Why the curve is not the whole branch through the window [Hz]; "" where it is."""
+    limits = limits or CompletenessLimits()
+    frequency, after_gap = curve.frequency, curve.after_gap
+    if len(frequency) < 2:
+        return "no branch was found"
+    (low, high), allowed = window, limits.window * (window[1] - window[0])
+    for end, reached in ((low, frequency.min()), (high, frequency.max())):
+        if abs(min(max(reached, low), high) - end) > allowed:
+            return f"the window from {low:.4g} to {high:.4g} Hz is covered to {reached:.2f} Hz only"
+    if abs(frequency[-1] - frequency[0]) < (high - low) / 2:
+        return f"the branch turned back and left the window where it had entered, at {frequency[-1]:.2f} Hz"
+    response = np.stack([curve.amplitude(point) for point in curve.points], axis=1)
+    width = half_width(frequency, np.abs(response[:, np.abs(response).max(axis=0).argmax()]))
+    for i in np.flatnonzero(after_gap):
+        apart = abs(frequency[i] - frequency[i - 1])
+        change = _change(response[i - 1], response[i])
+        if apart > allowed or apart > limits.half_width * width or change > limits.change:
+            return (
+                f"the branch was not followed between {frequency[i - 1]:.2f} and {frequency[i]:.2f} Hz, where the "
+                f"response changes by {change:.0%}"
+            )
+    return ""
+
+
+def half_width(frequency: Floats, size: Floats) -> float:
+    """Half of the width at the height of 1 / sqrt(2) about the largest value [Hz]; along the branch, so that a
+    peak that overhangs has the width of its wider side. Infinite where neither side comes down to that height."""
+    top = int(np.argmax(size))
+    below = np.flatnonzero(size < size[top] / np.sqrt(2))
+    sides = [*below[below < top][-1:], *below[below > top][:1]]
+    return float(np.max(np.abs(frequency[sides] - frequency[top]))) if sides else np.inf
+
+
+def _change(before: Complex, after: Complex) -> float:
+    """Of the first harmonics, relative to the larger."""
+    largest = max(np.linalg.norm(before), np.linalg.norm(after), np.finfo(float).tiny)
+    return float(np.linalg.norm(after - before) / largest)

@@ -1,0 +1,156 @@
+"""The pieces of a branch and where they meet.
+
+A branch is traced in segments: from both ends of the window, and from other starts in both directions. A segment whose
+points run along another one, towards that one's beginning, is the same branch: the two are joined there, and what the
+other traced beyond it is left out. Nothing else connects two points of a curve: where no segment leads from one to the
+other the curve has a gap.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from updamp.hbm.continuation.branch import BranchPoint
+from updamp.hbm.continuation.segment import BranchSegment
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A segment of a chain. backwards: whether the chain runs against it; gap: whether nothing leads to it from the
+    part before"""
+
+    segment: BranchSegment
+    backwards: bool = False
+    gap: bool = False
+
+    @property
+    def empty(self) -> bool:
+        return not len(self.segment.records)
+
+
+class Pieces:
+    """Segments and what joins them. It changes as they are traced.
+
+    first, second: from either end of the window
+    """
+
+    def __init__(self, first: BranchSegment, second: BranchSegment) -> None:
+        self.first, self.second = first, second
+        self.segments = [first, second]
+        self._other_way: dict[BranchSegment, BranchSegment] = {}  # from the same start
+        self._joint: dict[BranchSegment, BranchSegment] = {}  # the segment whose end this one's end is
+        self._along: dict[BranchSegment, tuple[BranchSegment, int]] = {}  # chord on which the last point lay
+
+    def add(self, up: BranchSegment, down: BranchSegment) -> None:
+        """Two segments from one start."""
+        self.segments += [up, down]
+        self._other_way |= {up: down, down: up}
+
+    def advance(self, moving: BranchSegment) -> bool:
+        """The next point of an active segment; where it has met another one, they are joined and both end.
+
+        returns: whether there was a further point
+        """
+        point = moving.next_point()
+        if point is None:
+            return False
+        met, before = self._segment_at(moving, point), self._along.pop(moving, None)
+        if met is not None:
+            self._along[moving] = met
+            # two points on chords of the other one, towards its beginning: one alone may only cross it
+            if before is not None and before[0] is met[0] and met[1] <= before[1]:
+                self._join(moving, met[0], before[1])
+        return True
+
+    def knows(self, point: BranchPoint) -> bool:
+        return any(segment.chord_at(point) is not None for segment in self.segments)
+
+    @property
+    def connected(self) -> bool:
+        """Whether one chain leads from one end of the window to the other."""
+        last = self._chain(self.first)[-1]
+        return last.segment is self.second or last.segment.left_at == self.first.sign
+
+    def open_ends(self) -> Sequence[BranchSegment]:
+        """The segments at which the chains from both ends of the window stop; none where they are one."""
+        if self.connected:
+            return ()
+        last = (self._chain(segment)[-1] for segment in (self.first, self.second))
+        return [part.segment for part in last if part.segment.last is not None]
+
+    def parts(self) -> Sequence[Part]:
+        """In the order of the curve, from the first segment's end of the window to the other one, with what was found
+        between the two chains where they are not one."""
+        forwards = self._chain(self.first)
+        if self.connected:
+            return _with_points(forwards)
+        backwards = self._chain(self.second)
+        known = {part.segment for part in (*forwards, *backwards)}
+        between = self._others(known)
+        returned = [Part(part.segment, not part.backwards) for part in reversed(backwards)]
+        chains = [forwards, *sorted(between, key=lambda c: self.first.sign * _middle(c)), returned]
+        return [part for chain in chains for part in _after_gap(_with_points(chain))]
+
+    def _segment_at(self, moving: BranchSegment, point: BranchPoint) -> tuple[BranchSegment, int] | None:
+        for other in self.segments:
+            if other is not moving and (chord := other.chord_at(point)) is not None:
+                return other, chord
+        return None
+
+    def _join(self, moving: BranchSegment, other: BranchSegment, chord: int) -> None:
+        closed = self._other_way.get(moving) is other
+        taken = other in self._joint and not (self._leads_to_window(moving) and not self.connected)
+        moving.end("it met what another segment had traced")
+        if closed or taken:
+            return
+        if (left := self._joint.pop(other, None)) is not None:
+            del self._joint[left]
+        other.cut_at(chord)
+        moving.records.cut(len(moving.records) - 2)
+        self._joint |= {moving: other, other: moving}
+
+    def _leads_to_window(self, segment: BranchSegment) -> bool:
+        """Whether the chain that a segment ends comes from an end of the window."""
+        while (start := self._other_way.get(segment)) is not None:
+            if start.left_at:
+                return True
+            if start not in self._joint:
+                return False
+            segment = self._joint[start]
+        return True
+
+    def _chain(self, start: BranchSegment) -> list[Part]:
+        """From a segment's beginning along all that is joined to it."""
+        parts, segment = [Part(start)], start
+        while (joined := self._joint.get(segment)) is not None:
+            parts.append(Part(joined, backwards=True))
+            if (onwards := self._other_way.get(joined)) is None:
+                break
+            parts.append(Part(onwards))
+            segment = onwards
+        return parts
+
+    def _others(self, known: set[BranchSegment]) -> Iterable[list[Part]]:
+        """Chains of segments that are not known, each once."""
+        for segment in self.segments:
+            if segment in known or segment in self._joint:
+                continue
+            chain = [Part(segment, backwards=True), *self._chain(self._other_way[segment])]
+            known |= {part.segment for part in chain}
+            ends = [part.segment.last.w for part in (chain[0], chain[-1]) if part.segment.last is not None]
+            if self.first.sign * (ends[-1] - ends[0]) < 0:
+                chain = [Part(part.segment, not part.backwards) for part in reversed(chain)]
+            yield chain
+
+
+def _with_points(chain: Sequence[Part]) -> Sequence[Part]:
+    return [part for part in chain if not part.empty]
+
+
+def _after_gap(chain: Sequence[Part]) -> Sequence[Part]:
+    return [Part(part.segment, part.backwards, gap=i == 0) for i, part in enumerate(chain)]
+
+
+def _middle(chain: Sequence[Part]) -> float:
+    """Of the frequencies of a chain's points [Hz]."""
+    frequency = [f for part in chain for f in part.segment.records.columns["frequency"]]
+    return (min(frequency) + max(frequency)) / 2
