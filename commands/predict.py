@@ -32,6 +32,13 @@ def run(
     ] = None,
     pictures: Annotated[bool, typer.Option(help="Whether to draw pictures.")] = True,
     check: Annotated[bool, typer.Option(help="Whether to compare the reduced with the full coupled model.")] = True,
+    accuracy: Annotated[
+        bool,
+        typer.Option(
+            "--accuracy",
+            help="Trace every curve again with more harmonics and state its error: two to four times as long.",
+        ),
+    ] = False,
     until: Annotated[str | None, typer.Option(help=f"Last stage: {', '.join(s.name for s in stages.STAGES)}.")] = None,
     debug: Debug = False,
 ) -> None:
@@ -56,6 +63,7 @@ def run(
                 forces=forces,
                 check=check,
                 pictures=pictures,
+                accuracy=accuracy,
                 until=last,
             )
             complete = _run(loaded, options, meter)

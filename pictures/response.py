@@ -10,6 +10,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from numpy.typing import NDArray
 
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.continuation.sweeps import sweep
@@ -19,8 +20,12 @@ MM = 1e3  # m/N to mm/N
 HATCH = "////"  # of what was not followed
 
 
-def frequency_responses(path: Path, mode: str, curves: Sequence[ResponseCurve], point: str) -> None:
-    """Receptance of the first harmonic at `point`, all force levels of a mode; jumps of an up sweep point up in
+def frequency_responses(
+    path: Path, mode: str, curves: Sequence[ResponseCurve], point: str, finer: Sequence[ResponseCurve] = ()
+) -> None:
+    """finer: the same curves with more harmonics, drawn thin.
+
+    Receptance of the first harmonic at `point`, all force levels of a mode; jumps of an up sweep point up in
     frequency, those of a down sweep down."""
     curves = sorted(curves, key=lambda curve: curve.force)
     with figure(path, 10.5, 4.8) as drawing:
@@ -29,6 +34,8 @@ def frequency_responses(path: Path, mode: str, curves: Sequence[ResponseCurve], 
         for ax in (linear, logarithmic):
             for curve, colour in zip(curves, shades(len(curves)), strict=True):
                 _branch(ax, curve, point, colour)
+                for other in (one for one in finer if one.force == curve.force):
+                    _line(ax, other, MM * np.abs(other.receptance(point)), colour, linewidth=0.6)
             ax.set_xlabel("frequency [Hz]")
             ax.margins(x=0)
         linear.set_ylim(bottom=0)
@@ -39,7 +46,9 @@ def frequency_responses(path: Path, mode: str, curves: Sequence[ResponseCurve], 
             Line2D([], [], color=colour, label=f"{curve.force:g} N")
             for curve, colour in zip(curves, shades(len(curves)), strict=True)
         ]
-        drawing.legend(handles=handles + _key_of_marks(curves), loc="outside lower center", ncols=len(handles) + 3)
+        drawing.legend(
+            handles=handles + _key_of_marks(curves, finer), loc="outside lower center", ncols=len(handles) + 3
+        )
 
 
 def hatch_gaps(ax: Axes, curve: ResponseCurve, colour: Any) -> None:
@@ -50,8 +59,7 @@ def hatch_gaps(ax: Axes, curve: ResponseCurve, colour: Any) -> None:
 
 def _branch(ax: Axes, curve: ResponseCurve, point: str, colour: Any) -> None:
     size = MM * np.abs(curve.receptance(point))
-    for start, end in pairwise([0, *np.flatnonzero(curve.after_gap), len(curve)]):
-        ax.plot(curve.frequency[start:end], size[start:end], color=colour)
+    _line(ax, curve, size, colour)
     frequency, peak = curve.peak(point)
     ax.plot(frequency, MM * peak, "o", color=colour, markeredgecolor="white", markersize=6)
     for upwards, marker in ((True, ">"), (False, "<")):
@@ -65,7 +73,13 @@ def _branch(ax: Axes, curve: ResponseCurve, point: str, colour: Any) -> None:
         hatch_gaps(ax, curve, colour)
 
 
-def _key_of_marks(curves: Sequence[ResponseCurve]) -> list[Artist]:
+def _line(ax: Axes, curve: ResponseCurve, size: NDArray[np.float64], colour: Any, **style: Any) -> None:
+    """Broken where the branch was not followed."""
+    for start, end in pairwise([0, *np.flatnonzero(curve.after_gap), len(curve)]):
+        ax.plot(curve.frequency[start:end], size[start:end], color=colour, **style)
+
+
+def _key_of_marks(curves: Sequence[ResponseCurve], finer: Sequence[ResponseCurve] = ()) -> list[Artist]:
     marks = [("o", "peak")]
     if any(len(sweep(curve.frequency, True).jumps) for curve in curves):
         marks.append((">", "jump, sweep up"))
@@ -74,4 +88,6 @@ def _key_of_marks(curves: Sequence[ResponseCurve]) -> list[Artist]:
     key: list[Artist] = [Line2D([], [], marker=mark, linestyle="", color=GREY, label=label) for mark, label in marks]
     if not all(curve.complete for curve in curves):
         key.append(Patch(facecolor="none", edgecolor=GREY, hatch=HATCH, label="not followed"))
+    if finer:
+        key.append(Line2D([], [], color=GREY, linewidth=0.6, label="more harmonics"))
     return key

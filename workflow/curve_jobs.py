@@ -21,6 +21,7 @@ import numpy as np
 
 from updamp.fem.reduced_model import ReducedModel
 from updamp.fem.static_contact.rest_state import StaticContact
+from updamp.hbm.analysis.settings import more_harmonics, setting_of, with_setting
 from updamp.hbm.compilation_cache import keep_compiled
 from updamp.hbm.continuation.curve import CurveRequest, trace
 from updamp.hbm.continuation.response_curve import ResponseCurve
@@ -39,6 +40,7 @@ class CurveJob:
     """One curve to trace.
 
     force: amplitude [N]; key: of the curve; finite_elements, rest: files of the stages before; output: the curve's file
+    finer: whether it is traced with more harmonics, to see what they change
     """
 
     rig: Rig
@@ -48,10 +50,11 @@ class CurveJob:
     finite_elements: Path
     rest: Path
     output: Path
+    finer: bool = False
 
     @property
     def name(self) -> str:
-        return f"{self.mode} {self.force:g} N"
+        return f"{self.mode} {self.force:g} N{', more harmonics' if self.finer else ''}"
 
     @property
     def partial(self) -> Path:
@@ -121,7 +124,7 @@ def curve_problem(job: CurveJob) -> tuple[NonlinearSystem, CurveRequest]:
     """The nonlinear system and the request of a job, from the files of the stages before."""
     reduced, rest = store.read(job.finite_elements, ReducedModel, part="reduced"), store.read(job.rest, StaticContact)
     model = rig_model(reduced, rest, job.rig)
-    system = model.system
+    system = with_setting(model.system, more_harmonics(setting_of(model.system))) if job.finer else model.system
     observed = tuple(name for name in system.free.points if ".excitation." not in name)
     window = job.rig.study.modes[job.mode].window
     return system, CurveRequest(job.mode, model.excited_by(job.force), window, observed)

@@ -1,6 +1,6 @@
 """One run: the stages in order, each taken from its file where nothing that goes into it has changed."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Generic, TypeVar
@@ -27,6 +27,7 @@ class RunOptions:
     """preset: of the mesh; folder: for all that the run writes; workers: processes that trace curves
 
     modes, forces: which curves [N]; empty for all of the study
+    accuracy: whether to trace every curve again with more harmonics, to state its numerical error
     check: whether to compare the reduced with the full coupled model; until: last stage, None for all
     raises: ValueError naming the option that is out of range
     """
@@ -38,6 +39,7 @@ class RunOptions:
     forces: tuple[float, ...] = ()
     check: bool = True
     pictures: bool = True
+    accuracy: bool = False
     until: Stage | None = None
 
     def __post_init__(self) -> None:
@@ -56,19 +58,23 @@ class Stored(Generic[Product]):
 
 @dataclass(frozen=True, eq=False)
 class Products:
-    """What the stages have given, None where the run did not get so far; curves in the order of the study."""
+    """What the stages have given, None where the run did not get so far; curves in the order of the study.
+
+    finer: the same curves with more harmonics, if they were asked for
+    """
 
     mesh: Stored[RigMesh]
     finite_elements: Stored[FiniteElementResult] | None = None
     coupled_check: Stored[CoupledCheck] | None = None
     static_contact: Stored[StaticContact] | None = None
     curves: tuple[Stored[ResponseCurve], ...] = ()
+    finer: tuple[Stored[ResponseCurve], ...] = ()
     failures: tuple[CurveOutcome, ...] = ()
 
     @property
     def stamps(self) -> tuple[store.Stamp, ...]:
         single = (self.mesh, self.finite_elements, self.coupled_check, self.static_contact)
-        return tuple(entry.stamp for entry in (*single, *self.curves) if entry is not None)
+        return tuple(entry.stamp for entry in (*single, *self.curves, *self.finer) if entry is not None)
 
 
 @dataclass(eq=False)
@@ -115,8 +121,13 @@ class Run:
         done = replace(done, static_contact=rest)
         if not self.wanted(stages.CURVE):
             return done
-        curves, failures = self._curves(finite_elements.path, rest.path)
-        return replace(done, curves=curves, failures=failures)
+        jobs = self.jobs(finite_elements.path, rest.path)
+        found, failures = self._curves(jobs)
+        curves, finer = (
+            tuple(found[job.output] for job in jobs if job.finer == kind and job.output in found)
+            for kind in (False, True)
+        )
+        return replace(done, curves=curves, finer=finer, failures=failures)
 
     def _mesh(self) -> Stored[RigMesh]:
         def compute(meter: Meter) -> tuple[RigMesh, Mapping[str, float]]:
@@ -186,36 +197,36 @@ class Run:
     # --- the curves ---
 
     def jobs(self, finite_elements: Path, rest: Path) -> tuple[CurveJob, ...]:
-        """One a mode and force, as the study or the options have them."""
+        """One a mode and force, as the study or the options have them; two where the accuracy is asked for."""
         modes = self.options.modes or tuple(self.rig.study.modes)
         forces = self.options.forces or self.rig.study.force_levels
+        kinds = ((stages.CURVE, ""), (stages.FINER_CURVE, "_finer"))[: 1 + self.options.accuracy]
         return tuple(
             CurveJob(
-                self.rig, mode, force, self.key(stages.CURVE, mode, force), finite_elements, rest,
-                self.file(f"curve_{mode}_{force:.12g}N"),
+                self.rig, mode, force, self.key(stage, mode, force), finite_elements, rest,
+                self.file(f"curve_{mode}_{force:.12g}N{suffix}"), finer=stage is stages.FINER_CURVE,
             )
+            for stage, suffix in kinds
             for mode in modes
             for force in forces
         )  # fmt: skip
 
     def _curves(
-        self, finite_elements: Path, rest: Path
-    ) -> tuple[tuple[Stored[ResponseCurve], ...], tuple[CurveOutcome, ...]]:
-        jobs = self.jobs(finite_elements, rest)
-        found = {job.output: stored(job.output, ResponseCurve, job.key) for job in jobs}
-        missing = [job for job in jobs if found[job.output] is None]
+        self, jobs: Sequence[CurveJob]
+    ) -> tuple[Mapping[Path, Stored[ResponseCurve]], tuple[CurveOutcome, ...]]:
+        found = _stored_curves(jobs)
+        missing = [job for job in jobs if job.output not in found]
         for job in jobs:
-            if found[job.output] is not None:
+            if job.output in found:
                 self.display.unchanged(job.name)
         if not missing:
-            return tuple(curve for curve in found.values() if curve is not None), ()
+            return found, ()
         # Large forces take longest: begun first, they do not leave one worker busy alone at the end.
         missing.sort(key=lambda job: -job.force)
         outcomes = trace_all(missing, min(self.options.workers, len(missing)), self._on_progress, self._on_end)
-        for job in missing:
-            found[job.output] = stored(job.output, ResponseCurve, job.key)
+        found |= _stored_curves(missing)
         failures = tuple(outcome for outcome in outcomes if outcome.end is not CurveEnd.FINISHED)
-        return tuple(curve for curve in found.values() if curve is not None), failures
+        return found, failures
 
     def _on_progress(self, job: CurveJob, progress: CurveProgress) -> None:
         self.display.update(job.name, progress.share, f"{progress.frequency:.2f} Hz, {progress.points} points")
@@ -229,6 +240,12 @@ class Run:
         curve = store.read(outcome.job.output, ResponseCurve)
         show = self.display.failed if curve.stopped else self.display.done
         show(name, curve.stopped or f"{len(curve)} points, {curve.seconds:.1f} s")
+
+
+def _stored_curves(jobs: Iterable[CurveJob]) -> dict[Path, Stored[ResponseCurve]]:
+    """By file, those that are there."""
+    curves = ((job.output, stored(job.output, ResponseCurve, job.key)) for job in jobs)
+    return {path: curve for path, curve in curves if curve is not None}
 
 
 def stored(path: Path, kind: type[Product], key: str) -> Stored[Product] | None:

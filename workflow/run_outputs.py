@@ -21,7 +21,7 @@ from updamp.pictures import bodies, faces, kinematics, response
 from updamp.pictures.modes import ModeShape, animation, panel
 from updamp.pictures.scene import RenderingError
 from updamp.workflow import stages, summary
-from updamp.workflow.run import Products, Run
+from updamp.workflow.run import Products, Run, Stored
 from updamp.workflow.summary import write_responses
 
 # Files made from stage products for people and other programs: made again only when their sources have changed.
@@ -56,7 +56,7 @@ class Outputs:
         return True
 
 
-CSV_VERSION = PICTURE_VERSION = VTU_VERSION = 1  # to be raised when a file of the same products looks different
+CSV_VERSION, PICTURE_VERSION, VTU_VERSION = 1, 2, 1  # to be raised when a file of the same products looks different
 
 BLADE_SHAPES = 4  # of the free blade, beside the two coupled ones
 
@@ -131,14 +131,21 @@ def _plots(run: Run, products: Products) -> list[Picture]:
     modes, point = _by_mode(products), response_point(run)
     for mode, curves in modes.items():
         keys = _keys(products, mode)
+        finer = [curve for curve in products.finer if curve.product.mode == mode and len(curve.product)]
 
-        def draw_responses(path: Path, mode: str = mode, curves: Sequence[ResponseCurve] = curves) -> None:
-            response.frequency_responses(path, mode, curves, point)
+        def draw_responses(
+            path: Path,
+            mode: str = mode,
+            curves: Sequence[ResponseCurve] = curves,
+            finer: Sequence[Stored[ResponseCurve]] = finer,
+        ) -> None:
+            response.frequency_responses(path, mode, curves, point, [curve.product for curve in finer])
 
         def draw_states(path: Path, mode: str = mode, curves: Sequence[ResponseCurve] = curves) -> None:
             faces.contact_states(path, contacts, mode, states_at_peaks(run, products, curves))
 
-        pictures.append((f"pictures/frf_{mode}.png", [point, *keys], draw_responses))
+        sources = [point, *keys, *(curve.stamp.key for curve in finer)]
+        pictures.append((f"pictures/frf_{mode}.png", sources, draw_responses))
         pictures.append((f"pictures/contact_states_{mode}.png", [point, *keys], draw_states))
     if modes:
         lowest = {mode: min(curves, key=lambda curve: curve.force) for mode, curves in modes.items()}
@@ -213,7 +220,9 @@ def summarise(run: Run, products: Products, seconds: float, peak_memory: float) 
     stamps = products.stamps
     parts = ("mesh", "assembly", "modes", "reduction", "coupled_check", "static_contact")
     timing = {part: sum(stamp.seconds.get(part, 0.0) for stamp in stamps) for part in parts}
-    timing["hbm"] = summary.union_length([i for curve in products.curves for i in curve.stamp.intervals])
+    timing["hbm"] = summary.union_length(
+        [i for curve in (*products.curves, *products.finer) for i in curve.stamp.intervals]
+    )
     content: dict[str, Any] = {
         "rig": run.rig.name,
         "mesh_preset": run.options.preset,
@@ -227,7 +236,11 @@ def summarise(run: Run, products: Products, seconds: float, peak_memory: float) 
     if products.static_contact is not None:
         content["static_contact"] = summary.static_entry(products.static_contact.product)
     if run.wanted(stages.CURVE):
-        content["curves"] = [summary.curve_entry(curve.product, response_point(run)) for curve in products.curves]
+        finer = {(curve.product.mode, curve.product.force): curve.product for curve in products.finer}
+        content["curves"] = [
+            summary.curve_entry(curve, response_point(run), finer.get((curve.mode, curve.force)))
+            for curve in (stored.product for stored in products.curves)
+        ]
         content["failed_curves"] = {outcome.job.name: outcome.message for outcome in products.failures}
     content["timing_s"] = {
         **{name: round(value, 3) for name, value in timing.items()},

@@ -108,4 +108,7 @@ CURVE = Stage(
     optional=("effects", "calibration"),
 )
 
+# Only where a run is asked how accurate it is.
+FINER_CURVE = Stage(name="finer_curve", version=1, sections=(), after=(CURVE,), choices=("force",))
+
 STAGES = (MESH, FINITE_ELEMENTS, COUPLED_CHECK, STATIC_CONTACT, CURVE)

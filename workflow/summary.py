@@ -3,6 +3,7 @@
 import csv
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from rich.table import Table
 from updamp.fem.finite_element_model import CoupledCheck, FiniteElementResult
 from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.geometry.rig_mesh import RigMesh
+from updamp.hbm.analysis.finer_curve import curve_error
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.continuation.sweeps import sweep
 from updamp.hbm.resonance.quadrature import quadrature_resonances
@@ -58,8 +60,11 @@ def static_entry(rest: StaticContact) -> dict[str, Any]:
     }
 
 
-def curve_entry(curve: ResponseCurve, point: str) -> dict[str, Any]:
-    """point: where the peak is taken, first harmonic; a branch that found no point at all has no peak"""
+def curve_entry(curve: ResponseCurve, point: str, finer: ResponseCurve | None = None) -> dict[str, Any]:
+    """point: where the peak is taken, first harmonic; a branch that found no point at all has no peak
+
+    finer: the same curve with more harmonics, where the run was asked for its accuracy
+    """
     entry: dict[str, Any] = {
         "mode": curve.mode,
         "force_N": curve.force,
@@ -71,8 +76,14 @@ def curve_entry(curve: ResponseCurve, point: str) -> dict[str, Any]:
         "response_point": point,
         "complete": curve.complete,
         "problem": problem(curve),
+        "numerical_error": None,
     }
-    return {**entry, **_solved(curve, point)} if len(curve) else entry
+    if len(curve):
+        entry |= _solved(curve, point)
+    if len(curve) and finer is not None and len(finer):
+        error = asdict(curve_error(curve, finer, point))
+        entry["numerical_error"] = {name: None if value != value else value for name, value in error.items()}
+    return entry
 
 
 def _solved(curve: ResponseCurve, point: str) -> dict[str, Any]:
@@ -144,7 +155,9 @@ def write_responses(path: Path, curves: Sequence[ResponseCurve]) -> None:
 
 def curves_table(entries: Sequence[Mapping[str, Any]]) -> Table:
     table = Table(title="Response curves", title_justify="left", header_style="bold")
-    for heading in ("mode", "force N", "peak mm/N", "at Hz", "jumps up Hz", "jumps down Hz", "points", "s", ""):
+    known = [entry["numerical_error"] for entry in entries if entry.get("numerical_error")]
+    headings = ["mode", "force N", "peak mm/N", "at Hz", "jumps up Hz", "jumps down Hz", "points", "s", ""]
+    for heading in (*headings[:4], *(("error %", "error Hz") if known else ()), *headings[4:]):
         table.add_column(heading, justify="left" if heading in ("mode", "") else "right")
     for entry in entries:
         table.add_row(
@@ -152,13 +165,24 @@ def curves_table(entries: Sequence[Mapping[str, Any]]) -> Table:
             f"{entry['force_N']:g}",
             f"{entry['peak_receptance_mm_per_N']:.5f}" if entry["points"] else "",
             f"{entry['peak_frequency_Hz']:.2f}" if entry["points"] else "",
+            *(_error_cells(entry.get("numerical_error")) if known else ()),
             ", ".join(f"{f:.2f}" for f in entry.get("jumps_up_Hz", ())),
             ", ".join(f"{f:.2f}" for f in entry.get("jumps_down_Hz", ())),
             str(entry["points"]),
             f"{entry['seconds']:.0f}",
             "[red]not complete[/]" if entry["problem"] else "",
         )
+    if known:
+        orders = ", ".join(map(str, known[0]["orders"]))
+        table.caption = f"error: what harmonics {orders} change, of the peak's height and frequency"
     return table
+
+
+def _error_cells(error: Mapping[str, Any] | None) -> tuple[str, str]:
+    if error is None:
+        return "", ""
+    mark = "" if error["complete"] else "?"  # of a finer curve that is not complete the peak may be another one
+    return f"{error['peak_percent']:+.2g}{mark}", f"{error['resonance_hertz']:+.2g}{mark}"
 
 
 def overview_table(summary: Mapping[str, Any]) -> Table:

@@ -100,6 +100,24 @@ def test_the_summary_has_its_keys_and_sound_numbers(finished):
     assert timing["total"] > timing["assembly"] + timing["modes"] + timing["reduction"]
 
 
+def test_the_numerical_error_is_stated_where_it_is_asked_for(finished, tmp_path):
+    """Where all contacts stick more harmonics change nothing. The curves that are there are not traced again."""
+    rig, out, _ = finished
+    shutil.copytree(out, tmp_path / "out")
+    before = (out / "stages" / "curve_OOP_0.01N.h5").read_bytes()
+    options = ("--mode", "OOP", "--no-pictures", "--no-check", "--accuracy")
+    result = run_command("run", rig, "--mesh", "small", "--out", tmp_path / "out", *options)
+    assert result.exit_code == 0, result.output
+    assert "error: what harmonics" in " ".join(result.output.split())
+    (entry,) = json.loads((tmp_path / "out" / "summary.json").read_text())["curves"]
+    error = entry["numerical_error"]
+    assert error["orders"] == [0, 1, 2, 3, 4, 5, 6, 7]
+    assert error["complete"]
+    assert abs(error["peak_percent"]) < 1e-3
+    assert abs(error["resonance_hertz"]) < 1e-4
+    assert (tmp_path / "out" / "stages" / "curve_OOP_0.01N.h5").read_bytes() == before
+
+
 def test_the_csv_holds_the_curves(finished):
     _, out, _ = finished
     curve = store.read(out / "stages" / "curve_OOP_0.01N.h5", ResponseCurve)

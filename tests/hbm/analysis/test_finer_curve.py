@@ -1,0 +1,59 @@
+"""The numerical error of a curve, read from a finer one whose difference is known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from updamp.hbm.analysis.finer_curve import curve_error
+from updamp.hbm.continuation.response_curve import ResponseCurve
+
+FREQUENCY, LOSS = np.linspace(80.0, 120.0, 4001), 0.02
+
+
+def linear_curve(resonance, loss, scale=1.0):
+    """First harmonic of an oscillator of unit force, harmonics 0 and 1"""
+    n = len(FREQUENCY)
+    response = np.zeros((n, 1, 3))
+    amplitude = scale * resonance**2 / (resonance**2 * (1 + 1j * loss) - FREQUENCY**2)
+    response[:, 0, 1], response[:, 0, 2] = amplitude.real, -amplitude.imag
+    none = np.zeros(n)
+    return ResponseCurve(
+        "1", 1.0, (0, 1), ("tip",), FREQUENCY, none, response, none, none, none, none, none, none,
+        np.zeros(n, dtype=bool), True, "", 0.0,
+    )  # fmt: skip
+
+
+def test_height_frequency_and_width_are_compared():
+    error = curve_error(linear_curve(100.0, LOSS), linear_curve(100.5, 1.1 * LOSS), "tip")
+    assert error.resonance_hertz == pytest.approx(0.5, abs=0.01)
+    assert error.peak_percent == pytest.approx(100 * (1 / 1.1 - 1), abs=0.1)
+    assert error.half_width_percent == pytest.approx(10.0, abs=1.0)
+    assert error.complete
+
+
+def test_flanks_are_compared_at_the_same_frequency():
+    error = curve_error(linear_curve(100.0, LOSS), linear_curve(100.0, LOSS, 1.07), "tip")
+    assert error.flank_percent == pytest.approx(7.0, abs=0.1)
+    assert error.resonance_hertz == pytest.approx(0.0, abs=1e-6)
+
+
+def test_of_several_sheets_the_nearest_counts():
+    curve = linear_curve(100.0, LOSS)
+    there_and_back = np.r_[np.arange(len(FREQUENCY)), np.arange(len(FREQUENCY))[::-1]]
+    twice = replace(
+        curve,
+        frequency=FREQUENCY[there_and_back],
+        response=np.concatenate([curve.response, 3 * curve.response])[
+            np.r_[np.arange(len(FREQUENCY)), len(FREQUENCY) + np.arange(len(FREQUENCY))[::-1]]
+        ],
+        after_gap=np.zeros(2 * len(FREQUENCY), dtype=bool),
+    )
+    assert curve_error(curve, twice, "tip").flank_percent == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_curve_without_points_has_none():
+    curve = linear_curve(100.0, LOSS)
+    empty = replace(curve, frequency=np.zeros(0))
+    with pytest.raises(ValueError, match="without points"):
+        curve_error(curve, empty, "tip")
