@@ -19,10 +19,14 @@ from updamp.hbm.resonance.resonance import (
     ResonanceSolution,
     ResonanceState,
     constant_force_plane,
+    constant_frequency_plane,
 )
 from updamp.hbm.resonance.resonance_predictor import RelativeMetric, ahead, difference, predict, size_of
 
 Floats = NDArray[np.float64]
+
+# Beyond a kink, how far the response may have moved: an ordinary step at its largest.
+_FURTHEST_BEYOND = 0.4
 
 
 @dataclass(frozen=True)
@@ -31,6 +35,8 @@ class ResonanceOptions:
 
     wanted_iterations: steps grow where Newton needs fewer and shrink where it needs more
     frequency_scale: share of the window that counts as one unit of arc
+    beyond_kinks: where no smaller step is solved, resonances at frequencies so far ahead are tried, at whatever force,
+        in units of arc: where contacts change their states the frequency goes on evenly and the force need not
     max_points: at most this many points; lowest_start: the force may be lowered to this share of the first force to
     find a beginning
 
@@ -42,6 +48,7 @@ class ResonanceOptions:
     largest_step: float = 0.4
     wanted_iterations: int = 5
     frequency_scale: float = 0.5
+    beyond_kinks: tuple[float, ...] = (1e-4, 3e-4, 1e-3, 3e-3, 0.01)
     max_points: int = 1000
     lowest_start: float = 1e-6
     newton: NewtonOptions = field(default_factory=NewtonOptions)
@@ -110,14 +117,17 @@ def first_resonance(
     """
     options = options or ResonanceOptions()
     log_force = _log_force(force)
+    condition = condition.facing(linear_peak(problem, window, log_force).phase)
     lowest = log_force + np.log(options.lowest_start)
     while True:
         start = _resonance_near(problem, condition, linear_peak(problem, window, log_force), options)
-        if start.converged or log_force < lowest:
+        # what converged outside the window is another mode's
+        within = window[0] <= start.frequency <= window[1]
+        if (start.converged and within) or log_force < lowest:
             break
         log_force -= np.log(10) / 2
-    if not start.converged:
-        raise ResonanceStoppedError(start, start.status)
+    if not (start.converged and within):
+        raise ResonanceStoppedError(start, Status.STALLED if start.converged else start.status)
     if log_force == _log_force(force):
         return start
     *_, last = _follow(problem, condition, start, [_log_force(force)], _scale_w(window, options), options)
@@ -148,6 +158,7 @@ def follow_resonance(
         raise ValueError(
             f"forces = {list(forces)}: give one, or several that rise, or fall, from the first to the last"
         )
+    condition = condition.facing((start or linear_peak(problem, window, log_forces[0])).phase)
     if start is None:
         first = first_resonance(problem, condition, window, forces[0], options)
     else:
@@ -201,7 +212,8 @@ def _follow(
         yield ResonancePoint(solution, moved, turning, False)
         if (solution.state.log_force > first.state.log_force) != upwards:
             return
-        followed, step = [*followed[-2:], solution], step_next
+        kept = 2 if moved < 2 * step else 1  # beyond a kink what lies before the last point says nothing
+        followed, step = [*followed[-kept:], solution], step_next
 
 
 def _next(
@@ -223,10 +235,34 @@ def _next(
         if solution.converged and moved < 2 * step:
             break
         if step / 2 < options.smallest_step:
-            raise ResonanceStoppedError(followed[-1], Status.STALLED if solution.converged else solution.status)
+            return _beyond_kink(problem, condition, followed, solution.status, metric, options)
         step /= 2
     growth = np.clip(2.0 ** ((options.wanted_iterations - solution.iterations) / 2), 0.5, 2.0)
     return solution, moved, float(np.clip(step * growth, options.smallest_step, options.largest_step))
+
+
+def _beyond_kink(
+    problem: ResonanceProblem,
+    condition: ResonanceCondition,
+    followed: Sequence[ResonanceSolution],
+    status: Status,
+    metric: RelativeMetric,
+    options: ResonanceOptions,
+) -> tuple[ResonanceSolution, float, float]:
+    """As `_next`, at a frequency a little ahead: on the side to which it has moved, or on the other one.
+
+    raises: ResonanceStoppedError where none is found
+    """
+    last, before = followed[-1].state, followed[-2].state if len(followed) > 1 else followed[-1].state
+    sign = float(np.sign(last.w - before.w)) or -1.0
+    for share in (side * length for length in options.beyond_kinks for side in (sign, -sign)):
+        guess = replace(last, w=last.w + share * metric.scale_w)
+        solution = condition.solve(problem, guess, constant_frequency_plane(guess), options.newton)
+        moved = metric.distance(last, solution.state)
+        # further from the point before than from the last one: what turns sharper than that may lead back
+        if solution.converged and moved < _FURTHEST_BEYOND and metric.distance(before, solution.state) > moved:
+            return solution, moved, max(options.first_step * moved, options.smallest_step)
+    raise ResonanceStoppedError(followed[-1], Status.STALLED if status is Status.CONVERGED else status)
 
 
 def log_forces_passed(log_forces: Sequence[float], here: float, there: float) -> list[float]:

@@ -21,6 +21,11 @@ LARGEST_TURN = 0.4  # [rad] from one phase tried for the maximum to the next
 class ResonanceCondition(Protocol):
     """What is meant by resonance."""
 
+    def facing(self, phase: float) -> "ResonanceCondition":
+        """The same where the linear response at its largest has this phase [rad]: a point may move with the excitation
+        or against it."""
+        ...
+
     def solve(
         self, problem: ResonanceProblem, guess: ResonanceState, plane: Hyperplane, options: NewtonOptions
     ) -> ResonanceSolution:
@@ -33,10 +38,14 @@ class PhaseResonance:
     """target: phase of the observed first harmonic against the force [rad].
 
     -pi/2 is a displacement a quarter period behind the force: the resonance of a single mode observed where it moves
-    with its excitation, +pi/2 where it moves against it. With modes close together the maximum has another phase.
+    with its excitation. Where it moves against it, which the linear response tells, half a turn is added. With modes
+    close together the maximum has another phase.
     """
 
     target: float = -np.pi / 2
+
+    def facing(self, phase: float) -> "PhaseResonance":
+        return self if np.cos(phase - self.target) >= 0 else PhaseResonance(self.target + np.pi)
 
     def solve(
         self, problem: ResonanceProblem, guess: ResonanceState, plane: Hyperplane, options: NewtonOptions
@@ -58,6 +67,9 @@ class MaximumResonance:
     def __post_init__(self) -> None:
         if not 1e-6 <= self.tolerance <= 0.1 or self.tries < 2:
             raise ValueError(f"tolerance = {self.tolerance} rad: between 1e-6 and 0.1; tries = {self.tries}: 2 or more")
+
+    def facing(self, phase: float) -> "MaximumResonance":  # noqa: ARG002  a size has no sign
+        return self
 
     def solve(
         self, problem: ResonanceProblem, guess: ResonanceState, plane: Hyperplane, options: NewtonOptions

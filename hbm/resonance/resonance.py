@@ -69,6 +69,10 @@ def constant_force_plane(state: ResonanceState) -> Hyperplane:
     return Hyperplane(state, ResonanceState(np.zeros_like(state.z), 0.0, 1.0, 0.0), 1.0, 1.0)
 
 
+def constant_frequency_plane(state: ResonanceState) -> Hyperplane:
+    return Hyperplane(state, ResonanceState(np.zeros_like(state.z), 1.0, 0.0, 0.0), 1.0, state.w)
+
+
 @dataclass(frozen=True, eq=False)
 class Linearised:
     """The equations about one point; d ln y = d ln |y| + i d(phase) of the observed first harmonic y.
