@@ -90,7 +90,7 @@ def model_curve(branch: PredictedBranch, sensor: int) -> ModelCurve:
     observed = branch.at(place).value
     near = np.searchsorted(branch.place, place, side="right") - 1
     near = np.clip(near, 0, len(branch.place) - 2)
-    visited = branch.visited[near] & branch.visited[near + 1]
+    visited = branch.seen[near]
     receptance = receptance_of(observed, np.zeros(len(place)), branch.condition.force, sensor)
     return ModelCurve(np.exp(observed[:, 0]), receptance, visited)
 

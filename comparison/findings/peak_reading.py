@@ -160,7 +160,7 @@ def swept_branch(branch: PredictedBranch, runs: Sequence[Observations], sensor: 
     """runs: of the branch's condition; sensor: whose points tell how densely was measured"""
     place = np.linspace(branch.place[0], branch.place[-1], _PLACES)
     near = np.clip(np.searchsorted(branch.place, place, side="right") - 1, 0, len(branch.place) - 2)
-    place = place[branch.visited[near] & branch.visited[near + 1]]
+    place = place[branch.seen[near]]
     observed = branch.at(place)
     step = float(np.median([_top_and_step(o, sensor)[1] for o in runs]))
     return SweptBranch(branch, place, observed.value, observed.slopes[:, :-1], step)

@@ -110,7 +110,7 @@ def _distance(moved: PredictedBranch, run: Observations, tried: Floats, weights:
 def _nearest(branch: PredictedBranch, run: Observations, weights: Floats) -> Floats:
     """(n,) the best of many places on the parts that the sweep visits, then finer and finer looks around it; a
     gradient would go astray where contacts begin to slip. branch: moved as a whole"""
-    both = np.flatnonzero(branch.visited[:-1] & branch.visited[1:])
+    both = np.flatnonzero(branch.seen)
     share = (np.arange(_BETWEEN) + 0.5) / _BETWEEN
     length = np.diff(branch.place)[both]
     tried = (branch.place[both][:, None] + length[:, None] * share).ravel()

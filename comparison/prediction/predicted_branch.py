@@ -103,6 +103,13 @@ class PredictedBranch:
             return np.zeros((*np.shape(place), self.state.shape[1]))
         return np.stack([np.interp(place, self.place, column) for column in self.rough.T], axis=-1)
 
+    @cached_property
+    def seen(self) -> NDArray[np.bool_]:
+        """(n - 1,) whether a sweep sees what lies between a point and the next; not where the branch was not followed
+        from one to the other: what is measured there is compared with the branch beside it."""
+        followed = np.array([not point.after_gap for point in self.points[1:]], dtype=bool)
+        return np.asarray(self.visited[:-1] & self.visited[1:] & followed)
+
     @property
     def frequency(self) -> Floats:
         """(n,) [Hz]"""

@@ -1,0 +1,37 @@
+"""Where on the branch a measured point is looked for."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.small_model import condition, parametrisation, synthetic_plan
+
+from updamp.comparison.fit.matching import match
+from updamp.comparison.prediction.predicted_branch import trace_branch
+
+
+@pytest.fixture(scope="module")
+def measured():
+    """A branch and a quiet run of the same model, some forty points"""
+    p, c = parametrisation(), condition(60.0)
+    plan, _ = synthetic_plan(p, np.zeros(4), (c,), np.zeros(4), seed=5, noise=1e-4, repeats=1)
+    return trace_branch(p, np.zeros(4), c), plan.observations[0]
+
+
+def test_nothing_is_compared_with_a_place_that_was_not_followed(measured):
+    """The interval with most of the measured points is called a gap: they are compared with the branch beside it."""
+    branch, run = measured
+    before = match(branch, run, np.zeros(4), np.full(4, 1e-3))
+    interval = np.searchsorted(branch.place, before.place) - 1
+    most = int(np.bincount(interval).argmax())
+    points = list(branch.points)
+    points[most + 1] = replace(points[most + 1], after_gap=True)
+    gap = replace(branch, points=tuple(points))
+    after = match(gap, run, np.zeros(4), np.full(4, 1e-3))
+    assert not gap.seen[most]
+    inside = interval == most
+    assert inside.sum() >= 2
+    middle = (branch.place[most] + branch.place[most + 1]) / 2
+    reach = (branch.place[most + 1] - branch.place[most]) / 2
+    assert (np.abs(after.place - middle) > 0.6 * reach).all()
+    np.testing.assert_allclose(after.place[~inside], before.place[~inside])
