@@ -3,6 +3,7 @@
 import json
 import os
 import platform
+import subprocess
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
@@ -29,18 +30,19 @@ class Results:
     rig: CurveCost | None
     ten: AllCurves | None
     grown: Growth
-    stress: dict[str, int] | None
+    stress: dict[str, Any] | None
 
     def as_json(self) -> dict[str, Any]:
         rig = asdict(self.rig) if self.rig is not None else {"point_s": None}
         return {
+            "commit": _commit(),
             **{name: _by_quantity(costs) for name, costs in self.problem.items()},
             "reference_rig": {
                 **rig,
                 "ten_curves_s": self.ten.seconds if self.ten is not None else None,
                 "ten_curves": asdict(self.ten) if self.ten is not None else None,
             },
-            "stress": self.stress or {"curves": None, "finished": None},
+            "stress": self.stress or {"within_pull": None, "beyond_pull": None},
             "growth": asdict(self.grown),
             "peers": {name: {"evaluation_s": e, "point_s": p} for name, (e, p) in PEERS.items()},
             "machine": {"processor": _processor(), "cores": os.cpu_count(), "load_average": os.getloadavg()},
@@ -59,8 +61,12 @@ class Results:
             console.print(_rig_table(self.rig, self.ten))
         console.print(_growth_table(self.grown))
         if self.stress is not None:
-            curves, finished = self.stress["curves"], self.stress["finished"]
-            console.print(f"stress grid: {finished} of {curves} curves finished ({100 * finished / curves:.1f} %)")
+            for name in ("within_pull", "beyond_pull"):
+                n = self.stress[name]
+                console.print(
+                    f"stress grid, force {name.replace('_', ' the ')}: {n['complete']} of {n['curves']} curves "
+                    f"complete, {n['false_peaks']} false peaks"
+                )
 
     def _missing(self) -> Iterable[str]:
         if all(cost is None for costs in self.problem.values() for cost in costs.values()):
@@ -72,6 +78,17 @@ class Results:
         if self.stress is None:
             yield "the stress grid: results/stress.json is not there; benchmarks/stress.py makes it"
         yield pyharm_sentence()
+
+
+def _commit() -> str | None:
+    """State of the code that was measured, None outside a checkout; "+" where files were changed since."""
+    root = Path(__file__).parents[2]
+    try:
+        asked = ["describe", "--always", "--abbrev=40", "--dirty=+", "--exclude=*"]
+        found = subprocess.run(["git", "-C", str(root), *asked], capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError):
+        return None
+    return found.stdout.strip()
 
 
 def pyharm_sentence() -> str:

@@ -70,14 +70,16 @@ def test_file_has_the_keys(tiny: Cost, tmp_path: Path) -> None:
     curve = CurveCost("OOP", 9.6, 0.3, 0.3, 0.3, 60, 3, 77, 4.7, 3066, 290, True, "")
     ten = AllCurves(500.0, 2, {"OOP 9.6 N": {"points": 60, "seconds": 18.0, "gaps": 0, "problem": ""}})
     problem = {law: dict.fromkeys(THREADS, tiny) for law in LAWS}
-    results = Results(problem, curve, ten, Growth({6: tiny}, {1: tiny}), {"curves": 200, "finished": 199})
+    counts = {"curves": 240, "complete": 239, "checked": 239, "false_peaks": 0}
+    stress = {"within_pull": counts, "beyond_pull": counts}
+    results = Results(problem, curve, ten, Growth({6: tiny}, {1: tiny}), stress)
     results.write(tmp_path / "bench.json")
     found = json.loads((tmp_path / "bench.json").read_text())
     for law in LAWS:
         for quantity in ("evaluation_s", "point_s"):
             assert found[law][quantity] == dict.fromkeys(THREADS, asdict(tiny)[quantity])
     assert (found["reference_rig"]["point_s"], found["reference_rig"]["ten_curves_s"]) == (0.3, 500.0)
-    assert found["stress"] == {"curves": 200, "finished": 199}
+    assert found["stress"] == stress
 
 
 def test_what_is_missing_is_null_and_said(tiny: Cost, tmp_path: Path) -> None:
@@ -87,7 +89,7 @@ def test_what_is_missing_is_null_and_said(tiny: Cost, tmp_path: Path) -> None:
     found = json.loads((tmp_path / "bench.json").read_text())
     assert found["c_model_146"]["point_s"] == {"one_thread": None, "two_threads": None}
     assert found["reference_rig"] == {"point_s": None, "ten_curves_s": None, "ten_curves": None}
-    assert found["stress"] == {"curves": None, "finished": None}
+    assert found["stress"] == {"within_pull": None, "beyond_pull": None}
     console = Console(record=True, width=200, file=io.StringIO())
     results.show(console)
     said = console.export_text()
