@@ -13,13 +13,14 @@ without friction (kt = 0), and the blades free of the damper. It reaches from 5 
 highest, so that the whole resonance is traced, whatever the force makes of it. Where the other mode lies between
 these, its resonance is traced too.
 
-Complete is as in hbm/continuation/completeness.py. Two checks look for a higher peak than a complete curve reports: the
-curve traced from the other end, and the resonance followed in the force up to this one. A peak that is more than 1 % below
-what they find is false.
+Complete is as in hbm/continuation/completeness.py. Two checks look for a higher peak than a complete curve reports:
+the curve traced from the other end, and the resonance followed in the force up to this one. A peak that is more than 1 %
+below what they find is false.
 
 A curve that has taken longer than its limit counts as not complete. Processor time is what is limited, so that a busy
-machine does not change the outcome; the checks have a limit of their own. Written: results/stress.jsonl, one line a curve,
-and results/stress.json {"within_pull", "beyond_pull": {"curves", "complete", "checked", "false_peaks"}, "not_complete": [...]}.
+machine does not change the outcome; the checks have a limit of their own. Written: results/stress.jsonl, one line a
+curve, and results/stress.json {"within_pull", "beyond_pull": {"curves", "complete", "checked", "false_peaks"},
+"not_complete": [...], "false_peaks": [...]}.
 """
 
 import os
