@@ -14,8 +14,8 @@ highest, so that the whole resonance is traced, whatever the force makes of it. 
 these, its resonance is traced too.
 
 Complete is as in hbm/continuation/completeness.py. Two checks look for a higher peak than a complete curve reports:
-the curve traced from the other end, and the resonance followed in the force up to this one. A peak that is more than 1 %
-below what they find is false.
+the curve traced from the other end, and the resonance followed in the force up to this one. A peak that is more than 1
+% below what they find is false.
 
 A curve that has taken longer than its limit counts as not complete. Processor time is what is limited, so that a busy
 machine does not change the outcome; the checks have a limit of their own. Written: results/stress.jsonl, one line a
