@@ -14,7 +14,7 @@ import numpy as np
 from updamp.hbm.continuation.branch import BranchPoint, branch_point
 from updamp.hbm.continuation.completeness import shortcoming
 from updamp.hbm.continuation.continuation import continue_branch
-from updamp.hbm.continuation.curve_records import CurveRequest, Records, put_together
+from updamp.hbm.continuation.curve_records import CurveRequest, Records, put_together, with_peak_solved
 from updamp.hbm.continuation.pieces import Pieces
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.continuation.segment import BranchSegment
@@ -26,6 +26,8 @@ __all__ = ["CurveRequest", "trace"]
 # So many points are traced from one end alone, as many as most curves have; then from both in turn. A branch that goes
 # on as it should costs no more that way; one that was lost at a kink is met from the other end.
 _FROM_ONE_END = 200
+# Points solved at the top of the peak: the second one is placed with the first.
+_POINTS_AT_TOP = 2
 
 
 def trace(
@@ -48,7 +50,7 @@ def trace(
             yield first.records.curve()
     yield from _from_both_ends(request, pieces)
     yield from _from_further_starts(system, request, pieces, started)
-    yield _finished(request, pieces)
+    yield _finished(system, request, pieces)
 
 
 def _from_both_ends(request: CurveRequest, pieces: Pieces) -> Iterator[ResponseCurve]:
@@ -87,10 +89,12 @@ def _from_further_starts(
                     yield pieces.first.records.curve()
 
 
-def _finished(request: CurveRequest, pieces: Pieces) -> ResponseCurve:
+def _finished(system: NonlinearSystem, request: CurveRequest, pieces: Pieces) -> ResponseCurve:
     parts = pieces.parts()
     curve = put_together([(part.segment.records, part.backwards, part.gap) for part in parts])
     why = shortcoming(curve, request.window, request.limits)
+    for _ in range(0 if why else _POINTS_AT_TOP):
+        curve = with_peak_solved(system, request, curve)
     ends = "; ".join(f"at {s.last.frequency:.2f} Hz: {s.ended_by}" for s in pieces.open_ends() if s.last is not None)
     return replace(curve, complete=not why, stopped=f"{why}. {ends}" if why else "")
 

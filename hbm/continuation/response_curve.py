@@ -85,19 +85,29 @@ class ResponseCurve:
         """Frequency [Hz] and receptance [m/N] at the largest first harmonic: the top of a cubic spline through the
         points around it, over the length of the branch, so that overhanging peaks are met as well.
         """
+        size = np.abs(self.receptance(point))
+        i = int(np.argmax(size))
+        top = self.top(point)
+        if top is None:
+            return float(self.frequency[i]), float(size[i])
+        near, length, at = top
+        frequency, height = CubicSpline(length, np.column_stack([self.frequency[near], size[near]]))(at)
+        return (float(frequency), float(height)) if height >= size[i] else (float(self.frequency[i]), float(size[i]))
+
+    def top(self, point: str) -> tuple[slice, Floats, float] | None:
+        """Points about the largest first harmonic, their lengths along the branch, and the length at which a cubic
+        spline through them is highest; None for fewer than four points, or where two of them are the same."""
         receptance = self.receptance(point)
         size = np.abs(receptance)
         i = int(np.argmax(size))
         near = slice(max(i - 3, 0), i + 4)
         f, z = self.frequency[near], receptance[near]
         if len(f) < 4:
-            return float(self.frequency[i]), float(size[i])
+            return None
         width = max(float(np.ptp(f)), np.finfo(float).tiny)
         length = np.concatenate([[0.0], np.cumsum(np.hypot(np.abs(np.diff(z)) / size[i], np.diff(f) / width))])
-        spline = CubicSpline(length, np.column_stack([f, size[near]]))
-        at = minimize_scalar(
-            lambda t: -spline(t)[1],
-            bounds=(length[max(i - near.start - 1, 0)], length[min(i - near.start + 1, len(f) - 1)]),
-        ).x
-        frequency, top = spline(at)
-        return (float(frequency), float(top)) if top >= size[i] else (float(self.frequency[i]), float(size[i]))
+        if (np.diff(length) <= 0).any():  # a point met twice
+            return None
+        spline = CubicSpline(length, size[near])
+        ends = (length[max(i - near.start - 1, 0)], length[min(i - near.start + 1, len(f) - 1)])
+        return near, length, float(minimize_scalar(lambda t: -float(spline(t)), bounds=ends).x)
