@@ -15,9 +15,8 @@ from updamp.hbm.continuation.branch import BranchPoint, branch_point
 from updamp.hbm.continuation.completeness import shortcoming
 from updamp.hbm.continuation.continuation import continue_branch
 from updamp.hbm.continuation.curve_records import CurveRequest, Records, put_together, with_peak_solved
-from updamp.hbm.continuation.pieces import Pieces
+from updamp.hbm.continuation.pieces import BranchSegment, Pieces
 from updamp.hbm.continuation.response_curve import ResponseCurve
-from updamp.hbm.continuation.segment import BranchSegment
 from updamp.hbm.continuation.starts import starts
 from updamp.hbm.problem.system import NonlinearSystem
 
