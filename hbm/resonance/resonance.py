@@ -21,6 +21,7 @@ from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 Floats = NDArray[np.float64]
 
+_MOST_LOG_FORCE = 100.0  # Newton's method may ask for more than a number holds
 PHASE_TOLERANCE = 1e-7  # [rad]; an error e of the phase is one of e^2 / 2 of the peak
 
 
@@ -271,7 +272,7 @@ def _damped(trial: _Trial, step: tuple[Floats, float, float], options: NewtonOpt
         next_state = replace(
             state, z=state.z + damping * dz, w=state.w + damping * dw, log_force=state.log_force + damping * dlog_force
         )
-        if next_state.w > 0:
+        if next_state.w > 0 and abs(next_state.log_force) < _MOST_LOG_FORCE:
             candidate = _Trial.at(trial.problem, next_state)
             if candidate.error < trial.error or candidate.converged(options):
                 return candidate
