@@ -81,7 +81,7 @@ def _from_further_starts(
         if start is None:
             return
         pair = [_segment_from(system, request, start, upwards, started) for upwards in (True, False)]
-        pieces.add(*pair)
+        pieces.add(start, *pair)
         for _ in range(request.connecting):
             for segment in pair:
                 if segment.active and not pieces.connected and pieces.advance(segment):

@@ -91,6 +91,10 @@ class BranchSegment:
             self.furthest = point
 
 
+# Starts closer than this are the same one: below the shortest step on the far side of a kink.
+_SAME_START = 1e-4
+
+
 @dataclass(frozen=True, eq=False)
 class Part:
     """A segment of a chain. backwards: whether the chain runs against it; gap: whether nothing leads to it from the
@@ -115,11 +119,13 @@ class Pieces:
         self.first, self.second = first, second
         self.segments = [first, second]
         self._other_way: dict[BranchSegment, BranchSegment] = {}  # from the same start
+        self._starts: list[BranchPoint] = []
         self._joint: dict[BranchSegment, BranchSegment] = {}  # the segment whose end this one's end is
         self._along: dict[BranchSegment, tuple[BranchSegment, int]] = {}  # chord on which the last point lay
 
-    def add(self, up: BranchSegment, down: BranchSegment) -> None:
+    def add(self, start: BranchPoint, up: BranchSegment, down: BranchSegment) -> None:
         """Two segments from one start."""
+        self._starts.append(start)
         self.segments += [up, down]
         self._other_way |= {up: down, down: up}
 
@@ -134,13 +140,15 @@ class Pieces:
         met, before = self._segment_at(moving, point), self._along.pop(moving, None)
         if met is not None:
             self._along[moving] = met
-            # two points on chords of the other one, towards its beginning: one alone may only cross it
-            if before is not None and before[0] is met[0] and met[1] <= before[1]:
-                self._join(moving, met[0], before[1])
+            # two points on chords of the other one: one alone may only cross it
+            if before is not None and before[0] is met[0]:
+                self._met(moving, met[0], before[1], towards_beginning=met[1] <= before[1])
         return True
 
     def knows(self, point: BranchPoint) -> bool:
-        return any(segment.chord_at(point) is not None for segment in self.segments)
+        """Whether a start lies on what was traced, or is one that was tried."""
+        tried = any(point.distance(start.solution) < _SAME_START for start in self._starts)
+        return tried or any(segment.chord_at(point) is not None for segment in self.segments)
 
     @property
     def connected(self) -> bool:
@@ -174,9 +182,16 @@ class Pieces:
                 return other, chord
         return None
 
-    def _join(self, moving: BranchSegment, other: BranchSegment, chord: int) -> None:
+    def _met(self, moving: BranchSegment, other: BranchSegment, chord: int, towards_beginning: bool) -> None:
+        """Joined where the moving one runs towards the other's beginning. One from a further start that runs the same
+        way as the other did finds nothing new; one from the window's end may come by where the other has stopped."""
+        if not towards_beginning:
+            if moving in self._other_way:
+                moving.records.cut(max(len(moving.records) - 2, 0))
+                moving.end("it ran along what another segment had traced")
+            return
         closed = self._other_way.get(moving) is other
-        taken = other in self._joint and not (self._leads_to_window(moving) and not self.connected)
+        taken = other in self._joint and self._leads_to_window(self._joint[other])
         moving.end("it met what another segment had traced")
         if closed or taken:
             return
@@ -208,12 +223,14 @@ class Pieces:
         return parts
 
     def _others(self, known: set[BranchSegment]) -> Iterable[list[Part]]:
-        """Chains of segments that are not known, each once."""
+        """Chains of segments that are not known, each once; a lone point is no branch."""
         for segment in self.segments:
             if segment in known or segment in self._joint:
                 continue
             chain = [Part(segment, backwards=True), *self._chain(self._other_way[segment])]
             known |= {part.segment for part in chain}
+            if sum(len(part.segment.records) for part in chain) < 2:
+                continue
             ends = [part.segment.last.w for part in (chain[0], chain[-1]) if part.segment.last is not None]
             if self.first.sign * (ends[-1] - ends[0]) < 0:
                 chain = [Part(part.segment, not part.backwards) for part in reversed(chain)]

@@ -51,7 +51,7 @@ def _at_frequency(
     solution = _solved(system, request, last, w)
     if solution is None:
         return None
-    return point_at(solution, request.excitation, last.metric.scale_w, (0 * solution.x, sign), 0.0)
+    return point_at(solution, request.excitation, last.metric.scale_w, (0 * solution.x, sign), last.distance(solution))
 
 
 def _solved(system: NonlinearSystem, request: CurveRequest, last: BranchPoint, w: float) -> Solution | None:

@@ -61,6 +61,7 @@ def test_a_place_that_nothing_passes_makes_the_curve_incomplete(monkeypatch):
     assert not curve.complete
     assert "not followed between" in curve.stopped
     assert curve.after_gap.any()
+    assert (np.diff(curve.frequency) > 0).all(), "nothing is traced twice"
     assert curve.frequency[0] == pytest.approx(WINDOW[0])
     assert curve.frequency[-1] >= WINDOW[1]
 
