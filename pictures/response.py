@@ -62,7 +62,7 @@ def _branch(ax: Axes, curve: ResponseCurve, point: str, colour: Any) -> None:
     _line(ax, curve, size, colour)
     frequency, peak = curve.peak(point)
     ax.plot(frequency, MM * peak, "o", color=colour, markeredgecolor="white", markersize=6)
-    for upwards, marker in ((True, ">"), (False, "<")):
+    for upwards, marker in ((True, ">"), (False, "<")) if curve.complete else ():
         swept = sweep(curve.frequency, upwards)
         for place in swept.jump_after:
             start, end = swept.visited[place], swept.visited[place + 1]

@@ -51,7 +51,7 @@ def tables(summary: dict[str, Any]) -> str:
         ("peak memory", "below 12 GB", f"{summary['peak_memory_GB']:.1f} GB"),
     ]  # fmt: skip
     model = ["| quantity | wanted | found |", "|---|---|---|", *(f"| {a} | {b} | {c} |" for a, b, c in rows)]
-    head = "| mode | force N | peak mm/N | at Hz | friction in the loss at the peak | points | unconverged | s |"
+    head = "| mode | force N | peak mm/N | at Hz | friction in the loss at the peak | points | complete | s |"
     return "\n".join([*model, "", head, "|---" * 8 + "|", *(curve(c) for c in summary["curves"])])
 
 
@@ -65,7 +65,7 @@ def curve(c: dict[str, Any]) -> str:
     share = c.get("friction_share_of_loss_at_peak", 0.0)
     return (
         f"| {c['mode']} | {c['force_N']:g} | {c['peak_receptance_mm_per_N']:.5f} | {c['peak_frequency_Hz']:.2f} "
-        f"| {max(share, 0.0):.0%} | {c['points']} | {c['unconverged']} | {c['seconds']:.0f} |"
+        f"| {max(share, 0.0):.0%} | {c['points']} | {'yes' if c['complete'] else 'no'} | {c['seconds']:.0f} |"
     )
 
 
