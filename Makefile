@@ -11,7 +11,8 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 
 help:
 	@echo "make run     the reference rig at full size, into results/pesaresi2017/"
-	@echo "make test    ruff, mypy, import contracts and the tests (PYTEST_OPTIONS='-k rig' for some of them)"
+	@echo "make test    ruff, mypy, import contracts and the tests (PYTEST_OPTIONS='-k rig' for some of them);"
+	@echo "             about 10 minutes on two cores, more the first time: contact laws are compiled"
 	@echo "make bench   the benchmarks"
 	@echo "make setup   the environment in .venv, from requirements.lock (the others do it too)"
 
