@@ -46,12 +46,12 @@ class Curve:
 
     @property
     def complete(self) -> bool:
-        """Whether the branch reached the end of the window; if not, `stopped` says why."""
+        """Whether the branch was followed through the whole window; if not, `stopped` says why."""
         return self.data.complete
 
     @property
     def stopped(self) -> str:
-        """Why the branch ended early, with what to try; "" where it did not."""
+        """Where the branch was not followed and why, with what to try; "" where it was."""
         return self.data.stopped
 
     def receptance(self, point: str | None = None) -> NDArray[np.complex128]:

@@ -148,6 +148,8 @@ def _stamp(job: CurveJob, earlier: store.Stamp, meter: Meter) -> store.Stamp:
 def _progress(curve: ResponseCurve, window: tuple[float, float], upwards: bool) -> CurveProgress:
     """The share counts how far the branch ever came: it turns back in frequency at folds."""
     low, high = window
+    if not len(curve):  # none was found from this end of the window
+        return CurveProgress(0.0, low if upwards else high, 0)
     reached = curve.frequency.max() - low if upwards else high - curve.frequency.min()
     share = min(max(float(reached) / (high - low), 0.0), 1.0)
     return CurveProgress(share, float(curve.frequency[-1]), len(curve))

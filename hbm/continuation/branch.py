@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +53,10 @@ class BranchPoint:
             return None
         return jacobian.determinant_sign * float(np.sign(self.tangent_w))
 
+    def turned(self) -> Self:
+        """The same point with the branch's direction turned round."""
+        return replace(self, tangent_x=-self.tangent_x, tangent_w=-self.tangent_w)
+
     def move_to(self, other: "BranchPoint | Solution") -> Move:
         return other.x - self.x, other.w - self.w
 
@@ -77,7 +82,7 @@ def other_way_round(points: Sequence[BranchPoint]) -> list[BranchPoint]:
     """The same points in the opposite direction."""
     steps = [(0.0, False), *((point.step, point.after_gap) for point in reversed(points[1:]))]
     return [
-        replace(point, tangent_x=-point.tangent_x, tangent_w=-point.tangent_w, step=step, after_gap=gap)
+        replace(point.turned(), step=step, after_gap=gap)
         for point, (step, gap) in zip(reversed(points), steps, strict=True)
     ]
 

@@ -89,12 +89,12 @@ def _from_further_starts(
 
 
 def _finished(system: NonlinearSystem, request: CurveRequest, pieces: Pieces) -> ResponseCurve:
-    parts = pieces.parts()
-    curve = put_together([(part.segment.records, part.backwards, part.gap) for part in parts])
+    parts = [(part.segment.records, part.backwards, part.gap) for part in pieces.parts()]
+    curve = put_together(pieces.first.records, parts)
     why = shortcoming(curve, request.window, request.limits)
     for _ in range(0 if why else _POINTS_AT_TOP):
         curve = with_peak_solved(system, request, curve)
-    ends = "; ".join(f"at {s.last.frequency:.2f} Hz: {s.ended_by}" for s in pieces.open_ends() if s.last is not None)
+    ends = "; ".join(segment.end_sentence for segment in pieces.open_ends())
     return replace(curve, complete=not why, stopped=f"{why}. {ends}" if why else "")
 
 
@@ -113,7 +113,7 @@ def _segment_from(
     """From a start that the segment upwards records, and the other one does not."""
     sign = 1.0 if upwards else -1.0
     if np.sign(start.tangent_w) != sign:
-        start = replace(start, tangent_x=-start.tangent_x, tangent_w=-start.tangent_w)
+        start = start.turned()
     points = _followed(system, request, upwards, [start])
     records = Records(system, request, started)
     if upwards:

@@ -63,6 +63,12 @@ class Records:
     def __len__(self) -> int:
         return len(self.columns["frequency"])
 
+    @property
+    def seconds(self) -> float:
+        """Since the trace has begun, with those of an earlier session."""
+        before = self.earlier.seconds if self.earlier is not None else 0.0
+        return before + time.perf_counter() - self.started
+
     def add(self, point: BranchPoint) -> None:
         equation, excitation = point.solution.equation, self.request.excitation
         rows = np.append(self.rows, excitation.row)
@@ -89,14 +95,13 @@ class Records:
             del values[length:]
 
     def curve(self, complete: bool = False, stopped: str = "") -> ResponseCurve:
-        before = self.earlier.seconds if self.earlier is not None else 0.0
         columns = {name: np.array(values) for name, values in self.columns.items()}
         return replace(
             empty_curve(self.request, self.system),
             **columns,  # type: ignore[arg-type]
             complete=complete,
             stopped=stopped,
-            seconds=before + time.perf_counter() - self.started,
+            seconds=self.seconds,
         )
 
 
@@ -130,9 +135,9 @@ def with_peak_solved(system: NonlinearSystem, request: CurveRequest, curve: Resp
     return replace(curve, **columns)
 
 
-def put_together(parts: Sequence[tuple[Records, bool, bool]]) -> ResponseCurve:
-    """One curve of several records: (records, whether the other way round, whether a gap lies before them)."""
-    first = parts[0][0]
+def put_together(first: Records, parts: Sequence[tuple[Records, bool, bool]]) -> ResponseCurve:
+    """One curve of several records: (records, whether the other way round, whether a gap lies before them); none where
+    no point was found. first: those whose time is counted"""
     whole = Records(first.system, first.request, first.started)
     for records, backwards, gap in parts:
         way = slice(None, None, -1 if backwards else 1)
@@ -140,7 +145,7 @@ def put_together(parts: Sequence[tuple[Records, bool, bool]]) -> ResponseCurve:
         columns = {**records.columns, "after_gap": [gap and len(whole) > 0, *records.columns["after_gap"][1:][way]]}
         for name, values in columns.items():
             whole.columns[name].extend(values if name == "after_gap" else values[way])
-    return whole.curve()
+    return replace(whole.curve(), seconds=first.seconds)
 
 
 COLUMNS = (

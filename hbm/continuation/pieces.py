@@ -35,18 +35,19 @@ class BranchSegment:
         self.ended_by, self.left_at = "", 0
         self.furthest: BranchPoint | None = None
         self._points = points
-        self._traced: TracedBranch | None = None
+        self.traced: TracedBranch | None = None
         self._numbers: list[int] = []  # of points recorded before the end of each chord that was traced
         for point in resumed:
             self._extend(point)
 
     @property
-    def traced(self) -> TracedBranch | None:
-        return self._traced
+    def last(self) -> BranchPoint | None:
+        return self.traced.last if self.traced is not None else None
 
     @property
-    def last(self) -> BranchPoint | None:
-        return self._traced.last if self._traced is not None else None
+    def end_sentence(self) -> str:
+        """Where and why it ended."""
+        return f"at {self.last.frequency:.2f} Hz: {self.ended_by}" if self.last is not None else self.ended_by
 
     def next_point(self) -> BranchPoint | None:
         """The next point, recorded; None where the segment has ended."""
@@ -64,7 +65,7 @@ class BranchSegment:
 
     def chord_at(self, point: BranchPoint) -> int | None:
         """Number of this segment's chord on which a point of another segment lies."""
-        return self._traced.chord_at(point, point.metric, point.step) if self._traced is not None else None
+        return self.traced.chord_at(point, point.metric, point.step) if self.traced is not None else None
 
     def cut_at(self, chord: int) -> None:
         """Forget what was traced from the end of a chord on: it is another branch."""
@@ -83,10 +84,10 @@ class BranchSegment:
         self.end(f"it left the window at {at:.2f} Hz" if self.left_at else inside)
 
     def _extend(self, point: BranchPoint) -> None:
-        traced = TracedBranch([point]) if self._traced is None else self._traced.extended([point])
-        if self._traced is not None and len(traced.chords) > len(self._traced.chords):
+        traced = TracedBranch([point]) if self.traced is None else self.traced.extended([point])
+        if self.traced is not None and len(traced.chords) > len(self.traced.chords):
             self._numbers.append(len(self.records) - 1)
-        self._traced = traced
+        self.traced = traced
         if self.furthest is None or self.sign * (point.w - self.furthest.w) > 0:
             self.furthest = point
 
@@ -161,7 +162,7 @@ class Pieces:
         if self.connected:
             return ()
         last = (self._chain(segment)[-1] for segment in (self.first, self.second))
-        return [part.segment for part in last if part.segment.last is not None]
+        return [part.segment for part in last]
 
     def parts(self) -> Sequence[Part]:
         """In the order of the curve, from the first segment's end of the window to the other one, with what was found
@@ -187,7 +188,7 @@ class Pieces:
         way as the other did finds nothing new; one from the window's end may come by where the other has stopped."""
         if not towards_beginning:
             if moving in self._other_way:
-                moving.records.cut(max(len(moving.records) - 2, 0))
+                moving.records.cut(len(moving.records) - 2)
                 moving.end("it ran along what another segment had traced")
             return
         closed = self._other_way.get(moving) is other

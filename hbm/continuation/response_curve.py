@@ -26,10 +26,9 @@ class ResponseCurve:
     response: (n, n_points, n_coefficients) displacement of the observed points [m]
     work_in, friction_loss, material_loss: (n,) energy a cycle [J]
     iterations: (n,) of Newton; error: (n,) residual over displacement; active: (n,) rows that slip or separate
-    after_gap: (n,) whether the branch was not followed from the point before: a jump, or the place where two segments
-        traced from both ends of the window meet
-    complete: whether the branch reached the end of its window
-    stopped: why not, if it did not ("" otherwise)
+    after_gap: (n,) whether the branch was not followed from the point before
+    complete: whether it is the whole branch through its window (hbm/continuation/completeness.py)
+    stopped: why not, if it is not ("" otherwise)
     seconds: processor wall time spent
     """
 

@@ -116,6 +116,20 @@ def test_a_branch_is_led_into_the_window_where_its_end_has_no_first_point(monkey
     assert abs(curve.peak("mass")[1] / whole.peak("mass")[1] - 1) < 1e-3
 
 
+def test_where_no_point_is_found_at_all_the_curve_says_why(monkeypatch):
+    system, request = linear_oscillator()
+
+    def nowhere(_system, _excitation, w, _options=None):
+        raise BranchStoppedError(w / 2 / np.pi, 1.0, Status.STALLED)
+
+    monkeypatch.setattr(continuation, "first_point", nowhere)
+    *_, curve = trace(system, request)
+    assert len(curve) == 0
+    assert not curve.complete
+    assert "no branch was found" in curve.stopped
+    assert Status.STALLED.advice in curve.stopped
+
+
 def test_where_no_start_is_found_the_end_of_the_window_is_named(monkeypatch):
     system, request = linear_oscillator()
 
