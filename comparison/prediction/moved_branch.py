@@ -1,7 +1,6 @@
 """A branch at other parameters from the points that it had before: a fraction of the work of tracing it."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +9,7 @@ from updamp.comparison.prediction.model_at import ModelAt, model_at
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch, observe_swept
 from updamp.comparison.prediction.run_condition import RunCondition
-from updamp.hbm.continuation.branch import BranchPoint, point_after, point_at
+from updamp.hbm.continuation.branch import BranchPoint, other_way_round, point_after, point_at
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions, continue_branch
 from updamp.hbm.newton.metric import Move
 from updamp.hbm.newton.newton import Arc, NewtonOptions, solve
@@ -132,7 +131,7 @@ def _covering(
             if not outside(found[-1]):
                 # the direction follows from the points before
                 found += continue_branch(system, excitation, condition.wider, steps, resume_from=found)
-            found = _turned(_trimmed(found, condition))
+            found = other_way_round(_trimmed(found, condition))
     except BranchStoppedError:
         return None
     return found
@@ -145,12 +144,3 @@ def _trimmed(points: list[BranchPoint], condition: RunCondition) -> list[BranchP
     while last > 2 and all(not low <= point.frequency <= high for point in points[last - 2 : last]):
         last -= 1
     return points[:last]
-
-
-def _turned(points: Points) -> list[BranchPoint]:
-    """The same branch from its other end."""
-    steps = [*((p.step, p.after_gap) for p in points[1:]), (0.0, False)]
-    return [
-        replace(p, tangent_x=-p.tangent_x, tangent_w=-p.tangent_w, step=step, after_gap=gap)
-        for p, (step, gap) in zip(reversed(points), reversed(steps), strict=True)
-    ]

@@ -60,9 +60,8 @@ class ObservedPoint:
 
     def turned(self, step: float, after_gap: bool) -> "ObservedPoint":
         """As one of the branch followed the other way; step, after_gap: from the point that is the one before then."""
-        p = self.point
-        p = replace(p, tangent_x=-p.tangent_x, tangent_w=-p.tangent_w, step=step, after_gap=after_gap)
-        return replace(self, point=p, along=-self.along)
+        point = replace(self.point.turned(), step=step, after_gap=after_gap)
+        return replace(self, point=point, along=-self.along)
 
 
 def turned_round(points: Sequence[ObservedPoint]) -> list[ObservedPoint]:

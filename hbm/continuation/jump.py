@@ -58,7 +58,7 @@ def back_to_gap(backwards: Iterable[BranchPoint], far: BranchPoint, last: Branch
         behind_last = last.metric.product(last.move_to(point), last.tangent) < 0
         if last.distance(point) < _NO_GAP or length > 2 * jump or behind_last:
             break
-        found.append(replace(point, tangent_x=-point.tangent_x, tangent_w=-point.tangent_w))
+        found.append(point.turned())
     found.reverse()
     steps = [last.distance(found[0]), *(a.distance(b) for a, b in pairwise(found))]
     return [

@@ -246,8 +246,7 @@ class PredictorCorrector:
 
     def _backwards(self, start: BranchPoint) -> Iterator[BranchPoint]:
         """From `start` the other way, until the branch cannot be followed any further."""
-        reversed_start = replace(start, tangent_x=-start.tangent_x, tangent_w=-start.tangent_w)
-        traced, step = TracedBranch([reversed_start]), self.options.first_step
+        traced, step = TracedBranch([start.turned()]), self.options.first_step
         while step >= self.options.short_step:
             point, _ = self.predict_and_correct(traced, step)
             if point is None:

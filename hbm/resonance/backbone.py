@@ -115,12 +115,12 @@ def first_resonance(
 
     raises: ResonanceStoppedError; ValueError where no stuck mode lies in the window or the force is not positive
     """
-    options = options or ResonanceOptions()
-    log_force = _log_force(force)
-    condition = condition.facing(linear_peak(problem, window, log_force).phase)
+    options, log_force = options or ResonanceOptions(), _log_force(force)
+    peak = linear_peak(problem, window, log_force)
+    condition = condition.facing(peak.phase)
     lowest = log_force + np.log(options.lowest_start)
     while True:
-        start = _resonance_near(problem, condition, linear_peak(problem, window, log_force), options)
+        start = _resonance_near(problem, condition, replace(peak, log_force=log_force), options)
         # what converged outside the window is another mode's
         within = window[0] <= start.frequency <= window[1]
         if (start.converged and within) or log_force < lowest:
