@@ -21,7 +21,7 @@ def keep_compiled(folder: Path | None = None) -> Path | None:
     folder: by default updamp/compiled in the user's cache folder ($XDG_CACHE_HOME, or ~/.cache)
     returns: the folder in use; None where it cannot be written, and nothing is kept
     """
-    place = (folder or _cache_folder()) / _processor()
+    place = (folder or cache_folder()) / _processor()
     try:
         place.mkdir(parents=True, exist_ok=True)
     except OSError:
@@ -38,7 +38,8 @@ def keeps_compiled() -> bool:
     return jax.config.values["jax_compilation_cache_dir"] is not None
 
 
-def _cache_folder() -> Path:
+def cache_folder() -> Path:
+    """Where this user keeps what is compiled; it need not be there."""
     stated = os.environ.get("XDG_CACHE_HOME", "")
     return (Path(stated) if stated else Path.home() / ".cache") / "updamp" / "compiled"
 

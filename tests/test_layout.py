@@ -17,6 +17,8 @@ IMPORT_ON_CALL = {
     "commands/predict.py": "likewise",
     "fem/solvers/cholmod.py": "optional library",
     "fem/solvers/pardiso.py": "library that loads MKL and may be missing",
+    "hbm/contact/jenkins_box.py": "numba, where something is solved",
+    "hbm/contact/jenkins_box_sampled.py": "likewise",
     "model/rig_files.py": "JAX, which most rig files do not need",
     "notebook/curve.py": "matplotlib, where a picture is asked for",
     "notebook/outcomes.py": "likewise",

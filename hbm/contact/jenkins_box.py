@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from updamp.hbm.contact import friction, sticking
 from updamp.hbm.contact.event_march import march_slider
 from updamp.hbm.contact.friction import FrictionParameters
+from updamp.hbm.contact.law import CompiledForces
+from updamp.hbm.harmonics import Harmonics
 
 
 def _at_limit(force: jax.Array, limit: jax.Array) -> jax.Array:
@@ -36,6 +38,11 @@ class JenkinsBox:
         """As `force`, with what happens between the samples shared between them."""
         rest = jnp.concatenate([parameters.t0, friction.rest_normal_force(parameters)[None]])
         return march_slider(displacement, parameters, self.cycles).averaged - rest
+
+    def compiled(self, harmonics: Harmonics, n_time: int) -> CompiledForces:
+        from updamp.hbm.contact.compiled.box_forces import between_samples
+
+        return between_samples(self.cycles, harmonics, n_time)
 
     def reference_stiffness(self, parameters: FrictionParameters) -> jax.Array:
         return friction.stuck_stiffness(parameters)

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from updamp.hbm.contact import friction, sticking
 from updamp.hbm.contact.friction import FrictionParameters
+from updamp.hbm.contact.law import CompiledForces
+from updamp.hbm.harmonics import Harmonics
 
 
 def clip_each(trial: jax.Array, limit: jax.Array) -> jax.Array:
@@ -33,6 +35,11 @@ class SampledJenkinsBox:
 
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
         return friction.dynamic_force(displacement, parameters, clip_each, self.cycles)
+
+    def compiled(self, harmonics: Harmonics, n_time: int) -> CompiledForces:
+        from updamp.hbm.contact.compiled.box_forces import at_samples
+
+        return at_samples(self.cycles, harmonics, n_time)
 
     def reference_stiffness(self, parameters: FrictionParameters) -> jax.Array:
         return friction.stuck_stiffness(parameters)

@@ -10,6 +10,8 @@ import jax
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.hbm.harmonics import Harmonics
+
 STICK, SLIP, SEPARATED = 0, 1, 2
 
 
@@ -78,6 +80,39 @@ class StickingLaw(ContactLaw, Protocol):
         overshoot: as in `sticking.stays_below_limit`
         """
         ...
+
+
+class CompiledForces(Protocol):
+    """A law's Fourier coefficients, compiled for certain harmonics and time samples, with tangents of their own.
+
+    numbers: of the elements to evaluate; displacement: (n_elements, directions, n_coefficients) [m]
+    parameters: of all elements, in NumPy arrays
+    force: like displacement [N]; tangent: (n_elements, directions, n_coefficients, directions, n_coefficients) [N/m];
+        what belongs to the elements of these numbers is written
+    """
+
+    def write_forces(
+        self, numbers: NDArray[np.int64], displacement: NDArray[np.float64], parameters: Any, force: NDArray[np.float64]
+    ) -> None: ...
+
+    def write_with_tangents(
+        self,
+        numbers: NDArray[np.int64],
+        displacement: NDArray[np.float64],
+        parameters: Any,
+        force: NDArray[np.float64],
+        tangent: NDArray[np.float64],
+    ) -> None: ...
+
+
+@runtime_checkable
+class CompiledLaw(ContactLaw, Protocol):
+    """A law that does not depend on the rate, and is written out a second time, in hbm/contact/compiled/, to be faster.
+
+    `force` remains its definition, for whatever needs more than coefficients and their derivatives by the motion.
+    """
+
+    def compiled(self, harmonics: Harmonics, n_time: int) -> CompiledForces: ...
 
 
 @runtime_checkable

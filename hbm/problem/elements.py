@@ -10,7 +10,14 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.law import ContactLaw, StickingLaw, decoupled_directions_of, force_for_analysis
+from updamp.hbm.contact.law import (
+    CompiledForces,
+    CompiledLaw,
+    ContactLaw,
+    StickingLaw,
+    decoupled_directions_of,
+    force_for_analysis,
+)
 from updamp.hbm.contact.sticking import overshoot_between_samples
 from updamp.hbm.harmonics import Harmonics
 
@@ -66,6 +73,12 @@ def _as_sticking_law(law: ContactLaw) -> StickingLaw | None:
 
 
 @lru_cache(maxsize=32)
+def _compiled_forces(law: ContactLaw, harmonics: Harmonics, n_time: int) -> CompiledForces | None:
+    """None where the law is in JAX alone."""
+    return law.compiled(harmonics, n_time) if isinstance(law, CompiledLaw) else None
+
+
+@lru_cache(maxsize=32)
 def _synthesis(harmonics: Harmonics, n_time: int) -> Floats:
     """(n_coefficients, n_time)"""
     return np.ascontiguousarray(harmonics.synthesis(n_time).T)
@@ -99,6 +112,10 @@ def element_forces(
     tangent = np.zeros((*displacement.shape, *displacement.shape[1:]))
     each, c = np.arange(displacement.shape[1])[:, None], np.arange(displacement.shape[2])
     tangent[:, each, c, each, c] = stiffness[..., None]
+    compiled = _compiled_forces(group.law, harmonics, n_time)
+    if compiled is not None:
+        compiled.write_with_tangents(active, displacement, group.values, force, tangent)
+        return ElementForces(force, tangent, None)
     rate = np.zeros_like(force) if group.law.rate_dependent else None
     evaluate = _compiled(group.law, harmonics, n_time)
     for some in _batches(active, elements_a_batch(_n_seeds(group.law, harmonics)), len(displacement)):
@@ -112,8 +129,12 @@ def element_forces(
 def force_only(group: ElementGroup, displacement: Floats, w: float, harmonics: Harmonics, n_time: int) -> Floats:
     """The forces alone, several times cheaper than with their tangent."""
     force = group.reference_stiffness()[..., None] * displacement
-    evaluate = _compiled_force(group.law, harmonics, n_time)
     active = group.may_slip_or_separate(displacement, harmonics, n_time)
+    compiled = _compiled_forces(group.law, harmonics, n_time)
+    if compiled is not None:
+        compiled.write_forces(active, displacement, group.values, force)
+        return force
+    evaluate = _compiled_force(group.law, harmonics, n_time)
     for some in _batches(active, FORCES_A_BATCH, len(displacement)):
         force[some] = evaluate(displacement[some], w, _parameters_of(group, some))
     return force

@@ -1,0 +1,52 @@
+"""The box laws as `law.CompiledForces`: what Python hands to the compiled functions."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.hbm.contact.compiled import jenkins_box, jenkins_box_sampled
+from updamp.hbm.contact.compiled.tables import tables
+from updamp.hbm.contact.event_march import most_corners
+from updamp.hbm.contact.friction import FrictionParameters
+from updamp.hbm.harmonics import Harmonics
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class BoxForces:
+    """evaluate: a compiled function (numbers, displacement, parameters, *arguments, force, tangent)"""
+
+    evaluate: Callable[..., None]
+    arguments: tuple[Any, ...]
+
+    def write_forces(self, numbers: Integers, displacement: Floats, parameters: Any, force: Floats) -> None:
+        c = displacement.shape[2]
+        self.write_with_tangents(numbers, displacement, parameters, force, np.empty((0, 3, c, 3, c)))
+
+    def write_with_tangents(
+        self, numbers: Integers, displacement: Floats, parameters: Any, force: Floats, tangent: Floats
+    ) -> None:
+        motion = np.require(displacement, np.float64, ["C", "W"])
+        self.evaluate(numbers, motion, _own(parameters), *self.arguments, force, tangent)
+
+
+def between_samples(cycles: int, harmonics: Harmonics, n_time: int) -> BoxForces:
+    """Of `JenkinsBox`."""
+    most = most_corners(n_time), most_corners(2 * n_time)
+    return BoxForces(jenkins_box.force_with_tangent, (cycles, most, tables(harmonics, n_time)))
+
+
+def at_samples(cycles: int, harmonics: Harmonics, n_time: int) -> BoxForces:
+    """Of `SampledJenkinsBox`."""
+    return BoxForces(jenkins_box_sampled.force_with_tangent, (cycles, tables(harmonics, n_time)))
+
+
+def _own(p: Any) -> FrictionParameters:
+    """Arrays of one kind, whatever they were: numba compiles once for each kind, and read-only ones are another."""
+    mu, *others = (np.array(value, dtype=np.float64) for value in (p.mu, p.kt, p.kn, p.n0, p.t0, p.gap))
+    return FrictionParameters(mu.reshape(len(mu), -1), *others)  # type: ignore[arg-type]

@@ -1,0 +1,55 @@
+"""`JenkinsBox` for numba: elements one by one, events between the samples (`event_march.py`, which defines it)."""
+
+from typing import Any
+
+import numpy as np
+
+from updamp.hbm.contact.compiled.keeping import kept
+from updamp.hbm.contact.compiled.normal import identity, set_limits, write_block, write_normal
+from updamp.hbm.contact.compiled.slider import (
+    Rows,
+    add_force,
+    add_tangent,
+    march,
+    new_path,
+    new_scratch,
+    new_slider,
+)
+from updamp.hbm.contact.compiled.tables import Tables, sample, slope
+
+
+@kept
+def force_with_tangent(
+    numbers: Any, displacement: Any, p: Any, cycles: int, most: Any, tables: Tables, force: Any, tangent: Any
+) -> None:
+    """Writes force (n_elements, 3, n_coefficients) [N] of the elements of these numbers, and tangent (n_elements, 3,
+    n_coefficients, 3, n_coefficients) [N/m] unless that has no elements.
+
+    displacement: like force [m]; p: FrictionParameters, mu of shape (n_elements, 1), or (n_elements, n_time) where it
+        varies over the period
+    most: corners that are followed of the path, and of where it was pushed to (`event_march.most_corners`)
+    """
+    c, n = tables.synthesis.shape
+    slider, path, out, pressing = new_slider(n, c), new_path(n), new_scratch(c), np.empty(n + 1)
+    rows = Rows(tables.values, tables.slopes, tables.values.copy(), tables.slopes.copy())
+    for e in numbers:
+        coefficients, kt, kn = displacement[e], p.kt[e], p.kn[e]
+        sample(coefficients[2], tables.synthesis, pressing)
+        pressing += p.n0[e] / kn - p.gap[e]
+        write_normal(coefficients[2], pressing, p, e, most[0], tables, force, tangent, out.by_u)
+        ratio = set_limits(p.mu[e], kn / kt, pressing, tables, path.p, path.dp, rows.p, rows.dp)
+        for d in range(2):
+            sample(coefficients[d], tables.synthesis, path.u)
+            slope(path.u, path.du)
+            march(path, ratio, -p.t0[e, d] / kt, cycles, most[1], slider)
+            out.force[:] = coefficients[d]
+            add_force(path, ratio, slider, tables.shares, most[0], out.force)
+            for a in range(c):
+                force[e, d, a] = kt * out.force[a] - p.t0[e, d] * tables.constant[a]
+            if len(tangent):
+                identity(out.by_u)
+                out.by_p[:] = 0.0
+                add_tangent(path, rows, ratio, slider, tables.shares, out)
+                tangent[e, d] = 0.0
+                write_block(kt, out.by_u, tangent[e, d, :, d, :])
+                write_block(kt, out.by_p, tangent[e, d, :, 2, :])

@@ -1,0 +1,85 @@
+"""`SampledJenkinsBox` for numba: elements one by one, events at the samples.
+
+The slider stands where one sample put it, its source, so that the tangent is a sum over sources (see slider.py).
+"""
+
+from typing import Any
+
+import numpy as np
+
+from updamp.hbm.contact.compiled.keeping import inner, kept
+from updamp.hbm.contact.compiled.normal import identity, set_limits, write_block, write_normal
+from updamp.hbm.contact.compiled.segments import positive
+from updamp.hbm.contact.compiled.tables import Tables, add_products, sample
+
+
+@kept
+def force_with_tangent(
+    numbers: Any, displacement: Any, p: Any, cycles: int, tables: Tables, force: Any, tangent: Any
+) -> None:
+    """As in jenkins_box.py beside this file."""
+    c, n = tables.synthesis.shape
+    pressing, u, limit, unused = np.empty(n + 1), np.empty(n + 1), np.empty(n + 1), np.empty(n + 1)
+    position, source = np.empty(n), np.empty(n, dtype=np.int64)
+    by_u, by_p, columns = np.empty((c, c)), np.empty((c, c)), (np.empty((n + 1, c)), np.empty((n + 1, c)))
+    p_rows, unused_rows = tables.values.copy(), tables.slopes.copy()
+    for e in numbers:
+        coefficients, kt, kn = displacement[e], p.kt[e], p.kn[e]
+        sample(coefficients[2], tables.synthesis, pressing)
+        pressing += p.n0[e] / kn - p.gap[e]
+        write_normal(coefficients[2], pressing, p, e, 0, tables, force, tangent, by_u)
+        ratio = set_limits(p.mu[e], kn / kt, pressing, tables, limit, unused, p_rows, unused_rows)
+        for t in range(n):
+            limit[t] = ratio * positive(limit[t])
+        for d in range(2):
+            sample(coefficients[d], tables.synthesis, u)
+            _march(u, limit, -p.t0[e, d] / kt, cycles, position, source)
+            for a in range(c):
+                taken = 0.0
+                for t in range(n):
+                    taken += tables.shares[t, a] * position[t]
+                force[e, d, a] = kt * (coefficients[d, a] - taken) - p.t0[e, d] * tables.constant[a]
+            if len(tangent):
+                identity(by_u)
+                by_p[:] = 0.0
+                _add_tangent(source, limit, ratio, tables, p_rows, by_u, by_p, columns)
+                tangent[e, d] = 0.0
+                write_block(kt, by_u, tangent[e, d, :, d, :])
+                write_block(kt, by_p, tangent[e, d, :, 2, :])
+
+
+@inner
+def _march(u: Any, limit: Any, first: float, cycles: int, position: Any, source: Any) -> None:
+    """Writes, for each sample, where the slider stands [m] and its source: the sample that pushed it up to
+    there, n_time more for one that pushed it down, 2 n_time where it stands as at first.
+
+    limit: slip limit over kt [m]; where it is zero the slider goes along
+    """
+    n = len(source)
+    stands, number = first, 2 * n
+    for _ in range(cycles):
+        for t in range(n):
+            if u[t] - stands > limit[t] or limit[t] == 0:
+                stands, number = u[t] - limit[t], t
+            elif u[t] - stands < -limit[t]:
+                stands, number = u[t] + limit[t], n + t
+            position[t], source[t] = stands, number
+
+
+@inner
+def _add_tangent(
+    source: Any, limit: Any, ratio: float, tables: Tables, p_rows: Any, by_u: Any, by_p: Any, columns: Any
+) -> None:
+    """Adds the derivatives of what the slider takes away; columns: scratch, two of (n_time + 1, n_coefficients)"""
+    n, (columns_u, columns_p) = len(source), columns
+    columns_u[:], columns_p[:] = 0.0, 0.0
+    for t in range(n):
+        at = source[t] % n
+        if source[t] == 2 * n:
+            continue
+        by_limit = 0.0 if limit[at] == 0 else (ratio if source[t] < n else -ratio)
+        for a in range(columns_u.shape[1]):
+            columns_u[at, a] -= tables.shares[t, a]
+            columns_p[at, a] += by_limit * tables.shares[t, a]
+    add_products(columns_u, tables.values, by_u)
+    add_products(columns_p, p_rows, by_p)

@@ -1,0 +1,124 @@
+"""The laws written out for numba against their definitions in JAX: coefficients and tangents."""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+
+from updamp.hbm.contact.friction import FrictionParameters
+from updamp.hbm.contact.jenkins_box import JenkinsBox
+from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
+from updamp.hbm.contact.law import CompiledLaw, force_for_analysis
+from updamp.hbm.contact.modified.velocity_friction import VelocityFriction
+from updamp.hbm.harmonics import Harmonics
+from updamp.hbm.problem.elements import ElementGroup, element_forces, force_only
+
+HARMONICS = Harmonics((0, 1, 2, 3))
+ELEMENTS = 60
+HELD = slice(5, 9)
+
+
+@dataclass(frozen=True)
+class InJax:
+    """The law without what is compiled."""
+
+    law: Any
+    directions: ClassVar[int] = 3
+    decoupled_directions: ClassVar[tuple[int, ...]] = (0, 1)
+    rate_dependent: ClassVar[bool] = False
+
+    def force(self, displacement, velocity, parameters):
+        return force_for_analysis(self.law)(displacement, velocity, parameters)
+
+    def reference_stiffness(self, parameters):
+        return self.law.reference_stiffness(parameters)
+
+
+@dataclass(frozen=True, eq=False)
+class AllEvaluated(ElementGroup):
+    """None of the elements is taken for stuck."""
+
+    def may_slip_or_separate(self, displacement, *_):
+        return np.arange(len(displacement))
+
+
+def parameters(**changed):
+    """All different; a third has no preload."""
+    rng = np.random.default_rng(3)
+    values = {
+        "mu": 0.1 + rng.random(ELEMENTS), "kt": 0.5 + rng.random(ELEMENTS), "kn": 0.5 + rng.random(ELEMENTS),
+        "n0": rng.random(ELEMENTS) * (np.arange(ELEMENTS) % 3 > 0), "t0": 0.05 * rng.normal(size=(ELEMENTS, 2)),
+        "gap": 0.2 * rng.normal(size=ELEMENTS),
+    }  # fmt: skip
+    return FrictionParameters(**(values | changed))
+
+
+def motions(p):
+    """From motions that hardly slip to gross slip and separation."""
+    rng = np.random.default_rng(4)
+    motion = rng.normal(size=(ELEMENTS, 3, 7)) * np.array([0.4, 2, 2, 0.3, 0.3, 0.2, 0.2])
+    motion *= np.geomspace(0.02, 3.0, ELEMENTS)[:, None, None]
+    motion[:, 2] *= 0.6
+    motion[HELD, :, 1:] = 0.0  # held away from rest
+    motion[5] = 0.0  # at rest
+    motion[9:12, 2, 1:] = 0.0  # constant normal force
+    for e, lift in zip(range(12, 18), (1e-3, -1e-3, 1e-6, -1e-6, 1e-12, -1e-12), strict=True):
+        lowest = (HARMONICS.synthesis(128) @ motion[e, 2]).min()
+        motion[e, 2, 0] += lift - lowest - p.n0[e] / p.kn[e] + p.gap[e]  # grazing: just closed, just open
+    motion[18:21, 2, 0] -= 20.0  # never in contact
+    return motion
+
+
+def both(law, p, motion, samples=128):
+    rows = np.arange(3 * ELEMENTS).reshape(-1, 3)
+    groups = AllEvaluated(law, p, rows), AllEvaluated(InJax(law), p, rows)
+    ours, theirs = (element_forces(group, motion, 1.0, HARMONICS, samples) for group in groups)
+    if isinstance(law, SampledJenkinsBox):
+        # held at its limit, each sample is a tie between stick and slip, of which JAX takes the mean of both sides
+        assert np.isfinite(ours.tangent[HELD]).all()
+        ours.tangent[HELD] = theirs.tangent[HELD]
+    return ours, theirs
+
+
+@pytest.mark.parametrize("law", [JenkinsBox(2), SampledJenkinsBox(2)])
+def test_coefficients_and_tangents_are_those_of_the_law_in_jax(law):
+    p = parameters()
+    ours, theirs = both(law, p, motions(p))
+    np.testing.assert_allclose(ours.force, theirs.force, rtol=0, atol=1e-13 * np.abs(theirs.force).max())
+    np.testing.assert_allclose(ours.tangent, theirs.tangent, rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize("law", [JenkinsBox(3), SampledJenkinsBox(1)])
+def test_likewise_where_friction_varies_over_the_period(law):
+    p = parameters(mu=0.5 + 0.3 * np.random.default_rng(5).random((ELEMENTS, 1)) * np.cos(HARMONICS.phase(128)))
+    ours, theirs = both(law, p, motions(p))
+    np.testing.assert_allclose(ours.force, theirs.force, rtol=0, atol=1e-13 * np.abs(theirs.force).max())
+    np.testing.assert_allclose(ours.tangent, theirs.tangent, rtol=0, atol=1e-11)
+
+
+def test_likewise_where_there_are_more_corners_than_are_followed():
+    """A motion of a high order at few samples turns more often than 16 times."""
+    harmonics, law, p = Harmonics((0, 1, 11)), JenkinsBox(2), parameters()
+    motion = np.random.default_rng(6).normal(size=(ELEMENTS, 3, 5))
+    rows = np.arange(3 * ELEMENTS).reshape(-1, 3)
+    ours, theirs = (force_only(AllEvaluated(each, p, rows), motion, 1.0, harmonics, 64) for each in (law, InJax(law)))
+    np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-13 * np.abs(theirs).max())
+
+
+@pytest.mark.parametrize("law", [JenkinsBox(2), SampledJenkinsBox(2)])
+def test_elements_that_are_not_asked_for_are_left_alone(law):
+    p, motion = parameters(), motions(parameters())
+    force, tangent = np.full_like(motion, 7.0), np.full((*motion.shape, 3, 7), 7.0)
+    law.compiled(HARMONICS, 128).write_with_tangents(np.array([3, 40]), motion, p, force, tangent)
+    others = np.delete(np.arange(ELEMENTS), [3, 40])
+    assert (force[others] == 7.0).all()
+    assert (tangent[others] == 7.0).all()
+    alone = np.full_like(motion, 7.0)
+    law.compiled(HARMONICS, 128).write_forces(np.array([3, 40]), motion, p, alone)
+    np.testing.assert_array_equal(alone, force)
+
+
+def test_a_modified_law_is_not_taken_for_the_one_inside():
+    assert isinstance(JenkinsBox(2), CompiledLaw)
+    assert not isinstance(VelocityFriction(JenkinsBox(2)), CompiledLaw)
