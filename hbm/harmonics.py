@@ -92,6 +92,14 @@ class Harmonics:
         if k:
             part[..., 1] = -amplitude.imag
 
+    @cached_property
+    def to_amplitudes(self) -> Floats:
+        """(n_coefficients, 2 len(orders)): coefficients @ it = real and imaginary parts of all X_k in turn."""
+        matrix = np.zeros((self.n_coefficients, 2 * len(self.orders)))
+        for i, part in enumerate(self.slices.values()):
+            matrix[part, 2 * i : 2 * i + 2] = np.diag([1.0, -1.0])[: part.stop - part.start]
+        return matrix
+
     def phase_derivative(self, coefficients: Floats) -> Floats:
         """(..., n_coefficients) of the same motion, with respect to w t: how it changes as it is shifted in phase."""
         changed = np.zeros_like(coefficients)

@@ -104,6 +104,12 @@ class CompiledForces(Protocol):
         tangent: NDArray[np.float64],
     ) -> None: ...
 
+    def loop_areas(
+        self, numbers: NDArray[np.int64], displacement: NDArray[np.float64], parameters: Any
+    ) -> NDArray[np.float64]:
+        """(len(numbers),) integral of f dx over a period by the trapezoidal rule [J]."""
+        ...
+
 
 @runtime_checkable
 class CompiledLaw(ContactLaw, Protocol):

@@ -7,6 +7,7 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
+from updamp.hbm.newton.active_operator import ActiveOperator
 from updamp.hbm.newton.krylov import gmres
 from updamp.hbm.newton.tangent import apply_tangent, real_form
 from updamp.hbm.problem.system import Departure, Receptance
@@ -64,6 +65,7 @@ class KrylovForces:
         iterations: int = 250,
     ) -> None:
         self._receptance, self._departure, self._rows = receptance, departure, rows
+        self._operator = ActiveOperator(receptance, departure, rows)
         self._tolerance, self._limit = tolerance, iterations
         self.iterations = 0
 
@@ -73,10 +75,6 @@ class KrylovForces:
         found = gmres(self._operator, b[self._rows].ravel(), first, self._tolerance, self._limit)
         self.iterations += found.iterations
         return self._spread(found.value) if found.converged else self._direct(b)
-
-    def _operator(self, active: Floats) -> Floats:
-        motion = self._receptance.apply(self._spread(active))
-        return active + apply_tangent(self._receptance.system, self._departure, motion)[self._rows].ravel()
 
     def _spread(self, active: Floats) -> Floats:
         system = self._receptance.system

@@ -27,6 +27,8 @@ Integers = NDArray[np.int64]
 # Sizes of the batches of elements, small enough for the processor's cache: directional derivatives in one batch,
 # elements in one batch of their forces alone, and of other quantities.
 DERIVATIVES_A_BATCH, FORCES_A_BATCH, QUANTITIES_A_BATCH = 168, 12, 8
+# Samples that tell which elements stick where the law itself is evaluated at more.
+STICKING_SAMPLES = 128
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,6 +173,12 @@ def over_period(
 
 def loop_areas(group: ElementGroup, displacement: Floats, w: float, harmonics: Harmonics, n_time: int) -> Floats:
     """(n_elements,) integral of f dx over a period by the trapezoidal rule [J]."""
+    compiled = _compiled_forces(group.law, harmonics, n_time)
+    if compiled is not None:
+        areas = np.zeros(len(displacement))  # of elements that stick
+        active = group.may_slip_or_separate(displacement, harmonics, min(n_time, STICKING_SAMPLES))
+        areas[active] = compiled.loop_areas(active, displacement, group.values)
+        return areas
     return np.asarray(_compiled_loop_areas(group.law, harmonics, n_time)(displacement, w, group.parameters))
 
 

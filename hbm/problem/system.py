@@ -178,12 +178,9 @@ class Receptance:
         return self._through_modes(self.modal_rate, forces, rows)
 
     def _through_modes(self, modal: Mapping[int, Complex], forces: Floats, rows: slice | Integers) -> Floats:
-        harmonics, stuck = self.system.harmonics, self.system.stuck
+        stuck = self.system.stuck
         generalised = stuck.phi[: stuck.n_relative].T @ forces
-        response = np.empty_like(generalised)
-        for k in harmonics.orders:
-            harmonics.set_amplitude(response, k, modal[k] @ harmonics.amplitude(generalised, k))
-        return stuck.phi[rows] @ response
+        return stuck.phi[rows] @ through(np.stack(list(modal.values())), generalised, self.system.harmonics)
 
     def excitation(self, excitation: Excitation, rows: slice | Integers | None = None) -> Floats:
         """Displacement of `rows` (default: the relative ones) under the excitation alone, all elements stuck."""
@@ -211,3 +208,11 @@ class Receptance:
         left = (stuck.phi[rows] @ np.ascontiguousarray(self.modal[k]).view(np.float64)).view(np.complex128)
         through_modes = (stuck.phi[columns] @ np.ascontiguousarray(left.T).view(np.float64)).view(np.complex128).T
         return through_modes + stuck.residual[np.ix_(rows, columns)]
+
+
+def through(modal: Complex, loads: Floats, harmonics: Harmonics) -> Floats:
+    """Modal loads (m, n_coefficients) times a matrix for each harmonic, (n_harmonics, m, m): a response like them."""
+    convert = harmonics.to_amplitudes
+    amplitudes = (loads @ convert).view(np.complex128)
+    response = np.ascontiguousarray((modal @ amplitudes.T[..., None])[..., 0].T)
+    return np.asarray(response.view(np.float64) @ convert.T)

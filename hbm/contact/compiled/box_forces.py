@@ -19,9 +19,10 @@ Integers = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class BoxForces:
-    """evaluate: a compiled function (numbers, displacement, parameters, *arguments, force, tangent)"""
+    """evaluate, areas: compiled functions (numbers, displacement, parameters, *arguments, what is written)"""
 
     evaluate: Callable[..., None]
+    areas: Callable[..., None]
     arguments: tuple[Any, ...]
 
     def write_forces(self, numbers: Integers, displacement: Floats, parameters: Any, force: Floats) -> None:
@@ -34,16 +35,23 @@ class BoxForces:
         motion = np.require(displacement, np.float64, ["C", "W"])
         self.evaluate(numbers, motion, _own(parameters), *self.arguments, force, tangent)
 
+    def loop_areas(self, numbers: Integers, displacement: Floats, parameters: Any) -> Floats:
+        areas = np.empty(len(numbers))
+        motion = np.require(displacement, np.float64, ["C", "W"])
+        self.areas(numbers, motion, _own(parameters), *self.arguments, areas)
+        return areas
+
 
 def between_samples(cycles: int, harmonics: Harmonics, n_time: int) -> BoxForces:
     """Of `JenkinsBox`."""
     most = most_corners(n_time), most_corners(2 * n_time)
-    return BoxForces(jenkins_box.force_with_tangent, (cycles, most, tables(harmonics, n_time)))
+    return BoxForces(jenkins_box.force_with_tangent, jenkins_box.loop_areas, (cycles, most, tables(harmonics, n_time)))
 
 
 def at_samples(cycles: int, harmonics: Harmonics, n_time: int) -> BoxForces:
     """Of `SampledJenkinsBox`."""
-    return BoxForces(jenkins_box_sampled.force_with_tangent, (cycles, tables(harmonics, n_time)))
+    law = jenkins_box_sampled
+    return BoxForces(law.force_with_tangent, law.loop_areas, (cycles, tables(harmonics, n_time)))
 
 
 def _own(p: Any) -> FrictionParameters:

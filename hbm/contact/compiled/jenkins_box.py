@@ -6,6 +6,7 @@ import numpy as np
 
 from updamp.hbm.contact.compiled.keeping import kept
 from updamp.hbm.contact.compiled.normal import identity, set_limits, write_block, write_normal
+from updamp.hbm.contact.compiled.segments import positive
 from updamp.hbm.contact.compiled.slider import (
     Rows,
     add_force,
@@ -15,7 +16,7 @@ from updamp.hbm.contact.compiled.slider import (
     new_scratch,
     new_slider,
 )
-from updamp.hbm.contact.compiled.tables import Tables, sample, slope
+from updamp.hbm.contact.compiled.tables import Tables, loop_area, sample, slope
 
 
 @kept
@@ -53,3 +54,26 @@ def force_with_tangent(
                 tangent[e, d] = 0.0
                 write_block(kt, out.by_u, tangent[e, d, :, d, :])
                 write_block(kt, out.by_p, tangent[e, d, :, 2, :])
+
+
+@kept
+def loop_areas(numbers: Any, displacement: Any, p: Any, cycles: int, most: Any, tables: Tables, areas: Any) -> None:
+    """Writes (len(numbers),) areas of the force loops [J], of the forces at the samples."""
+    c, n = tables.synthesis.shape
+    slider, path, pressing, force = new_slider(n, c), new_path(n), np.empty(n + 1), np.empty(n + 1)
+    p_rows, dp_rows = tables.values.copy(), tables.slopes.copy()
+    for i, e in enumerate(numbers):
+        kt, kn = p.kt[e], p.kn[e]
+        sample(displacement[e, 2], tables.synthesis, pressing)
+        pressing += p.n0[e] / kn - p.gap[e]
+        for t in range(n + 1):
+            force[t] = kn * positive(pressing[t])
+        areas[i] = loop_area(pressing, force)
+        ratio = set_limits(p.mu[e], kn / kt, pressing, tables, path.p, path.dp, p_rows, dp_rows)
+        for d in range(2):
+            sample(displacement[e, d], tables.synthesis, path.u)
+            slope(path.u, path.du)
+            march(path, ratio, -p.t0[e, d] / kt, cycles, most[1], slider)
+            for t in range(n + 1):
+                force[t] = kt * (path.u[t] - slider.position[slider.source[t]])
+            areas[i] += loop_area(path.u, force)

@@ -10,7 +10,7 @@ import numpy as np
 from updamp.hbm.contact.compiled.keeping import inner, kept
 from updamp.hbm.contact.compiled.normal import identity, set_limits, write_block, write_normal
 from updamp.hbm.contact.compiled.segments import positive
-from updamp.hbm.contact.compiled.tables import Tables, add_products, sample
+from updamp.hbm.contact.compiled.tables import Tables, add_products, loop_area, sample
 
 
 @kept
@@ -46,6 +46,31 @@ def force_with_tangent(
                 tangent[e, d] = 0.0
                 write_block(kt, by_u, tangent[e, d, :, d, :])
                 write_block(kt, by_p, tangent[e, d, :, 2, :])
+
+
+@kept
+def loop_areas(numbers: Any, displacement: Any, p: Any, cycles: int, tables: Tables, areas: Any) -> None:
+    """As in jenkins_box.py beside this file."""
+    n = tables.synthesis.shape[1]
+    pressing, u, force, limit, unused = (
+        np.empty(n + 1), np.empty(n + 1), np.empty(n + 1), np.empty(n + 1), np.empty(n + 1)
+    )  # fmt: skip
+    position, source = np.empty(n), np.empty(n, dtype=np.int64)
+    p_rows, unused_rows = tables.values.copy(), tables.slopes.copy()
+    for i, e in enumerate(numbers):
+        kt, kn = p.kt[e], p.kn[e]
+        sample(displacement[e, 2], tables.synthesis, pressing)
+        pressing += p.n0[e] / kn - p.gap[e]
+        ratio = set_limits(p.mu[e], kn / kt, pressing, tables, limit, unused, p_rows, unused_rows)
+        for t in range(n + 1):
+            limit[t], force[t] = ratio * positive(limit[t]), kn * positive(pressing[t])
+        areas[i] = loop_area(pressing, force)
+        for d in range(2):
+            sample(displacement[e, d], tables.synthesis, u)
+            _march(u, limit, -p.t0[e, d] / kt, cycles, position, source)
+            for t in range(n + 1):
+                force[t] = kt * (u[t] - position[t % n])
+            areas[i] += loop_area(u, force)
 
 
 @inner

@@ -62,6 +62,15 @@ def slope(values: Any, out: Any) -> None:
 
 
 @inner
+def loop_area(motion: Any, force: Any) -> float:
+    """Integral of force over motion, both (n_time + 1,), by the trapezoidal rule."""
+    area = 0.0
+    for t in range(len(motion) - 1):
+        area += (force[t] + force[t + 1]) / 2 * (motion[t + 1] - motion[t])
+    return area
+
+
+@inner
 def add_outer(column: Any, factor: float, row: Any, out: Any) -> None:
     """out += factor column row^T"""
     for a in range(len(column)):

@@ -12,7 +12,7 @@ from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
 from updamp.hbm.contact.law import CompiledLaw, force_for_analysis
 from updamp.hbm.contact.modified.velocity_friction import VelocityFriction
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.problem.elements import ElementGroup, element_forces, force_only
+from updamp.hbm.problem.elements import ElementGroup, element_forces, force_only, loop_areas
 
 HARMONICS = Harmonics((0, 1, 2, 3))
 ELEMENTS = 60
@@ -33,6 +33,14 @@ class InJax:
 
     def reference_stiffness(self, parameters):
         return self.law.reference_stiffness(parameters)
+
+
+@dataclass(frozen=True)
+class AtSamples(InJax):
+    """The force at the samples, of which loops are drawn."""
+
+    def force(self, displacement, velocity, parameters):
+        return self.law.force(displacement, velocity, parameters)
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +125,14 @@ def test_elements_that_are_not_asked_for_are_left_alone(law):
     alone = np.full_like(motion, 7.0)
     law.compiled(HARMONICS, 128).write_forces(np.array([3, 40]), motion, p, alone)
     np.testing.assert_array_equal(alone, force)
+
+
+@pytest.mark.parametrize("law", [JenkinsBox(2), SampledJenkinsBox(2)])
+def test_loop_areas_are_those_of_the_law_in_jax(law):
+    p, rows = parameters(), np.arange(3 * ELEMENTS).reshape(-1, 3)
+    ours = loop_areas(ElementGroup(law, p, rows), motions(p), 1.0, HARMONICS, 256)
+    theirs = loop_areas(ElementGroup(AtSamples(law), p, rows), motions(p), 1.0, HARMONICS, 256)
+    np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-12 * np.abs(theirs).max())
 
 
 def test_a_modified_law_is_not_taken_for_the_one_inside():
