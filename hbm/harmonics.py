@@ -31,7 +31,7 @@ class Harmonics:
                 "such as [0, 1, 2, 3]"
             )
 
-    @property
+    @cached_property
     def n_coefficients(self) -> int:
         return sum(1 if k == 0 else 2 for k in self.orders)
 

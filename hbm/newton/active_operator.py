@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.problem.system import Departure, Receptance, through
+from updamp.hbm.problem.system import Departure, Receptance, thin_product, through
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -36,7 +36,7 @@ class ActiveOperator:
     def __call__(self, active: Floats) -> Floats:
         """(n_active n_coefficients,) -> same"""
         forces = active.reshape(-1, self._harmonics.n_coefficients)
-        motion = self._residual @ forces
+        motion = thin_product(self._residual, forces)
         motion += self._from_modes @ through(self._modal, self._to_modes @ forces, self._harmonics)
         changed, start = np.empty_like(motion), 0
         for tangent in self._tangents:

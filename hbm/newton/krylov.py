@@ -4,6 +4,7 @@ The basis is orthogonalised by two passes of classical Gram-Schmidt, as products
 scipy's vector by vector orthogonalisation takes as long as the operator itself.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -31,12 +32,12 @@ def gmres(
     """
     x = np.zeros_like(right) if start is None else start
     r = right if start is None else right - operator(start)
-    size, wanted = float(np.linalg.norm(r)), tolerance * float(np.linalg.norm(right))
+    size, wanted = _norm(r), tolerance * _norm(right)
     if size <= wanted:
         return KrylovSolution(x, 0, True)
     V = np.empty((iterations + 1, len(right)))
     R, g = np.zeros((iterations, iterations)), np.zeros(iterations + 1)
-    rotations = np.zeros((iterations, 2))
+    rotations: list[tuple[float, float]] = []
     V[0], g[0], k = r / size, size, 0
     while k < iterations:
         w = operator(V[k])
@@ -44,16 +45,15 @@ def gmres(
         w = w - h @ V[: k + 1]
         again = V[: k + 1] @ w
         w -= again @ V[: k + 1]
-        below = float(np.linalg.norm(w))
-        column = np.append(h + again, below)
-        for i in range(k):
-            c, s = rotations[i]
+        below = _norm(w)
+        column = [*(h + again).tolist(), below]  # numbers, not entries of an array, which take much longer one by one
+        for i, (c, s) in enumerate(rotations):
             column[i], column[i + 1] = c * column[i] + s * column[i + 1], c * column[i + 1] - s * column[i]
-        length = float(np.hypot(column[k], column[k + 1]))
-        if length == 0.0 or not np.isfinite(length):
+        length = math.hypot(column[k], column[k + 1])
+        if length == 0.0 or not math.isfinite(length):
             break
         c, s = column[k] / length, column[k + 1] / length
-        rotations[k] = c, s
+        rotations.append((c, s))
         R[:k, k], R[k, k] = column[:k], length
         g[k], g[k + 1] = c * g[k], -s * g[k]
         k += 1
@@ -62,3 +62,7 @@ def gmres(
         V[k] = w / below
     y = np.linalg.solve(R[:k, :k], g[:k]) if k else np.zeros(0)
     return KrylovSolution(x + y @ V[:k], k, abs(float(g[k])) <= wanted)
+
+
+def _norm(vector: Floats) -> float:
+    return math.sqrt(float(vector @ vector))

@@ -170,7 +170,7 @@ class Receptance:
         """G forces, from the relative rows (n_relative, n_coefficients) to `rows` (default: the same)."""
         stuck, n = self.system.stuck, self.system.stuck.n_relative
         rows = slice(n) if rows is None else rows
-        return stuck.residual[rows, :n] @ forces + self._through_modes(self.modal, forces, rows)
+        return thin_product(stuck.residual[rows, :n], forces) + self._through_modes(self.modal, forces, rows)
 
     def apply_rate(self, forces: Floats, rows: slice | Integers | None = None) -> Floats:
         """dG/dw forces, on `rows` as in `apply`."""
@@ -208,6 +208,20 @@ class Receptance:
         left = (stuck.phi[rows] @ np.ascontiguousarray(self.modal[k]).view(np.float64)).view(np.complex128)
         through_modes = (stuck.phi[columns] @ np.ascontiguousarray(left.T).view(np.float64)).view(np.complex128).T
         return through_modes + stuck.residual[np.ix_(rows, columns)]
+
+
+# Up to a million multiplications OpenBLAS multiplies matrices as they lie in memory. Larger ones it rearranges first,
+# which takes several times as long where one of them has a few columns: 438 x 438 x 7: 0.2 to 0.6 ms, in parts 0.06.
+_AS_THEY_LIE = 900_000
+
+
+def thin_product(matrix: Floats, columns: Floats) -> Floats:
+    """matrix @ columns, (n, n_columns) of few columns, some rows of the matrix at a time."""
+    rows = max(1, _AS_THEY_LIE // max(1, columns.size))
+    product = np.empty((len(matrix), columns.shape[1]))
+    for start in range(0, len(matrix), rows):
+        np.matmul(matrix[start : start + rows], columns, out=product[start : start + rows])
+    return product
 
 
 def through(modal: Complex, loads: Floats, harmonics: Harmonics) -> Floats:
