@@ -122,12 +122,13 @@ class ModalForces:
         m, c = phi.shape[1], system.harmonics.n_coefficients
         matrix = np.zeros((m, c, m, c))
         for group, tangent in zip(system.groups, self._departure.tangents, strict=True):
-            local = phi[group.rows]  # (n, d, m)
+            chosen = np.flatnonzero(tangent.any(axis=(1, 2, 3, 4)))
+            local = phi[group.rows[chosen]]  # (n, d, m)
             n, d = local.shape[:2]
-            half = tangent.reshape(n, d * c * d, c).transpose(0, 2, 1).reshape(n, c * d * c, d) @ local
-            # half: (n, [b, d, a], m) with T[n, d, a, e, b] contracted over e
-            half = half.reshape(n, c, d, c, m).transpose(3, 1, 4, 0, 2).reshape(c * c * m, n * d)
-            matrix += (half @ local.reshape(n * d, m)).reshape(c, c, m, m).transpose(3, 0, 2, 1)
+            # T[n, d, a, e, b] contracted over e, then over n and d: (m, a, b, m)
+            half = tangent[chosen].transpose(0, 1, 2, 4, 3).reshape(n, d * c * c, d) @ local
+            whole = local.reshape(n * d, m).T @ half.reshape(n * d, c * c * m)
+            matrix += whole.reshape(m, c, c, m).transpose(0, 1, 3, 2)
         for k, part in system.harmonics.slices.items():
             stiffness = system.stuck.modal_dynamic_stiffness(k * self._receptance.w)
             matrix[:, part, :, part] += real_form(stiffness, k)
