@@ -42,7 +42,8 @@ class Slow:
         return SimpleNamespace(name=self.name)
 
     def predicted(self) -> int:
-        os.write(1, b"begun\n")  # in one piece: print writes the end of the line by itself, and two processes mix theirs
+        # in one piece: print writes the end of the line by itself, and two processes mix theirs
+        os.write(1, b"begun\n")
         time.sleep(600)
         return os.getpid()
 
