@@ -39,6 +39,9 @@ def run(
             help="Trace every curve again with more harmonics and state its error: two to four times as long.",
         ),
     ] = False,
+    stability: Annotated[
+        bool, typer.Option(help="Whether to say of every point whether it is stable: a third of the curves' time.")
+    ] = True,
     until: Annotated[str | None, typer.Option(help=f"Last stage: {', '.join(s.name for s in stages.STAGES)}.")] = None,
     debug: Debug = False,
 ) -> None:
@@ -64,6 +67,7 @@ def run(
                 check=check,
                 pictures=pictures,
                 accuracy=accuracy,
+                stability=stability,
                 until=last,
             )
             complete = _run(loaded, options, meter)
@@ -76,6 +80,7 @@ def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
     from updamp.workflow.progress import Display
     from updamp.workflow.run import Run
     from updamp.workflow.run_outputs import summarise, write_outputs
+    from updamp.workflow.stability_summary import doubtful_peaks
     from updamp.workflow.summary import curves_table, write_summary
 
     console = Console()
@@ -89,6 +94,8 @@ def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
     write_summary(path, summary)
     if summary.get("curves"):
         console.print(curves_table(summary["curves"]))
+    for line in doubtful_peaks(summary.get("curves", ())):
+        console.print(Text.assemble(("stability ", "yellow"), line), soft_wrap=True)
     problems = [f"{c['mode']} {c['force_N']:g} N: {c['problem']}" for c in summary.get("curves", ()) if c["problem"]]
     problems += [f"{name}: {message}" for name, message in summary.get("failed_curves", {}).items()]
     problems += [undrawn] if undrawn else []

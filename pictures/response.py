@@ -1,7 +1,6 @@
 """Frequency responses in mm/N: the whole branch, and what sweeps would see of it."""
 
-from collections.abc import Sequence
-from itertools import pairwise
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +9,11 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from numpy.typing import NDArray
 
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.continuation.sweeps import sweep
+from updamp.hbm.stability.branch_stability import BranchStability
+from updamp.pictures.branch_lines import draw_branch, key_of_stability
 from updamp.pictures.style import GREY, INK, figure, shades
 
 MM = 1e3  # m/N to mm/N
@@ -21,21 +21,27 @@ HATCH = "////"  # of what was not followed
 
 
 def frequency_responses(
-    path: Path, mode: str, curves: Sequence[ResponseCurve], point: str, finer: Sequence[ResponseCurve] = ()
+    path: Path,
+    mode: str,
+    curves: Sequence[ResponseCurve],
+    point: str,
+    finer: Sequence[ResponseCurve] = (),
+    stability: Mapping[float, BranchStability] | None = None,
 ) -> None:
-    """finer: the same curves with more harmonics, drawn thin.
+    """finer: the same curves with more harmonics, drawn thin; stability: by force, as far as it is known.
 
     Receptance of the first harmonic at `point`, all force levels of a mode; jumps of an up sweep point up in
     frequency, those of a down sweep down."""
+    stability = stability or {}
     curves = sorted(curves, key=lambda curve: curve.force)
     with figure(path, 10.5, 4.8) as drawing:
         linear, logarithmic = drawing.subplots(1, 2, sharex=True)
         logarithmic.set_yscale("log")
         for ax in (linear, logarithmic):
             for curve, colour in zip(curves, shades(len(curves)), strict=True):
-                _branch(ax, curve, point, colour)
+                _branch(ax, curve, point, colour, stability.get(curve.force))
                 for other in (one for one in finer if one.force == curve.force):
-                    _line(ax, other, MM * np.abs(other.receptance(point)), colour, linewidth=0.6)
+                    draw_branch(ax, other, MM * np.abs(other.receptance(point)), colour, None, linewidth=0.6)
             ax.set_xlabel("frequency [Hz]")
             ax.margins(x=0)
         linear.set_ylim(bottom=0)
@@ -47,7 +53,9 @@ def frequency_responses(
             for curve, colour in zip(curves, shades(len(curves)), strict=True)
         ]
         drawing.legend(
-            handles=handles + _key_of_marks(curves, finer), loc="outside lower center", ncols=len(handles) + 3
+            handles=[*handles, *_key_of_marks(curves, finer), *key_of_stability(stability)],
+            loc="outside lower center",
+            ncols=len(handles) + 3,
         )
 
 
@@ -57,9 +65,9 @@ def hatch_gaps(ax: Axes, curve: ResponseCurve, colour: Any) -> None:
         ax.axvspan(min(one, other), max(one, other), facecolor="none", edgecolor=colour, hatch=HATCH, linewidth=1.0)
 
 
-def _branch(ax: Axes, curve: ResponseCurve, point: str, colour: Any) -> None:
+def _branch(ax: Axes, curve: ResponseCurve, point: str, colour: Any, stability: BranchStability | None) -> None:
     size = MM * np.abs(curve.receptance(point))
-    _line(ax, curve, size, colour)
+    draw_branch(ax, curve, size, colour, stability)
     frequency, peak = curve.peak(point)
     ax.plot(frequency, MM * peak, "o", color=colour, markeredgecolor="white", markersize=6)
     for upwards, marker in ((True, ">"), (False, "<")) if curve.complete else ():
@@ -71,12 +79,6 @@ def _branch(ax: Axes, curve: ResponseCurve, point: str, colour: Any) -> None:
             ax.plot(at, size[start], marker, color=colour, markeredgecolor=INK, markeredgewidth=0.6, markersize=7)
     if not curve.complete:
         hatch_gaps(ax, curve, colour)
-
-
-def _line(ax: Axes, curve: ResponseCurve, size: NDArray[np.float64], colour: Any, **style: Any) -> None:
-    """Broken where the branch was not followed."""
-    for start, end in pairwise([0, *np.flatnonzero(curve.after_gap), len(curve)]):
-        ax.plot(curve.frequency[start:end], size[start:end], color=colour, **style)
 
 
 def _key_of_marks(curves: Sequence[ResponseCurve], finer: Sequence[ResponseCurve] = ()) -> list[Artist]:

@@ -37,7 +37,7 @@ LONGEST = (
     "workflow/test_diagnose_brake_reuss.py",
     "diagnosis/selection/test_search.py",
     "hbm/test_rig_time_integration.py",
-    "hbm/analysis/test_stability.py",
+    "hbm/stability/test_stability.py",
     "diagnosis/candidate_models/test_refit.py",
     "workflow/test_diagnose.py",
     "hbm/analysis/test_accuracy.py",

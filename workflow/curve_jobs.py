@@ -4,35 +4,26 @@ A curve is one file. While it is being traced, what is solved so far stands in a
 every few seconds; the next run with the same key goes on from there.
 """
 
-import os
-import signal
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor
-from contextlib import suppress
+from collections.abc import Callable
 from dataclasses import dataclass
-from enum import Enum
-from multiprocessing import get_context
 from pathlib import Path
-from queue import Empty
-from typing import Any
 
 import numpy as np
 
 from updamp.fem.reduced_model import ReducedModel
 from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.hbm.analysis.settings import more_harmonics, setting_of, with_setting
-from updamp.hbm.compilation_cache import keep_compiled
 from updamp.hbm.continuation.curve import CurveRequest, trace
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.problem.system import NonlinearSystem
 from updamp.model.build import rig_model
-from updamp.parallel.resources import Meter, environment, thread_limits
+from updamp.parallel.resources import Meter
 from updamp.rig.rig import Rig
 from updamp.workflow import store
+from updamp.workflow.job_pool import JobEnd, JobProgress
 
 CHECKPOINT_EVERY = 20.0  # s
-REPORT_EVERY = 0.2  # s
 
 
 @dataclass(frozen=True)
@@ -60,40 +51,31 @@ class CurveJob:
     def partial(self) -> Path:
         return self.output.with_suffix(".partial.h5")
 
+    @property
+    def ease(self) -> tuple[float, ...]:
+        """A large force makes more contacts slip and open, and in a wide window the branch is longer. The curves
+        themselves come before the finer ones.
+        """
+        low, high = self.rig.study.modes[self.mode].window
+        return float(self.finer), -self.force, low - high
 
-@dataclass(frozen=True)
-class CurveProgress:
-    """share: of the window covered so far, 0 to 1; frequency [Hz]; points solved"""
+    def run(
+        self, report: Callable[[JobProgress], None], should_stop: Callable[[], bool], memory_of: int | None
+    ) -> JobEnd:
+        return trace_curve(self, report, should_stop, memory_of=memory_of)
 
-    share: float
-    frequency: float
-    points: int
-
-
-class CurveEnd(Enum):
-    """What became of a curve."""
-
-    FINISHED = "finished"  # also where the branch stopped early: the curve itself says so
-    INTERRUPTED = "interrupted"
-    FAILED = "failed"
-
-
-@dataclass(frozen=True)
-class CurveOutcome:
-    """end, and for a failure its sentence"""
-
-    job: CurveJob
-    end: CurveEnd
-    message: str = ""
+    def said(self) -> tuple[bool, str]:
+        curve = store.read(self.output, ResponseCurve)
+        return not curve.stopped, curve.stopped or f"{len(curve)} points, {curve.seconds:.1f} s"
 
 
 def trace_curve(
     job: CurveJob,
-    report: Callable[[CurveProgress], None] = lambda _: None,
+    report: Callable[[JobProgress], None] = lambda _: None,
     should_stop: Callable[[], bool] = lambda: False,
     checkpoint_every: float = CHECKPOINT_EVERY,
     memory_of: int | None = None,
-) -> CurveEnd:
+) -> JobEnd:
     """Trace the job's curve, from its partial file on if that fits, and store it.
 
     should_stop: asked after every point; if true, what is solved is kept in the partial file
@@ -113,11 +95,11 @@ def trace_curve(
                 store.write(job.partial, curve, _stamp(job, stamp, meter))
                 last_written = time.monotonic()
             if stop:
-                return CurveEnd.INTERRUPTED
+                return JobEnd.INTERRUPTED
     assert curve is not None, "a trace hands out at least one curve"
     store.write(job.output, curve, _stamp(job, stamp, meter))
     job.partial.unlink(missing_ok=True)
-    return CurveEnd.FINISHED
+    return JobEnd.FINISHED
 
 
 def curve_problem(job: CurveJob) -> tuple[NonlinearSystem, CurveRequest]:
@@ -145,102 +127,11 @@ def _stamp(job: CurveJob, earlier: store.Stamp, meter: Meter) -> store.Stamp:
     return store.Stamp(job.key, {"hbm": seconds}, intervals, max(earlier.peak_memory, meter.peak_memory))
 
 
-def _progress(curve: ResponseCurve, window: tuple[float, float], upwards: bool) -> CurveProgress:
+def _progress(curve: ResponseCurve, window: tuple[float, float], upwards: bool) -> JobProgress:
     """The share counts how far the branch ever came: it turns back in frequency at folds."""
     low, high = window
     if not len(curve):  # none was found from this end of the window
-        return CurveProgress(0.0, low if upwards else high, 0)
+        return JobProgress(0.0, "no point yet")
     reached = curve.frequency.max() - low if upwards else high - curve.frequency.min()
     share = min(max(float(reached) / (high - low), 0.0), 1.0)
-    return CurveProgress(share, float(curve.frequency[-1]), len(curve))
-
-
-# --- many curves at once ---
-
-
-def trace_all(
-    jobs: Sequence[CurveJob],
-    workers: int,
-    report: Callable[[CurveJob, CurveProgress], None],
-    finished: Callable[[CurveOutcome], None],
-) -> tuple[CurveOutcome, ...]:
-    """Trace the curves in `workers` processes; one that fails does not keep the others from being finished.
-
-    report, finished: called in this process
-    raises: KeyboardInterrupt after an interruption, once every worker has stored what it has solved
-    """
-    context = get_context("spawn")  # forking a process that has threads (MKL, JAX, VTK) can hang
-    messages, stop = context.Queue(), context.Event()
-    by_output = {str(job.output): job for job in jobs}
-    outcomes: list[CurveOutcome] = []
-    with (
-        environment(thread_limits(1)),
-        ProcessPoolExecutor(workers, mp_context=context, initializer=_start_worker, initargs=(messages, stop)) as pool,
-    ):
-        futures = {pool.submit(_work, job): job for job in sorted(jobs, key=_ease)}
-        try:
-            for outcome in _outcomes(futures, messages, lambda name, progress: report(by_output[name], progress)):
-                outcomes.append(outcome)
-                finished(outcome)
-        except BaseException:
-            stop.set()
-            pool.shutdown(wait=True, cancel_futures=True)
-            raise
-    return tuple(outcomes)
-
-
-def _ease(job: CurveJob) -> tuple[float, float]:
-    """Smallest for the curve that is started first: the one expected to take longest, so that none is left over at
-    the end. A large force makes more contacts slip and open, and in a wide window the branch is longer.
-    """
-    low, high = job.rig.study.modes[job.mode].window
-    return -job.force, low - high
-
-
-def _outcomes(
-    futures: Mapping[Future[CurveOutcome], CurveJob], messages: Any, report: Callable[[str, CurveProgress], None]
-) -> Iterator[CurveOutcome]:
-    """Each curve's outcome as it comes, passing on progress in between."""
-    waiting = dict(futures)
-    while waiting:
-        with suppress(Empty):
-            report(*messages.get(timeout=REPORT_EVERY))
-        for future in [f for f in waiting if f.done()]:
-            job = waiting.pop(future)
-            error = future.exception()  # of the pool, such as a worker that the system has killed for want of memory
-            yield future.result() if error is None else CurveOutcome(job, CurveEnd.FAILED, f"{error}")
-
-
-_messages: Any = None
-_stop: Any = None
-
-
-def _start_worker(messages: Any, stop: Any) -> None:
-    """An interruption from the keyboard reaches the workers too; the parent asks them to stop."""
-    global _messages, _stop
-    keep_compiled()
-    messages.cancel_join_thread()  # progress that nobody reads any more must not hold up the end
-    _messages, _stop = messages, stop
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
-def _work(job: CurveJob) -> CurveOutcome:
-    """Errors come back as text: not every exception survives the way between processes."""
-    last, parent = 0.0, os.getppid()
-
-    def report(progress: CurveProgress) -> None:
-        nonlocal last
-        if time.monotonic() - last > REPORT_EVERY:
-            last = time.monotonic()
-            _messages.put((str(job.output), progress))
-
-    def orphaned() -> bool:
-        return os.getppid() != parent
-
-    try:
-        outcome = CurveOutcome(job, trace_curve(job, report, lambda: _stop.is_set() or orphaned(), memory_of=parent))
-    except Exception as error:
-        outcome = CurveOutcome(job, CurveEnd.FAILED, f"{type(error).__name__}: {error}")
-    if orphaned():
-        os._exit(1)  # the pool is gone, and its queues would be waited for without end
-    return outcome
+    return JobProgress(share, f"{curve.frequency[-1]:.2f} Hz, {len(curve)} points")

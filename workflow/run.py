@@ -1,5 +1,6 @@
 """One run: the stages in order, each taken from its file where nothing that goes into it has changed."""
 
+import hashlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -9,15 +10,19 @@ from updamp.fem.finite_element_model import CoupledCheck, FiniteElementResult
 from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.geometry.rig_mesh import RigMesh
 from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.hbm.stability.branch_stability import BranchStability
 from updamp.parallel.resources import Meter
 from updamp.rig.rig import Rig
 from updamp.workflow import stages, store
-from updamp.workflow.curve_jobs import CurveEnd, CurveJob, CurveOutcome, CurveProgress, trace_all
+from updamp.workflow.curve_jobs import CurveJob
+from updamp.workflow.job_pool import Job, JobEnd, JobOutcome, JobProgress, run_all
 from updamp.workflow.progress import Display
+from updamp.workflow.stability_jobs import StabilityJob
 from updamp.workflow.stage_functions import StageFunctions
 from updamp.workflow.stages import Stage
 
 Product = TypeVar("Product")
+AnyJob = TypeVar("AnyJob", bound=Job)
 
 FINITE_ELEMENT_STEPS = 8  # announced by the finite elements, for the progress bar
 
@@ -27,6 +32,7 @@ class RunOptions:
     """preset: of the mesh; folder: for all that the run writes; workers: processes that trace curves
 
     modes, forces: which curves [N]; empty for all of the study
+    stability: whether to say of every point whether it is stable
     accuracy: whether to trace every curve again with more harmonics, to state its numerical error
     check: whether to compare the reduced with the full coupled model; until: last stage, None for all
     raises: ValueError naming the option that is out of range
@@ -40,6 +46,7 @@ class RunOptions:
     check: bool = True
     pictures: bool = True
     accuracy: bool = False
+    stability: bool = True
     until: Stage | None = None
 
     def __post_init__(self) -> None:
@@ -60,7 +67,7 @@ class Stored(Generic[Product]):
 class Products:
     """What the stages have given, None where the run did not get so far; curves in the order of the study.
 
-    finer: the same curves with more harmonics, if they were asked for
+    finer: the same curves with more harmonics, if they were asked for; stability: of the curves, as far as it is known
     """
 
     mesh: Stored[RigMesh]
@@ -69,12 +76,19 @@ class Products:
     static_contact: Stored[StaticContact] | None = None
     curves: tuple[Stored[ResponseCurve], ...] = ()
     finer: tuple[Stored[ResponseCurve], ...] = ()
-    failures: tuple[CurveOutcome, ...] = ()
+    stability: tuple[Stored[BranchStability], ...] = ()
+    failures: tuple[JobOutcome, ...] = ()
+
+    def stability_of(self, mode: str) -> Mapping[float, BranchStability]:
+        """By force, of the curves it is known of."""
+        return {entry.product.force: entry.product for entry in self.stability if entry.product.mode == mode}
 
     @property
     def stamps(self) -> tuple[store.Stamp, ...]:
         single = (self.mesh, self.finite_elements, self.coupled_check, self.static_contact)
-        return tuple(entry.stamp for entry in (*single, *self.curves, *self.finer) if entry is not None)
+        return tuple(
+            entry.stamp for entry in (*single, *self.curves, *self.finer, *self.stability) if entry is not None
+        )
 
 
 @dataclass(eq=False)
@@ -100,6 +114,11 @@ class Run:
     def key(self, stage: Stage, mode: str = "", force: float = 0.0) -> str:
         return stage.key(self.rig, {"preset": self.options.preset, "mode": mode, "force": repr(force)})
 
+    @property
+    def response_point(self) -> str:
+        """Where peaks are taken: the tip of the blade that is excited."""
+        return f"blade_{self.rig.excitation.blade}.tip.x"
+
     def wanted(self, stage: Stage) -> bool:
         """Whether the run goes as far as this stage."""
         last = self.options.until
@@ -122,12 +141,28 @@ class Run:
         if not self.wanted(stages.CURVE):
             return done
         jobs = self.jobs(finite_elements.path, rest.path)
-        found, failures = self._curves(jobs)
+        found, failures = self._obtain_all(jobs, ResponseCurve)
         curves, finer = (
             tuple(found[job.output] for job in jobs if job.finer == kind and job.output in found)
             for kind in (False, True)
         )
-        return replace(done, curves=curves, finer=finer, failures=failures)
+        done = replace(done, curves=curves, finer=finer, failures=failures)
+        traced = [(job, found[job.output].product) for job in jobs if job.output in found and not job.finer]
+        return self._with_stability(done, traced)
+
+    def _with_stability(self, done: Products, curves: Sequence[tuple[CurveJob, ResponseCurve]]) -> Products:
+        if not self.options.stability:
+            return done
+        jobs = [
+            StabilityJob(
+                job, self.response_point, _for_these_points(self.key(stages.STABILITY, job.mode, job.force), curve),
+                self.file(f"stability_{job.mode}_{job.force:.12g}N"),
+            )
+            for job, curve in curves
+        ]  # fmt: skip
+        found, failures = self._obtain_all(jobs, BranchStability)
+        stability = tuple(found[job.output] for job in jobs if job.output in found)
+        return replace(done, stability=stability, failures=(*done.failures, *failures))
 
     def _mesh(self) -> Stored[RigMesh]:
         def compute(meter: Meter) -> tuple[RigMesh, Mapping[str, float]]:
@@ -211,41 +246,46 @@ class Run:
             for force in forces
         )  # fmt: skip
 
-    def _curves(
-        self, jobs: Sequence[CurveJob]
-    ) -> tuple[Mapping[Path, Stored[ResponseCurve]], tuple[CurveOutcome, ...]]:
-        found = _stored_curves(jobs)
+    def _obtain_all(
+        self, jobs: Sequence[AnyJob], kind: type[Product]
+    ) -> tuple[Mapping[Path, Stored[Product]], tuple[JobOutcome, ...]]:
+        """The jobs' products from their files if those fit, else computed and stored, shared over the processes; and
+        what became of those that were not finished.
+        """
+        found = _stored_products(jobs, kind)
         missing = [job for job in jobs if job.output not in found]
         for job in jobs:
             if job.output in found:
                 self.display.unchanged(job.name)
         if not missing:
             return found, ()
-        # Large forces take longest: begun first, they do not leave one worker busy alone at the end.
-        missing.sort(key=lambda job: -job.force)
-        outcomes = trace_all(missing, min(self.options.workers, len(missing)), self._on_progress, self._on_end)
-        found |= _stored_curves(missing)
-        failures = tuple(outcome for outcome in outcomes if outcome.end is not CurveEnd.FINISHED)
-        return found, failures
+        outcomes = run_all(missing, min(self.options.workers, len(missing)), self._on_progress, self._on_end)
+        found |= _stored_products(missing, kind)
+        return found, tuple(outcome for outcome in outcomes if outcome.end is not JobEnd.FINISHED)
 
-    def _on_progress(self, job: CurveJob, progress: CurveProgress) -> None:
-        self.display.update(job.name, progress.share, f"{progress.frequency:.2f} Hz, {progress.points} points")
+    def _on_progress(self, job: Job, progress: JobProgress) -> None:
+        self.display.update(job.name, progress.share, progress.detail)
 
-    def _on_end(self, outcome: CurveOutcome) -> None:
+    def _on_end(self, outcome: JobOutcome) -> None:
         name = outcome.job.name
-        if outcome.end is not CurveEnd.FINISHED:
+        if outcome.end is not JobEnd.FINISHED:
             self.display.failed(name, outcome.message or outcome.end.value)
             return
         self.executed.append(name)
-        curve = store.read(outcome.job.output, ResponseCurve)
-        show = self.display.failed if curve.stopped else self.display.done
-        show(name, curve.stopped or f"{len(curve)} points, {curve.seconds:.1f} s")
+        well, sentence = outcome.job.said()
+        show = self.display.done if well else self.display.failed
+        show(name, sentence)
 
 
-def _stored_curves(jobs: Iterable[CurveJob]) -> dict[Path, Stored[ResponseCurve]]:
+def _for_these_points(key: str, curve: ResponseCurve) -> str:
+    """A curve that is traced once more, for its file was lost, may have other points."""
+    return hashlib.sha256(key.encode() + curve.frequency.tobytes()).hexdigest()
+
+
+def _stored_products(jobs: Iterable[Job], kind: type[Product]) -> dict[Path, Stored[Product]]:
     """By file, those that are there."""
-    curves = ((job.output, stored(job.output, ResponseCurve, job.key)) for job in jobs)
-    return {path: curve for path, curve in curves if curve is not None}
+    products = ((job.output, stored(job.output, kind, job.key)) for job in jobs)
+    return {path: product for path, product in products if product is not None}
 
 
 def stored(path: Path, kind: type[Product], key: str) -> Stored[Product] | None:

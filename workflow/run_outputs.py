@@ -16,6 +16,7 @@ from updamp.geometry.write_vtu import write_vtu
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.newton.observe import contact_states
 from updamp.hbm.problem.system import NonlinearSystem
+from updamp.hbm.stability.branch_stability import BranchStability
 from updamp.model.build import rig_model
 from updamp.pictures import bodies, faces, kinematics, response
 from updamp.pictures.modes import ModeShape, animation, panel
@@ -56,14 +57,9 @@ class Outputs:
         return True
 
 
-CSV_VERSION, PICTURE_VERSION, VTU_VERSION = 1, 2, 1  # to be raised when a file of the same products looks different
+CSV_VERSION, PICTURE_VERSION, VTU_VERSION = 2, 3, 1  # to be raised when a file of the same products looks different
 
 BLADE_SHAPES = 4  # of the free blade, beside the two coupled ones
-
-
-def response_point(run: Run) -> str:
-    """Where peaks are taken: the tip of the blade that is excited."""
-    return f"blade_{run.rig.excitation.blade}.tip.x"
 
 
 def write_outputs(run: Run, products: Products) -> tuple[tuple[str, ...], str]:
@@ -91,10 +87,16 @@ def _meshes(outputs: Outputs, products: Products) -> list[str]:
 def _tables(outputs: Outputs, products: Products) -> list[str]:
     made = []
     for mode, curves in _by_mode(products).items():
-        name, keys = f"frf_{mode}.csv", _keys(products, mode)
+        name, keys = f"frf_{mode}.csv", [*_keys(products, mode), *_stability_keys(products, mode)]
 
-        def write(path: Path, curves: Sequence[ResponseCurve] = curves) -> None:
-            write_responses(path, curves)
+        stability = products.stability_of(mode)
+
+        def write(
+            path: Path,
+            curves: Sequence[ResponseCurve] = curves,
+            stability: Mapping[float, BranchStability] = stability,
+        ) -> None:
+            write_responses(path, curves, stability)
 
         if outputs.make(name, keys, CSV_VERSION, write):
             made.append(name)
@@ -113,6 +115,10 @@ def _keys(products: Products, mode: str) -> list[str]:
     return [curve.stamp.key for curve in products.curves if curve.product.mode == mode]
 
 
+def _stability_keys(products: Products, mode: str) -> list[str]:
+    return [entry.stamp.key for entry in products.stability if entry.product.mode == mode]
+
+
 # --- pictures: file, what it is made of, what draws it. Those by matplotlib first: they need no system libraries ---
 
 Picture = tuple[str, Sequence[str], Callable[[Path], None]]
@@ -128,7 +134,7 @@ def _plots(run: Run, products: Products) -> list[Picture]:
     if rest is not None:
         state = rest.product
         pictures.append(("pictures/pressure.png", [rest.stamp.key], lambda path: faces.pressure(path, contacts, state)))
-    modes, point = _by_mode(products), response_point(run)
+    modes, point = _by_mode(products), run.response_point
     for mode, curves in modes.items():
         keys = _keys(products, mode)
         finer = [curve for curve in products.finer if curve.product.mode == mode and len(curve.product)]
@@ -139,12 +145,13 @@ def _plots(run: Run, products: Products) -> list[Picture]:
             curves: Sequence[ResponseCurve] = curves,
             finer: Sequence[Stored[ResponseCurve]] = finer,
         ) -> None:
-            response.frequency_responses(path, mode, curves, point, [curve.product for curve in finer])
+            others = [curve.product for curve in finer]
+            response.frequency_responses(path, mode, curves, point, others, products.stability_of(mode))
 
         def draw_states(path: Path, mode: str = mode, curves: Sequence[ResponseCurve] = curves) -> None:
             faces.contact_states(path, contacts, mode, states_at_peaks(run, products, curves))
 
-        sources = [point, *keys, *(curve.stamp.key for curve in finer)]
+        sources = [point, *keys, *(curve.stamp.key for curve in finer), *_stability_keys(products, mode)]
         pictures.append((f"pictures/frf_{mode}.png", sources, draw_responses))
         pictures.append((f"pictures/contact_states_{mode}.png", [point, *keys], draw_states))
     if modes:
@@ -191,7 +198,7 @@ def mode_shapes(products: Products) -> tuple[ModeShape, ...]:
 
 
 def peak_place(run: Run, curve: ResponseCurve) -> int:
-    return int(abs(curve.receptance(response_point(run))).argmax())
+    return int(abs(curve.receptance(run.response_point)).argmax())
 
 
 def states_at_peaks(run: Run, products: Products, curves: Sequence[ResponseCurve]) -> dict[float, Any]:
@@ -223,6 +230,7 @@ def summarise(run: Run, products: Products, seconds: float, peak_memory: float) 
     timing["hbm"] = summary.union_length(
         [i for curve in (*products.curves, *products.finer) for i in curve.stamp.intervals]
     )
+    timing["stability"] = summary.union_length([i for entry in products.stability for i in entry.stamp.intervals])
     content: dict[str, Any] = {
         "rig": run.rig.name,
         "mesh_preset": run.options.preset,
@@ -238,7 +246,12 @@ def summarise(run: Run, products: Products, seconds: float, peak_memory: float) 
     if run.wanted(stages.CURVE):
         finer = {(curve.product.mode, curve.product.force): curve.product for curve in products.finer}
         content["curves"] = [
-            summary.curve_entry(curve, response_point(run), finer.get((curve.mode, curve.force)))
+            summary.curve_entry(
+                curve,
+                run.response_point,
+                finer.get((curve.mode, curve.force)),
+                products.stability_of(curve.mode).get(curve.force),
+            )
             for curve in (stored.product for stored in products.curves)
         ]
         content["failed_curves"] = {outcome.job.name: outcome.message for outcome in products.failures}

@@ -108,6 +108,8 @@ CURVE = Stage(
     optional=("effects", "calibration"),
 )
 
+STABILITY = Stage(name="stability", version=1, sections=(), after=(CURVE,), choices=("force",))
+
 # Only where a run is asked how accurate it is.
 FINER_CURVE = Stage(name="finer_curve", version=1, sections=(), after=(CURVE,), choices=("force",))
 

@@ -57,4 +57,12 @@ UNITS: Mapping[str, Mapping[str, str]] = {
         "seconds": "s",
         "after_gap": "1",
     },
+    "BranchStability": {
+        "force": "N",
+        "state": "1",
+        "computed": "1",
+        "growth": "1/s",
+        "why": "1",
+        "seconds": "s",
+    },
 }

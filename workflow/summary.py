@@ -17,6 +17,8 @@ from updamp.hbm.analysis.finer_curve import curve_error
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.continuation.sweeps import sweep
 from updamp.hbm.resonance.quadrature import quadrature_resonances
+from updamp.hbm.stability.branch_stability import BranchStability
+from updamp.workflow.stability_summary import stability_entry, words
 
 CSV_POINTS = ("tip.", "corner_")  # what is written of a curve: the places the lasers look at
 
@@ -60,7 +62,12 @@ def static_entry(rest: StaticContact) -> dict[str, Any]:
     }
 
 
-def curve_entry(curve: ResponseCurve, point: str, finer: ResponseCurve | None = None) -> dict[str, Any]:
+def curve_entry(
+    curve: ResponseCurve,
+    point: str,
+    finer: ResponseCurve | None = None,
+    stability: BranchStability | None = None,
+) -> dict[str, Any]:
     """point: where the peak is taken, first harmonic; a branch that found no point at all has no peak
 
     finer: the same curve with more harmonics, where the run was asked for its accuracy
@@ -77,6 +84,7 @@ def curve_entry(curve: ResponseCurve, point: str, finer: ResponseCurve | None = 
         "complete": curve.complete,
         "problem": problem(curve),
         "numerical_error": None,
+        "stability": stability_entry(curve, stability, point) if stability is not None else None,
     }
     if len(curve):
         entry |= _solved(curve, point)
@@ -136,20 +144,26 @@ def write_summary(path: Path, summary: Mapping[str, Any]) -> None:
     temporary.replace(path)
 
 
-def write_responses(path: Path, curves: Sequence[ResponseCurve]) -> None:
-    """Tidy CSV, one line a point, place and harmonic; amplitudes X_k = Xc_k - i Xs_k in metres."""
+def write_responses(
+    path: Path, curves: Sequence[ResponseCurve], stability: Mapping[float, BranchStability] | None = None
+) -> None:
+    """Tidy CSV, one line a point, place and harmonic; amplitudes X_k = Xc_k - i Xs_k in metres.
+
+    stability: by force, as far as it is known
+    """
     with path.open("w", newline="", encoding="utf-8") as file:
         lines = csv.writer(file)
-        lines.writerow(["mode", "force_N", "frequency_Hz", "point", "harmonic", "real_m", "imag_m"])
+        lines.writerow(["mode", "force_N", "frequency_Hz", "point", "harmonic", "real_m", "imag_m", "stability"])
         for curve in sorted(curves, key=lambda c: c.force):
             frequency = [f"{f:.9g}" for f in curve.frequency]
+            stable = words(curve, (stability or {}).get(curve.force))
             for point in (p for p in curve.points if any(part in p for part in CSV_POINTS)):
                 for k in curve.orders:
                     amplitude = curve.amplitude(point, k)
                     start = (curve.mode, f"{curve.force:g}")
                     lines.writerows(
-                        (*start, f, point, k, f"{x.real:.9g}", f"{x.imag:.9g}")
-                        for f, x in zip(frequency, amplitude, strict=True)
+                        (*start, f, point, k, f"{x.real:.9g}", f"{x.imag:.9g}", state)
+                        for f, x, state in zip(frequency, amplitude, stable, strict=True)
                     )
 
 
@@ -170,12 +184,20 @@ def curves_table(entries: Sequence[Mapping[str, Any]]) -> Table:
             ", ".join(f"{f:.2f}" for f in entry.get("jumps_down_Hz", ())),
             str(entry["points"]),
             f"{entry['seconds']:.0f}",
-            "[red]not complete[/]" if entry["problem"] else "",
+            _remark(entry),
         )
     if known:
         orders = ", ".join(map(str, known[0]["orders"]))
         table.caption = f"error: what harmonics {orders} change, of the peak's height and frequency"
     return table
+
+
+def _remark(entry: Mapping[str, Any]) -> str:
+    peak = (entry.get("stability") or {}).get("peak")
+    remarks = ["[red]not complete[/]"] if entry["problem"] else []
+    remarks += ["[red]unstable[/]"] if peak == "unstable" else []
+    remarks += ["stable?"] if peak == "unknown" else []
+    return ", ".join(remarks)
 
 
 def _error_cells(error: Mapping[str, Any] | None) -> tuple[str, str]:

@@ -13,7 +13,8 @@ from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.model.rig_files import load_rig
 from updamp.rig.rig import Rig
 from updamp.workflow import store
-from updamp.workflow.curve_jobs import CurveEnd, CurveJob, CurveOutcome, curve_problem, trace_all
+from updamp.workflow.curve_jobs import CurveJob, curve_problem
+from updamp.workflow.job_pool import JobEnd, JobOutcome, run_all
 
 RIG = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
 MODE, FORCE = "OOP", 9.6  # of the curve whose points are timed
@@ -99,13 +100,13 @@ def all_curves(stages: tuple[Path, Path], rig: Rig, workers: int) -> AllCurves:
     """Traced anew in so many processes of one thread each, as `updamp run` does, in a folder that is thrown away."""
     with TemporaryDirectory() as folder:
         start = time.perf_counter()
-        outcomes = trace_all(jobs(stages, Path(folder), rig), workers, lambda *_: None, lambda _: None)
+        outcomes = run_all(jobs(stages, Path(folder), rig), workers, lambda *_: None, lambda _: None)
         seconds = time.perf_counter() - start
         return AllCurves(seconds, workers, {outcome.job.name: _account(outcome) for outcome in outcomes})
 
 
-def _account(outcome: CurveOutcome) -> dict[str, float | int | str]:
-    if outcome.end is not CurveEnd.FINISHED:
+def _account(outcome: JobOutcome) -> dict[str, float | int | str]:
+    if outcome.end is not JobEnd.FINISHED:
         return {"points": 0, "seconds": 0.0, "gaps": 0, "problem": outcome.message}
     curve = store.read(outcome.job.output, ResponseCurve)
     return {"points": len(curve), "seconds": curve.seconds, "gaps": len(curve.gaps()), "problem": curve.stopped}

@@ -18,6 +18,7 @@ from rich.console import Console
 from typer.testing import CliRunner
 
 from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.hbm.stability.branch_stability import BranchStability, State
 from updamp.model.rig_files import load_rig
 from updamp.parallel.resources import Meter
 from updamp.pictures import scene
@@ -78,7 +79,8 @@ def test_a_run_writes_all_it_promises(finished):
     for name in ("blade_left", "blade_right", "damper", "contacts"):
         assert (out / "mesh" / f"{name}.vtu").exists()
     names = {path.name for path in (out / "stages").glob("*.h5")}
-    assert names == {f"{stage.name}.h5" for stage in stages.STAGES[:4]} | {"curve_OOP_0.01N.h5", "curve_IP_0.01N.h5"}
+    of_curves = {f"{kind}_{mode}_0.01N.h5" for kind in ("curve", "stability") for mode in ("OOP", "IP")}
+    assert names == {f"{stage.name}.h5" for stage in stages.STAGES[:4]} | of_curves
 
 
 def test_the_summary_has_its_keys_and_sound_numbers(finished):
@@ -95,6 +97,9 @@ def test_the_summary_has_its_keys_and_sound_numbers(finished):
         assert entry["unconverged"] == 0
         assert entry["problem"] == ""
         assert entry["energy_balance_error"] < 0.01
+        assert entry["stability"]["peak"] == "stable"
+        assert entry["stability"]["points"] == {"stable": entry["points"], "unstable": 0, "unknown": 0}
+        assert entry["stability"]["unstable_Hz"] == entry["stability"]["unknown_Hz"] == []
     timing = summary["timing_s"]
     assert timing["total"] > timing["hbm"] > 0
     assert timing["total"] > timing["assembly"] + timing["modes"] + timing["reduction"]
@@ -123,12 +128,13 @@ def test_the_csv_holds_the_curves(finished):
     curve = store.read(out / "stages" / "curve_OOP_0.01N.h5", ResponseCurve)
     with (out / "frf_OOP.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
-    assert list(rows[0]) == ["mode", "force_N", "frequency_Hz", "point", "harmonic", "real_m", "imag_m"]
+    assert list(rows[0]) == ["mode", "force_N", "frequency_Hz", "point", "harmonic", "real_m", "imag_m", "stability"]
     tip = [r for r in rows if r["point"] == "blade_left.tip.x" and r["harmonic"] == "1"]
     written = np.array([complex(float(r["real_m"]), float(r["imag_m"])) for r in tip])
     np.testing.assert_allclose(written, curve.amplitude("blade_left.tip.x"), rtol=1e-7, atol=1e-20)
     np.testing.assert_allclose([float(r["frequency_Hz"]) for r in tip], curve.frequency, rtol=1e-8)
     assert {r["harmonic"] for r in rows} == {"0", "1", "2", "3"}
+    assert {r["stability"] for r in rows} == {"stable"}
 
 
 def test_a_second_run_does_nothing_and_is_quick(finished):
@@ -141,7 +147,7 @@ def test_a_second_run_does_nothing_and_is_quick(finished):
     result = run_command("run", rig, "--mesh", "small", "--out", out, "--jobs", 2)
     assert result.exit_code == 0, result.output
     assert time.perf_counter() - started < 15
-    assert result.output.count("unchanged") == 6
+    assert result.output.count("unchanged") == 8
     assert {path: path.stat().st_mtime_ns for path in before} == before
     second = json.loads((out / "summary.json").read_text())
     assert second["timing_s"]["total"] < first["timing_s"]["total"]
@@ -172,7 +178,8 @@ def test_after_a_change_of_friction_no_finite_elements_are_run(finished, tmp_pat
     functions = StageFunctions(must_not_run, must_not_run, must_not_run)
     again, products = products_again(finished, tmp_path, {"contact.friction_coefficient": 0.5}, functions)
     assert again.executed[0] == "static_contact"
-    assert set(again.executed[1:]) == {"OOP 0.01 N", "IP 0.01 N"}
+    curves = {"OOP 0.01 N", "IP 0.01 N"}
+    assert set(again.executed[1:]) == curves | {f"{curve}, stability" for curve in curves}
     assert all(curve.product.complete for curve in products.curves)
 
 
@@ -205,10 +212,31 @@ def test_another_force_is_one_more_curve_and_a_damaged_file_is_made_anew(finishe
     options = RunOptions("small", tmp_path / "out", modes=("OOP",), forces=(0.01, 0.02))
     again = Run(load_rig(rig), options, Display(Console(file=io.StringIO())), functions)
     products = again.products()
-    assert again.executed == ["static_contact", "OOP 0.02 N"]
+    assert again.executed == ["static_contact", "OOP 0.02 N", "OOP 0.02 N, stability"]
     assert [curve.product.force for curve in products.curves] == [0.01, 0.02]
     peaks = [curve.product.peak("blade_right.tip.x")[1] for curve in products.curves]
     assert peaks[0] == pytest.approx(peaks[1], rel=1e-3), "stuck contacts: the receptance is that of a linear system"
+
+
+def test_an_unstable_peak_and_what_is_not_known_are_said(finished, tmp_path):
+    rig, out, _ = finished
+    shutil.copytree(out, tmp_path / "out")
+    path = tmp_path / "out" / "stages" / "stability_IP_0.01N.h5"
+    found, stamp = store.read(path, BranchStability), store.read_stamp(path)
+    state = np.full_like(found.state, State.UNSTABLE)
+    state[:3] = State.UNKNOWN
+    why = np.where(state == State.UNKNOWN, 0, -1)
+    store.write(path, replace(found, state=state, reasons=("too little time",), why=why), stamp)
+    result = run_command("run", rig, "--mesh", "small", "--out", tmp_path / "out", "--no-pictures")
+    assert result.exit_code == 0, "an unstable curve is complete all the same"
+    assert "stability IP 0.01 N: the peak at 424.04 Hz is unstable" in result.output
+    assert "stability OOP" not in result.output
+    entry = json.loads((tmp_path / "out" / "summary.json").read_text())["curves"][1]["stability"]
+    assert entry["peak"] == "unstable"
+    assert entry["unknown_because"] == {"too little time": 3}
+    assert entry["points"] == {"stable": 0, "unstable": len(state) - 3, "unknown": 3}
+    curve = store.read(tmp_path / "out" / "stages" / "curve_IP_0.01N.h5", ResponseCurve)
+    assert entry["unknown_Hz"] == [[curve.frequency[0], curve.frequency[2]]]
 
 
 def test_a_curve_that_stops_early_is_reported_and_the_run_ends_non_zero(finished, tmp_path):

@@ -1,5 +1,6 @@
 """Pictures are drawn, small enough to keep, and show what they should."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +13,9 @@ from updamp.geometry.build_mesh import build_mesh
 from updamp.geometry.contact_elements import LEFT, RIGHT
 from updamp.geometry.rig_mesh import mirrored_mesh
 from updamp.hbm.newton.observe import ContactState
+from updamp.hbm.stability.branch_stability import BranchStability, State
 from updamp.model.rig_files import load_rig
-from updamp.pictures import bodies, faces, kinematics, modes, response, scene
+from updamp.pictures import bodies, branch_lines, faces, kinematics, modes, response, scene
 from updamp.pictures.style import BLUE, LIGHT_GREY, ORANGE, VERMILLION, YELLOW
 
 RIG = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
@@ -122,6 +124,33 @@ def test_frequency_responses_with_folds_and_a_stopped_branch(tmp_path):
     labels = [mark.get_label() for mark in response._key_of_marks(curves)]
     assert labels == ["peak", "jump, sweep up", "jump, sweep down", "not followed"]
     assert [mark.get_label() for mark in response._key_of_marks(curves[:1])] == ["peak"]
+
+
+def test_what_is_unstable_or_not_known_is_drawn_otherwise(tmp_path):
+    """Solid, dashed, dotted; between two points that differ the less certain."""
+    curve = softening_curve(force=1.0)
+    state = np.full(len(curve), int(State.STABLE))
+    state[10:20], state[20:22] = State.UNSTABLE, State.UNKNOWN
+    none = np.zeros(0)
+    stability = BranchStability("IP", 1.0, state, state > 0, none, (), none.astype(int), 0.0)
+    runs = list(branch_lines._runs(curve, stability))
+    assert runs == [
+        (0, 9, State.STABLE), (9, 19, State.UNSTABLE), (19, 22, State.UNKNOWN), (22, len(curve) - 1, State.STABLE),
+    ]  # fmt: skip
+    assert list(branch_lines._runs(curve, None)) == [(0, len(curve) - 1, State.STABLE)]
+    labels = [mark.get_label() for mark in branch_lines.key_of_stability({1.0: stability})]
+    assert labels == ["unstable", "not known if stable"]
+    response.frequency_responses(tmp_path / "frf.png", "IP", [curve], "blade_right.tip.x", (), {1.0: stability})
+    response.frequency_responses(tmp_path / "solid.png", "IP", [curve], "blade_right.tip.x")
+    assert (tmp_path / "frf.png").read_bytes() != (tmp_path / "solid.png").read_bytes()
+
+
+def test_a_line_is_broken_where_the_branch_was_not_followed():
+    curve = softening_curve(force=1.0)
+    gap = np.zeros(len(curve), dtype=bool)
+    gap[[5, 6]] = True
+    runs = list(branch_lines._runs(replace(curve, after_gap=gap), None))
+    assert runs == [(0, 4, State.STABLE), (6, len(curve) - 1, State.STABLE)]
 
 
 def test_damper_motion_translates_in_one_mode_and_rolls_in_the_other(tmp_path, rig):

@@ -31,7 +31,8 @@ from updamp.rig.errors import RigError
 from updamp.rig.rig import Rig
 from updamp.rig.tables import values_table
 from updamp.workflow import stages, store
-from updamp.workflow.curve_jobs import CurveEnd, CurveJob, curve_problem, trace_curve
+from updamp.workflow.curve_jobs import CurveJob, curve_problem, trace_curve
+from updamp.workflow.job_pool import JobEnd
 from updamp.workflow.store import Stamp
 
 RIGS = Path(__file__).parents[2] / "rigs"
@@ -185,7 +186,7 @@ def job_of(folder: Path, *effects: dict) -> CurveJob:
 
 
 def curve_of(job: CurveJob) -> ResponseCurve:
-    assert trace_curve(job) is CurveEnd.FINISHED
+    assert trace_curve(job) is JobEnd.FINISHED
     return store.read(job.output, ResponseCurve)
 
 

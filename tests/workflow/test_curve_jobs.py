@@ -14,7 +14,8 @@ from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.newton.newton import solve
 from updamp.model.rig_files import load_rig
 from updamp.workflow import store
-from updamp.workflow.curve_jobs import CurveEnd, CurveJob, curve_problem, trace_all, trace_curve
+from updamp.workflow.curve_jobs import CurveJob, curve_problem, trace_curve
+from updamp.workflow.job_pool import JobEnd, run_all
 from updamp.workflow.store import Stamp
 
 RIG = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
@@ -40,7 +41,7 @@ def jobs(tmp_path_factory):
 @pytest.fixture(scope="module")
 def uninterrupted(jobs):
     job = replace(jobs[1], output=jobs[1].output.with_name("uninterrupted.h5"))
-    assert trace_curve(job) is CurveEnd.FINISHED
+    assert trace_curve(job) is JobEnd.FINISHED
     assert not job.partial.exists()
     return store.read(job.output, ResponseCurve)
 
@@ -55,13 +56,13 @@ def test_an_interrupted_curve_goes_on_and_equals_the_uninterrupted_one(jobs, uni
     job = replace(jobs[1], output=tmp_path / "curve.h5")
     stop_after = len(uninterrupted) // 2
     seen = []
-    assert trace_curve(job, seen.append, lambda: len(seen) >= stop_after) is CurveEnd.INTERRUPTED
+    assert trace_curve(job, seen.append, lambda: len(seen) >= stop_after) is JobEnd.INTERRUPTED
     assert not job.output.exists()
     half = store.read(job.partial, ResponseCurve)
     np.testing.assert_array_equal(half.frequency, uninterrupted.frequency[:stop_after])
 
     resumed_points = []
-    assert trace_curve(job, resumed_points.append) is CurveEnd.FINISHED
+    assert trace_curve(job, resumed_points.append) is JobEnd.FINISHED
     assert not job.partial.exists()
     whole = store.read(job.output, ResponseCurve)
     assert len(resumed_points) <= len(whole) - stop_after + 1, "what was solved is not solved again"
@@ -90,24 +91,24 @@ def test_a_checkpoint_of_other_input_or_a_damaged_one_is_not_used(jobs, uninterr
     first = []
     store.write(job.partial, uninterrupted, Stamp("another key"))
     trace_curve(job, first.append, lambda: True)
-    assert first[0].points == 1
+    assert first[0].detail.endswith(" 1 points")
     job.partial.write_bytes(b"damaged")
     trace_curve(job, first.append, lambda: True)
-    assert first[1].points == 1
+    assert first[1].detail.endswith(" 1 points")
 
 
 def test_a_curve_that_fails_leaves_the_others(jobs):
     lost = replace(jobs[0], rest=jobs[0].rest.with_name("missing.h5"), output=jobs[0].output.with_name("lost.h5"))
     progress, ended = {}, []
-    outcomes = trace_all(
+    outcomes = run_all(
         [lost, *jobs], 2, lambda job, p: progress.setdefault(job.name, []).append(p), lambda o: ended.append(o.job)
     )
     by_output = {outcome.job.output: outcome for outcome in outcomes}
-    assert by_output[lost.output].end is CurveEnd.FAILED
+    assert by_output[lost.output].end is JobEnd.FAILED
     assert "missing.h5: no such file" in by_output[lost.output].message
     assert len(ended) == 3
     for job in jobs:
-        assert by_output[job.output].end is CurveEnd.FINISHED
+        assert by_output[job.output].end is JobEnd.FINISHED
         assert store.read(job.output, ResponseCurve).complete
         assert store.read_stamp(job.output).key == job.key
         shares = [p.share for p in progress[job.name]]

@@ -1,0 +1,235 @@
+"""Which points of a curve are stable, unstable, or not known to be either.
+
+Not every point is computed. Where nothing slips or separates the response is the stuck structure's. The other points
+fall into parts, without gap or turning point inside. Between two turning points an odd number of real exponents grows:
+where the determinant at a point in the middle says so too, the whole part is unstable. Of the other parts the middle
+and the ends are computed, and points halfway between computed ones, the longest pieces first and those with ends that
+differ before others, until the curve's share of points, or of the time that tracing it took, is used up. The rest is
+taken to be as the two computed points around it. So what is assumed is that stability does not change twice between two
+computed points that agree, and that no branch crosses between two turning points.
+"""
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from enum import IntEnum
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.hbm.continuation.sweeps import turning_points
+from updamp.hbm.problem.system import NonlinearSystem
+from updamp.hbm.stability.stability import StabilityOptions, stability
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+SHARE = 6  # at most one of so many of the curve's points is computed,
+COST = 1 / 3  # and none once so much of the time that the curve took is spent,
+LEAST = 8  # but so many in any case
+UNTOLD = 4  # worth of a point that is not known, where one told by its neighbours has 1
+NOT_COMPUTED = "not computed: the curve's share of points was used up elsewhere"
+DIFFERENT = "between two points that differ, with none computed between them"
+
+
+class State(IntEnum):
+    """Of one point."""
+
+    UNKNOWN = 0
+    STABLE = 1
+    UNSTABLE = 2
+
+
+@dataclass(frozen=True, eq=False)
+class BranchStability:
+    """Of the points of one curve, in their order.
+
+    state: (n,) a `State`; computed: (n,) whether at this very point
+    growth: (n,) largest real part of the exponents [1/s]; not a number where it was not computed
+    reasons: why points are unknown; why: (n,) which of these it is, -1 for points that are known
+    seconds: wall time spent
+    """
+
+    mode: str
+    force: float
+    state: Integers
+    computed: NDArray[np.bool_]
+    growth: Floats
+    reasons: tuple[str, ...]
+    why: Integers
+    seconds: float
+
+    def share(self, state: State) -> float:
+        """Of the points, 0 to 1"""
+        return float(np.mean(self.state == state)) if len(self.state) else 0.0
+
+    def ranges(self, frequency: Floats, state: State) -> Floats:
+        """(n, 2) lowest and highest frequency [Hz] of each run of points in this state, along the branch."""
+        is_it = np.concatenate([[False], self.state == state, [False]])
+        starts, ends = np.flatnonzero(is_it[1:] & ~is_it[:-1]), np.flatnonzero(is_it[:-1] & ~is_it[1:])
+        runs = [frequency[start:end] for start, end in zip(starts, ends, strict=True)]
+        return np.array([[run.min(), run.max()] for run in runs]).reshape(-1, 2)
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """state; growth [1/s], not a number where none was computed; reason: why unknown, "" otherwise"""
+
+    state: State
+    growth: float
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Part:
+    """Consecutive points from start to last (included) that may slip or separate, without turning point or gap.
+
+    against: whether it lies between turning points; None where that is not known
+    """
+
+    start: int
+    last: int
+    against: bool | None
+
+
+def between_turning_points(frequency: Floats) -> NDArray[np.bool_]:
+    """(n,) True on the parts of a branch that run against its beginning: unstable, whatever the exponents say.
+
+    A branch is entered on a part that a sweep can follow, as in hbm/continuation/sweeps.py. Points at which it turns
+    count as past.
+    """
+    parity = np.zeros(len(frequency), dtype=np.int64)
+    for place in turning_points(frequency):
+        parity[place + 1 :] += 1
+    against: NDArray[np.bool_] = parity % 2 == 1
+    return against
+
+
+def parts_of(curve: ResponseCurve) -> tuple[Part, ...]:
+    """Beyond a gap it is not known whether a part lies between turning points."""
+    against, turns = between_turning_points(curve.frequency), set(turning_points(curve.frequency))
+    known = int(np.flatnonzero(curve.after_gap)[0]) if curve.after_gap.any() else len(curve)
+    breaks = {i + 1 for i in turns} | set(np.flatnonzero(curve.after_gap))
+    found: list[list[int]] = []
+    for i in np.flatnonzero(curve.active > 0):
+        if found and found[-1][-1] == i - 1 and i not in breaks:
+            found[-1].append(int(i))
+        else:
+            found.append([int(i)])
+    return tuple(Part(run[0], run[-1], bool(against[run[0]]) if run[0] < known else None) for run in found)
+
+
+def point_stability(
+    system: NonlinearSystem, curve: ResponseCurve, place: int, against: bool | None, options: StabilityOptions
+) -> Judgement:
+    """Whatever cannot be computed is unknown, with the reason."""
+    try:
+        with np.errstate(all="ignore"):
+            found = stability(system, curve.displacement[place], 2 * np.pi * curve.frequency[place], options, against)
+    except Exception as error:  # of a law, a factorisation, memory: no branch is lost by one of its points
+        return Judgement(State.UNKNOWN, np.nan, f"{type(error).__name__}: {error}")
+    growth = found.decisive.real
+    if not found.trusted or found.stable is None:
+        return Judgement(State.UNKNOWN, growth, found.reason)
+    return Judgement(State.STABLE if found.stable else State.UNSTABLE, growth)
+
+
+def branch_stability(
+    system: NonlinearSystem,
+    curve: ResponseCurve,
+    point: str,
+    options: StabilityOptions | None = None,
+    report: Callable[[float], None] = lambda _: None,
+) -> BranchStability:
+    """Of all points of a curve traced on `system`.
+
+    point: where the peak is taken, which is computed first; report: takes the share done, 0 to 1
+    raises: whatever `report` does
+    """
+    options, parts = options or StabilityOptions(), parts_of(curve)
+    most, began = max(LEAST, len(curve) // SHARE), time.perf_counter()
+    known: dict[int, Judgement] = {}
+    stuck = np.flatnonzero(curve.active == 0)
+    if len(stuck):
+        first = point_stability(system, curve, int(stuck[0]), None, options)
+        known |= {int(i): first for i in stuck}
+    peak = int(np.abs(curve.receptance(point)).argmax()) if len(curve) else None
+    computed = {int(i) for i in stuck}
+    for done, (part, place) in enumerate(_next_places(parts, known, peak)):
+        if done >= most or (done >= LEAST and time.perf_counter() - began > COST * curve.seconds):
+            break
+        report(done / most)
+        known[place] = point_stability(system, curve, place, part.against, options)
+        computed.add(place)
+    judged = [_judged(i, parts, known) for i in range(len(curve))]
+    return _collected(curve, judged, computed, time.perf_counter() - began)
+
+
+def _next_places(parts: tuple[Part, ...], known: dict[int, Judgement], peak: int | None) -> Iterator[tuple[Part, int]]:
+    """The peak, then always the point from which most is expected, with what is known by then."""
+    yield from ((part, peak) for part in parts if peak is not None and part.start <= peak <= part.last)
+    while True:
+        wanted = [(*entry, part) for part in parts for entry in _worth(part, known)]
+        if not wanted:
+            return
+        _, place, part = max(wanted, key=lambda entry: entry[:2])
+        yield part, place
+
+
+def _worth(part: Part, known: dict[int, Judgement]) -> Iterator[tuple[int, int]]:
+    """(worth, place): so many points are not known without it; those that two equal neighbours tell count less."""
+    inside = _inside(part, known)
+    if not inside:
+        yield UNTOLD * (part.last - part.start + 1), (part.start + part.last) // 2
+        return
+    if _unstable_throughout(part, known):
+        return
+    for end, nearest in ((part.start, inside[0]), (part.last, inside[-1])):
+        if end != nearest:
+            yield UNTOLD * abs(end - nearest), end
+    for a, b in pairwise(inside):
+        if b - a > 1:
+            yield (b - a) * (UNTOLD if known[a].state != known[b].state else 1), (a + b) // 2
+
+
+def _inside(part: Part, known: dict[int, Judgement]) -> list[int]:
+    return sorted(place for place in known if part.start <= place <= part.last)
+
+
+def _unstable_throughout(part: Part, known: dict[int, Judgement]) -> bool:
+    """Between turning points, confirmed by what was computed."""
+    inside = _inside(part, known)
+    return part.against is True and bool(inside) and all(known[i].state is State.UNSTABLE for i in inside)
+
+
+def _judged(place: int, parts: tuple[Part, ...], known: dict[int, Judgement]) -> Judgement:
+    """A point that was not computed is as the computed ones around it on its part, if these agree."""
+    if place in known:
+        return known[place]
+    part = next(part for part in parts if part.start <= place <= part.last)
+    inside = _inside(part, known)
+    if _unstable_throughout(part, known):
+        return Judgement(State.UNSTABLE, np.nan)
+    before, after = [i for i in inside if i < place][-1:], [i for i in inside if i > place][:1]
+    if not before or not after:
+        return Judgement(State.UNKNOWN, np.nan, NOT_COMPUTED)
+    one, other = known[before[0]], known[after[0]]
+    if one.state != other.state:
+        return Judgement(State.UNKNOWN, np.nan, DIFFERENT)
+    return Judgement(one.state, np.nan, one.reason)
+
+
+def _collected(curve: ResponseCurve, judged: list[Judgement], computed: set[int], seconds: float) -> BranchStability:
+    reasons = tuple(dict.fromkeys(one.reason for one in judged if one.reason))
+    return BranchStability(
+        mode=curve.mode,
+        force=curve.force,
+        state=np.array([int(one.state) for one in judged], dtype=np.int64),
+        computed=np.array([i in computed for i in range(len(judged))], dtype=bool),
+        growth=np.array([one.growth for one in judged], dtype=np.float64),
+        reasons=reasons,
+        why=np.array([reasons.index(one.reason) if one.reason else -1 for one in judged], dtype=np.int64),
+        seconds=seconds,
+    )

@@ -1,0 +1,154 @@
+"""Jobs of a run shared over processes: each leaves one file, reports how far it is, and can be interrupted."""
+
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor
+from contextlib import suppress
+from dataclasses import dataclass
+from enum import Enum
+from multiprocessing import get_context
+from pathlib import Path
+from queue import Empty
+from typing import Any, Protocol
+
+from updamp.hbm.compilation_cache import keep_compiled
+from updamp.parallel.resources import environment, thread_limits
+
+REPORT_EVERY = 0.2  # s
+
+
+@dataclass(frozen=True)
+class JobProgress:
+    """share: of the work done so far, 0 to 1; detail: what is being done"""
+
+    share: float
+    detail: str
+
+
+class JobEnd(Enum):
+    """What became of a job."""
+
+    FINISHED = "finished"  # also of a curve whose branch stopped early: the curve itself says so
+    INTERRUPTED = "interrupted"
+    FAILED = "failed"
+
+
+class Job(Protocol):
+    """A piece of work that leaves one file."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def output(self) -> Path: ...
+
+    @property
+    def key(self) -> str: ...
+
+    @property
+    def ease(self) -> tuple[float, ...]:
+        """Smallest for the job that is begun first: the one expected to take longest."""
+        ...
+
+    def run(
+        self, report: Callable[[JobProgress], None], should_stop: Callable[[], bool], memory_of: int | None
+    ) -> JobEnd:
+        """should_stop: asked now and then; if true, the job ends as soon as it can
+        memory_of: process whose memory (with all below it) is metered
+        """
+        ...
+
+    def said(self) -> tuple[bool, str]:
+        """Of what it left: whether that is whole, and a short line about it."""
+        ...
+
+
+@dataclass(frozen=True)
+class JobOutcome:
+    """end, and for a failure its sentence"""
+
+    job: Job
+    end: JobEnd
+    message: str = ""
+
+
+def run_all(
+    jobs: Sequence[Job],
+    workers: int,
+    report: Callable[[Job, JobProgress], None],
+    finished: Callable[[JobOutcome], None],
+) -> tuple[JobOutcome, ...]:
+    """Run the jobs in `workers` processes; one that fails does not keep the others from being finished.
+
+    report, finished: called in this process
+    raises: KeyboardInterrupt after an interruption, once every worker has stored what it has solved
+    """
+    context = get_context("spawn")  # forking a process that has threads (MKL, JAX, VTK) can hang
+    messages, stop = context.Queue(), context.Event()
+    by_output = {str(job.output): job for job in jobs}
+    outcomes: list[JobOutcome] = []
+    with (
+        environment(thread_limits(1)),
+        ProcessPoolExecutor(workers, mp_context=context, initializer=_start_worker, initargs=(messages, stop)) as pool,
+    ):
+        futures = {pool.submit(_work, job): job for job in sorted(jobs, key=lambda job: job.ease)}
+        try:
+            for outcome in _outcomes(futures, messages, lambda name, progress: report(by_output[name], progress)):
+                outcomes.append(outcome)
+                finished(outcome)
+        except BaseException:
+            stop.set()
+            pool.shutdown(wait=True, cancel_futures=True)
+            raise
+    return tuple(outcomes)
+
+
+def _outcomes(
+    futures: Mapping[Future[JobOutcome], Job], messages: Any, report: Callable[[str, JobProgress], None]
+) -> Iterator[JobOutcome]:
+    """Each job's outcome as it comes, passing on progress in between."""
+    waiting = dict(futures)
+    while waiting:
+        with suppress(Empty):
+            report(*messages.get(timeout=REPORT_EVERY))
+        for future in [f for f in waiting if f.done()]:
+            job = waiting.pop(future)
+            error = future.exception()  # of the pool, such as a worker that the system has killed for want of memory
+            yield future.result() if error is None else JobOutcome(job, JobEnd.FAILED, f"{error}")
+
+
+_messages: Any = None
+_stop: Any = None
+
+
+def _start_worker(messages: Any, stop: Any) -> None:
+    """An interruption from the keyboard reaches the workers too; the parent asks them to stop."""
+    global _messages, _stop
+    keep_compiled()
+    messages.cancel_join_thread()  # progress that nobody reads any more must not hold up the end
+    _messages, _stop = messages, stop
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _work(job: Job) -> JobOutcome:
+    """Errors come back as text: not every exception survives the way between processes."""
+    last, parent = 0.0, os.getppid()
+
+    def report(progress: JobProgress) -> None:
+        nonlocal last
+        if time.monotonic() - last > REPORT_EVERY:
+            last = time.monotonic()
+            _messages.put((str(job.output), progress))
+
+    def orphaned() -> bool:
+        return os.getppid() != parent
+
+    try:
+        outcome = JobOutcome(job, job.run(report, lambda: _stop.is_set() or orphaned(), parent))
+    except Exception as error:
+        outcome = JobOutcome(job, JobEnd.FAILED, f"{type(error).__name__}: {error}")
+    if orphaned():
+        os._exit(1)  # the pool is gone, and its queues would be waited for without end
+    return outcome

@@ -1,0 +1,67 @@
+"""The stability of a traced curve, as a job of its own: the curve is not traced again for it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.hbm.stability.branch_stability import BranchStability, State, branch_stability
+from updamp.parallel.resources import Meter
+from updamp.workflow import store
+from updamp.workflow.curve_jobs import CurveJob, curve_problem
+from updamp.workflow.job_pool import JobEnd, JobProgress
+
+SPOKEN = (State.STABLE, State.UNSTABLE, State.UNKNOWN)
+
+
+class StoppedError(Exception):
+    """The run was interrupted."""
+
+
+@dataclass(frozen=True)
+class StabilityJob:
+    """Of the curve that `curve` leaves.
+
+    point: where the peak is taken; key: of the stability; output: its file
+    """
+
+    curve: CurveJob
+    point: str
+    key: str
+    output: Path
+
+    @property
+    def name(self) -> str:
+        return f"{self.curve.name}, stability"
+
+    @property
+    def ease(self) -> tuple[float, ...]:
+        return self.curve.ease
+
+    def run(
+        self, report: Callable[[JobProgress], None], should_stop: Callable[[], bool], memory_of: int | None
+    ) -> JobEnd:
+        """Compute and store it. Points that cannot be computed are unknown; an interruption loses this curve's.
+
+        raises: StoreError where the files of the stages before cannot be read
+        """
+
+        def at(share: float) -> None:
+            report(JobProgress(share, "stability"))
+            if should_stop():
+                raise StoppedError
+
+        with Meter(memory_of) as meter:
+            system, _ = curve_problem(self.curve)
+            try:
+                found = branch_stability(system, store.read(self.curve.output, ResponseCurve), self.point, report=at)
+            except StoppedError:
+                return JobEnd.INTERRUPTED
+        stamp = store.Stamp(self.key, {"stability": meter.seconds}, (meter.interval,), meter.peak_memory)
+        store.write(self.output, found, stamp)
+        return JobEnd.FINISHED
+
+    def said(self) -> tuple[bool, str]:
+        found = store.read(self.output, BranchStability)
+        shares = ", ".join(f"{found.share(state):.0%} {state.name.lower()}" for state in SPOKEN)
+        return True, f"{shares}, {found.seconds:.1f} s"
