@@ -150,6 +150,7 @@ def branch_stability(
     """
     options, parts = options or StabilityOptions(), parts_of(curve)
     most, began = max(LEAST, len(curve) // SHARE), time.perf_counter()
+    counted_from = began
     known: dict[int, Judgement] = {}
     stuck = np.flatnonzero(curve.active == 0)
     if len(stuck):
@@ -158,11 +159,13 @@ def branch_stability(
     peak = int(np.abs(curve.receptance(point)).argmax()) if len(curve) else None
     computed = {int(i) for i in stuck}
     for done, (part, place) in enumerate(_next_places(parts, known, peak)):
-        if done >= most or (done >= LEAST and time.perf_counter() - began > COST * curve.seconds):
+        if done >= most or (done >= LEAST and time.perf_counter() - counted_from > COST * curve.seconds):
             break
         report(done / most)
         known[place] = point_stability(system, curve, place, part.against, options)
         computed.add(place)
+        if not done:
+            counted_from = time.perf_counter()  # the first one may have waited for laws to be compiled
     judged = [_judged(i, parts, known) for i in range(len(curve))]
     return _collected(curve, judged, computed, time.perf_counter() - began)
 

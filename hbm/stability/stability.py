@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 LOWEST_ORDER = 3
-FEW_FORCES = 250  # unknown forces: up to there all exponents are computed again with more harmonics
+SMALL = 250  # relative rows times coefficients of a system of which all exponents are computed with more harmonics too
 CHECKED = 3  # exponents at most, of those nearest to growing, that are computed again otherwise
 UNSETTLED = "the exponents with the sliders' memory did not settle"
 
@@ -138,7 +138,11 @@ def _with_memory(coarse: HillProblem, options: StabilityOptions) -> tuple[Comple
     """
     strip = Strip.of(coarse, options.tolerance)
     found, lost = strip.exponents()
-    check = _with_more_harmonics if coarse.n_forces <= FEW_FORCES else _with_more_samples
+    check = (
+        _with_more_harmonics
+        if coarse.system.free.n_relative * coarse.harmonics.n_coefficients <= SMALL
+        else _with_more_samples
+    )
     decisive, again = check(strip, found) if found else (None, np.nan)
     upper = [*([decisive.s] if decisive else ()), *(one.s for one in found if one is not decisive)]
     small = options.tolerance * coarse.w
@@ -182,7 +186,7 @@ def _finer_agrees(growth: float, again: float, small: float, options: StabilityO
         return []
     return [
         f"the largest real part is {growth:.3g} 1/s, and {again:.3g} with twice the time samples (and two harmonics "
-        "more where few contacts are active): a contact only just slips or separates, or there are too few harmonics"
+        "more in a small system): a contact only just slips or separates, or there are too few harmonics"
     ]
 
 

@@ -87,7 +87,7 @@ def test_what_cannot_be_computed_is_unknown_with_the_reason(duffing, monkeypatch
         raise ValueError("no exponents today")
 
     monkeypatch.setattr("updamp.hbm.stability.branch_stability.stability", broken)
-    found = branch_stability(system, curve, "mass")
+    found = branch_stability(system, replace(curve, seconds=np.inf), "mass")
     assert (found.state == State.UNKNOWN).all()
     assert found.reasons == ("ValueError: no exponents today",)
     assert (found.why == 0).all()
