@@ -19,7 +19,13 @@ from updamp.hbm.newton.observe import ContactState, contact_states, response
 from updamp.hbm.problem.elements import ElementGroup, element_forces
 from updamp.hbm.problem.linear_model import from_matrices
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
-from updamp.hbm.stability.branch_stability import State, between_turning_points, branch_stability, parts_of
+from updamp.hbm.stability.branch_stability import (
+    NOT_COMPUTED,
+    State,
+    between_turning_points,
+    branch_stability,
+    parts_of,
+)
 from updamp.hbm.stability.condensed_structure import condense
 from updamp.hbm.stability.hill import HillProblem
 from updamp.hbm.stability.perturbed_forces import perturbed_tangent
@@ -89,8 +95,11 @@ def test_what_cannot_be_computed_is_unknown_with_the_reason(duffing, monkeypatch
     monkeypatch.setattr("updamp.hbm.stability.branch_stability.stability", broken)
     found = branch_stability(system, replace(curve, seconds=np.inf), "mass")
     assert (found.state == State.UNKNOWN).all()
-    assert found.reasons == ("ValueError: no exponents today",)
-    assert (found.why == 0).all()
+    reasons = [found.reasons[i] for i in found.why]
+    assert {reason for reason, here in zip(reasons, found.computed, strict=True) if here} == {
+        "ValueError: no exponents today"
+    }
+    assert set(reasons) <= {"ValueError: no exponents today", NOT_COMPUTED}
     assert np.isnan(found.growth).all()
 
 
