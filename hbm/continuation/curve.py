@@ -16,17 +16,12 @@ from updamp.hbm.continuation.completeness import shortcoming
 from updamp.hbm.continuation.continuation import continue_branch
 from updamp.hbm.continuation.curve_records import CurveRequest, Records, put_together, with_peak_solved
 from updamp.hbm.continuation.pieces import BranchSegment, Pieces
+from updamp.hbm.continuation.predictor_corrector import CONNECTED
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.continuation.starts import starts
 from updamp.hbm.problem.system import NonlinearSystem
 
 __all__ = ["CurveRequest", "trace"]
-
-# So many points are traced from one end alone, as many as most curves have; then from both in turn. A branch that goes
-# on as it should costs no more that way; one that was lost at a kink is met from the other end.
-_FROM_ONE_END = 200
-# Points solved at the top of the peak: the second one is placed with the first.
-_POINTS_AT_TOP = 2
 
 
 def trace(
@@ -44,7 +39,7 @@ def trace(
     earlier = resume_from if resume_from is not None and len(resume_from) >= 2 else None
     first = _segment(system, request, request.upwards, started, earlier)
     pieces = Pieces(first, _segment(system, request, not request.upwards, started))
-    while first.active and len(first.records) < _FROM_ONE_END:
+    while first.active and len(first.records) < request.assembly.from_one_end:
         if pieces.advance(first):
             yield first.records.curve()
     yield from _from_both_ends(request, pieces)
@@ -54,7 +49,7 @@ def trace(
 
 def _from_both_ends(request: CurveRequest, pieces: Pieces) -> Iterator[ResponseCurve]:
     """Both segments in turn, until they meet or have ended, or for long after they have covered the window."""
-    both, left = (pieces.first, pieces.second), request.connecting
+    both, left = (pieces.first, pieces.second), request.assembly.connecting
     while not pieces.connected and left > 0 and any(segment.active for segment in both):
         for segment in both:
             if segment.active and not pieces.connected:
@@ -75,14 +70,14 @@ def _from_further_starts(
     system: NonlinearSystem, request: CurveRequest, pieces: Pieces, started: float
 ) -> Iterator[ResponseCurve]:
     """Segments from starts between the open ends, in both directions, until the ends of the window are connected."""
-    for _ in range(request.most_starts):
+    for _ in range(request.assembly.most_starts):
         ends = [end.traced for end in pieces.open_ends() if end.traced is not None]
         start = next((point for point in starts(system, request, ends) if not pieces.knows(point)), None)
         if start is None:
             return
         pair = [_segment_from(system, request, start, upwards, started) for upwards in (True, False)]
         pieces.add(start, *pair)
-        for _ in range(request.connecting):
+        for _ in range(request.assembly.connecting):
             for segment in pair:
                 if segment.active and not pieces.connected and pieces.advance(segment):
                     yield pieces.first.records.curve()
@@ -91,8 +86,8 @@ def _from_further_starts(
 def _finished(system: NonlinearSystem, request: CurveRequest, pieces: Pieces) -> ResponseCurve:
     parts = [(part.segment.records, part.backwards, part.gap) for part in pieces.parts()]
     curve = put_together(pieces.first.records, parts)
-    why = shortcoming(curve, request.window, request.limits)
-    for _ in range(0 if why else _POINTS_AT_TOP):
+    why = shortcoming(curve, request.window, request.assembly.limits)
+    for _ in range(0 if why else request.assembly.points_at_top):
         curve = with_peak_solved(system, request, curve)
     ends = "; ".join(segment.end_sentence for segment in pieces.open_ends())
     return replace(curve, complete=not why, stopped=f"{why}. {ends}" if why else "")
@@ -125,7 +120,7 @@ def _followed(
     system: NonlinearSystem, request: CurveRequest, upwards: bool, resumed: Sequence[BranchPoint]
 ) -> Iterator[BranchPoint]:
     """Without jumps: where the branch cannot be followed, other segments lead on."""
-    options = replace(request.options, jumps=())
+    options = replace(request.options, recoveries=CONNECTED)
     return continue_branch(system, request.excitation, request.window, options, upwards, resumed)
 
 

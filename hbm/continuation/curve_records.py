@@ -9,8 +9,8 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from updamp.hbm.continuation.branch import BranchPoint, point_at
-from updamp.hbm.continuation.completeness import CompletenessLimits
-from updamp.hbm.continuation.continuation import ContinuationOptions
+from updamp.hbm.continuation.curve_options import CurveOptions
+from updamp.hbm.continuation.predictor_corrector import ContinuationOptions
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.newton import observe
 from updamp.hbm.newton.metric import Metric
@@ -23,10 +23,7 @@ class CurveRequest:
     """What to trace: a branch through `window` [Hz] at constant force, observed at named points.
 
     mode: its name in the study; upwards: start at the lower end of the window
-    connecting: where a curve is traced from both ends and its segments cover the window, so many points more are spent,
-        from where they turn back, on what connects them, and as many on each further start. It may be long: a
-        hysteresis with many contacts that change their states on the way between its folds
-    limits: of the gaps in a complete curve; most_starts: of segments, where those from both ends do not meet
+    options: of its branches; assembly: of what is put together from them
     """
 
     mode: str
@@ -35,15 +32,7 @@ class CurveRequest:
     points: tuple[str, ...]
     upwards: bool = True
     options: ContinuationOptions = field(default_factory=ContinuationOptions)
-    connecting: int = 150
-    most_starts: int = 12
-    limits: CompletenessLimits = field(default_factory=CompletenessLimits)
-
-
-# How far the top of a peak may lie from where a spline expects it, in units of arc: half an ordinary step.
-_AT_TOP = 0.1
-# How close to the top a point is at it, as a share of the length of the points about it.
-_THERE = 1e-4
+    assembly: CurveOptions = field(default_factory=CurveOptions)
 
 
 class Records:
@@ -113,7 +102,7 @@ def with_peak_solved(system: NonlinearSystem, request: CurveRequest, curve: Resp
     if top is None or curve.after_gap[top[0]].any():
         return curve
     near, length, at = top
-    if np.abs(length - at).min() < _THERE * length[-1]:  # a point is there already
+    if np.abs(length - at).min() < request.assembly.there * length[-1]:  # a point is there already
         return curve
     places = np.column_stack([curve.displacement[near].reshape(len(length), -1), 2 * np.pi * curve.frequency[near]])
     spline = CubicSpline(length, places)
@@ -127,7 +116,7 @@ def with_peak_solved(system: NonlinearSystem, request: CurveRequest, curve: Resp
     if not solution.converged:
         return curve
     point = point_at(solution, request.excitation, scale_w, direction, 0.0)
-    if metric.length((point.x - start, point.w - w)) > _AT_TOP:  # it has gone to another branch
+    if metric.length((point.x - start, point.w - w)) > request.assembly.at_top:  # it has gone to another branch
         return curve
     added = Records(system, request, 0.0)
     added.add(point)

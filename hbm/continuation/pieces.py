@@ -92,10 +92,6 @@ class BranchSegment:
             self.furthest = point
 
 
-# Starts closer than this are the same one: below the shortest step on the far side of a kink.
-_SAME_START = 1e-4
-
-
 @dataclass(frozen=True, eq=False)
 class Part:
     """A segment of a chain. backwards: whether the chain runs against it; gap: whether nothing leads to it from the
@@ -118,6 +114,7 @@ class Pieces:
 
     def __init__(self, first: BranchSegment, second: BranchSegment) -> None:
         self.first, self.second = first, second
+        self._same_start = first.records.request.assembly.same_start
         self.segments = [first, second]
         self._other_way: dict[BranchSegment, BranchSegment] = {}  # from the same start
         self._starts: list[BranchPoint] = []
@@ -148,7 +145,7 @@ class Pieces:
 
     def knows(self, point: BranchPoint) -> bool:
         """Whether a start lies on what was traced, or is one that was tried."""
-        tried = any(point.distance(start.solution) < _SAME_START for start in self._starts)
+        tried = any(point.distance(start.solution) < self._same_start for start in self._starts)
         return tried or any(segment.chord_at(point) is not None for segment in self.segments)
 
     @property

@@ -5,7 +5,7 @@
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,17 +15,25 @@ from updamp.hbm.newton.metric import Metric, Move
 
 Floats = NDArray[np.float64]
 
-# Points kept as they are, to predict from; of the others only the chords between them.
-_POINTS_KEPT = 60
-# A point no further off a chord than this share of the chord, and of the step that led to the point, is on it.
-_OFF_CHORD = 0.1
-# Two mean positions closer than this share of their size are the same.
-_SAME_MEAN = 0.05
-# Steps up to this length may pass a bifurcation, where the orientation changes; in a longer one the change of
-# orientation tells another branch.
-_BIFURCATION = 2e-3
-# Least cosine between tangent and move: of an ordinary step, and of one through a bifurcation.
-_AHEAD, _STRAIGHT = 0.3, 0.9
+
+@dataclass(frozen=True)
+class BranchLimits:
+    """When a point is on a branch.
+
+    points_kept: as they are, to predict from; of the others only the chords between them
+    off_chord: a point no further off a chord than this share of the chord, and of the step that led to it, is on it
+    same_mean: two mean positions closer than this share of their size are the same
+    bifurcation: steps up to this length may pass a bifurcation, where the orientation changes; in a longer one the
+        change of orientation tells another branch
+    ahead, straight: least cosine between tangent and move, of an ordinary step and of one through a bifurcation
+    """
+
+    points_kept: int = 60
+    off_chord: float = 0.1
+    same_mean: float = 0.05
+    bifurcation: float = 2e-3
+    ahead: float = 0.3
+    straight: float = 0.9
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +51,7 @@ class TracedBranch:
 
     points: Sequence[BranchPoint]
     chords: Sequence[Chord] = ()
+    limits: BranchLimits = BranchLimits()
 
     @staticmethod
     def through(points: Sequence[BranchPoint]) -> "TracedBranch":
@@ -59,29 +68,31 @@ class TracedBranch:
             if not point.after_gap:
                 added.append(Chord((before.x, before.w), (point.x, point.w), point.orientation))
             before = point
-        return TracedBranch([*self.points, *points][-_POINTS_KEPT:], [*self.chords, *added])
+        kept = [*self.points, *points][-self.limits.points_kept :]
+        return replace(self, points=kept, chords=[*self.chords, *added])
 
     def contains(self, point: BranchPoint) -> bool:
         """Whether the point lies on a chord that was traced, not beyond the last point.
 
         The metric hardly sees the mean position; the same vibration about another mean position is another branch. So
         is the other side of a sharp fold: whoever goes back along a branch has the other orientation
-        (hbm/continuation/branch_switching.py), and whoever goes back with the same one is on the fold's other side.
+        (hbm/continuation/recovery/switch_branch.py), and whoever goes back with the same one is on the fold's other
+        side.
         """
         return self.chord_at(point, self.last.metric, self.last.distance(point)) is not None
 
     def chord_at(self, point: BranchPoint, metric: Metric, step: float) -> int | None:
         """Number of the first chord that the point lies on; step: its distance from the one before [arc]"""
-        reach = _OFF_CHORD * step * metric.scale_w
+        reach = self.limits.off_chord * step * metric.scale_w
         for i, chord in enumerate(self.chords):
             low, high = sorted((chord.start[1], chord.end[1]))
             slack = reach + 0.05 * (high - low)
-            if low - slack <= point.w <= high + slack and _lies_on(chord, point, metric, step):
+            if low - slack <= point.w <= high + slack and _lies_on(chord, point, metric, step, self.limits):
                 return i
         return None
 
 
-def _lies_on(chord: Chord, point: BranchPoint, metric: Metric, step: float) -> bool:
+def _lies_on(chord: Chord, point: BranchPoint, metric: Metric, step: float, limits: BranchLimits) -> bool:
     (x, w) = chord.start
     along, off = (chord.end[0] - x, chord.end[1] - w), (point.x - x, point.w - w)
     length = metric.length(along)
@@ -89,9 +100,9 @@ def _lies_on(chord: Chord, point: BranchPoint, metric: Metric, step: float) -> b
     if not -0.05 < share < 0.95:
         return False
     rest = (off[0] - share * along[0], off[1] - share * along[1])
-    if metric.length(rest) > _OFF_CHORD * min(length, step):
+    if metric.length(rest) > limits.off_chord * min(length, step):
         return False
-    if float(np.linalg.norm(rest[0])) > _SAME_MEAN * float(np.linalg.norm(point.x)):
+    if float(np.linalg.norm(rest[0])) > limits.same_mean * float(np.linalg.norm(point.x)):
         return False
     if chord.orientation is None or point.orientation is None:
         return True
@@ -99,9 +110,9 @@ def _lies_on(chord: Chord, point: BranchPoint, metric: Metric, step: float) -> b
     return (chord.orientation == point.orientation) != back
 
 
-def on_same_branch(last: BranchPoint, point: BranchPoint) -> bool:
+def on_same_branch(last: BranchPoint, point: BranchPoint, limits: BranchLimits) -> bool:
     """Whether the branch runs from one to the other: ahead, and with its orientation kept
-    (hbm/continuation/branch_switching.py).
+    (hbm/continuation/recovery/switch_branch.py).
 
     The response of a symmetric structure is symmetric, and goes straight on through bifurcations to asymmetric ones;
     the sign changes there. Where it is costly to know, it is not asked for.
@@ -110,8 +121,8 @@ def on_same_branch(last: BranchPoint, point: BranchPoint) -> bool:
     cosine = point.metric.product(point.tangent, move) / point.metric.length(move)
     before, after = last.orientation, point.orientation
     kept = before is None or after is None or before == after
-    ahead = cosine > _AHEAD if kept else point.step < _BIFURCATION and cosine > _STRAIGHT
-    return ahead and (point.step < _BIFURCATION or _tangents_account_for(last, point))
+    ahead = cosine > limits.ahead if kept else point.step < limits.bifurcation and cosine > limits.straight
+    return ahead and (point.step < limits.bifurcation or _tangents_account_for(last, point))
 
 
 def _tangents_account_for(last: BranchPoint, point: BranchPoint) -> bool:

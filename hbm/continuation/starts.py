@@ -10,15 +10,13 @@ import numpy as np
 
 from updamp.hbm.continuation.branch import BranchPoint, point_at
 from updamp.hbm.continuation.continuation import BranchStoppedError
+from updamp.hbm.continuation.corrector import Corrector
 from updamp.hbm.continuation.curve_records import CurveRequest
 from updamp.hbm.continuation.first_point import first_point
-from updamp.hbm.continuation.jump import point_beyond_gap
+from updamp.hbm.continuation.recovery.jump import point_beyond_gap
 from updamp.hbm.continuation.retracing import TracedBranch
 from updamp.hbm.newton.newton import Solution, solve
 from updamp.hbm.problem.system import NonlinearSystem
-
-# How far ahead of an end a start at a fixed frequency is looked for, as shares of the window.
-_AHEAD = (0.0025, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32)
 
 
 def starts(system: NonlinearSystem, request: CurveRequest, ends: Sequence[TracedBranch]) -> Iterator[BranchPoint]:
@@ -27,12 +25,14 @@ def starts(system: NonlinearSystem, request: CurveRequest, ends: Sequence[Traced
     ends: what was traced up to each end, at most two; the frequencies between them are looked at
     """
     options = request.options
+    corrector = Corrector(system, request.excitation, options, options.scale_w(request.window))
+    lengths = options.no_shorter(request.assembly.start_lengths)
     for newton in (options.newton, options.persistent):
         for traced in ends:
-            point = point_beyond_gap(system, request.excitation, traced, options.no_shorter(options.jumps), newton)
+            point = point_beyond_gap(corrector, traced, lengths, newton)
             if point is not None:
                 yield point
-    for share in _AHEAD:
+    for share in request.assembly.start_shares:
         for i, traced in enumerate(ends):
             other = ends[1 - i].last.w if len(ends) > 1 else np.inf * traced.last.tangent_w
             if (point := _at_frequency(system, request, traced.last, other, share)) is not None:

@@ -8,9 +8,10 @@ from support.peers import blades_and_damper_system, one_degree_of_freedom, solve
 
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring, UnilateralParameters, UnilateralSpring
-from updamp.hbm.continuation import predictor_corrector
-from updamp.hbm.continuation.branch_switching import lies_on_last_points
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions, continue_branch, first_point
+from updamp.hbm.continuation.recovery.step_in_phase import StepInPhase
+from updamp.hbm.continuation.recovery.supported_step import SupportedStep
+from updamp.hbm.continuation.recovery.switch_branch import SwitchBranch, lies_on_last_points
 from updamp.hbm.continuation.retracing import TracedBranch
 from updamp.hbm.newton.active_forces import DirectForces, KrylovForces, ModalForces
 from updamp.hbm.newton.equation import evaluate
@@ -21,6 +22,7 @@ from updamp.hbm.problem.system import Excitation
 
 ROW = np.array([[0]])
 GAP = 1.0
+EXACT = (SwitchBranch(), SwitchBranch(reverse=True))
 WINDOW = (1.2 / 2 / np.pi, 1.6 / 2 / np.pi)
 
 
@@ -37,7 +39,7 @@ def against_a_stop(request):
 
 def followed(system, excitation, points=60, **steps):
     found = []
-    options = ContinuationOptions(max_points=points, jumps=(), skips=(), **steps)
+    options = ContinuationOptions(**{"max_points": points, "recoveries": EXACT, **steps})
     try:
         for point in continue_branch(system, excitation, WINDOW, options, upwards=False):
             found.append(point)
@@ -66,9 +68,8 @@ def test_branch_switching_does_not_depend_on_how_small_the_smallest_step_is(agai
     assert found[-1].w > 1.4, "beyond the kink the branch goes up again"
 
 
-def test_without_the_far_sides_tangent_it_stops_there(against_a_stop, monkeypatch):
-    monkeypatch.setattr(predictor_corrector, "directions_beyond_kink", lambda *_: iter(()))
-    found, stop = followed(*against_a_stop)
+def test_without_the_far_sides_tangent_it_stops_there(against_a_stop):
+    found, stop = followed(*against_a_stop, recoveries=(StepInPhase(), SupportedStep()))
     assert stop is not None
     assert found[-1].w == pytest.approx(1.35, abs=0.01)
 

@@ -112,7 +112,7 @@ def test_a_branch_that_cannot_go_on_says_where_and_keeps_what_it_has():
         first_step=0.2,
         smallest_step=0.19,
         largest_step=0.2,
-        jumps=(),
+        recoveries=(),
         newton=NewtonOptions(tolerance=1e-13, iterations=1),
     )
     request = CurveRequest(

@@ -10,6 +10,7 @@ from updamp.hbm.contact.springs import CubicParameters, CubicSpring
 from updamp.hbm.continuation import curve as curve_module
 from updamp.hbm.continuation.continuation import ContinuationOptions, continue_branch
 from updamp.hbm.continuation.curve import CurveRequest, trace
+from updamp.hbm.continuation.curve_options import CurveOptions
 from updamp.hbm.continuation.sweeps import sweep, turning_points
 from updamp.hbm.problem.elements import ElementGroup
 from updamp.hbm.problem.system import Excitation
@@ -35,10 +36,9 @@ def hysteresis():
 
 @pytest.mark.parametrize("upwards", [True, False])
 @pytest.mark.parametrize("alone", [2, 30])
-def test_the_same_curve_from_both_ends(hysteresis, monkeypatch, alone, upwards):
+def test_the_same_curve_from_both_ends(hysteresis, alone, upwards):
     system, request, whole = hysteresis
-    monkeypatch.setattr(curve_module, "_FROM_ONE_END", alone)
-    *_, curve = trace(system, replace(request, upwards=upwards))
+    *_, curve = trace(system, replace(request, upwards=upwards, assembly=CurveOptions(from_one_end=alone)))
     assert curve.complete
     assert not curve.after_gap.any()
     frequency = curve.frequency if upwards else curve.frequency[::-1]
@@ -49,9 +49,9 @@ def test_the_same_curve_from_both_ends(hysteresis, monkeypatch, alone, upwards):
     assert len(curve) < 1.1 * len(whole)
 
 
-def test_an_interrupted_curve_goes_on_from_both_ends(hysteresis, monkeypatch):
+def test_an_interrupted_curve_goes_on_from_both_ends(hysteresis):
     system, request, whole = hysteresis
-    monkeypatch.setattr(curve_module, "_FROM_ONE_END", 20)
+    request = replace(request, assembly=CurveOptions(from_one_end=20))
     for part in trace(system, request):
         if len(part) == 25:
             break
@@ -65,7 +65,7 @@ def test_an_interrupted_curve_goes_on_from_both_ends(hysteresis, monkeypatch):
 def test_what_a_segment_traced_on_another_branch_is_left_out(hysteresis, monkeypatch):
     """Below its first fold the segment from the lower end jumps to the other sheet and goes back along it, for ever."""
     system, request, whole = hysteresis
-    monkeypatch.setattr(curve_module, "_FROM_ONE_END", 20)
+    request = replace(request, assembly=CurveOptions(from_one_end=20))
     below, low = whole.frequency[turning_points(whole.frequency)][::-1]
     lost = 0.5 * (below + low)
 
@@ -90,7 +90,7 @@ def test_what_a_segment_traced_on_another_branch_is_left_out(hysteresis, monkeyp
 def test_what_connects_two_segments_is_not_followed_for_ever(hysteresis, monkeypatch):
     """Both sheets and their jumps are known before the unstable part between the folds is."""
     system, request, whole = hysteresis
-    monkeypatch.setattr(curve_module, "_FROM_ONE_END", 2)
+    request = replace(request, assembly=CurveOptions(from_one_end=2))
     *_, curve = trace(system, replace(request, connecting=4, most_starts=0))
     assert not curve.complete
     assert "not followed between" in curve.stopped

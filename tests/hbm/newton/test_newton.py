@@ -7,6 +7,7 @@ from support.peers import blades_and_damper_system
 from updamp.hbm.contact.coulomb_circle import CoulombCircle
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.continuation.continuation import ContinuationOptions, first_point
+from updamp.hbm.continuation.recovery.supported_step import SupportedStep
 from updamp.hbm.newton.equation import evaluate, linear_solution
 from updamp.hbm.newton.jacobian import factorise
 from updamp.hbm.newton.newton import NewtonOptions, Status, solve
@@ -100,7 +101,7 @@ def test_without_progress_it_is_given_up_after_its_patience(slipping):
         (lambda: NewtonOptions(support=1.0), "support"),
         (lambda: ContinuationOptions(smallest_step=1.0), "smallest_step"),
         (lambda: ContinuationOptions(max_points=1), "max_points"),
-        (lambda: ContinuationOptions(supports=(0.0, -0.1)), "supports"),
+        (lambda: SupportedStep(supports=(0.0, -0.1)), "supports"),
     ],
 )
 def test_options_refuse_bad_values_by_name(options, name):

@@ -19,26 +19,74 @@ from itertools import pairwise
 import numpy as np
 import scipy.linalg
 
-from updamp.hbm.continuation.branch import BranchPoint
+from updamp.hbm.continuation.branch import BranchPoint, point_after
+from updamp.hbm.continuation.corrector import Corrector
+from updamp.hbm.continuation.retracing import TracedBranch
 from updamp.hbm.newton.equation import evaluate
 from updamp.hbm.newton.metric import Move
-from updamp.hbm.newton.newton import Solution
-from updamp.hbm.problem.system import Forcing, NonlinearSystem
+from updamp.hbm.newton.newton import Arc, Solution, solve
 
-# Arc ahead of the last point at which the far side is looked at: one that is too short is still on this side, one that
-# is too long has met the next kink.
-_AHEAD = (1e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.03, 0.1)
-# The longest of them, or four times the smallest step: the kink lies within that step ahead of the last point.
-_FURTHEST = 1e-3
-# Steps on the far side, by that length: long enough to end beyond the kink, wherever before it the kink lies.
-_STEPS, _LONGEST = (10.0, 3.0, 30.0), 0.01  # or ten times the smallest step
-# Cosine between two tangents above which there is no kink between them.
-_NO_KINK = 0.98
 # Last points that a solution is compared with.
 _LAST_POINTS = 12
 # It lies on the branch through them where it is off that by no more than this share of its distance from the last
 # point; the same for the mean position.
 _OFF_BRANCH, _OFF_BRANCH_MEAN = 0.03, 0.3
+
+
+@dataclass(frozen=True)
+class SwitchBranch:
+    """A point in the direction in which the branch goes on beyond a kink.
+
+    reverse: with the orientation reversed
+    ahead: arc beyond the last point at which the far side is looked at: one that is too short is still on this side,
+        one that is too long has met the next kink; furthest: the longest of them, or four times the smallest step: the
+        kink lies within that step ahead of the last point
+    steps: on the far side, by that length: long enough to end beyond the kink, wherever before it the kink lies;
+        longest: of them, or ten times the smallest step
+    no_kink: cosine between two tangents above which there is no kink between them
+    """
+
+    reverse: bool = False
+    ahead: tuple[float, ...] = (1e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.03, 0.1)
+    furthest: float = 1e-3
+    steps: tuple[float, ...] = (10.0, 3.0, 30.0)
+    longest: float = 0.01
+    no_kink: float = 0.98
+
+    def __call__(self, corrector: Corrector, traced: TracedBranch) -> Sequence[BranchPoint]:
+        last, options = traced.last, corrector.options
+        for direction in self.directions(corrector, last):
+            (x, w), (dx, dw) = direction.start, direction.tangent
+            for step in direction.steps:
+                arc = Arc(x + step * dx, w + step * dw, direction.tangent, last.metric)
+                solution = solve(corrector.system, corrector.excitation, arc.x0, arc.w0, options.newton, arc)
+                if not solution.converged:
+                    continue
+                point = point_after(last, solution, corrector.excitation)
+                straight = last.metric.product(direction.tangent, last.move_to(solution)) > 0.7 * point.step
+                if straight and point.step < 3 * step and not lies_on_last_points(traced.points, solution):
+                    return [point]
+        return []
+
+    def directions(self, corrector: Corrector, last: BranchPoint) -> "Iterator[BranchDirection]":
+        """Of the branch beyond a kink close to `last`."""
+        system, excitation, smallest = corrector.system, corrector.excitation, corrector.options.smallest_step
+        here = evaluate(system, excitation, last.x, last.w)
+        orientation = here.factorised().determinant_sign * np.sign(last.tangent_w)
+        for ahead in (length for length in self.ahead if length <= max(self.furthest, 4 * smallest)):
+            there = evaluate(system, excitation, last.x + ahead * last.tangent_x, last.w + ahead * last.tangent_w)
+            try:
+                jacobian = there.factorised()
+            except scipy.linalg.LinAlgError:
+                continue
+            dx, dw = -jacobian.solve(there.frequency_derivative(excitation)), 1.0
+            length = last.metric.length((dx, dw))
+            if not 0 < length < np.inf or abs(last.metric.product(last.tangent, (dx, dw))) > self.no_kink * length:
+                continue
+            if (jacobian.determinant_sign == orientation) == self.reverse:
+                length = -length
+            steps = tuple(share * ahead for share in self.steps if share * ahead <= max(self.longest, 10 * smallest))
+            yield BranchDirection((there.x, there.w), (dx / length, dw / length), steps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,30 +100,6 @@ class BranchDirection:
     start: Move
     tangent: Move
     steps: tuple[float, ...]
-
-    def reversed(self) -> "BranchDirection":
-        return BranchDirection(self.start, (-self.tangent[0], -self.tangent[1]), self.steps)
-
-
-def directions_beyond_kink(
-    system: NonlinearSystem, excitation: Forcing, last: BranchPoint, smallest_step: float
-) -> Iterator[BranchDirection]:
-    """Directions of the branch beyond a kink close to `last`, with the orientation kept."""
-    here = evaluate(system, excitation, last.x, last.w)
-    orientation = here.factorised().determinant_sign * np.sign(last.tangent_w)
-    for ahead in (length for length in _AHEAD if length <= max(_FURTHEST, 4 * smallest_step)):
-        there = evaluate(system, excitation, last.x + ahead * last.tangent_x, last.w + ahead * last.tangent_w)
-        try:
-            jacobian = there.factorised()
-        except scipy.linalg.LinAlgError:
-            continue
-        dx, dw = -jacobian.solve(there.frequency_derivative(excitation)), 1.0
-        length = last.metric.length((dx, dw))
-        if not 0 < length < np.inf or abs(last.metric.product(last.tangent, (dx, dw))) > _NO_KINK * length:
-            continue
-        length = length if jacobian.determinant_sign == orientation else -length
-        steps = tuple(share * ahead for share in _STEPS if share * ahead <= max(_LONGEST, 10 * smallest_step))
-        yield BranchDirection((there.x, there.w), (dx / length, dw / length), steps)
 
 
 def lies_on_last_points(points: Sequence[BranchPoint], solution: Solution) -> bool:

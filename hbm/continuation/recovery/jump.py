@@ -3,30 +3,71 @@ sharp and too many to follow, with amplitude and frequency all but standing whil
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from updamp.hbm.continuation.branch import BranchPoint, point_at
+from updamp.hbm.continuation.corrector import Corrector
 from updamp.hbm.continuation.retracing import TracedBranch
 from updamp.hbm.newton.metric import Move
 from updamp.hbm.newton.newton import Arc, NewtonOptions, solve
-from updamp.hbm.problem.system import Forcing, NonlinearSystem
 
-# The far side is followed back no nearer than this: two ordinary steps of half the largest size.
-_NO_GAP = 0.1
+
+@dataclass(frozen=True)
+class SkipAhead:
+    """A point a little ahead, with the orientation kept: where the law, sampled in time, has a discontinuity.
+
+    lengths: ahead of the last point, in units of arc
+    """
+
+    lengths: tuple[float, ...] = (3e-4, 1e-3, 3e-3, 0.01)
+
+    def __call__(self, corrector: Corrector, traced: TracedBranch) -> Sequence[BranchPoint]:
+        options = corrector.options
+        point = point_beyond_gap(corrector, traced, options.no_shorter(self.lengths), options.newton)
+        return [point] if point is not None and point.orientation == traced.last.orientation else []
+
+
+@dataclass(frozen=True)
+class Jump:
+    """The points beyond a jump: from where its far side begins to where the jump ended.
+
+    lengths: of the jumps, in units of arc; no_gap: the far side is followed back no nearer than this: two ordinary
+        steps of half the largest size
+    """
+
+    lengths: tuple[float, ...] = (0.03, 0.1, 0.2, 0.4)
+    no_gap: float = 0.1
+
+    def __call__(self, corrector: Corrector, traced: TracedBranch) -> Sequence[BranchPoint]:
+        options = corrector.options
+        for newton in (options.newton, options.persistent):
+            far = point_beyond_gap(corrector, traced, options.no_shorter(self.lengths), newton)
+            if far is not None:
+                return back_to_gap(_backwards(corrector, far), far, traced.last, self.no_gap)
+        return []
+
+
+def _backwards(corrector: Corrector, start: BranchPoint) -> Iterator[BranchPoint]:
+    """From `start` the other way, until the branch cannot be followed any further."""
+    traced, step = TracedBranch([start.turned()]), corrector.options.first_step
+    while step >= corrector.options.short_step:
+        point, _ = corrector.step(traced, step)
+        if point is None:
+            step /= 2
+            continue
+        step = corrector.next_step(point, step)
+        traced = traced.extended([point])
+        yield point
 
 
 def point_beyond_gap(
-    system: NonlinearSystem,
-    excitation: Forcing,
-    traced: TracedBranch,
-    lengths: Sequence[float],
-    options: NewtonOptions,
+    corrector: Corrector, traced: TracedBranch, lengths: Sequence[float], options: NewtonOptions
 ) -> BranchPoint | None:
     """A point about one of `lengths` beyond the last one, not on what was traced; one with the branch's orientation
-    (hbm/continuation/branch_switching.py) rather than a nearer one without.
+    (hbm/continuation/recovery/switch_branch.py) rather than a nearer one without.
     """
-    last, other = traced.last, None
+    system, excitation, last, other = corrector.system, corrector.excitation, traced.last, None
     for length in lengths:
         for x, w in _guesses(traced.points, length):
             ahead = (x - last.x, w - last.w)
@@ -47,7 +88,9 @@ def point_beyond_gap(
     return other
 
 
-def back_to_gap(backwards: Iterable[BranchPoint], far: BranchPoint, last: BranchPoint) -> Sequence[BranchPoint]:
+def back_to_gap(
+    backwards: Iterable[BranchPoint], far: BranchPoint, last: BranchPoint, no_gap: float
+) -> Sequence[BranchPoint]:
     """The far side of a jump in the order of the branch: `backwards` runs from `far` towards the gap.
 
     Followed as long as it comes no nearer to `last` than an ordinary step, and for no longer than twice the jump.
@@ -56,7 +99,7 @@ def back_to_gap(backwards: Iterable[BranchPoint], far: BranchPoint, last: Branch
     for point in backwards:
         length += point.step
         behind_last = last.metric.product(last.move_to(point), last.tangent) < 0
-        if last.distance(point) < _NO_GAP or length > 2 * jump or behind_last:
+        if last.distance(point) < no_gap or length > 2 * jump or behind_last:
             break
         found.append(point.turned())
     found.reverse()

@@ -1,0 +1,1 @@
+"""Ways on where the corrector fails: beyond kinks, ahead in phase, across jumps."""
