@@ -87,11 +87,11 @@ def test_what_a_segment_traced_on_another_branch_is_left_out(hysteresis, monkeyp
     assert len(turning_points(curve.frequency)) == 2
 
 
-def test_what_connects_two_segments_is_not_followed_for_ever(hysteresis, monkeypatch):
+def test_what_connects_two_segments_is_not_followed_for_ever(hysteresis):
     """Both sheets and their jumps are known before the unstable part between the folds is."""
     system, request, whole = hysteresis
-    request = replace(request, assembly=CurveOptions(from_one_end=2))
-    *_, curve = trace(system, replace(request, connecting=4, most_starts=0))
+    request = replace(request, assembly=CurveOptions(from_one_end=2, connecting=4, most_starts=0))
+    *_, curve = trace(system, request)
     assert not curve.complete
     assert "not followed between" in curve.stopped
     assert curve.after_gap.sum() == 1
