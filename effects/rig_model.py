@@ -11,12 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.geometry.contact_elements import ContactElements
+from updamp.geometry.contact_elements import ContactElements, across_mid_width
 from updamp.hbm.contact.law import ContactLaw
 from updamp.hbm.contact.modified.modified_law import with_entries
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.problem.elements import ElementGroup
 from updamp.hbm.problem.linear_model import LinearModel
+from updamp.hbm.problem.mirror import Mirror
 from updamp.hbm.problem.structural_changes import Attachment, attach, with_relative_rows
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
@@ -71,7 +72,22 @@ class RigModel:
     @cached_property
     def system(self) -> NonlinearSystem:
         """The coupled problem."""
-        return NonlinearSystem(self.free, self.groups, self.harmonics, self.time_samples)
+        return NonlinearSystem(self.free, self.groups, self.harmonics, self.time_samples, self._mirror)
+
+    @cached_property
+    def _mirror(self) -> Mirror | None:
+        """Across the middle of the blades' width; None where the contacts are not laid over faces, or not evenly, or
+        carry tangential forces at rest, whose parameters do not tell what their image is.
+        """
+        if self.patches is None or self.contacts is None or np.any(getattr(self.contacts.parameters, "t0", 0.0)):
+            return None
+        mirrored = across_mid_width(self.patches)
+        if mirrored is None:
+            return None
+        image, sign = mirrored
+        further = np.arange(3 * len(self.patches), self.free.n_relative)  # of elements at points
+        rows = np.concatenate([(3 * image[:, None] + np.arange(3)).ravel(), further])
+        return Mirror(rows, np.concatenate([sign.ravel(), np.ones(len(further))]))
 
     @cached_property
     def free(self) -> LinearModel:

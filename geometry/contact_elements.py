@@ -41,3 +41,23 @@ class ContactElements:
     def axes(self) -> Floats:
         """(n, 3, 3): axes[i, d] is the unit vector of local direction d (t1, t2, n) of element i."""
         return np.stack([self.tangent1, self.tangent2, self.normal], axis=1)
+
+
+# Of the width: mirrored centroids this close are the same.
+_SAME_PLACE = 1e-6
+
+
+def across_mid_width(patches: ContactElements) -> tuple[Integers, Floats] | None:
+    """For each element the number of its mirror image at the other side of mid-width (n,), and the sign that each of
+    its local displacements takes in the image (n, 3); None where the elements are not laid out evenly.
+    """
+    reflection = np.array([1.0, 1.0, -1.0])
+    z = patches.centroid[:, 2]
+    mirrored = patches.centroid * reflection + np.array([0.0, 0.0, z.min() + z.max()])
+    apart = np.linalg.norm(mirrored[:, None] - patches.centroid, axis=2)
+    image = apart.argmin(axis=1)
+    sign = np.einsum("ndx,ndx->nd", patches.axes * reflection, patches.axes[image])
+    far = apart.min(axis=1).max() > _SAME_PLACE * max(float(np.ptp(z)), np.finfo(float).tiny)
+    if far or not np.allclose(np.abs(sign), 1.0, atol=_SAME_PLACE) or (image[image] != np.arange(len(image))).any():
+        return None
+    return image, np.round(sign)

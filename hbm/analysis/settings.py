@@ -70,7 +70,7 @@ def setting_of(system: NonlinearSystem) -> Setting:
 def with_setting(system: NonlinearSystem, setting: Setting) -> NonlinearSystem:
     """The same problem at another setting: laws with `cycles` are given the setting's."""
     groups = tuple(replace(group, law=_with_cycles(group.law, setting.cycles)) for group in system.groups)
-    return NonlinearSystem(system.free, groups, Harmonics(setting.orders), setting.time_samples)
+    return replace(system, groups=groups, harmonics=Harmonics(setting.orders), time_samples=setting.time_samples)
 
 
 def _with_cycles(law: Any, cycles: int | None) -> Any:

@@ -19,6 +19,7 @@ from updamp.hbm.continuation.pieces import BranchSegment, Pieces
 from updamp.hbm.continuation.predictor_corrector import CONNECTED
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.continuation.starts import starts
+from updamp.hbm.problem.mirror import acts_symmetrically
 from updamp.hbm.problem.system import NonlinearSystem
 
 __all__ = ["CurveRequest", "trace"]
@@ -29,9 +30,26 @@ def trace(
 ) -> Iterator[ResponseCurve]:
     """The curve so far, after every point; the last one handed out is `complete` or says why it `stopped`.
 
+    Of a problem that is its own mirror image half is solved (hbm/problem/mirror.py), and `active` counts its rows.
+
     resume_from: an interrupted curve of the same system and request; only what follows it is solved
     raises: nothing; a branch that cannot go on ends the curve with its sentence in `stopped`
     """
+    half, mirror, row = system.half, system.mirror, request.excitation.row
+    if half is None or mirror is None or not acts_symmetrically(system.free, mirror, row):
+        yield from _traced(system, request, resume_from)
+        return
+    excitation = replace(request.excitation, row=row - system.free.n_relative + half.free.n_relative)
+    if resume_from is not None:
+        resume_from = replace(resume_from, displacement=mirror.halved(resume_from.displacement))
+    for curve in _traced(half, replace(request, excitation=excitation), resume_from):
+        yield replace(curve, displacement=mirror.whole(curve.displacement)) if len(curve) else curve
+
+
+def _traced(
+    system: NonlinearSystem, request: CurveRequest, resume_from: ResponseCurve | None
+) -> Iterator[ResponseCurve]:
+    """As `trace`, all of the problem."""
     started = time.perf_counter()
     if resume_from is not None and (resume_from.complete or resume_from.stopped):
         yield resume_from

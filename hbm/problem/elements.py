@@ -37,19 +37,26 @@ class ElementGroup:
 
     parameters: the law's NamedTuple, each entry (n_elements, ...)
     rows: (n_elements, law.directions) rows of the linear model that the elements act on
+    copies: (n_elements,) how many that move alike each stands for (hbm/problem/mirror.py); None: one
     """
 
     law: ContactLaw
     parameters: Any
     rows: Integers
+    copies: Floats | None = None
 
     def reference_stiffness(self) -> Floats:
-        """(n_elements, directions) [N/m]"""
-        return self._stiffness
+        """(n_elements, directions) of all copies together [N/m]"""
+        return self.of_all_copies(self.stiffness_of_one)
 
     @cached_property
-    def _stiffness(self) -> Floats:
+    def stiffness_of_one(self) -> Floats:
+        """(n_elements, directions) [N/m]"""
         return np.asarray(jax.vmap(self.law.reference_stiffness)(self.parameters))
+
+    def of_all_copies(self, value: Floats) -> Floats:
+        """(n_elements, ...) of one element each -> of all of its copies together"""
+        return value if self.copies is None else value * self.copies.reshape(-1, *[1] * (value.ndim - 1))
 
     @cached_property
     def values(self) -> Any:
@@ -109,7 +116,7 @@ def element_forces(
 
     displacement: (n_elements, directions, n_coefficients) [m]
     """
-    active, stiffness = group.may_slip_or_separate(displacement, harmonics, n_time), group.reference_stiffness()
+    active, stiffness = group.may_slip_or_separate(displacement, harmonics, n_time), group.stiffness_of_one
     force = stiffness[..., None] * displacement
     tangent = np.zeros((*displacement.shape, *displacement.shape[1:]))
     each, c = np.arange(displacement.shape[1])[:, None], np.arange(displacement.shape[2])
@@ -117,7 +124,7 @@ def element_forces(
     compiled = _compiled_forces(group.law, harmonics, n_time)
     if compiled is not None:
         compiled.write_with_tangents(active, displacement, group.values, force, tangent)
-        return ElementForces(force, tangent, None)
+        return ElementForces(group.of_all_copies(force), group.of_all_copies(tangent), None)
     rate = np.zeros_like(force) if group.law.rate_dependent else None
     evaluate = _compiled(group.law, harmonics, n_time)
     for some in _batches(active, elements_a_batch(_n_seeds(group.law, harmonics)), len(displacement)):
@@ -125,21 +132,22 @@ def element_forces(
         force[some], tangent[some] = found[:2]
         if rate is not None:
             rate[some] = found[2]
-    return ElementForces(force, tangent, rate)
+    rate = None if rate is None else group.of_all_copies(rate)
+    return ElementForces(group.of_all_copies(force), group.of_all_copies(tangent), rate)
 
 
 def force_only(group: ElementGroup, displacement: Floats, w: float, harmonics: Harmonics, n_time: int) -> Floats:
     """The forces alone, several times cheaper than with their tangent."""
-    force = group.reference_stiffness()[..., None] * displacement
+    force = group.stiffness_of_one[..., None] * displacement
     active = group.may_slip_or_separate(displacement, harmonics, n_time)
     compiled = _compiled_forces(group.law, harmonics, n_time)
     if compiled is not None:
         compiled.write_forces(active, displacement, group.values, force)
-        return force
+        return group.of_all_copies(force)
     evaluate = _compiled_force(group.law, harmonics, n_time)
     for some in _batches(active, FORCES_A_BATCH, len(displacement)):
         force[some] = evaluate(displacement[some], w, _parameters_of(group, some))
-    return force
+    return group.of_all_copies(force)
 
 
 def elements_a_batch(derivatives_an_element: int) -> int:
@@ -178,8 +186,9 @@ def loop_areas(group: ElementGroup, displacement: Floats, w: float, harmonics: H
         areas = np.zeros(len(displacement))  # of elements that stick
         active = group.may_slip_or_separate(displacement, harmonics, min(n_time, STICKING_SAMPLES))
         areas[active] = compiled.loop_areas(active, displacement, group.values)
-        return areas
-    return np.asarray(_compiled_loop_areas(group.law, harmonics, n_time)(displacement, w, group.parameters))
+        return group.of_all_copies(areas)
+    found = _compiled_loop_areas(group.law, harmonics, n_time)(displacement, w, group.parameters)
+    return group.of_all_copies(np.asarray(found))
 
 
 def samples(coefficients: jax.Array, w: Any, harmonics: Harmonics, n_time: int) -> tuple[jax.Array, jax.Array]:

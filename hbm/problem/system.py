@@ -8,7 +8,7 @@ separates has g = 0 with its tangent, and only the others enter the Newton equat
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol
 
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.problem.elements import ElementGroup, element_forces, force_only
 from updamp.hbm.problem.linear_model import LinearModel, stuck_on
+from updamp.hbm.problem.mirror import Mirror, half_groups, half_structure
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -73,6 +74,8 @@ class Departure:
 class NonlinearSystem:
     """free: the linear structure without the elements; groups: their rows cover 0..n_relative-1, each once.
 
+    mirror: what might be a symmetry of the problem; whether it is one, `half` finds out
+
     raises: ValueError where the rows of the groups overlap or leave some out
     """
 
@@ -80,6 +83,7 @@ class NonlinearSystem:
     groups: tuple[ElementGroup, ...]
     harmonics: Harmonics
     time_samples: int
+    mirror: Mirror | None = None
 
     def __post_init__(self) -> None:
         rows = np.concatenate([g.rows.ravel() for g in self.groups])
@@ -139,7 +143,15 @@ class NonlinearSystem:
         return self.departure_value(x, w) + self.reference_stiffness[:, None] * x
 
     def with_harmonics(self, harmonics: Harmonics, time_samples: int | None = None) -> "NonlinearSystem":
-        return NonlinearSystem(self.free, self.groups, harmonics, time_samples or self.time_samples)
+        return replace(self, harmonics=harmonics, time_samples=time_samples or self.time_samples)
+
+    @cached_property
+    def half(self) -> "NonlinearSystem | None":
+        """The symmetric motions alone (hbm/problem/mirror.py); None where the problem is not its own mirror image."""
+        if self.mirror is None:
+            return None
+        free, groups = half_structure(self.free, self.mirror), half_groups(self.groups, self.mirror)
+        return None if free is None or groups is None else replace(self, free=free, groups=groups, mirror=None)
 
 
 @dataclass(frozen=True, eq=False)
