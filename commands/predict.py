@@ -35,10 +35,9 @@ def run(
     accuracy: Annotated[
         bool,
         typer.Option(
-            "--accuracy",
-            help="Trace every curve again with more harmonics and state its error: two to four times as long.",
+            help="Whether to state every curve's error, traced again with more harmonics: two to four times as long."
         ),
-    ] = False,
+    ] = True,
     stability: Annotated[
         bool, typer.Option(help="Whether to say of every point whether it is stable: a third of the curves' time.")
     ] = True,

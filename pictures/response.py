@@ -18,6 +18,7 @@ from updamp.pictures.style import GREY, INK, figure, shades
 
 MM = 1e3  # m/N to mm/N
 HATCH = "////"  # of what was not followed
+BAND = 0.2  # opacity of the numerical error
 
 
 def frequency_responses(
@@ -41,6 +42,7 @@ def frequency_responses(
             for curve, colour in zip(curves, shades(len(curves)), strict=True):
                 _branch(ax, curve, point, colour, stability.get(curve.force))
                 for other in (one for one in finer if one.force == curve.force):
+                    _band(ax, curve, other, point, colour)
                     draw_branch(ax, other, MM * np.abs(other.receptance(point)), colour, None, linewidth=0.6)
             ax.set_xlabel("frequency [Hz]")
             ax.margins(x=0)
@@ -81,6 +83,14 @@ def _branch(ax: Axes, curve: ResponseCurve, point: str, colour: Any, stability: 
         hatch_gaps(ax, curve, colour)
 
 
+def _band(ax: Axes, curve: ResponseCurve, finer: ResponseCurve, point: str, colour: Any) -> None:
+    """Shaded: between a curve and the one with more harmonics, where both are complete."""
+    if curve.complete and finer.complete:
+        frequency = np.concatenate([curve.frequency, finer.frequency[::-1]])
+        size = MM * np.abs(np.concatenate([curve.receptance(point), finer.receptance(point)[::-1]]))
+        ax.fill(frequency, size, color=colour, alpha=BAND, linewidth=0)
+
+
 def _key_of_marks(curves: Sequence[ResponseCurve], finer: Sequence[ResponseCurve] = ()) -> list[Artist]:
     marks = [("o", "peak")]
     if any(len(sweep(curve.frequency, True).jumps) for curve in curves):
@@ -91,5 +101,5 @@ def _key_of_marks(curves: Sequence[ResponseCurve], finer: Sequence[ResponseCurve
     if not all(curve.complete for curve in curves):
         key.append(Patch(facecolor="none", edgecolor=GREY, hatch=HATCH, label="not followed"))
     if finer:
-        key.append(Line2D([], [], color=GREY, linewidth=0.6, label="more harmonics"))
+        key.append(Line2D([], [], color=GREY, linewidth=0.6, label="more harmonics, and the band to them"))
     return key

@@ -4,24 +4,26 @@ import hashlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Generic, TypeVar
+from typing import TypeVar
 
 from updamp.fem.finite_element_model import CoupledCheck, FiniteElementResult
 from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.geometry.rig_mesh import RigMesh
+from updamp.hbm.analysis.finer_points import PointErrors
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.stability.branch_stability import BranchStability
 from updamp.parallel.resources import Meter
 from updamp.rig.rig import Rig
 from updamp.workflow import stages, store
+from updamp.workflow.accuracy_jobs import AccuracyJob
 from updamp.workflow.curve_jobs import CurveJob
 from updamp.workflow.job_pool import Job, JobEnd, JobOutcome, JobProgress, run_all
+from updamp.workflow.products import Product, Products, Stored, stored
 from updamp.workflow.progress import Display
 from updamp.workflow.stability_jobs import StabilityJob
 from updamp.workflow.stage_functions import StageFunctions
 from updamp.workflow.stages import Stage
 
-Product = TypeVar("Product")
 AnyJob = TypeVar("AnyJob", bound=Job)
 
 FINITE_ELEMENT_STEPS = 8  # announced by the finite elements, for the progress bar
@@ -33,7 +35,8 @@ class RunOptions:
 
     modes, forces: which curves [N]; empty for all of the study
     stability: whether to say of every point whether it is stable
-    accuracy: whether to trace every curve again with more harmonics, to state its numerical error
+    accuracy: whether to trace every curve again with more harmonics, to state its numerical error; what fails of that
+        is not known, and the curve is no less complete
     check: whether to compare the reduced with the full coupled model; until: last stage, None for all
     raises: ValueError naming the option that is out of range
     """
@@ -46,49 +49,12 @@ class RunOptions:
     check: bool = True
     pictures: bool = True
     accuracy: bool = False
-    stability: bool = True
+    stability: bool = False
     until: Stage | None = None
 
     def __post_init__(self) -> None:
         if self.workers < 1:
             raise ValueError(f"--jobs {self.workers}: at least 1")
-
-
-@dataclass(frozen=True, eq=False)
-class Stored(Generic[Product]):
-    """A stage's product with its file and stamp."""
-
-    path: Path
-    product: Product
-    stamp: store.Stamp
-
-
-@dataclass(frozen=True, eq=False)
-class Products:
-    """What the stages have given, None where the run did not get so far; curves in the order of the study.
-
-    finer: the same curves with more harmonics, if they were asked for; stability: of the curves, as far as it is known
-    """
-
-    mesh: Stored[RigMesh]
-    finite_elements: Stored[FiniteElementResult] | None = None
-    coupled_check: Stored[CoupledCheck] | None = None
-    static_contact: Stored[StaticContact] | None = None
-    curves: tuple[Stored[ResponseCurve], ...] = ()
-    finer: tuple[Stored[ResponseCurve], ...] = ()
-    stability: tuple[Stored[BranchStability], ...] = ()
-    failures: tuple[JobOutcome, ...] = ()
-
-    def stability_of(self, mode: str) -> Mapping[float, BranchStability]:
-        """By force, of the curves it is known of."""
-        return {entry.product.force: entry.product for entry in self.stability if entry.product.mode == mode}
-
-    @property
-    def stamps(self) -> tuple[store.Stamp, ...]:
-        single = (self.mesh, self.finite_elements, self.coupled_check, self.static_contact)
-        return tuple(
-            entry.stamp for entry in (*single, *self.curves, *self.finer, *self.stability) if entry is not None
-        )
 
 
 @dataclass(eq=False)
@@ -146,23 +112,44 @@ class Run:
             tuple(found[job.output] for job in jobs if job.finer == kind and job.output in found)
             for kind in (False, True)
         )
-        done = replace(done, curves=curves, finer=finer, failures=failures)
+        extra = {job.output for job in jobs if job.finer}
+        done = replace(
+            done,
+            curves=curves,
+            finer=finer,
+            failures=tuple(one for one in failures if one.job.output not in extra),
+            unknown=tuple(one for one in failures if one.job.output in extra),
+        )
         traced = [(job, found[job.output].product) for job in jobs if job.output in found and not job.finer]
-        return self._with_stability(done, traced)
+        return self._with_stability(self._with_point_errors(done, traced), traced)
+
+    def _with_point_errors(self, done: Products, curves: Sequence[tuple[CurveJob, ResponseCurve]]) -> Products:
+        if not self.options.accuracy:
+            return done
+        jobs = [
+            AccuracyJob(job, self.response_point, *self._about(stages.FINER_POINTS, job, curve))
+            for job, curve in curves
+        ]
+        found, failures = self._obtain_all(jobs, PointErrors)
+        errors = tuple(found[job.output] for job in jobs if job.output in found)
+        return replace(done, point_errors=errors, unknown=(*done.unknown, *failures))
 
     def _with_stability(self, done: Products, curves: Sequence[tuple[CurveJob, ResponseCurve]]) -> Products:
         if not self.options.stability:
             return done
         jobs = [
-            StabilityJob(
-                job, self.response_point, _for_these_points(self.key(stages.STABILITY, job.mode, job.force), curve),
-                self.file(f"stability_{job.mode}_{job.force:.12g}N"),
-            )
-            for job, curve in curves
-        ]  # fmt: skip
+            StabilityJob(job, self.response_point, *self._about(stages.STABILITY, job, curve)) for job, curve in curves
+        ]
         found, failures = self._obtain_all(jobs, BranchStability)
         stability = tuple(found[job.output] for job in jobs if job.output in found)
-        return replace(done, stability=stability, failures=(*done.failures, *failures))
+        return replace(done, stability=stability, unknown=(*done.unknown, *failures))
+
+    def _about(self, stage: Stage, job: CurveJob, curve: ResponseCurve) -> tuple[str, Path]:
+        """Key and file of what a stage says about a curve. A curve that is traced once more, for its file was lost, may
+        have other points."""
+        key = self.key(stage, job.mode, job.force)
+        digest = hashlib.sha256(key.encode() + curve.frequency.tobytes()).hexdigest()
+        return digest, self.file(f"{stage.name}_{job.mode}_{job.force:.12g}N")
 
     def _mesh(self) -> Stored[RigMesh]:
         def compute(meter: Meter) -> tuple[RigMesh, Mapping[str, float]]:
@@ -277,24 +264,10 @@ class Run:
         show(name, sentence)
 
 
-def _for_these_points(key: str, curve: ResponseCurve) -> str:
-    """A curve that is traced once more, for its file was lost, may have other points."""
-    return hashlib.sha256(key.encode() + curve.frequency.tobytes()).hexdigest()
-
-
 def _stored_products(jobs: Iterable[Job], kind: type[Product]) -> dict[Path, Stored[Product]]:
     """By file, those that are there."""
     products = ((job.output, stored(job.output, kind, job.key)) for job in jobs)
     return {path: product for path, product in products if product is not None}
-
-
-def stored(path: Path, kind: type[Product], key: str) -> Stored[Product] | None:
-    """What the file holds if it was made with this key; a file that is missing or damaged counts as stale."""
-    try:
-        stamp = store.read_stamp(path)
-        return Stored(path, store.read(path, kind), stamp) if stamp.key == key else None
-    except store.StoreError:
-        return None
 
 
 def _check_names(option: str, given: Iterable[str], known: Iterable[str]) -> None:

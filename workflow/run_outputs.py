@@ -22,7 +22,9 @@ from updamp.pictures import bodies, faces, kinematics, response
 from updamp.pictures.modes import ModeShape, animation, panel
 from updamp.pictures.scene import RenderingError
 from updamp.workflow import stages, summary
-from updamp.workflow.run import Products, Run, Stored
+from updamp.workflow.accuracy_summary import numerical_error
+from updamp.workflow.products import Products, Stored
+from updamp.workflow.run import Run
 from updamp.workflow.summary import write_responses
 
 # Files made from stage products for people and other programs: made again only when their sources have changed.
@@ -231,6 +233,7 @@ def summarise(run: Run, products: Products, seconds: float, peak_memory: float) 
         [i for curve in (*products.curves, *products.finer) for i in curve.stamp.intervals]
     )
     timing["stability"] = summary.union_length([i for entry in products.stability for i in entry.stamp.intervals])
+    timing["accuracy"] = summary.union_length([i for entry in products.point_errors for i in entry.stamp.intervals])
     content: dict[str, Any] = {
         "rig": run.rig.name,
         "mesh_preset": run.options.preset,
@@ -244,16 +247,16 @@ def summarise(run: Run, products: Products, seconds: float, peak_memory: float) 
     if products.static_contact is not None:
         content["static_contact"] = summary.static_entry(products.static_contact.product)
     if run.wanted(stages.CURVE):
-        finer = {(curve.product.mode, curve.product.force): curve.product for curve in products.finer}
         content["curves"] = [
             summary.curve_entry(
                 curve,
                 run.response_point,
-                finer.get((curve.mode, curve.force)),
+                numerical_error(products, curve, run.response_point) if run.options.accuracy else None,
                 products.stability_of(curve.mode).get(curve.force),
             )
             for curve in (stored.product for stored in products.curves)
         ]
+        content["not_said"] = {outcome.job.name: outcome.message for outcome in products.unknown}
         content["failed_curves"] = {outcome.job.name: outcome.message for outcome in products.failures}
     content["timing_s"] = {
         **{name: round(value, 3) for name, value in timing.items()},

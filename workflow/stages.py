@@ -110,7 +110,8 @@ CURVE = Stage(
 
 STABILITY = Stage(name="stability", version=1, sections=(), after=(CURVE,), choices=("force",))
 
-# Only where a run is asked how accurate it is.
+# Only where a run says how accurate it is.
+FINER_POINTS = Stage(name="finer_points", version=1, sections=(), after=(CURVE,), choices=("force",))
 FINER_CURVE = Stage(name="finer_curve", version=1, sections=(), after=(CURVE,), choices=("force",))
 
 STAGES = (MESH, FINITE_ELEMENTS, COUPLED_CHECK, STATIC_CONTACT, CURVE)

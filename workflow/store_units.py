@@ -65,4 +65,9 @@ UNITS: Mapping[str, Mapping[str, str]] = {
         "why": "1",
         "seconds": "s",
     },
+    "PointErrors": {
+        "force": "N",
+        "samples": "%, Hz, %",
+        "cycles": "%, Hz, %",
+    },
 }

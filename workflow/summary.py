@@ -3,7 +3,6 @@
 import csv
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +12,11 @@ from rich.table import Table
 from updamp.fem.finite_element_model import CoupledCheck, FiniteElementResult
 from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.geometry.rig_mesh import RigMesh
-from updamp.hbm.analysis.finer_curve import curve_error
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.continuation.sweeps import sweep
 from updamp.hbm.resonance.quadrature import quadrature_resonances
 from updamp.hbm.stability.branch_stability import BranchStability
+from updamp.workflow.accuracy_summary import error_cells
 from updamp.workflow.stability_summary import stability_entry, words
 
 CSV_POINTS = ("tip.", "corner_")  # what is written of a curve: the places the lasers look at
@@ -65,12 +64,12 @@ def static_entry(rest: StaticContact) -> dict[str, Any]:
 def curve_entry(
     curve: ResponseCurve,
     point: str,
-    finer: ResponseCurve | None = None,
+    numerical_error: Mapping[str, Any] | None = None,
     stability: BranchStability | None = None,
 ) -> dict[str, Any]:
     """point: where the peak is taken, first harmonic; a branch that found no point at all has no peak
 
-    finer: the same curve with more harmonics, where the run was asked for its accuracy
+    numerical_error: where the run says how accurate it is
     """
     entry: dict[str, Any] = {
         "mode": curve.mode,
@@ -83,14 +82,11 @@ def curve_entry(
         "response_point": point,
         "complete": curve.complete,
         "problem": problem(curve),
-        "numerical_error": None,
+        "numerical_error": numerical_error,
         "stability": stability_entry(curve, stability, point) if stability is not None else None,
     }
     if len(curve):
         entry |= _solved(curve, point)
-    if len(curve) and finer is not None and len(finer):
-        error = asdict(curve_error(curve, finer, point))
-        entry["numerical_error"] = {name: None if value != value else value for name, value in error.items()}
     return entry
 
 
@@ -179,7 +175,7 @@ def curves_table(entries: Sequence[Mapping[str, Any]]) -> Table:
             f"{entry['force_N']:g}",
             f"{entry['peak_receptance_mm_per_N']:.5f}" if entry["points"] else "",
             f"{entry['peak_frequency_Hz']:.2f}" if entry["points"] else "",
-            *(_error_cells(entry.get("numerical_error")) if known else ()),
+            *(error_cells(entry.get("numerical_error")) if known else ()),
             ", ".join(f"{f:.2f}" for f in entry.get("jumps_up_Hz", ())),
             ", ".join(f"{f:.2f}" for f in entry.get("jumps_down_Hz", ())),
             str(entry["points"]),
@@ -187,7 +183,7 @@ def curves_table(entries: Sequence[Mapping[str, Any]]) -> Table:
             _remark(entry),
         )
     if known:
-        orders = ", ".join(map(str, known[0]["orders"]))
+        orders = next((", ".join(map(str, one["orders"])) for one in known if one["orders"]), "further")
         table.caption = f"error: what harmonics {orders} change, of the peak's height and frequency"
     return table
 
@@ -198,13 +194,6 @@ def _remark(entry: Mapping[str, Any]) -> str:
     remarks += ["[red]unstable[/]"] if peak == "unstable" else []
     remarks += ["stable?"] if peak == "unknown" else []
     return ", ".join(remarks)
-
-
-def _error_cells(error: Mapping[str, Any] | None) -> tuple[str, str]:
-    if error is None:
-        return "", ""
-    mark = "" if error["complete"] else "?"  # of a finer curve that is not complete the peak may be another one
-    return f"{error['peak_percent']:+.2g}{mark}", f"{error['resonance_hertz']:+.2g}{mark}"
 
 
 def overview_table(summary: Mapping[str, Any]) -> Table:

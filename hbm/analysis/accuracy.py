@@ -138,10 +138,22 @@ class CheckedPoints:
         system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, point: str, most: int = 3
     ) -> "CheckedPoints":
         """The peak, all turning points, and at most so many of those with most active rows."""
-        near = _around_the_peak(np.abs(curve.amplitude(point)))
         turning = turning_points(curve.frequency)
         active = np.argsort(curve.active, kind="stable")[::-1]
         most_active = active[curve.active[active] > 0][:most]
+        return CheckedPoints.at(system, request, curve, point, turning, most_active)
+
+    @staticmethod
+    def at(
+        system: NonlinearSystem,
+        request: CurveRequest,
+        curve: ResponseCurve,
+        point: str,
+        turning: Integers,
+        most_active: Integers,
+    ) -> "CheckedPoints":
+        """The peak, and these places."""
+        near = _around_the_peak(np.abs(curve.amplitude(point)))
         places = sorted({int(i) for i in (*near, *turning, *most_active)})
         branch = {i: _branch_point(system, request, curve, i) for i in places}
         return CheckedPoints(system, request, curve, point, near, turning, most_active, branch)

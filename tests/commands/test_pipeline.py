@@ -16,8 +16,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rich.console import Console
+from support.curves import softening_curve
 from typer.testing import CliRunner
 
+from updamp.hbm.analysis.finer_points import PointErrors
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.stability.branch_stability import BranchStability, State
 from updamp.model.rig_files import load_rig
@@ -25,6 +27,8 @@ from updamp.parallel.resources import Meter
 from updamp.pictures import scene
 from updamp.pipeline import app
 from updamp.workflow import stages, store
+from updamp.workflow.accuracy_summary import error_cells, numerical_error
+from updamp.workflow.products import Products, Stored
 from updamp.workflow.progress import Display
 from updamp.workflow.run import Run, RunOptions
 from updamp.workflow.stage_functions import StageFunctions
@@ -68,7 +72,7 @@ def finished(tmp_path_factory):
     """A finished run: its rig file, its folder, what it printed."""
     folder = tmp_path_factory.mktemp("run")
     rig = short_study(folder, (432, 450), (412, 431))
-    result = run_command("run", rig, "--mesh", "small", "--out", folder / "out", "--jobs", 2)
+    result = run_command("run", rig, "--mesh", "small", "--out", folder / "out", "--jobs", 2, "--no-accuracy")
     assert result.exit_code == 0, result.output
     return rig, folder / "out", result.output
 
@@ -106,12 +110,12 @@ def test_the_summary_has_its_keys_and_sound_numbers(finished):
     assert timing["total"] > timing["assembly"] + timing["modes"] + timing["reduction"]
 
 
-def test_the_numerical_error_is_stated_where_it_is_asked_for(finished, tmp_path):
+def test_the_numerical_error_is_stated_unless_it_is_left_out(finished, tmp_path):
     """Where all contacts stick more harmonics change nothing. The curves that are there are not traced again."""
     rig, out, _ = finished
     shutil.copytree(out, tmp_path / "out")
     before = (out / "stages" / "curve_OOP_0.01N.h5").read_bytes()
-    options = ("--mode", "OOP", "--no-pictures", "--no-check", "--accuracy")
+    options = ("--mode", "OOP", "--no-pictures", "--no-check")
     result = run_command("run", rig, "--mesh", "small", "--out", tmp_path / "out", *options)
     assert result.exit_code == 0, result.output
     assert "error: what harmonics" in " ".join(result.output.split())
@@ -121,7 +125,33 @@ def test_the_numerical_error_is_stated_where_it_is_asked_for(finished, tmp_path)
     assert error["complete"]
     assert abs(error["peak_percent"]) < 1e-3
     assert abs(error["resonance_hertz"]) < 1e-4
+    for refined in ("samples", "cycles"):
+        assert abs(error[refined]["peak_percent"]) < 1e-6
+        assert abs(error[refined]["flank_percent"]) < 1e-6
+    assert error["not_known"] == ""
     assert (tmp_path / "out" / "stages" / "curve_OOP_0.01N.h5").read_bytes() == before
+    without = json.loads((out / "summary.json").read_text())["curves"]
+    assert [entry["numerical_error"] for entry in without] == [None, None]
+
+
+def test_an_error_that_is_not_known_says_why_and_the_run_goes_on():
+    curve = softening_curve(force=1.0)
+    stamp, path = store.Stamp("key"), Path("curve.h5")
+    finer = replace(curve, complete=False, stopped="the branch stops")
+    nothing = (float("nan"),) * 3
+    points = PointErrors(curve.mode, 1.0, (0.1, 0.01, 0.2), nothing, "finer points were not solved at 5.00 Hz")
+    products = Products(
+        Stored(path, None, stamp), finer=(Stored(path, finer, stamp),), point_errors=(Stored(path, points, stamp),)
+    )
+    error = numerical_error(products, curve, "blade_right.tip.x")
+    assert "is not complete (the branch stops)" in error["not_known"]
+    assert "finer points were not solved" in error["not_known"]
+    assert error["cycles"]["peak_percent"] is None
+    assert error["samples"]["peak_percent"] == 0.1
+    assert error["peak_percent"] == 0
+    none = numerical_error(replace(products, finer=(), point_errors=()), curve, "blade_right.tip.x")
+    assert "the curve with more harmonics failed" in none["not_known"]
+    assert error_cells(none) == ("not known", "")
 
 
 def test_the_csv_holds_the_curves(finished):
@@ -145,7 +175,7 @@ def test_a_second_run_does_nothing_and_is_quick(finished):
     }
     first = json.loads((out / "summary.json").read_text())
     started = time.perf_counter()
-    result = run_command("run", rig, "--mesh", "small", "--out", out, "--jobs", 2)
+    result = run_command("run", rig, "--mesh", "small", "--out", out, "--jobs", 2, "--no-accuracy")
     assert result.exit_code == 0, result.output
     assert time.perf_counter() - started < 15
     assert result.output.count("unchanged") == 8
@@ -168,7 +198,7 @@ def products_again(finished, tmp_path, overrides, functions, **options):
     shutil.copytree(out, tmp_path / "out")
     again = Run(
         load_rig(rig, overrides),
-        RunOptions("small", tmp_path / "out", workers=2, **options),
+        RunOptions("small", tmp_path / "out", workers=2, stability=True, **options),
         Display(Console(file=io.StringIO())),
         functions,
     )
@@ -210,7 +240,7 @@ def test_another_force_is_one_more_curve_and_a_damaged_file_is_made_anew(finishe
     shutil.copytree(out, tmp_path / "out")
     (tmp_path / "out" / "stages" / "static_contact.h5").write_bytes(b"damaged")
     functions = StageFunctions(must_not_run, must_not_run, must_not_run)
-    options = RunOptions("small", tmp_path / "out", modes=("OOP",), forces=(0.01, 0.02))
+    options = RunOptions("small", tmp_path / "out", modes=("OOP",), forces=(0.01, 0.02), stability=True)
     again = Run(load_rig(rig), options, Display(Console(file=io.StringIO())), functions)
     products = again.products()
     assert again.executed == ["static_contact", "OOP 0.02 N", "OOP 0.02 N, stability"]
@@ -228,7 +258,7 @@ def test_an_unstable_peak_and_what_is_not_known_are_said(finished, tmp_path):
     state[:3] = State.UNKNOWN
     why = np.where(state == State.UNKNOWN, 0, -1)
     store.write(path, replace(found, state=state, reasons=("too little time",), why=why), stamp)
-    result = run_command("run", rig, "--mesh", "small", "--out", tmp_path / "out", "--no-pictures")
+    result = run_command("run", rig, "--mesh", "small", "--out", tmp_path / "out", "--no-pictures", "--no-accuracy")
     assert result.exit_code == 0, "an unstable curve is complete all the same"
     assert re.search(r"stability +IP 0.01 N: the peak at 42\d\.\d\d Hz is unstable", result.output)
     assert not re.search(r"stability +OOP", result.output)
@@ -246,7 +276,7 @@ def test_a_curve_that_stops_early_is_reported_and_the_run_ends_non_zero(finished
     path = tmp_path / "out" / "stages" / "curve_IP_0.01N.h5"
     curve, stamp = store.read(path, ResponseCurve), store.read_stamp(path)
     store.write(path, replace(curve, complete=False, stopped="the branch stops at 424 Hz: stalled"), stamp)
-    result = run_command("run", rig, "--mesh", "small", "--out", tmp_path / "out", "--no-pictures")
+    result = run_command("run", rig, "--mesh", "small", "--out", tmp_path / "out", "--no-pictures", "--no-accuracy")
     assert result.exit_code == 1
     assert "not complete IP 0.01 N: the branch stops at 424 Hz: stalled" in result.output
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
@@ -258,7 +288,7 @@ def test_without_the_libraries_for_rendering_the_rest_is_made(finished, tmp_path
     shutil.copytree(out, tmp_path / "out")
     shutil.rmtree(tmp_path / "out" / "pictures")
     monkeypatch.setattr(scene, "LIBRARIES", {"libnowhere.so.7": "libnowhere7"})
-    result = run_command("run", rig, "--mesh", "small", "--out", tmp_path / "out")
+    result = run_command("run", rig, "--mesh", "small", "--out", tmp_path / "out", "--no-accuracy")
     assert result.exit_code == 1
     assert "apt-get install libnowhere7" in result.output
     drawn = {path.name for path in (tmp_path / "out" / "pictures").iterdir()}
@@ -270,8 +300,18 @@ def test_an_interruption_is_survived(finished, tmp_path):
     _, out, _ = finished
     rig = short_study(tmp_path, (380, 480), (250, 431))
     shutil.copytree(out, tmp_path / "out")
-    command = [sys.executable, "-m", "updamp.pipeline", "run", str(rig), "--mesh", "small", "--no-pictures"]
-    command += ["--out", str(tmp_path / "out"), "--mode", "IP", "--force", "17 N", "--jobs", "1"]
+    command = [
+        sys.executable,
+        "-m",
+        "updamp.pipeline",
+        "run",
+        str(rig),
+        "--mesh",
+        "small",
+        "--no-pictures",
+        "--no-accuracy",
+    ]
+    command += ["--out", str(tmp_path / "out"), "--mode", "IP", "--force", "17 N", "--jobs", "1", "--no-accuracy"]
     # What a shell starts in the background ignores Ctrl-C, and so would this process's children.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     process = subprocess.Popen(

@@ -145,6 +145,15 @@ def test_what_is_unstable_or_not_known_is_drawn_otherwise(tmp_path):
     assert (tmp_path / "frf.png").read_bytes() != (tmp_path / "solid.png").read_bytes()
 
 
+def test_what_more_harmonics_change_is_a_band_unless_they_are_not_complete(tmp_path):
+    curve = softening_curve(force=1.0)
+    finer = replace(curve, response=1.3 * curve.response)
+    for name, other in (("band", finer), ("none", replace(finer, complete=False))):
+        response.frequency_responses(tmp_path / f"{name}.png", "IP", [curve], "blade_right.tip.x", [other])
+    white = [share(pixels(tmp_path / f"{name}.png"), "#FFFFFF") for name in ("band", "none")]
+    assert white[0] < white[1] - 0.005
+
+
 def test_a_line_is_broken_where_the_branch_was_not_followed():
     curve = softening_curve(force=1.0)
     gap = np.zeros(len(curve), dtype=bool)

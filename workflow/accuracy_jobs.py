@@ -1,0 +1,51 @@
+"""What finer samples and cycles change in a traced curve, as a job of its own."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from updamp.hbm.analysis.finer_points import PointErrors, point_errors
+from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.parallel.resources import Meter
+from updamp.workflow import store
+from updamp.workflow.curve_jobs import CurveJob, curve_problem
+from updamp.workflow.job_pool import JobEnd, JobProgress
+
+
+@dataclass(frozen=True)
+class AccuracyJob:
+    """Of the curve that `curve` leaves.
+
+    point: where the peak is taken; key: of the errors; output: their file
+    """
+
+    curve: CurveJob
+    point: str
+    key: str
+    output: Path
+
+    @property
+    def name(self) -> str:
+        return f"{self.curve.name}, samples and cycles"
+
+    @property
+    def ease(self) -> tuple[float, ...]:
+        return self.curve.ease
+
+    def run(
+        self, report: Callable[[JobProgress], None], should_stop: Callable[[], bool], memory_of: int | None
+    ) -> JobEnd:
+        """raises: StoreError where the files of the stages before cannot be read"""
+        if should_stop():
+            return JobEnd.INTERRUPTED
+        report(JobProgress(0.0, "peak and flanks"))
+        with Meter(memory_of) as meter:
+            system, request = curve_problem(self.curve)
+            found = point_errors(system, request, store.read(self.curve.output, ResponseCurve), self.point)
+        stamp = store.Stamp(self.key, {"accuracy": meter.seconds}, (meter.interval,), meter.peak_memory)
+        store.write(self.output, found, stamp)
+        return JobEnd.FINISHED
+
+    def said(self) -> tuple[bool, str]:
+        found = store.read(self.output, PointErrors)
+        return True, found.reason or f"peak {found.samples[0]:+.2g} % and {found.cycles[0]:+.2g} %"

@@ -1,0 +1,67 @@
+"""What a run's stages have given, each with its file and stamp."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Generic, TypeVar
+
+from updamp.fem.finite_element_model import CoupledCheck, FiniteElementResult
+from updamp.fem.static_contact.rest_state import StaticContact
+from updamp.geometry.rig_mesh import RigMesh
+from updamp.hbm.analysis.finer_points import PointErrors
+from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.hbm.stability.branch_stability import BranchStability
+from updamp.workflow import store
+from updamp.workflow.job_pool import JobOutcome
+
+Product = TypeVar("Product")
+
+
+@dataclass(frozen=True, eq=False)
+class Stored(Generic[Product]):
+    """A stage's product with its file and stamp."""
+
+    path: Path
+    product: Product
+    stamp: store.Stamp
+
+
+@dataclass(frozen=True, eq=False)
+class Products:
+    """What the stages have given, None where the run did not get so far; curves in the order of the study.
+
+    finer: the same curves with more harmonics, if they were asked for; point_errors: what finer samples
+    and cycles change in them; stability: of the curves, as far as it is known
+    failures: curves that are not there; unknown: what was to be said about curves, and could not
+    """
+
+    mesh: Stored[RigMesh]
+    finite_elements: Stored[FiniteElementResult] | None = None
+    coupled_check: Stored[CoupledCheck] | None = None
+    static_contact: Stored[StaticContact] | None = None
+    curves: tuple[Stored[ResponseCurve], ...] = ()
+    finer: tuple[Stored[ResponseCurve], ...] = ()
+    point_errors: tuple[Stored[PointErrors], ...] = ()
+    stability: tuple[Stored[BranchStability], ...] = ()
+    failures: tuple[JobOutcome, ...] = ()
+    unknown: tuple[JobOutcome, ...] = ()
+
+    def stability_of(self, mode: str) -> Mapping[float, BranchStability]:
+        """By force, of the curves it is known of."""
+        return {entry.product.force: entry.product for entry in self.stability if entry.product.mode == mode}
+
+    @property
+    def stamps(self) -> tuple[store.Stamp, ...]:
+        single = (self.mesh, self.finite_elements, self.coupled_check, self.static_contact)
+        return tuple(
+            entry.stamp for entry in (*single, *self.curves, *self.finer, *self.stability) if entry is not None
+        )
+
+
+def stored(path: Path, kind: type[Product], key: str) -> Stored[Product] | None:
+    """What the file holds if it was made with this key; a file that is missing or damaged counts as stale."""
+    try:
+        stamp = store.read_stamp(path)
+        return Stored(path, store.read(path, kind), stamp) if stamp.key == key else None
+    except store.StoreError:
+        return None
