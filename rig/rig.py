@@ -6,7 +6,14 @@ from collections.abc import Mapping
 from functools import reduce
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, Field, StringConstraints, model_validator
+from pydantic import (
+    AfterValidator,
+    Field,
+    SerializerFunctionWrapHandler,
+    StringConstraints,
+    model_serializer,
+    model_validator,
+)
 from pydantic_core import to_json
 
 from updamp.rig.effects import Calibration, CalibrationTable, Effects
@@ -108,12 +115,41 @@ class Reduction(InputTable):
     solver: Literal["pardiso", "cholmod", "amg"] = "pardiso"
 
 
+# What harmonics = "auto" begins with, and how far the peak may move by more of them, as a share of it.
+FIRST_HARMONICS, USUAL_TOLERANCE = (0, 1, 2, 3), 0.01
+
+
 class HarmonicBalance(InputTable):
-    """Harmonics kept, time samples a period, and periods until the hysteresis has settled."""
+    """Harmonics kept, time samples a period, and periods until the hysteresis has settled.
+
+    tolerance: only with harmonics = "auto", which is read as the first harmonics tried: `updamp run` adds further ones
+    to a curve until its peak moves by no more than this share. None where harmonics are stated
+    """
 
     harmonics: Annotated[tuple[Annotated[int, Field(strict=True, ge=0)], ...], Field(examples=[[0, 1, 2, 3]])]
     time_samples: Annotated[int, Field(strict=True, ge=4, examples=[128])]
     cycles: Annotated[int, Field(strict=True, ge=2, examples=[2])]  # the first one still remembers the start
+    tolerance: Annotated[float, Field(strict=True, gt=0, le=0.5, examples=[0.01])] | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _automatic(cls, stated: Any) -> Any:
+        if not isinstance(stated, Mapping):
+            return stated
+        if stated.get("harmonics") == "auto":
+            return {"tolerance": USUAL_TOLERANCE, **stated, "harmonics": list(FIRST_HARMONICS)}
+        if isinstance(stated.get("harmonics"), str):
+            raise ValueError(f'harmonics = "{stated["harmonics"]}": state a list such as [0, 1, 2, 3], or "auto"')
+        if stated.get("tolerance") is not None:
+            raise ValueError(
+                f'tolerance = {stated["tolerance"]}: goes with harmonics = "auto" alone; state that, or leave it out'
+            )
+        return stated
+
+    @model_serializer(mode="wrap")
+    def _without_tolerance(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """A tolerance that is not stated leaves no trace: what was stored before it existed still holds."""
+        return {name: value for name, value in handler(self).items() if name != "tolerance" or value is not None}
 
     @model_validator(mode="after")
     def _complete(self) -> Self:

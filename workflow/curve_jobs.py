@@ -13,6 +13,7 @@ import numpy as np
 
 from updamp.fem.reduced_model import ReducedModel
 from updamp.fem.static_contact.rest_state import StaticContact
+from updamp.hbm.analysis.adaptive import with_orders
 from updamp.hbm.analysis.settings import more_harmonics, setting_of, with_setting
 from updamp.hbm.continuation.curve import CurveRequest, trace
 from updamp.hbm.continuation.response_curve import ResponseCurve
@@ -32,6 +33,7 @@ class CurveJob:
 
     force: amplitude [N]; key: of the curve; finite_elements, rest: files of the stages before; output: the curve's file
     finer: whether it is traced with more harmonics, to see what they change
+    orders: harmonics, those of the rig file where there are none here; a finer one's are continued from these
     """
 
     rig: Rig
@@ -42,6 +44,7 @@ class CurveJob:
     rest: Path
     output: Path
     finer: bool = False
+    orders: tuple[int, ...] = ()
 
     @property
     def name(self) -> str:
@@ -106,7 +109,10 @@ def curve_problem(job: CurveJob) -> tuple[NonlinearSystem, CurveRequest]:
     """The nonlinear system and the request of a job, from the files of the stages before."""
     reduced, rest = store.read(job.finite_elements, ReducedModel, part="reduced"), store.read(job.rest, StaticContact)
     model = rig_model(reduced, rest, job.rig)
-    system = with_setting(model.system, more_harmonics(setting_of(model.system))) if job.finer else model.system
+    setting = setting_of(model.system)
+    setting = with_orders(setting, job.orders or setting.orders)
+    setting = more_harmonics(setting) if job.finer else setting
+    system = with_setting(model.system, setting) if setting != setting_of(model.system) else model.system
     observed = tuple(name for name in system.free.points if ".excitation." not in name)
     window = job.rig.study.modes[job.mode].window
     return system, CurveRequest(job.mode, model.excited_by(job.force), window, observed)

@@ -16,6 +16,7 @@ from updamp.parallel.resources import Meter
 from updamp.rig.rig import Rig
 from updamp.workflow import stages, store
 from updamp.workflow.accuracy_jobs import AccuracyJob
+from updamp.workflow.adaptive_curves import AdaptiveCurveJob, of_these_harmonics
 from updamp.workflow.curve_jobs import CurveJob
 from updamp.workflow.job_pool import Job, JobEnd, JobOutcome, JobProgress, run_all
 from updamp.workflow.products import Product, Products, Stored, stored
@@ -106,21 +107,30 @@ class Run:
         done = replace(done, static_contact=rest)
         if not self.wanted(stages.CURVE):
             return done
-        jobs = self.jobs(finite_elements.path, rest.path)
-        found, failures = self._obtain_all(jobs, ResponseCurve)
-        curves, finer = (
-            tuple(found[job.output] for job in jobs if job.finer == kind and job.output in found)
-            for kind in (False, True)
-        )
-        extra = {job.output for job in jobs if job.finer}
+        return self._with_curves(done, finite_elements.path, rest.path)
+
+    def _with_curves(self, done: Products, finite_elements: Path, rest: Path) -> Products:
+        jobs = self.jobs(finite_elements, rest)
+        base, extra = ([job for job in jobs if job.finer == kind] for kind in (False, True))
+        together = [*base, *extra] if self.rig.harmonic_balance.tolerance is None else base
+        found, failures = self._obtain_all(together, ResponseCurve)
+        traced = [(of_these_harmonics(job, found[job.output].product), found[job.output].product)
+                  for job in base if job.output in found]  # fmt: skip
+        if together is base:  # how far finer curves go is known now
+            orders = {(job.mode, job.force): job.orders for job, _ in traced}
+            extra = [
+                replace(job, orders=orders[job.mode, job.force]) for job in extra if (job.mode, job.force) in orders
+            ]
+            more, lost = self._obtain_all(extra, ResponseCurve)
+            found, failures = {**found, **more}, (*failures, *lost)
+        outputs = {job.output for job in extra}
         done = replace(
             done,
-            curves=curves,
-            finer=finer,
-            failures=tuple(one for one in failures if one.job.output not in extra),
-            unknown=tuple(one for one in failures if one.job.output in extra),
+            curves=tuple(found[job.output] for job in base if job.output in found),
+            finer=tuple(found[job.output] for job in extra if job.output in found),
+            failures=tuple(one for one in failures if one.job.output not in outputs),
+            unknown=tuple(one for one in failures if one.job.output in outputs),
         )
-        traced = [(job, found[job.output].product) for job in jobs if job.output in found and not job.finer]
         return self._with_stability(self._with_point_errors(done, traced), traced)
 
     def _with_point_errors(self, done: Products, curves: Sequence[tuple[CurveJob, ResponseCurve]]) -> Products:
@@ -222,16 +232,23 @@ class Run:
         """One a mode and force, as the study or the options have them; two where the accuracy is asked for."""
         modes = self.options.modes or tuple(self.rig.study.modes)
         forces = self.options.forces or self.rig.study.force_levels
-        kinds = ((stages.CURVE, ""), (stages.FINER_CURVE, "_finer"))[: 1 + self.options.accuracy]
-        return tuple(
-            CurveJob(
-                self.rig, mode, force, self.key(stage, mode, force), finite_elements, rest,
-                self.file(f"curve_{mode}_{force:.12g}N{suffix}"), finer=stage is stages.FINER_CURVE,
-            )
-            for stage, suffix in kinds
-            for mode in modes
-            for force in forces
-        )  # fmt: skip
+        choices = [(mode, force) for mode in modes for force in forces]
+        base = [self._curve_job(stages.CURVE, *choice, finite_elements, rest) for choice in choices]
+        if not self.options.accuracy:
+            return tuple(base)
+        extra = [self._curve_job(stages.FINER_CURVE, *choice, finite_elements, rest) for choice in choices]
+        return (*base, *extra)
+
+    def _curve_job(self, stage: Stage, mode: str, force: float, finite_elements: Path, rest: Path) -> CurveJob:
+        finer, tolerance = stage is stages.FINER_CURVE, self.rig.harmonic_balance.tolerance
+        output = self.file(f"curve_{mode}_{force:.12g}N{'_finer' if finer else ''}")
+        key = self.key(stage, mode, force)
+        if tolerance is None or finer:
+            return CurveJob(self.rig, mode, force, key, finite_elements, rest, output, finer)
+        point = self.response_point
+        return AdaptiveCurveJob(
+            self.rig, mode, force, key, finite_elements, rest, output, point=point, tolerance=tolerance
+        )
 
     def _obtain_all(
         self, jobs: Sequence[AnyJob], kind: type[Product]

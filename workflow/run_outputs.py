@@ -13,6 +13,8 @@ import numpy as np
 from updamp.fem.lumped_damper import DAMPER_MODELS
 from updamp.geometry.rig_mesh import mirrored_mesh
 from updamp.geometry.write_vtu import write_vtu
+from updamp.hbm.analysis.adaptive import with_orders
+from updamp.hbm.analysis.settings import setting_of, with_setting
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.newton.observe import contact_states
 from updamp.hbm.problem.system import NonlinearSystem
@@ -23,7 +25,8 @@ from updamp.pictures.modes import ModeShape, animation, panel
 from updamp.pictures.scene import RenderingError
 from updamp.workflow import stages, summary
 from updamp.workflow.accuracy_summary import numerical_error
-from updamp.workflow.products import Products, Stored
+from updamp.workflow.adaptive_curves import ChosenHarmonics, chosen_file
+from updamp.workflow.products import Products, Stored, stored
 from updamp.workflow.run import Run
 from updamp.workflow.summary import write_responses
 
@@ -211,7 +214,8 @@ def states_at_peaks(run: Run, products: Products, curves: Sequence[ResponseCurve
     for curve in curves:
         place = peak_place(run, curve)
         w = 2 * np.pi * curve.frequency[place]
-        states[curve.force] = contact_states(system, curve.displacement[place], w)[element]
+        its_own = with_setting(system, with_orders(setting_of(system), curve.orders))
+        states[curve.force] = contact_states(its_own, curve.displacement[place], w)[element]
     return states
 
 
@@ -222,6 +226,12 @@ def nonlinear_system(run: Run, products: Products) -> NonlinearSystem:
 
 
 # --- summary ---
+
+
+def _chosen(curve: Stored[ResponseCurve]) -> ChosenHarmonics | None:
+    """None where the rig file states the harmonics"""
+    found = stored(chosen_file(curve.path), ChosenHarmonics, curve.stamp.key)
+    return found.product if found is not None else None
 
 
 def summarise(run: Run, products: Products, seconds: float, peak_memory: float) -> dict[str, Any]:
@@ -253,8 +263,9 @@ def summarise(run: Run, products: Products, seconds: float, peak_memory: float) 
                 run.response_point,
                 numerical_error(products, curve, run.response_point) if run.options.accuracy else None,
                 products.stability_of(curve.mode).get(curve.force),
+                _chosen(entry),
             )
-            for curve in (stored.product for stored in products.curves)
+            for entry, curve in ((entry, entry.product) for entry in products.curves)
         ]
         content["not_said"] = {outcome.job.name: outcome.message for outcome in products.unknown}
         content["failed_curves"] = {outcome.job.name: outcome.message for outcome in products.failures}

@@ -70,4 +70,5 @@ UNITS: Mapping[str, Mapping[str, str]] = {
         "samples": "%, Hz, %",
         "cycles": "%, Hz, %",
     },
+    "ChosenHarmonics": {"force": "N", "orders": "1", "tried": "1"},
 }

@@ -17,6 +17,7 @@ from updamp.hbm.continuation.sweeps import sweep
 from updamp.hbm.resonance.quadrature import quadrature_resonances
 from updamp.hbm.stability.branch_stability import BranchStability
 from updamp.workflow.accuracy_summary import error_cells
+from updamp.workflow.adaptive_curves import ChosenHarmonics
 from updamp.workflow.stability_summary import stability_entry, words
 
 CSV_POINTS = ("tip.", "corner_")  # what is written of a curve: the places the lasers look at
@@ -66,10 +67,11 @@ def curve_entry(
     point: str,
     numerical_error: Mapping[str, Any] | None = None,
     stability: BranchStability | None = None,
+    chosen: ChosenHarmonics | None = None,
 ) -> dict[str, Any]:
     """point: where the peak is taken, first harmonic; a branch that found no point at all has no peak
 
-    numerical_error: where the run says how accurate it is
+    numerical_error: where the run says how accurate it is; chosen: where the harmonics were chosen for this curve
     """
     entry: dict[str, Any] = {
         "mode": curve.mode,
@@ -82,6 +84,8 @@ def curve_entry(
         "response_point": point,
         "complete": curve.complete,
         "problem": problem(curve),
+        "harmonics": list(curve.orders),
+        "harmonics_chosen": {"highest_tried": list(chosen.tried), "status": chosen.status} if chosen else None,
         "numerical_error": numerical_error,
         "stability": stability_entry(curve, stability, point) if stability is not None else None,
     }
@@ -166,8 +170,14 @@ def write_responses(
 def curves_table(entries: Sequence[Mapping[str, Any]]) -> Table:
     table = Table(title="Response curves", title_justify="left", header_style="bold")
     known = [entry["numerical_error"] for entry in entries if entry.get("numerical_error")]
+    chosen = any(entry.get("harmonics_chosen") for entry in entries)
     headings = ["mode", "force N", "peak mm/N", "at Hz", "jumps up Hz", "jumps down Hz", "points", "s", ""]
-    for heading in (*headings[:4], *(("error %", "error Hz") if known else ()), *headings[4:]):
+    for heading in (
+        *headings[:4],
+        *(("error %", "error Hz") if known else ()),
+        *(("harm.",) if chosen else ()),
+        *headings[4:],
+    ):
         table.add_column(heading, justify="left" if heading in ("mode", "") else "right")
     for entry in entries:
         table.add_row(
@@ -176,6 +186,7 @@ def curves_table(entries: Sequence[Mapping[str, Any]]) -> Table:
             f"{entry['peak_receptance_mm_per_N']:.5f}" if entry["points"] else "",
             f"{entry['peak_frequency_Hz']:.2f}" if entry["points"] else "",
             *(error_cells(entry.get("numerical_error")) if known else ()),
+            *((str(entry["harmonics"][-1]),) if chosen else ()),
             ", ".join(f"{f:.2f}" for f in entry.get("jumps_up_Hz", ())),
             ", ".join(f"{f:.2f}" for f in entry.get("jumps_down_Hz", ())),
             str(entry["points"]),

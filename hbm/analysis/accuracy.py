@@ -158,19 +158,6 @@ class CheckedPoints:
         branch = {i: _branch_point(system, request, curve, i) for i in places}
         return CheckedPoints(system, request, curve, point, near, turning, most_active, branch)
 
-    def only_peak(self) -> "CheckedPoints":
-        none = np.zeros(0, dtype=np.int64)
-        return replace(self, turning=none, most_active=none, branch={int(i): self.branch[int(i)] for i in self.near})
-
-    def moved_to(self, setting: Setting) -> "CheckedPoints | None":
-        """The same points at another setting; None where one is not solved or the peak has left their middle."""
-        system = with_setting(self.system, setting)
-        moved = {i: solve_again(self.request, p, system) for i, p in self.branch.items()}
-        solved = {i: p for i, p in moved.items() if p is not None}
-        if len(solved) < len(moved) or not 0 < _Peak.of(self, solved).top < len(self.near) - 1:
-            return None
-        return replace(self, system=system, branch=solved)
-
     def deviation(self, refine: Refinement) -> Deviation:
         """What a finer setting changes at the selected points."""
         finer = refine(setting_of(self.system))

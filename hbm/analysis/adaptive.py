@@ -1,170 +1,88 @@
-"""The cheapest setting that meets a stated tolerance at the peak."""
+"""Harmonics added to a curve while they change its peak: whole curves are traced, until two in turn agree.
 
-import math
-from dataclasses import dataclass, field
+Points solved again near a curve do not tell where contacts open: there the branch moves by many half-widths, and
+Newton's method finds none from the coarser one's points.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
 from enum import Enum
 
-from updamp.hbm.analysis.accuracy import CheckedPoints, Deviation, ErrorEstimate, estimate_error
-from updamp.hbm.analysis.settings import (
-    Refinement,
-    Setting,
-    all_finer,
-    more_harmonics,
-    one_more_cycle,
-    setting_of,
-    twice_the_samples,
-    with_setting,
-)
-from updamp.hbm.continuation.curve import CurveRequest, trace
+import numpy as np
+
+from updamp.hbm.analysis.finer_curve import curve_error
+from updamp.hbm.analysis.settings import Setting
+from updamp.hbm.continuation.completeness import half_width
 from updamp.hbm.continuation.response_curve import ResponseCurve
-from updamp.hbm.problem.system import NonlinearSystem
 
-
-@dataclass(frozen=True)
-class Tolerance:
-    """Of the peak's height [percent of it] and of the resonance's frequency [Hz].
-
-    raises: ValueError naming the one that is not positive
-    """
-
-    percent: float
-    hertz: float = math.inf
-
-    def __post_init__(self) -> None:
-        for name in ("percent", "hertz"):
-            if not getattr(self, name) > 0:
-                raise ValueError(f"{name} = {getattr(self, name)}: a tolerance must be positive")
-
-    def share(self, deviation: Deviation | ErrorEstimate) -> float:
-        """The larger of both errors over its tolerance; infinite where the finer problem was not solved."""
-        together = deviation.together if isinstance(deviation, ErrorEstimate) else deviation
-        share = max(abs(together.peak_percent) / self.percent, abs(together.peak_hertz) / self.hertz)
-        return math.inf if math.isnan(together.peak_percent) or math.isnan(share) else share
-
-
-@dataclass(frozen=True)
-class Limits:
-    """Where the search begins, and the most of each that it may use.
-
-    raises: ValueError where the beginning is beyond the limits
-    """
-
-    start: Setting = field(default_factory=lambda: Setting((0, 1), 64, 2))
-    highest_order: int = 9
-    time_samples: int = 512
-    cycles: int = 4
-
-    def __post_init__(self) -> None:
-        if not self.allow(self.start):
-            raise ValueError(f"the search cannot begin at {self.start}: raise the limits")
-
-    def allow(self, setting: Setting) -> bool:
-        return (
-            setting.orders[-1] <= self.highest_order
-            and setting.time_samples <= self.time_samples
-            and (setting.cycles or 1) <= self.cycles
-        )
+FURTHER, HIGHEST = 2, 11  # orders added at a time, and the highest that is tried
+HALF_WIDTHS = 0.1  # by which the resonance may move where the peak's height has settled
 
 
 class AdaptiveStatus(Enum):
-    """What became of the search; `advice` says what to try."""
+    """What became of the search."""
 
-    MET = "tolerance met"
-    LIMITS_REACHED = "limits reached"
-    NOT_TRACED = "curve not traced"
-
-    @property
-    def advice(self) -> str:
-        return _ADVICE[self]
-
-
-_ADVICE = {
-    AdaptiveStatus.MET: "",
-    AdaptiveStatus.LIMITS_REACHED: "no setting within the limits meets the tolerance: raise either",
-    AdaptiveStatus.NOT_TRACED: "the curve stopped before the end of its window: see its `stopped`",
-}
+    MET = "further harmonics move the peak by no more than the tolerance"
+    HIGHEST_REACHED = "the highest harmonics that are tried still move the peak by more than the tolerance"
+    FINER_NOT_TRACED = "the curve with further harmonics is not complete: whether the tolerance is met is not known"
+    NOT_TRACED = "the first curve is not complete"
 
 
 @dataclass(frozen=True, eq=False)
 class AdaptiveResult:
-    """setting: the one chosen, or where the search ended; curve: traced with it; estimate: of that curve, None where it
-    was not traced; tried: all settings in turn
+    """curve: the coarsest that meets the tolerance, or the finest complete one; None where tracing was interrupted
+    tried: harmonics in turn; status: None where tracing was interrupted
     """
 
-    status: AdaptiveStatus
-    setting: Setting
-    estimate: ErrorEstimate | None
-    curve: ResponseCurve
-    tried: tuple[Setting, ...]
+    curve: ResponseCurve | None
+    tried: tuple[tuple[int, ...], ...]
+    status: AdaptiveStatus | None
 
 
 def adaptive(
-    system: NonlinearSystem, request: CurveRequest, tolerance: Tolerance, limits: Limits | None = None
+    traced_with: Callable[[tuple[int, ...]], ResponseCurve | None],
+    orders: tuple[int, ...],
+    point: str,
+    tolerance: float,
+    highest: int = HIGHEST,
 ) -> AdaptiveResult:
-    """Trace with the first setting, then move the points around the peak from setting to setting, each time raising
-    what contributes more than a third of the tolerance, and trace with the setting that meets it.
+    """traced_with: harmonics -> their curve, None after an interruption; orders: the first ones
+    tolerance: of the height of the peak at `point`, as a share of it
 
-    The peak is that of the first of the request's points.
+    raises: ValueError where the tolerance is not positive
     """
-    limits = limits or Limits()
-    setting, tried = _without_idle_cycles(system, limits.start), []
-    while True:
-        tried.append(setting)
-        traced = with_setting(system, setting)
-        *_, curve = trace(traced, request)
-        if not curve.complete:
-            return AdaptiveResult(AdaptiveStatus.NOT_TRACED, setting, None, curve, tuple(tried))
-        estimate = estimate_error(traced, request, curve)
-        if tolerance.share(estimate) <= 1:
-            return AdaptiveResult(AdaptiveStatus.MET, setting, estimate, curve, tuple(tried))
-        peak = CheckedPoints.of(traced, request, curve, request.points[0]).only_peak()
-        finer = _refined(peak, setting, tolerance, limits)
+    if not tolerance > 0:
+        raise ValueError(f"tolerance = {tolerance}: a share of the peak above 0, such as 0.01")
+    tried, curve = [orders], traced_with(orders)
+    if curve is None or not curve.complete:
+        return AdaptiveResult(curve, tuple(tried), AdaptiveStatus.NOT_TRACED if curve is not None else None)
+    while tried[-1][-1] + FURTHER <= highest:
+        tried.append(further(tried[-1]))
+        finer = traced_with(tried[-1])
         if finer is None:
-            return AdaptiveResult(AdaptiveStatus.LIMITS_REACHED, setting, estimate, curve, tuple(tried))
-        setting = _search(peak, finer, tolerance, limits, tried)
+            return AdaptiveResult(None, tuple(tried), None)
+        if not finer.complete:
+            return AdaptiveResult(curve, tuple(tried), AdaptiveStatus.FINER_NOT_TRACED)
+        if agree(curve, finer, point, tolerance):
+            return AdaptiveResult(curve, tuple(tried), AdaptiveStatus.MET)
+        curve = finer
+    return AdaptiveResult(curve, tuple(tried), AdaptiveStatus.HIGHEST_REACHED)
 
 
-def _search(
-    peak: CheckedPoints, setting: Setting, tolerance: Tolerance, limits: Limits, tried: list[Setting]
-) -> Setting:
-    """From setting to setting around the peak, until the tolerance is met, the limits are reached, or the points
-    cannot follow."""
-    while True:
-        moved = peak.moved_to(setting)
-        if moved is None or tolerance.share(moved.deviation(all_finer)) <= 1:
-            return setting
-        finer = _refined(moved, setting, tolerance, limits)
-        if finer is None:
-            return setting
-        tried.append(setting)
-        peak, setting = moved, finer
+def further(orders: tuple[int, ...]) -> tuple[int, ...]:
+    return (*orders, *range(orders[-1] + 1, orders[-1] + FURTHER + 1))
 
 
-def _refined(peak: CheckedPoints, setting: Setting, tolerance: Tolerance, limits: Limits) -> Setting | None:
-    """The setting with everything refined that contributes more than a third of the tolerance, or else most of all;
-    None where the limits do not allow any of it, or not what alone exceeds the tolerance."""
-    contributions: list[tuple[float, Refinement]] = [
-        (tolerance.share(peak.deviation(more_harmonics)), _two_more_harmonics),
-        (tolerance.share(peak.deviation(twice_the_samples)), twice_the_samples),
-    ]
-    if setting.cycles is not None:
-        contributions.append((tolerance.share(peak.deviation(one_more_cycle)), one_more_cycle))
-    possible = [(share, refine) for share, refine in contributions if limits.allow(refine(setting))]
-    exhausted = [share for share, refine in contributions if not limits.allow(refine(setting))]
-    if not possible or max(exhausted, default=0.0) > 1:
-        return None
-    threshold = min(1 / 3, max(share for share, _ in possible))
-    refined = setting
-    for share, refine in possible:
-        if share >= threshold and limits.allow(refine(refined)):
-            refined = refine(refined)
-    return refined
+def agree(curve: ResponseCurve, finer: ResponseCurve, point: str, tolerance: float) -> bool:
+    """Whether the peak's height changes by no more than the tolerance and its frequency by little of the half-width."""
+    error = curve_error(curve, finer, point)
+    size = np.abs(curve.receptance(point))
+    near = abs(error.resonance_hertz) <= HALF_WIDTHS * half_width(curve.frequency, size)
+    return near and abs(error.peak_percent) <= 100 * tolerance
 
 
-def _two_more_harmonics(setting: Setting) -> Setting:
-    return more_harmonics(setting, further=2)
-
-
-def _without_idle_cycles(system: NonlinearSystem, setting: Setting) -> Setting:
-    """Cycles are left out of the setting where no law has any."""
-    return setting if setting_of(system).cycles is not None else Setting(setting.orders, setting.time_samples, None)
+def with_orders(setting: Setting, orders: tuple[int, ...]) -> Setting:
+    """The setting with these harmonics, samples raised where further ones need it."""
+    if orders == setting.orders:
+        return setting
+    return Setting(orders, max(setting.time_samples, 4 * orders[-1]), setting.cycles)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from pydantic import ValidationError
+from pydantic_core import to_json
 
 from updamp.model.rig_files import load_rig
 from updamp.rig.errors import RigError
@@ -76,6 +77,17 @@ def test_quantities_become_si() -> None:
     assert rig.blade.height == 0.15
     assert rig.material.density == 7800.0
     assert rig.platform.underside_angle == pytest.approx(math.pi / 4, rel=1e-15)
+
+
+def test_automatic_harmonics_begin_with_the_first_ones_and_have_a_tolerance() -> None:
+    stated, automatic = load(), load(harmonic_balance__harmonics="auto")
+    assert stated.harmonic_balance.tolerance is None
+    assert automatic.harmonic_balance.harmonics == (0, 1, 2, 3)
+    assert automatic.harmonic_balance.tolerance == 0.01
+    given = load(harmonic_balance__harmonics="auto", harmonic_balance__tolerance=0.05)
+    assert given.harmonic_balance.tolerance == 0.05
+    assert len({rig.digest("harmonic_balance") for rig in (stated, automatic, given)}) == 3
+    assert b"tolerance" not in to_json(stated.harmonic_balance), "what was stored before the key existed still holds"
 
 
 def test_derived_dimensions() -> None:
@@ -170,6 +182,12 @@ KEYS = [
     ({"harmonic_balance__harmonics": [1, 1]}, "harmonic_balance.harmonics = [1, 1]: must increase, each stated once"),
     ({"harmonic_balance__harmonics": [0, 1, -2]}, "harmonic_balance.harmonics[2] = -2: should be greater"),
     ({"harmonic_balance__harmonics": [0, 1, 2.5]}, "harmonic_balance.harmonics[2] = 2.5: should be a valid integer"),
+    (
+        {"harmonic_balance__harmonics": "automatic"},
+        'harmonics = "automatic": state a list such as [0, 1, 2, 3], or "auto"',
+    ),
+    ({"harmonic_balance__tolerance": 0.01}, 'tolerance = 0.01: goes with harmonics = "auto" alone'),
+    ({"harmonic_balance__harmonics": "auto", "harmonic_balance__tolerance": 0.0}, "harmonic_balance.tolerance = 0.0"),
     ({"harmonic_balance__time_samples": 6}, "harmonic_balance.time_samples = 6: must be above 6, twice the highest"),
     ({"harmonic_balance__cycles": 1}, "harmonic_balance.cycles = 1: should be greater than or equal to 2"),
     ({"mesh__small__width": 3}, "mesh.small.width = 3: should be a multiple of 2"),

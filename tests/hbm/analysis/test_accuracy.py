@@ -5,10 +5,9 @@ import pytest
 from support.peers import blades_and_damper_system, one_degree_of_freedom, solved
 
 from updamp.hbm.analysis.accuracy import CheckedPoints, estimate_error
-from updamp.hbm.analysis.adaptive import AdaptiveStatus, Limits, Tolerance, adaptive
+from updamp.hbm.analysis.adaptive import AdaptiveStatus, adaptive, with_orders
 from updamp.hbm.analysis.settings import Setting, all_finer, more_harmonics, one_more_cycle, setting_of, with_setting
 from updamp.hbm.contact.coulomb_circle import CoulombCircle
-from updamp.hbm.contact.jenkins import Jenkins, JenkinsParameters
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
 from updamp.hbm.continuation.continuation import ContinuationOptions
@@ -78,7 +77,8 @@ def test_one_more_cycle_of_a_law_that_settles_slowly():
     system = blades_and_damper_system(CoulombCircle(2), (0, 1), 64)
     request = friction_request(system)
     curve = last(system, request)
-    peak = CheckedPoints.of(system, request, curve, "tip").only_peak()
+    none = np.zeros(0, dtype=np.int64)
+    peak = CheckedPoints.at(system, request, curve, "tip", none, none)
     settled = with_setting(system, Setting((0, 1), 64, 6))
     converged = peak.deviation(lambda _: setting_of(settled)).peak_percent
     assert abs(converged) > 1e-4
@@ -110,67 +110,44 @@ def test_estimate_of_a_converged_curve_is_small():
     assert estimate.hertz < 1e-5
 
 
-LIMITS = Limits(Setting((0, 1), 64), highest_order=9, time_samples=512)
+def traced(system: NonlinearSystem, request: CurveRequest):
+    """Harmonics -> curve, with 128 samples."""
+    return lambda orders: list(trace(with_setting(system, with_orders(Setting((0, 1), 128), orders)), request))[-1]
 
 
-def test_stronger_force_takes_more_harmonics():
+def test_stronger_force_takes_more_harmonics_and_the_tolerance_is_met():
     system = duffing()
     weak, strong = (
-        adaptive(system, duffing_request(system, share), Tolerance(percent=0.02), LIMITS) for share in (0.1, 1.0)
+        adaptive(traced(system, duffing_request(system, share)), (0, 1), "mass", 1e-4) for share in (0.1, 1.0)
     )
     assert weak.status is strong.status is AdaptiveStatus.MET
-    assert len(weak.setting.orders) < len(strong.setting.orders)
-    for found in (weak, strong):
-        assert found.estimate is not None
-        assert found.estimate.percent <= 0.02
-        assert found.curve.orders == found.setting.orders
+    assert len(weak.curve.orders) < len(strong.curve.orders)
+    converged = last(with_setting(system, Setting(tuple(range(14)), 256)), duffing_request(system)).peak("mass")[1]
+    assert strong.curve.peak("mass")[1] == pytest.approx(converged, rel=1e-4)
+    coarser = traced(system, duffing_request(system))(strong.tried[0]).peak("mass")[1]
+    assert coarser != pytest.approx(converged, rel=1e-4), "the first harmonics would not have done"
 
 
-def test_the_chosen_setting_is_that_accurate_and_no_cheaper_one_tried_was():
+def test_the_highest_harmonics_are_said_to_be_reached():
     system = duffing()
-    request = duffing_request(system)
-    found = adaptive(system, request, Tolerance(percent=0.02), LIMITS)
-    height = last(with_setting(system, Setting(tuple(range(14)), 256)), request).peak("mass")[1]
-    errors = []
-    for setting in found.tried:
-        curve = last(with_setting(system, setting), request)
-        errors.append(100 * abs(height / curve.peak("mass")[1] - 1))
-    assert errors[-1] <= 0.02
-    assert min(errors[:-1]) > 0.02
-    costs = [setting.cost for setting in found.tried]
-    assert costs == sorted(costs)
+    found = adaptive(traced(system, duffing_request(system)), (0, 1), "mass", 1e-9, highest=3)
+    assert found.status is AdaptiveStatus.HIGHEST_REACHED
+    assert found.tried == ((0, 1), (0, 1, 2, 3))
+    assert found.curve.orders == (0, 1, 2, 3)
 
 
-def test_friction_takes_harmonics_and_no_more_cycles_than_its_law_needs():
-    d = solved("b_jenkins_1dof")["definition"]
-    group = ElementGroup(Jenkins(), JenkinsParameters(np.array([d["kt"]]), np.array([d["muN"]])), np.array([[0]]))
-    system = one_degree_of_freedom(d["c"], group, (0, 1), 64)
-    excitation = Excitation(system.free.row("mass"), d["P"])
-    request = CurveRequest("1", excitation, (0.9 / 2 / np.pi, 1.5 / 2 / np.pi), ("mass",))
-    found = adaptive(system, request, Tolerance(percent=0.3), Limits(Setting((0, 1), 64, 2)))
-    assert found.status is AdaptiveStatus.MET
-    assert found.setting.orders[-1] >= 3
-    assert found.setting.cycles == 2
-
-
-def test_limits_are_said_to_be_reached():
+def test_curves_that_stop_or_are_interrupted():
     system = duffing()
-    tight = Limits(Setting((0, 1), 64), highest_order=3, time_samples=128)
-    found = adaptive(system, duffing_request(system), Tolerance(percent=1e-6), tight)
-    assert found.status is AdaptiveStatus.LIMITS_REACHED
-    assert "limits" in found.status.advice
-    assert found.estimate is not None
-    assert found.estimate.percent > 1e-6
-    assert found.setting.orders[-1] == 3
-
-
-def test_a_curve_that_stops_is_said_to():
-    system = duffing()
-    short = ContinuationOptions(max_points=3)
-    found = adaptive(system, duffing_request(system, options=short), Tolerance(percent=1.0), LIMITS)
-    assert found.status is AdaptiveStatus.NOT_TRACED
-    assert found.estimate is None
-    assert "max_points" in found.curve.stopped
+    whole = traced(system, duffing_request(system))
+    short = traced(system, duffing_request(system, options=ContinuationOptions(max_points=3)))
+    assert adaptive(short, (0, 1), "mass", 0.01).status is AdaptiveStatus.NOT_TRACED
+    lost = adaptive(lambda orders: whole(orders) if orders == (0, 1) else short(orders), (0, 1), "mass", 1e-9)
+    assert lost.status is AdaptiveStatus.FINER_NOT_TRACED
+    assert lost.curve.orders == (0, 1)
+    assert lost.curve.complete
+    stopped = adaptive(lambda orders: whole(orders) if orders == (0, 1) else None, (0, 1), "mass", 1e-9)
+    assert stopped.curve is None
+    assert stopped.status is None
 
 
 def test_refinements():
@@ -187,11 +164,9 @@ def test_refinements():
 @pytest.mark.parametrize(
     ("make", "name"),
     [
-        (lambda: Tolerance(percent=0.0), "percent"),
-        (lambda: Tolerance(percent=1.0, hertz=-1.0), "hertz"),
+        (lambda: adaptive(lambda _: None, (0, 1), "mass", 0.0), "tolerance"),
         (lambda: Setting((0, 1, 2, 3), 6), "time_samples"),
         (lambda: Setting((0, 1), 64, 0), "cycles"),
-        (lambda: Limits(Setting((0, 1), 64, 5)), "limits"),
     ],
 )
 def test_bad_values_are_refused_by_name(make, name):
