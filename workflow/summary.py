@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 from updamp.fem.finite_element_model import CoupledCheck, FiniteElementResult
@@ -20,6 +21,7 @@ from updamp.workflow.accuracy_summary import error_cells
 from updamp.workflow.adaptive_curves import ChosenHarmonics
 from updamp.workflow.stability_summary import stability_entry, words
 
+LEAST_WIDTH = {"force N": 5, "peak mm/N": 7, "at Hz": 6, "error %": 6, "error Hz": 6}  # numbers are not cut off
 CSV_POINTS = ("tip.", "corner_")  # what is written of a curve: the places the lasers look at
 
 
@@ -168,7 +170,7 @@ def write_responses(
 
 
 def curves_table(entries: Sequence[Mapping[str, Any]]) -> Table:
-    table = Table(title="Response curves", title_justify="left", header_style="bold")
+    table = Table(title="Response curves", title_justify="left", header_style="bold", box=SIMPLE_HEAD)
     known = [entry["numerical_error"] for entry in entries if entry.get("numerical_error")]
     chosen = any(entry.get("harmonics_chosen") for entry in entries)
     headings = ["mode", "force N", "peak mm/N", "at Hz", "jumps up Hz", "jumps down Hz", "points", "s", ""]
@@ -178,7 +180,9 @@ def curves_table(entries: Sequence[Mapping[str, Any]]) -> Table:
         *(("harm.",) if chosen else ()),
         *headings[4:],
     ):
-        table.add_column(heading, justify="left" if heading in ("mode", "") else "right")
+        table.add_column(
+            heading, justify="left" if heading in ("mode", "") else "right", min_width=LEAST_WIDTH.get(heading)
+        )
     for entry in entries:
         table.add_row(
             entry["mode"],
