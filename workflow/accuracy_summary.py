@@ -9,6 +9,7 @@ from updamp.hbm.analysis.finer_points import PointErrors
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.workflow.products import Products
 
+NOTHING = 1e-4  # percent or hertz, below which the table says 0
 THREE = ("peak_percent", "resonance_hertz", "flank_percent")
 
 
@@ -57,4 +58,8 @@ def error_cells(error: Mapping[str, Any] | None) -> tuple[str, str]:
     if error is None or error.get("peak_percent") is None:
         return ("", "") if error is None else ("not known", "")
     mark = "" if error["complete"] else "?"
-    return f"{error['peak_percent']:+.2g}{mark}", f"{error['resonance_hertz']:+.2g}{mark}"
+    return f"{_short(error['peak_percent'])}{mark}", f"{_short(error['resonance_hertz'])}{mark}"
+
+
+def _short(value: float) -> str:
+    return f"{value:+.2g}" if abs(value) >= NOTHING else "0"

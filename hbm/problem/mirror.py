@@ -5,7 +5,7 @@ the contacts and the symmetric modes describe it exactly: half the unknowns, an 
 to it is easier: no contact changes its state within round-off of its image's, and nowhere does the Jacobian become
 singular for motions from side to side that the excitation does not drive. What is left out are responses that break the
 symmetry of their own accord; where the symmetric one is unstable, its exponents with the whole model tell
-(hbm/analysis/stability.py).
+(hbm/stability/stability.py).
 """
 
 from collections.abc import Iterable
