@@ -86,8 +86,11 @@ def settled(
     return each
 
 
-def without_contacts(model: RigModel, component: str) -> float:
-    """First frequency [Hz] of one component alone, with what is attached to it and to nothing else."""
+def without_contacts(model: RigModel, component: str, number: int = 0) -> float:
+    """Frequency [Hz] of one component alone, with what is attached to it and to nothing else.
+
+    number: of its modes, 0 for the first; raises: IndexError for one beyond those kept
+    """
     own = [a for a in model.attachments if all(p.startswith(f"{component}.") for p in a.points)]
     on = np.array(model.owner) == component
     c = model.components
@@ -95,7 +98,7 @@ def without_contacts(model: RigModel, component: str) -> float:
         c.omega_squared[on], c.phi[:, on], c.residual, c.hysteretic[np.ix_(on, on)], c.viscous[np.ix_(on, on)],
         c.n_relative, c.points,
     )  # fmt: skip
-    return float(attach(alone, own).frequencies[0])
+    return float(attach(alone, own).frequencies[number])
 
 
 def linear_up_to(model: RigModel, found: SmallAmplitude, mode: int) -> float:

@@ -66,17 +66,30 @@ class Quantity:
         self._check_range(float(value.to(self.example.split(maxsplit=1)[1]).magnitude))
         return in_si
 
+    def in_unit(self, text: object, unit: str) -> float:
+        """As `to_si`, in another unit of the same kind; raises: ValueError as `to_si`"""
+        self.to_si(text)
+        number, stated = self._split(text)
+        return float(_registry().Quantity(number, stated).to(unit).magnitude)
+
+    def unit_of(self, text: object) -> str:
+        """The unit as it is written; raises: ValueError as `to_si`"""
+        return str(self._parts(text)[1])
+
     def _split(self, text: object) -> tuple[Decimal, pint.Unit]:
-        match = _NUMBER_AND_UNIT.fullmatch(text) if isinstance(text, str) else None
-        if match is None:
-            raise ValueError(f'not a number with a unit; write it like "{self.example}"')
-        number, unit = Decimal(match[1]), match[2]
-        if not unit:
-            raise ValueError(f'state its unit, such as "{self.example}"')
+        number, unit = self._parts(text)
         try:
             return number, _registry().parse_units(unit)
         except Exception:  # whatever the parser's tokenizer, look-ups or arithmetic stumble over
             raise ValueError(f'unknown unit "{unit}"; write it like "{self.example}"') from None
+
+    def _parts(self, text: object) -> tuple[Decimal, str]:
+        match = _NUMBER_AND_UNIT.fullmatch(text) if isinstance(text, str) else None
+        if match is None:
+            raise ValueError(f'not a number with a unit; write it like "{self.example}"')
+        if not match[2]:
+            raise ValueError(f'state its unit, such as "{self.example}"')
+        return Decimal(match[1]), match[2]
 
     def _check_range(self, number: float) -> None:
         if (

@@ -13,6 +13,7 @@ NOT_INSTALLED = {"tests", "build", "dist"}
 IMPORT_ON_CALL = {
     "api.py": "reports and pictures, which effects' files that import it do not need",
     "commands/compare.py": "--help is there at once; threads are stated before numpy is loaded",
+    "commands/design.py": "likewise",
     "commands/effects.py": "likewise",
     "commands/predict.py": "likewise",
     "fem/solvers/cholmod.py": "optional library",
@@ -23,8 +24,8 @@ IMPORT_ON_CALL = {
     "notebook/curve.py": "matplotlib, where a picture is asked for",
     "notebook/outcomes.py": "likewise",
     "notebook/resonance.py": "likewise",
+    "parallel/chosen_workers.py": "Dask, optional",
     "pictures/scene.py": "pyvista, which needs system libraries",
-    "workflow/diagnose_run.py": "Dask, optional",
     "workflow/stage_functions.py": "gmsh, which needs system libraries",
 }
 FOR_TYPES_ALONE = {

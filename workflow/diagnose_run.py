@@ -1,12 +1,10 @@
 """`updamp diagnose`: from a rig file and a measurement to the effect that is missing."""
 
 import hashlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import date
 from pathlib import Path
-from typing import Any
 
 from pydantic_core import to_json
 from rich.console import Console
@@ -30,10 +28,9 @@ from updamp.effects.catalogue import catalogue
 from updamp.effects.chosen import code_of
 from updamp.effects.effect import Effect
 from updamp.effects.user_effect import effect_from_file
-from updamp.hbm.compilation_cache import keeps_compiled
 from updamp.model.rig_files import is_modal, load_any, load_rig
-from updamp.parallel.processes import processes
-from updamp.parallel.workers import Elsewhere, Workers, here
+from updamp.parallel.chosen_workers import chosen_workers
+from updamp.parallel.workers import Workers
 from updamp.report.page import write_report
 from updamp.workflow.code_version import SEARCH, code_version
 from updamp.workflow.compare_run import CompareFiles, ComparisonInputs, comparison_inputs, pictures_of, provenance_of
@@ -45,7 +42,6 @@ from updamp.workflow.search_cache import CachedFits, SearchCache
 _STAGE = "diagnosis"
 # Predicted with each explanation, to find the next measurement: some 6 s of one core with 36 patches.
 _RUNS = 6
-_PATIENCE = 30  # s, with a Dask scheduler that has no workers yet
 
 
 @dataclass(frozen=True)
@@ -86,7 +82,7 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
         files.out.mkdir(parents=True, exist_ok=True)
         plan, progress = plan_of(inputs.measurement), _progress_bar(display)
         cache = _cache(files, preset, options, inputs, effects, display)
-        with _workers(options) as workers:
+        with chosen_workers(options.jobs, options.scheduler, options.own) as workers:
             start = _baseline(cache, inputs, plan, options, progress, BranchesBy(workers))
             found = search(start, effects, options.criteria, progress, CachedFits(cache, FitRunnerOf(workers)), workers)
             provenance["held out"] = ", ".join(plan.conditions[i].name for i in start.held_out) or "nothing"
@@ -186,36 +182,6 @@ def _baseline(
         start = baseline(inputs.before_effects, inputs.rig_effects, plan, inputs.finer, held_out, progress, branches_of)
         cache.write("baseline", start)
     return start
-
-
-@contextmanager
-def _workers(options: DiagnoseOptions) -> Iterator[Workers]:
-    """Where branches are traced and fits run."""
-    own, kept = tuple(path.resolve() for path in options.own), keeps_compiled()
-    if options.scheduler:
-        try:
-            from distributed import Client
-        except ImportError as error:
-            raise ValueError(
-                "--scheduler needs Dask: install it with `pip install 'updamp[cluster]'`, on the workers too"
-            ) from error
-        with Client(options.scheduler) as client:
-            _wait_for_workers(client, options.scheduler)
-            yield Elsewhere(client.get_executor(pure=False), own, kept)
-    elif options.jobs > 1:
-        with processes(options.jobs) as pool:
-            yield Elsewhere(pool, own, kept)
-    else:
-        yield here
-
-
-def _wait_for_workers(client: Any, address: str) -> None:
-    try:
-        client.wait_for_workers(1, timeout=_PATIENCE)
-    except TimeoutError as error:
-        raise ValueError(
-            f"--scheduler {address}: no worker has come in {_PATIENCE} s; start one: dask worker {address}"
-        ) from error
 
 
 def _forces(found: SearchResult, decision: Decision) -> tuple[MissingForce, ...]:

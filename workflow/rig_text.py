@@ -60,6 +60,27 @@ def with_calibration(text: str, factors: Mapping[str, float], origin: str) -> st
     return tomlkit.dumps(document)
 
 
+def with_values(text: str, values: Mapping[str, Any]) -> str:
+    """Values by dotted path, such as {"load.pull": "900 N"}; the comment behind each stays. Tables that are missing are
+    added; effects have `with_effect`."""
+    document = tomlkit.parse(text)
+    for path, value in values.items():
+        *tables, last = path.split(".")
+        here: Any = document
+        for name in tables:
+            if name not in here:
+                here[name] = tomlkit.table()
+            here = here[name]
+        item = tomlkit.item(value)
+        if last in here:
+            item.trivia.comment_ws, item.trivia.comment = (
+                here.item(last).trivia.comment_ws,
+                here.item(last).trivia.comment,
+            )
+        here[last] = item
+    return tomlkit.dumps(document)
+
+
 def without_calibration(text: str) -> str:
     document = tomlkit.parse(text)
     document.pop("calibration", None)
