@@ -1,4 +1,5 @@
-"""The command line: `updamp run`, `compare`, `check`, `show`, `diagnose`, `add`, `remove`, `history`.
+"""The command line: `updamp run`, `compare`, `check`, `show`, `diagnose`, `add`, `remove`, `history`, `design`,
+`design-rig`.
 
 What each command does is in `commands/`.
 """
@@ -9,6 +10,7 @@ from typing import Annotated
 import typer
 
 from updamp.commands.compare import compare
+from updamp.commands.design import design, design_rig
 from updamp.commands.effects import add, diagnose, history, remove
 from updamp.commands.predict import check, run, show
 
@@ -35,7 +37,7 @@ def main(
     pass
 
 
-for command in (run, compare, check, show, diagnose, add, remove, history):
+for command in (run, compare, check, show, diagnose, add, remove, history, design, design_rig):
     app.command()(command)
 
 

@@ -1,0 +1,187 @@
+"""A study at work: designs chosen by the method, solved by workers, each kept as soon as it is there."""
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from pydantic_core import to_json
+
+from updamp.design.evaluate import Asked, Task, evaluate
+from updamp.design.methods.method import MethodResult, Problem
+from updamp.design.records import Record, RecordFolder
+from updamp.design.rig_numbers import AnyRig
+from updamp.design.solved_design import DesignInput, SolvedDesign, observed_point
+from updamp.design.study_file import Study
+from updamp.design.tracked_modes import ModeReference, mode_references
+from updamp.design.variables import Values, overrides
+from updamp.model.rig_files import load_any
+from updamp.notebook.model import ABOUT_A_MODE
+from updamp.parallel.chosen_workers import chosen_workers
+from updamp.parallel.workers import Workers
+from updamp.rig.errors import read_toml
+from updamp.rig.modal_rig import ModalRig
+from updamp.workflow import stages
+from updamp.workflow.progress import Display
+from updamp.workflow.rig_text import moved
+
+VERSION = 1  # to be raised whenever a response means something else than before
+_BAR = "designs"
+
+
+@dataclass(frozen=True)
+class StudyFolder:
+    """What a study writes: rig.toml, designs/, stages/, tables, study.json, the page."""
+
+    path: Path
+
+    @property
+    def rig(self) -> Path:
+        return self.path / "rig.toml"
+
+    @property
+    def designs(self) -> Path:
+        return self.path / "designs"
+
+    @property
+    def stages(self) -> Path:
+        return self.path / "stages"
+
+
+@dataclass(frozen=True)
+class StudyResult:
+    """records: of all designs of this study, earlier sessions included; others: how many the folder holds besides, of
+    another rig, mesh or set of responses; method: None where the study was interrupted"""
+
+    study: Study
+    folder: StudyFolder
+    rig: AnyRig
+    references: tuple[ModeReference, ...]
+    records: tuple[Record, ...]
+    others: int
+    method: MethodResult | None
+
+
+@dataclass(eq=False)
+class Evaluations:
+    """The `Evaluate` of a study: takes known designs from their records, has the others solved, keeps them at once."""
+
+    task: Task
+    stated: Mapping[str, Any]
+    study: Study
+    records: RecordFolder
+    workers: Workers
+    display: Display
+    solved: int = 0
+    _numbered: dict[str, int] = field(default_factory=dict)
+
+    def __call__(self, designs: Sequence[Values], expected: int | None = None) -> list[Record]:
+        asked = [self._asked(values) for values in designs]
+        for one in asked:  # numbers count designs in the order in which the method names them
+            self._numbered.setdefault(one.key, len(self._numbered) + 1)
+        fresh = {one.key: one for one in asked if self.records.find(one.key) is None}
+        missing, total = list(fresh.values()), expected or len(self._numbered)
+        self._show(total)
+
+        def keep(place: int, record: Record) -> None:
+            kept = self.records.add(record, self._numbered[missing[place].key])
+            self.solved += 1
+            if kept.outcome in ("failed", "error"):
+                self.display.note(f"design {kept.number}", kept.reason)
+            self._show(total)
+
+        new = dict(zip(fresh, self.workers(evaluate, self.task, missing, keep), strict=True))
+        return [self.records.find(one.key) or new[one.key] for one in asked]
+
+    def _asked(self, values: Values) -> Asked:
+        changes = overrides(self.stated, self.study.variables, values)
+        key = _hash(self.task.setup, {one.name: values[one.name] for one in self.study.variables})
+        return Asked(values, changes, key)
+
+    def _show(self, total: int) -> None:
+        known = len(self.records.of_setup(self.task.setup))
+        self.display.update(
+            _BAR, min(known / max(total, 1), 1.0), f"{known} of {total} known, {self.solved} solved now"
+        )
+
+
+def run_study(study: Study, out: Path, jobs: int, scheduler: str, display: Display) -> StudyResult:
+    """Solve what is not known yet.
+
+    raises: RigError, ValueError for a study that the rig has no place for; KeyboardInterrupt is passed on only before
+        the first design: later ones are in their records, and the result says that the method has not ended
+    """
+    folder = StudyFolder(out.resolve())
+    rig = _own_copy(study, folder)
+    given = DesignInput(folder.rig, {}, study.mesh, folder.stages, (), _peaks(study))
+    references = _references(study, rig, given, display)
+    given = DesignInput(folder.rig, {}, study.mesh, folder.stages, references, given.peaks)
+    task = Task(given, study.responses, _setup(study, rig))
+    records = RecordFolder(folder.designs)
+    stated, own = read_toml(folder.rig, "a rig file"), tuple(e.file for e in rig.effects if e.file is not None)
+    result: MethodResult | None = None
+    interrupted: KeyboardInterrupt | None = None
+    try:
+        with chosen_workers(jobs, scheduler, own) as workers:
+            result = study.method.run(
+                _problem(study, folder, jobs), Evaluations(task, stated, study, records, workers, display)
+            )
+    except KeyboardInterrupt as stop:
+        interrupted = stop
+    found = records.of_setup(task.setup)
+    if interrupted is not None and not found:
+        raise interrupted
+    display.done(_BAR, f"{len(found)} known")
+    return StudyResult(study, folder, rig, references, found, records.others(task.setup), result)
+
+
+def _problem(study: Study, folder: StudyFolder, at_once: int) -> Problem:
+    names = tuple(one.name for one in study.responses)
+    return Problem(study.name, study.variables, names, study.objectives, study.constraints, folder.path, at_once)
+
+
+def _own_copy(study: Study, folder: StudyFolder) -> AnyRig:
+    """The rig file as it is now, in the folder: workers and later readers do not see what it becomes meanwhile."""
+    folder.path.mkdir(parents=True, exist_ok=True)
+    text = moved(study.rig.read_text(encoding="utf-8"), study.rig.parent, folder.path)
+    if not folder.rig.is_file() or folder.rig.read_text(encoding="utf-8") != text:
+        temporary = folder.rig.with_suffix(".tmp")
+        temporary.write_text(text, encoding="utf-8")
+        temporary.replace(folder.rig)
+    return load_any(folder.rig)
+
+
+def _peaks(study: Study) -> tuple[Any, ...]:
+    return tuple(dict.fromkeys(peak for one in study.responses for peak in one.peaks()))
+
+
+def _references(study: Study, rig: AnyRig, given: DesignInput, display: Display) -> tuple[ModeReference, ...]:
+    """Of the modes that responses name, in the rig as its file stands."""
+    named = {mode for one in study.responses for mode in one.modes()}
+    if not named:
+        return ()
+    with display.stage("rig as it stands"):
+        windows = {name: window for name, window in windows_of(rig).items() if name in named}
+        return mode_references(SolvedDesign(given).model, windows, observed_point(rig))
+
+
+def windows_of(rig: AnyRig) -> dict[str, tuple[float, float]]:
+    """Mode -> window of its curve [Hz]"""
+    if isinstance(rig, ModalRig):
+        at = {name: mode.frequency for name, mode in rig.modes.items()}
+        return {name: (f * (1 - ABOUT_A_MODE), f * (1 + ABOUT_A_MODE)) for name, f in at.items()}
+    return {name: mode.window for name, mode in rig.study.modes.items()}
+
+
+def _setup(study: Study, rig: AnyRig) -> str:
+    """What all designs share: the rig as it is read, the mesh, responses, variables, and versions of what computes."""
+    versions = {stage.name: stage.version for stage in stages.STAGES}
+    responses = [(type(one).__name__, json.loads(one.model_dump_json())) for one in study.responses]
+    places = [(one.name, one.path, one.unit) for one in study.variables]
+    return _hash(VERSION, json.loads(to_json(rig)), study.mesh, versions, responses, places)
+
+
+def _hash(*parts: Any) -> str:
+    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()

@@ -1,0 +1,96 @@
+"""Stages of many designs in one folder, each product under its own key: what two designs share is computed once.
+
+The keys are those of a run (`workflow/stages.py`): a design that changes friction alone finds the finite elements of
+any other one. A lock keeps two processes from computing the same product at the same time.
+"""
+
+import fcntl
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TypeVar
+
+from updamp.fem.finite_element_model import FiniteElementResult
+from updamp.fem.static_contact.rest_state import StaticContact
+from updamp.geometry.rig_mesh import RigMesh
+from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.parallel.resources import Meter
+from updamp.rig.rig import Rig
+from updamp.workflow import stages, store
+from updamp.workflow.curve_jobs import CurveJob, trace_curve
+from updamp.workflow.products import stored
+from updamp.workflow.stage_functions import StageFunctions
+from updamp.workflow.stages import Stage
+
+Product = TypeVar("Product")
+
+
+@dataclass(eq=False)
+class SharedStages:
+    """Of one rig. folder: common to all designs; `executed` names the stages that were computed, not found.
+
+    raises, from each stage: what it raises in a run: GeometryError, SolverFailedError and others, all with a sentence
+    """
+
+    rig: Rig
+    preset: str
+    folder: Path
+    functions: StageFunctions = field(default_factory=StageFunctions)
+    executed: list[str] = field(default_factory=list)
+
+    def mesh(self) -> RigMesh:
+        return self._obtain(stages.MESH, RigMesh, lambda: self.functions.mesh(self.rig, self.preset))
+
+    def finite_elements(self) -> FiniteElementResult:
+        def compute() -> FiniteElementResult:
+            return self.functions.finite_elements(self.rig, self.mesh(), False, lambda _: None)
+
+        return self._obtain(stages.FINITE_ELEMENTS, FiniteElementResult, compute)
+
+    def static_contact(self) -> StaticContact:
+        def compute() -> StaticContact:
+            return self.functions.static_contact(self.rig, self.finite_elements().reduced)
+
+        return self._obtain(stages.STATIC_CONTACT, StaticContact, compute)
+
+    def curve(self, mode: str, force: float) -> ResponseCurve:
+        """Through the mode's window in the rig [N]; one that was interrupted goes on from its partial file."""
+        key = self._key(stages.CURVE, mode, force)
+        path = self._file(stages.CURVE, key)
+        with _alone(path):
+            if (found := stored(path, ResponseCurve, key)) is not None:
+                return found.product
+            self.static_contact()
+            before = [self._file(s, self._key(s)) for s in (stages.FINITE_ELEMENTS, stages.STATIC_CONTACT)]
+            trace_curve(CurveJob(self.rig, mode, force, key, before[0], before[1], path))
+            self.executed.append(f"{stages.CURVE.name} {mode} {force:g} N")
+            return store.read(path, ResponseCurve)
+
+    def _obtain(self, stage: Stage, kind: type[Product], compute: Callable[[], Product]) -> Product:
+        key = self._key(stage)
+        path = self._file(stage, key)
+        with _alone(path):
+            if (found := stored(path, kind, key)) is not None:
+                return found.product
+            with Meter() as meter:
+                product = compute()
+            self.executed.append(stage.name)
+            store.write(path, product, store.Stamp(key, {stage.name: meter.seconds}, (meter.interval,)))
+            return product
+
+    def _key(self, stage: Stage, mode: str = "", force: float = 0.0) -> str:
+        return stage.key(self.rig, {"preset": self.preset, "mode": mode, "force": repr(force)})
+
+    def _file(self, stage: Stage, key: str) -> Path:
+        return self.folder / f"{stage.name}_{key[:24]}.h5"
+
+
+@contextmanager
+def _alone(path: Path) -> Iterator[None]:
+    """No other process of this machine computes the file meanwhile; the lock goes with the process that holds it."""
+    lock_file = path.parent / ".locks" / path.name
+    lock_file.parent.mkdir(parents=True, exist_ok=True)
+    with lock_file.open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield

@@ -1,0 +1,146 @@
+"""One design, solved as far as its responses ask: stages from the common folder, resonances and curves on demand."""
+
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeVar
+
+from updamp.design.errors import UnknownResponseError
+from updamp.design.rig_numbers import AnyRig
+from updamp.design.shared_stages import SharedStages
+from updamp.design.solved_peak import CURVE, PeakRequest, SolvedPeak, followed_peaks, peak_of_curve
+from updamp.design.tracked_modes import ModeReference, TrackedMode, tracked_mode
+from updamp.effects.rig_model import RigModel
+from updamp.hbm.continuation.curve import CurveRequest, trace
+from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.model.build import modal_model, rig_model
+from updamp.model.rig_files import load_any
+from updamp.rig.modal_rig import ModalRig
+from updamp.rig.rig import Rig
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class DesignInput:
+    """rig: file; changes: by dotted path, as `load_any` takes them; mesh: preset; store: common folder of the stages
+    references: the study's modes; peaks: all that the responses will ask for, so that each resonance is followed once
+    """
+
+    rig: Path
+    changes: Mapping[str, Any]
+    mesh: str
+    store: Path
+    references: tuple[ModeReference, ...] = ()
+    peaks: tuple[PeakRequest, ...] = ()
+
+
+@dataclass(eq=False)
+class SolvedDesign:
+    """Nothing is computed before it is asked for, nothing twice: what failed raises the same error again.
+
+    executed: stages that were computed; routes: which way each peak was found, and why not the other
+    """
+
+    given: DesignInput
+    executed: list[str] = field(default_factory=list)
+    routes: dict[PeakRequest, str] = field(default_factory=dict)
+    _kept: dict[Hashable, Any] = field(default_factory=dict)
+
+    @property
+    def rig(self) -> AnyRig:
+        """raises: RigError where it cannot be built"""
+        return self._once("rig", lambda: load_any(self.given.rig, dict(self.given.changes)))
+
+    @property
+    def geometry(self) -> Rig:
+        """raises: UnknownResponseError for a rig given by modes"""
+        if not isinstance(self.rig, Rig):
+            raise UnknownResponseError("a rig given by modes has no geometry; take another response")
+        return self.rig
+
+    @property
+    def model(self) -> RigModel:
+        """raises: what the stages raise; ValueError for an effect that the rig has no place for"""
+        return self._once("model", self._built)
+
+    @property
+    def observed(self) -> str:
+        """Where responses are taken unless a point is named."""
+        return observed_point(self.rig)
+
+    def mode(self, name: str) -> TrackedMode:
+        """raises: UnknownResponseError where the mode is not recognised"""
+        reference = next(one for one in self.given.references if one.name == name)
+        return self._once(("mode", name), lambda: tracked_mode(self.model.system.stuck, reference))
+
+    def peak(self, request: PeakRequest) -> SolvedPeak:
+        """raises: UnknownResponseError with the reasons of both ways"""
+        if request.by == CURVE:
+            self.routes[request] = CURVE
+            return peak_of_curve(self.curve(request.mode, request.force), request.point or self.observed)
+        peaks, stopped = self._followed(request.mode, request.point)
+        if request.force in peaks:
+            self.routes[request] = peaks[request.force].by
+            return peaks[request.force]
+        self.routes[request] = f"{CURVE}, since {stopped}"
+        try:
+            return peak_of_curve(self.curve(request.mode, request.force), request.point or self.observed)
+        except UnknownResponseError as error:
+            raise UnknownResponseError(f"{stopped}; and {error}") from None
+
+    def curve(self, mode: str, force: float) -> ResponseCurve:
+        """The whole response curve through the mode's window, as far as it could be followed [N]."""
+        return self._once(("curve", mode, force), lambda: self._traced(mode, force))
+
+    def _followed(self, mode: str, point: str) -> tuple[dict[float, SolvedPeak], str]:
+        """All forces of the study in this mode at once."""
+        wanted = {p.force for p in self.given.peaks if (p.mode, p.point) == (mode, point) and p.by != CURVE}
+
+        def follow() -> tuple[dict[float, SolvedPeak], str]:
+            window = self.mode(mode).window
+            return followed_peaks(self.model, mode, point or self.observed, window, sorted(wanted))
+
+        return self._once(("followed", mode, point), follow)
+
+    def _built(self) -> RigModel:
+        if isinstance(self.rig, ModalRig):
+            return modal_model(self.rig)
+        stages = self._stages(self.rig)
+        return rig_model(stages.finite_elements().reduced, stages.static_contact(), self.rig)
+
+    def _traced(self, mode: str, force: float) -> ResponseCurve:
+        window = self.mode(mode).window
+        if isinstance(self.rig, ModalRig):
+            points = tuple(p for p in self.model.system.free.points if ".excitation." not in p)
+            request = CurveRequest(mode, self.model.excited_by(force), window, points)
+            *_, curve = trace(self.model.system, request)
+            return curve
+        moved = load_any(self.given.rig, {**self.given.changes, **window_change(mode, window)})
+        assert isinstance(moved, Rig), "of the same kind as before"
+        return self._stages(moved).curve(mode, force)
+
+    def _stages(self, rig: Rig) -> SharedStages:
+        return SharedStages(rig, self.given.mesh, self.given.store, executed=self.executed)
+
+    def _once(self, key: Hashable, compute: Callable[[], T]) -> T:
+        if key not in self._kept:
+            try:
+                self._kept[key] = compute(), None
+            except Exception as error:
+                self._kept[key] = None, error
+        value: T
+        value, failure = self._kept[key]
+        if failure is not None:
+            raise failure
+        return value
+
+
+def observed_point(rig: AnyRig) -> str:
+    """The tip of the excited blade; the excitation of a rig given by modes."""
+    return rig.excitation if isinstance(rig, ModalRig) else f"blade_{rig.excitation.blade}.tip.x"
+
+
+def window_change(mode: str, window: Sequence[float]) -> dict[str, list[str]]:
+    """As it replaces the mode's window in a rig file."""
+    return {f"study.modes.{mode}.window": [f"{edge:.7g} Hz" for edge in window]}

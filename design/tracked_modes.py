@@ -1,0 +1,91 @@
+"""The study's modes in a changed rig: which stuck mode each of them has become, and where its window lies now.
+
+A mode is recognised by its shape at the blades' named points (modal assurance criterion, Ewins 2000, ch. 5) and, where
+shapes are alike, by its frequency. The window moves with the mode, its width in proportion.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.design.errors import UnknownResponseError
+from updamp.effects.rig_model import RigModel
+from updamp.hbm.problem.linear_model import LinearModel
+
+Window = tuple[float, float]
+
+_FURTHEST = 2.0  # ratio of frequencies
+_LEAST_LIKENESS = 0.5
+
+
+@dataclass(frozen=True)
+class ModeReference:
+    """A mode of the rig as its file stands. window, frequency: of the stuck mode [Hz]; shape: point -> [kg^-1/2]"""
+
+    name: str
+    window: Window
+    frequency: float
+    shape: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class TrackedMode:
+    """frequency: of the stuck mode [Hz]; window: [Hz]; likeness: of the shapes, 0 to 1"""
+
+    frequency: float
+    window: Window
+    likeness: float
+
+
+def mode_references(model: RigModel, windows: Mapping[str, Window], observed: str) -> tuple[ModeReference, ...]:
+    """The stuck mode in each window that answers most to the excitation.
+
+    observed: name of the point where responses are taken
+    raises: ValueError naming a window without a stuck mode
+    """
+    stuck, points = model.system.stuck, _points(model)
+    rows = [stuck.row(point) for point in points]
+    answer = np.abs(stuck.phi[stuck.row(observed)] * stuck.phi[stuck.row(model.excitation)])
+    found = []
+    for name, (low, high) in windows.items():
+        inside = np.flatnonzero((stuck.frequencies >= low) & (stuck.frequencies <= high))
+        if not len(inside):
+            near = ", ".join(f"{f:.4g}" for f in stuck.frequencies[:6])
+            raise ValueError(
+                f"study.modes.{name}.window: no stuck mode between {low:g} and {high:g} Hz; the lowest are {near} Hz"
+            )
+        mode = int(inside[np.argmax(answer[inside])])
+        shape = dict(zip(points, stuck.phi[rows, mode].tolist(), strict=True))
+        found.append(ModeReference(name, (low, high), float(stuck.frequencies[mode]), shape))
+    return tuple(found)
+
+
+def tracked_mode(stuck: LinearModel, reference: ModeReference) -> TrackedMode:
+    """raises: UnknownResponseError where no stuck mode is like the reference"""
+    shape = np.array(list(reference.shape.values()))
+    shapes = stuck.phi[[stuck.row(point) for point in reference.shape]]
+    apart = np.abs(np.log(np.maximum(stuck.frequencies, 1e-9) / reference.frequency))
+    likeness = np.where(apart < math.log(_FURTHEST), _likeness(shape, shapes), 0.0)
+    best = int(np.argmax(likeness * np.exp(-apart)))
+    if likeness[best] < _LEAST_LIKENESS:
+        raise UnknownResponseError(
+            f"mode {reference.name}: no stuck mode within a factor of {_FURTHEST:g} of {reference.frequency:.4g} Hz is "
+            f"like it (best likeness {likeness[best]:.2f}); narrow the bounds of the variables"
+        )
+    frequency = float(stuck.frequencies[best])
+    low, high = (edge * frequency / reference.frequency for edge in reference.window)
+    return TrackedMode(frequency, (low, high), float(likeness[best]))
+
+
+def _likeness(shape: NDArray[np.float64], shapes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(n_modes,) MAC of each column of `shapes` with `shape`"""
+    sizes = np.maximum((shape @ shape) * np.einsum("ij,ij->j", shapes, shapes), np.finfo(float).tiny)
+    return np.asarray((shape @ shapes) ** 2 / sizes)
+
+
+def _points(model: RigModel) -> tuple[str, ...]:
+    """Of what vibrates for its own sake: the damper's place among the blades changes from design to design."""
+    return tuple(point for point in model.components.points if not point.startswith("damper."))

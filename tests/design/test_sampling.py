@@ -1,0 +1,68 @@
+"""Methods that choose all designs beforehand."""
+
+import csv
+
+import numpy as np
+import pytest
+from support.modal_study import STUDY, write_study
+from support.study_runs import run
+
+from updamp.design.outputs import write_outputs
+from updamp.design.table import rows
+
+METHODS = {
+    'kind = "one_at_a_time"\npoints = 3': 7 - 2,  # the middle of both ranges is the initial design
+    'kind = "grid"\npoints = 3': 9,
+    'kind = "sobol"\nsamples = 8': 8,
+    'kind = "latin_hypercube"\nsamples = 7': 7,
+}
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_as_many_designs_as_were_asked_for_within_their_bounds(folder, method):
+    result = run(write_study(folder, method))
+    assert len(result.records) == METHODS[method]
+    assert [one.number for one in result.records] == sorted({one.number for one in result.records})
+    for one in result.records:
+        assert 60 <= one.values["frequency"] <= 100
+        assert 500 <= one.values["mass"] <= 8000
+        assert one.responses["free"] == pytest.approx(one.values["frequency"], rel=1e-9), "its modes are stated"
+
+
+def test_twice_as_many_points_of_a_sequence_keep_the_first_half(folder):
+    first = run(write_study(folder, 'kind = "sobol"\nsamples = 4'))
+    second = run(write_study(folder, 'kind = "sobol"\nsamples = 8'))
+    assert len(second.records) == 8
+    assert second.records[:4] == first.records, "and does not solve it again"
+
+
+def test_another_set_of_responses_is_another_study_in_the_same_folder(folder):
+    run(write_study(folder, 'kind = "grid"\npoints = 2'))
+    text = STUDY.replace('name = "free"', 'name = "first"')
+    result = run(write_study(folder, 'kind = "grid"\npoints = 2', text=text))
+    assert (len(result.records), result.others) == (4, 4)
+    assert all(set(one.responses) == {"first"} for one in result.records)
+
+
+def test_a_design_without_a_response_is_kept_with_its_reason(folder):
+    more = '[[responses]]\nname = "second"\nkind = "free_frequency"\nnumber = 2'
+    result = run(write_study(folder, 'kind = "grid"\npoints = 2', more))
+    for one in result.records:
+        assert (one.outcome, one.responses["second"]) == ("partly", None)
+        assert "the model keeps 1 modes of beam" in one.reason
+
+
+def test_the_tables_hold_what_the_records_hold(folder):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    more = '[[constraints]]\nresponse = "free"\nupper = "0.08 kHz"'
+    result = run(write_study(folder, 'kind = "sobol"\nsamples = 8', more))
+    write_outputs(result)
+    table = parquet.read_table(folder / "out" / "designs.parquet")
+    assert table.schema.field("mass").metadata == {b"unit": b"g"}
+    content = rows(result.study, result.records)
+    assert table.to_pylist() == content
+    assert {row["feasible"] for row in content} == {True, False}
+    assert all(row["feasible"] == (row["free"] <= 80) for row in content)
+    with (folder / "out" / "designs.csv").open() as file:
+        lines = list(csv.DictReader(file))
+    assert np.allclose([float(line["mass [g]"]) for line in lines], [one.values["mass"] for one in result.records])
