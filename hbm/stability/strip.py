@@ -16,10 +16,11 @@ Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 NODES = (0.0, 0.25, 0.5)  # nu. Without 0.25 the slope of P at 0 is wrong, and with it exponents near 0
-DEEPEST = 0.1  # of w: exponents that decay faster are not looked at
+FASTEST = 0.1  # of w: exponents that grow or decay faster are not looked at; so far from the nodes P is not known
 MARGIN = 0.02  # of w, beyond the strip
 ITERATIONS = 12  # of Newton's method
-MOVED = 0.01  # of w: exponents that a correction moves further are corrected once more
+MOVED = 0.002  # of w: exponents that a correction moves further are corrected once more,
+CORRECTIONS = 4  # so many times
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +68,7 @@ class Strip:
         lost = -np.inf
         for nu, P in zip(self.nodes, self.contacts, strict=True):
             values, vectors = self.problem.eigen(P)
-            near = (np.abs(values.imag / w - nu) < half) & (values.real > -DEEPEST * w)
+            near = (np.abs(values.imag / w - nu) < half) & (np.abs(values.real) < FASTEST * w)
             for i in np.flatnonzero(near & (values.imag > -MARGIN * w) & (values.imag < (0.5 + MARGIN) * w)):
                 start = Exponent(complex(values[i]), vectors[:, i])
                 one = self._settled(start, 0.0) or self._settled_by_eigenvalues(start)
@@ -80,12 +81,15 @@ class Strip:
     def corrected(self, one: Exponent, problem: HillProblem) -> Exponent | None:
         """The exponent with the P of `problem`, of the same harmonics and modes; None where it does not settle.
 
-        P is computed where the exponent was, and once more where it has moved.
+        P is computed where the exponent is, again and again until it stays there: what moves on is none.
         """
-        again = self._settled(one, problem.contact_at(one.s) - self.contact(one.s))
-        if again is None or abs(again.s - one.s) < MOVED * self.problem.w:
-            return again
-        return self._settled(again, problem.contact_at(again.s) - self.contact(again.s))
+        here = one
+        for _ in range(CORRECTIONS):
+            again = self._settled(here, problem.contact_at(here.s) - self.contact(here.s))
+            if again is None or abs(again.s - here.s) < MOVED * self.problem.w:
+                return again
+            here = again
+        return None
 
     def _settled_by_eigenvalues(self, one: Exponent) -> Exponent | None:
         """For those that Newton's method loses: the eigenvalue nearest to s, with P at s, again and again."""
@@ -94,7 +98,7 @@ class Strip:
             values, vectors = self.problem.eigen(self.contact(s))
             nearest = int(np.argmin(np.abs(values - s)))
             change, s = abs(values[nearest] - s), complex(values[nearest])
-            if abs(s.real) > w:
+            if abs(s.real) > FASTEST * w:
                 return None
             if change < 1e-3 * w:
                 return self._settled(Exponent(s, vectors[:, nearest]), 0.0)
@@ -115,5 +119,7 @@ class Strip:
             if not np.isfinite(s) or abs(s.real) > w:
                 return None
             if abs(change) < self.tolerance * w:
+                if abs(s.real) > FASTEST * w:
+                    return None
                 return Exponent(s, q) if s.imag >= 0 else Exponent(s.conjugate(), q.conj())
         return None
