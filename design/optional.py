@@ -4,10 +4,9 @@ from importlib import import_module
 from typing import Any
 
 
-def library(name: str) -> Any:
-    """The module. raises: ValueError with what to install"""
+def library(name: str, package: str = "'updamp[design]'") -> Any:
+    """The module. package: that pip installs it with; raises: ValueError with what to install"""
     try:
         return import_module(name)
     except ImportError as error:
-        package = name.partition(".")[0]
-        raise ValueError(f"{package} is not installed; install it with `pip install 'updamp[design]'`") from error
+        raise ValueError(f"{name.partition('.')[0]} is not installed; get it with `pip install {package}`") from error

@@ -2,6 +2,7 @@
 
 from rich.table import Table
 
+from updamp.design.page.page import write_page
 from updamp.design.pareto import best_records
 from updamp.design.run_study import StudyResult
 from updamp.design.study_json import write_study_json
@@ -16,7 +17,8 @@ def write_outputs(result: StudyResult) -> tuple[str, ...]:
     write_csv(folder / "designs.csv", result.study, result.records)
     write_parquet(folder / "designs.parquet", result.study, result.records)
     write_study_json(folder / "study.json", result)
-    return "designs.csv", "designs.parquet", "study.json"
+    write_page(folder / "study.html", result)
+    return "designs.csv", "designs.parquet", "study.json", "study.html"
 
 
 def best_table(result: StudyResult) -> Table:

@@ -126,7 +126,7 @@ def run_study(study: Study, out: Path, jobs: int, scheduler: str, display: Displ
     try:
         with chosen_workers(jobs, scheduler, own) as workers:
             result = study.method.run(
-                _problem(study, folder, jobs), Evaluations(task, stated, study, records, workers, display)
+                _problem(study, folder, task.setup, jobs), Evaluations(task, stated, study, records, workers, display)
             )
     except KeyboardInterrupt as stop:
         interrupted = stop
@@ -137,9 +137,13 @@ def run_study(study: Study, out: Path, jobs: int, scheduler: str, display: Displ
     return StudyResult(study, folder, rig, references, found, records.others(task.setup), result)
 
 
-def _problem(study: Study, folder: StudyFolder, at_once: int) -> Problem:
+def _problem(study: Study, folder: StudyFolder, setup: str, at_once: int) -> Problem:
+    """Other goals or bounds are another search."""
     names = tuple(one.name for one in study.responses)
-    return Problem(study.name, study.variables, names, study.objectives, study.constraints, folder.path, at_once)
+    goals = [(one.response, one.goal.words) for one in study.objectives]
+    limits = [repr(one) for one in (*study.constraints, *study.variables)]
+    key = _hash(setup, goals, limits)
+    return Problem(study.name, study.variables, names, study.objectives, study.constraints, folder.path, key, at_once)
 
 
 def _own_copy(study: Study, folder: StudyFolder) -> AnyRig:

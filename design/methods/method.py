@@ -16,8 +16,8 @@ from updamp.rig.fields import InputTable
 
 @dataclass(frozen=True)
 class Problem:
-    """What a method knows of a study. folder: for what a method keeps between sessions; at_once: designs that are
-    solved at the same time; responses: names"""
+    """What a method knows of a study. folder: for what a method keeps between sessions; key: of what that belongs to;
+    at_once: designs that are solved at the same time; responses: names"""
 
     name: str
     variables: tuple[Variable, ...]
@@ -25,6 +25,7 @@ class Problem:
     objectives: tuple[Objective, ...]
     constraints: tuple[Constraint, ...]
     folder: Path
+    key: str = ""
     at_once: int = 1
 
     def values(self, shares: Sequence[float] | NDArray[np.float64]) -> dict[str, float]:

@@ -1,0 +1,126 @@
+"""One interactive page of a study, that needs nothing but a browser: styles, plotly.js, data and scripts are inside."""
+
+from collections.abc import Mapping
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from plotly.offline import get_plotlyjs
+
+from updamp.design.page.designs import designs_data
+from updamp.design.page.pictures import section_pictures
+from updamp.design.page.sensitivities import sensitivity_figures
+from updamp.design.pareto import best_records
+from updamp.design.run_study import StudyResult
+from updamp.design.table import problem_of
+from updamp.report.markup import FOR_SCRIPTS, figure_element, number, paragraph, table
+from updamp.report.page import POLICY, asset, script_json
+
+_BEST = 20  # designs in the table
+
+
+def write_page(path: Path, result: StudyResult) -> None:
+    """raises: OSError where the file cannot be written"""
+    temporary = path.with_suffix(".tmp")
+    temporary.write_text(study_page(result), encoding="utf-8")
+    temporary.replace(path)
+
+
+def study_page(result: StudyResult) -> str:
+    """HTML"""
+    figures = sensitivity_figures(result)
+    sections = {
+        "overview": ("Study", _overview(result)),
+        "tradeoff": ("Designs", _designs_section()),
+        "parallel": ("Parallel coordinates", figure_element("parallel", "Each design as a line through all axes")),
+        "sensitivities": ("Sensitivities", _figures_section(figures)),
+        "best": ("Best designs", _best(result)),
+    }
+    title = escape(f"Design study {result.study.name}")
+    data = {"designs": designs_data(result), "pictures": section_pictures(result)}
+    document = {
+        "palette": FOR_SCRIPTS,
+        "level": {"unit": "N", "word": "force level"},
+        "figures": figures,
+        "sections": {"study": data},
+    }
+    body = "\n".join(_section(name, heading, html) for name, (heading, html) in sections.items())
+    return "\n".join(
+        (
+            '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">',
+            f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">',
+            '<meta name="viewport" content="width=device-width, initial-scale=1">\n<link rel="icon" href="data:,">',
+            f"<title>{title}</title>\n<style>\n{asset('report.css')}{_own('study.css')}</style>\n</head>\n<body>",
+            f"<header>\n<h1>{title}</h1>\n</header>\n<main>\n{body}\n</main>",
+            f'<script type="application/json" id="report-data">{script_json(document)}</script>',
+            f"<script>{get_plotlyjs()}</script>",
+            *(f"<script>\n{text}</script>" for text in (asset("core.js"), _own("study.js"), asset("start.js"))),
+            "</body>\n</html>\n",
+        )
+    )
+
+
+def _own(name: str) -> str:
+    return (files("updamp.design.page") / "assets" / name).read_text(encoding="utf-8")
+
+
+def _section(name: str, heading: str, html: str) -> str:
+    return (
+        f'<section id="{name}" aria-labelledby="{name}-heading">\n'
+        f'<h2 id="{name}-heading">{escape(heading)}</h2>\n{html}\n</section>'
+    )
+
+
+def _overview(result: StudyResult) -> str:
+    study = result.study
+    outcomes = [one.outcome for one in result.records]
+    rows = [
+        ("rig", f"{result.rig.name}, mesh {study.mesh}"),
+        ("method", study.method_name if result.method else f"{study.method_name}, not ended"),
+        ("designs", ", ".join(f"{outcomes.count(one)} {one}" for one in dict.fromkeys(outcomes)) or "none"),
+        ("variables", ", ".join(f"{v.label} from {v.lower:g} to {v.upper:g}" for v in study.variables)),
+        ("objectives", ", ".join(f"{one.response}: {one.goal.words}" for one in study.objectives) or "none"),
+    ]
+    notes = [paragraph(note, "note") for note in result.method.notes] if result.method else []
+    cells = [(escape(name), escape(value)) for name, value in rows]
+    return table(("", ""), cells, numbers_from=2) + "".join(notes)
+
+
+def _designs_section() -> str:
+    return (
+        '<div class="controls"><label>across <select id="study-x"></select></label>'
+        '<label>up <select id="study-y"></select></label></div>'
+        '<div class="study-plot">'
+        + figure_element("designs", "All designs, one quantity against another", _CAPTION, 460)
+        + '<div id="study-picture" class="study-picture" aria-live="polite"></div></div>'
+    )
+
+
+_CAPTION = (
+    "Each point is a design; the best ones (the Pareto front of several objectives) are marked, those that pass a "
+    "limit are grey. Pointing at a design shows its values and its section."
+)
+
+
+def _figures_section(figures: Mapping[str, Any]) -> str:
+    if not figures:
+        return paragraph("There are too few designs to tell.")
+    return "".join(figure_element(name, figure["layout"]["title"]["text"], "", 320) for name, figure in figures.items())
+
+
+def _best(result: StudyResult) -> str:
+    study = result.study
+    if not study.objectives:
+        return paragraph("The study has no objective.")
+    best = best_records(problem_of(study), result.records)[:_BEST]
+    if not best:
+        return paragraph("No design keeps all limits with all its objectives known.")
+    units = {**{v.name: v.unit for v in study.variables}, **{r.name: r.unit for r in study.responses}}
+    head = ["design", *(escape(f"{name} [{unit}]" if unit else name) for name, unit in units.items())]
+    cells = []
+    for record in best:
+        known = {**record.values, **record.responses}
+        values = [known[name] for name in units]
+        cells.append([str(record.number), *(number(float("nan") if v is None else v) for v in values)])
+    return table(head, cells, f"updamp design-rig {escape(result.folder.path.name)} NUMBER writes the rig file of one.")
