@@ -5,8 +5,9 @@ down by min(u + mu N / kt). Taken at the samples alone, both make a corner in th
 sample. Where all contacts slip, and little but the bending of the blades holds the mean position, these corners are
 larger than the stiffness that is left, and Newton's method goes round in circles. Here
 
-- extrema between samples are those of a parabola through values and slopes,
-- the start of slip, opening and closing are located on straight lines between samples,
+- extrema of the motion between samples are those of a parabola through values and slopes,
+- the start of slip, opening and closing are located on straight lines between samples, and the limit follows the same
+  lines: with a limit that dips below them, the slider would jump where a dip first reaches a sample,
 - what the force does between samples beyond a straight line is added to its neighbours, shared like the load on a beam,
   so that the mean, and nearly so every harmonic, is that of the continuous path. Where there is no event nothing is
   added, and the Fourier coefficients are those of the samples.
@@ -35,7 +36,7 @@ class Path(NamedTuple):
 
 class _Segment(NamedTuple):
     """From a sample (0) to the next (1), in one direction, any shape: u the spring's end that moves with the surface,
-    p the compression of the normal spring, negative where open [m]; du, dp their slopes a sample.
+    du its slope a sample; p the compression of the normal spring, negative where open [m].
     """
 
     u0: jax.Array
@@ -44,8 +45,6 @@ class _Segment(NamedTuple):
     p1: jax.Array
     du0: jax.Array
     du1: jax.Array
-    dp0: jax.Array
-    dp1: jax.Array
 
     def at(self, number: jax.Array) -> "_Segment":
         """Those of these numbers, zero beyond the last."""
@@ -70,25 +69,25 @@ def march_slider(displacement: jax.Array, p: FrictionParameters, cycles: int) ->
     slope = _slope(displacement)
     after, slope_after = _next(displacement), _next(slope)
     rest = p.n0 / p.kn - p.gap
-    pressing = (rest + displacement[:, 2], rest + after[:, 2], slope[:, 2], slope_after[:, 2])
+    pressing = (rest + displacement[:, 2], rest + after[:, 2])
     ratio, holding = _friction(pressing, p)
 
     def one(surface: tuple[jax.Array, ...], first: jax.Array) -> tuple[jax.Array, jax.Array]:
         u0, u1, du0, du1 = surface
-        p0, p1, dp0, dp1 = holding
-        segments = _Segment(u0, u1, p0, p1, du0, du1, dp0, dp1)
+        segments = _Segment(u0, u1, *holding, du0, du1)
         slider = _sliders(segments, ratio, first, cycles)
         return u0 - slider, u0 - slider + _between_samples(segments, ratio, slider)
 
     directions = tuple(value[:, :2] for value in (displacement, after, slope, slope_after))
     tangential, averaged = jax.vmap(one, in_axes=(1, 0), out_axes=1)(directions, -p.t0 / p.kt)
-    p0, p1, dp0, dp1 = pressing
-    normal = jnp.maximum(p0, 0.0) + _between_contacts(_Segment(p0, p1, p0, p1, dp0, dp1, dp0, dp1))
+    normal = jnp.maximum(pressing[0], 0.0) + _between_contacts(_Segment(*pressing, *pressing, *pressing))
     return Path(p.kt * tangential, jnp.concatenate([p.kt * averaged, p.kn * normal[:, None]], axis=1))
 
 
-def _friction(pressing: tuple[jax.Array, ...], p: FrictionParameters) -> tuple[jax.Array, tuple[jax.Array, ...]]:
-    """A ratio and compressions (with slopes) whose product is the slip limit over kt.
+def _friction(
+    pressing: tuple[jax.Array, jax.Array], p: FrictionParameters
+) -> tuple[jax.Array, tuple[jax.Array, jax.Array]]:
+    """A ratio and compressions whose product is the slip limit over kt.
 
     Friction that varies over the period goes with the compression: it has the same sign, so that closing and opening
     stay where they are.
@@ -96,8 +95,7 @@ def _friction(pressing: tuple[jax.Array, ...], p: FrictionParameters) -> tuple[j
     if jnp.ndim(p.mu) == 0:
         return p.mu * p.kn / p.kt, pressing
     held = p.mu * pressing[0]
-    slope = _slope(held)
-    return p.kn / p.kt, (held, _next(held), slope, _next(slope))
+    return p.kn / p.kt, (held, _next(held))
 
 
 def _sliders(segments: _Segment, ratio: jax.Array, first: jax.Array, cycles: int) -> jax.Array:
@@ -154,12 +152,11 @@ def _beyond_end(s: _Segment, ratio: jax.Array) -> jax.Array:
 def _push(s: _Segment, ratio: jax.Array) -> jax.Array:
     """The position up to which a segment pushes the slider; where the contact closes in it, where the slider starts."""
     limit0, limit1 = ratio * jnp.maximum(s.p0, 0.0), ratio * jnp.maximum(s.p1, 0.0)
-    slope0, slope1 = s.du0 - jnp.where(s.p0 > 0, ratio * s.dp0, 0.0), s.du1 - jnp.where(s.p1 > 0, ratio * s.dp1, 0.0)
     closing, _ = s.closing_and_opening()
     highest = jnp.where(
         (s.p0 <= 0) & (s.p1 > 0),
         s.u0 + closing * (s.u1 - s.u0),
-        _top(s.u0 - limit0, s.u1 - limit1, slope0, slope1),
+        _top(s.u0 - limit0, s.u1 - limit1, s.du0 - (limit1 - limit0), s.du1 - (limit1 - limit0)),
     )
     return jnp.clip(highest, s.u1 - limit1, s.u1 + limit1)
 

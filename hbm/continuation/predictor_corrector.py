@@ -19,9 +19,7 @@ from updamp.hbm.continuation.retracing import TracedBranch
 from updamp.hbm.newton.newton import Status
 
 # Without jumps: for branches of which every part is wanted.
-CONNECTED: tuple[Recovery, ...] = (
-    SwitchBranch(), StepInPhase(), SupportedStep(), SkipAhead(), SwitchBranch(reverse=True),
-)  # fmt: skip
+CONNECTED: tuple[Recovery, ...] = (SwitchBranch(), StepInPhase(), SupportedStep(), SkipAhead())
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,6 @@ from typing import Any
 
 from updamp.hbm.contact.compiled.keeping import inner
 from updamp.hbm.contact.compiled.segments import (
-    DP1,
     DU1,
     P0,
     P1,
@@ -111,7 +110,7 @@ def _add_slips(s: Any, ratio: float, w0: float, opening: float, by: Any) -> Any:
                 pushes = push_slopes(seen, ratio)
                 for k in range(DU1 + 1):
                     by[q, k] += by_over * pushes[k]
-                for k in range(P0, DP1 + 1):
+                for k in range(P0, P1 + 1):
                     by[q, k] += sign * by_over * pushes[k]
         integral_by_opening += sign * slopes[0][2] + slopes[0][1] * (s[U1] - s[U0])
         moment_by_opening += sign * slopes[1][2] + slopes[1][1] * (s[U1] - s[U0])

@@ -32,13 +32,13 @@ def force_with_tangent(
     """
     c, n = tables.synthesis.shape
     slider, path, out, pressing = new_slider(n, c), new_path(n), new_scratch(c), np.empty(n + 1)
-    rows = Rows(tables.values, tables.slopes, tables.values.copy(), tables.slopes.copy())
+    rows = Rows(tables.values, tables.slopes, tables.values.copy())
     for e in numbers:
         coefficients, kt, kn = displacement[e], p.kt[e], p.kn[e]
         sample(coefficients[2], tables.synthesis, pressing)
         pressing += p.n0[e] / kn - p.gap[e]
         write_normal(coefficients[2], pressing, p, e, most[0], tables, force, tangent, out.by_u)
-        ratio = set_limits(p.mu[e], kn / kt, pressing, tables, path.p, path.dp, rows.p, rows.dp)
+        ratio = set_limits(p.mu[e], kn / kt, pressing, tables, path.p, rows.p)
         for d in range(2):
             sample(coefficients[d], tables.synthesis, path.u)
             slope(path.u, path.du)
@@ -61,7 +61,7 @@ def loop_areas(numbers: Any, displacement: Any, p: Any, cycles: int, most: Any, 
     """Writes (len(numbers),) areas of the force loops [J], of the forces at the samples."""
     c, n = tables.synthesis.shape
     slider, path, pressing, force = new_slider(n, c), new_path(n), np.empty(n + 1), np.empty(n + 1)
-    p_rows, dp_rows = tables.values.copy(), tables.slopes.copy()
+    p_rows = tables.values.copy()
     for i, e in enumerate(numbers):
         kt, kn = p.kt[e], p.kn[e]
         sample(displacement[e, 2], tables.synthesis, pressing)
@@ -69,7 +69,7 @@ def loop_areas(numbers: Any, displacement: Any, p: Any, cycles: int, most: Any, 
         for t in range(n + 1):
             force[t] = kn * positive(pressing[t])
         areas[i] = loop_area(pressing, force)
-        ratio = set_limits(p.mu[e], kn / kt, pressing, tables, path.p, path.dp, p_rows, dp_rows)
+        ratio = set_limits(p.mu[e], kn / kt, pressing, tables, path.p, p_rows)
         for d in range(2):
             sample(displacement[e, d], tables.synthesis, path.u)
             slope(path.u, path.du)

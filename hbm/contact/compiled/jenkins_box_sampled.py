@@ -19,16 +19,16 @@ def force_with_tangent(
 ) -> None:
     """As in jenkins_box.py beside this file."""
     c, n = tables.synthesis.shape
-    pressing, u, limit, unused = np.empty(n + 1), np.empty(n + 1), np.empty(n + 1), np.empty(n + 1)
+    pressing, u, limit = np.empty(n + 1), np.empty(n + 1), np.empty(n + 1)
     position, source = np.empty(n), np.empty(n, dtype=np.int64)
     by_u, by_p, columns = np.empty((c, c)), np.empty((c, c)), (np.empty((n + 1, c)), np.empty((n + 1, c)))
-    p_rows, unused_rows = tables.values.copy(), tables.slopes.copy()
+    p_rows = tables.values.copy()
     for e in numbers:
         coefficients, kt, kn = displacement[e], p.kt[e], p.kn[e]
         sample(coefficients[2], tables.synthesis, pressing)
         pressing += p.n0[e] / kn - p.gap[e]
         write_normal(coefficients[2], pressing, p, e, 0, tables, force, tangent, by_u)
-        ratio = set_limits(p.mu[e], kn / kt, pressing, tables, limit, unused, p_rows, unused_rows)
+        ratio = set_limits(p.mu[e], kn / kt, pressing, tables, limit, p_rows)
         for t in range(n):
             limit[t] = ratio * positive(limit[t])
         for d in range(2):
@@ -56,12 +56,12 @@ def loop_areas(numbers: Any, displacement: Any, p: Any, cycles: int, tables: Tab
         np.empty(n + 1), np.empty(n + 1), np.empty(n + 1), np.empty(n + 1), np.empty(n + 1)
     )  # fmt: skip
     position, source = np.empty(n), np.empty(n, dtype=np.int64)
-    p_rows, unused_rows = tables.values.copy(), tables.slopes.copy()
+    p_rows = tables.values.copy()
     for i, e in enumerate(numbers):
         kt, kn = p.kt[e], p.kn[e]
         sample(displacement[e, 2], tables.synthesis, pressing)
         pressing += p.n0[e] / kn - p.gap[e]
-        ratio = set_limits(p.mu[e], kn / kt, pressing, tables, limit, unused, p_rows, unused_rows)
+        ratio = set_limits(p.mu[e], kn / kt, pressing, tables, limit, p_rows)
         for t in range(n + 1):
             limit[t], force[t] = ratio * positive(limit[t]), kn * positive(pressing[t])
         areas[i] = loop_area(pressing, force)

@@ -7,7 +7,7 @@ import numpy as np
 from updamp.hbm.contact.compiled.corners import contact_corner, contact_corner_slopes
 from updamp.hbm.contact.compiled.keeping import inner
 from updamp.hbm.contact.compiled.segments import positive, positive_slope
-from updamp.hbm.contact.compiled.tables import Tables, add_outer, add_products, slope
+from updamp.hbm.contact.compiled.tables import Tables, add_outer, add_products
 
 
 @inner
@@ -66,24 +66,21 @@ def _add_openings_tangent(p: Any, tables: Tables, most: int, by_p: Any) -> None:
 
 
 @inner
-def set_limits(mu: Any, ratio: float, pressing: Any, tables: Tables, p: Any, dp: Any, by_p: Any, by_dp: Any) -> float:
-    """Writes compressions p with their slopes dp, (n_time + 1,), and derivatives of both by the coefficients, (n_time +
-    1, n_coefficients), and returns what p is multiplied by for the slip limit over kt (`event_march._friction`).
+def set_limits(mu: Any, ratio: float, pressing: Any, tables: Tables, p: Any, by_p: Any) -> float:
+    """Writes compressions p, (n_time + 1,), and their derivatives by_p by the coefficients, (n_time + 1,
+    n_coefficients), and returns what p is multiplied by for the slip limit over kt (`event_march._friction`).
 
-    mu: (1,), or (n_time,) where friction varies over the period; by_p, by_dp: come as those of `pressing`
+    mu: (1,), or (n_time,) where friction varies over the period; by_p: come as those of `pressing`
     ratio: kn / kt
     """
     if len(mu) == 1:
         p[:] = pressing
-        slope(p, dp)
         return ratio * mu[0]
     n = len(mu)
     for t in range(n + 1):
         p[t] = mu[t % n] * pressing[t]
         for a in range(by_p.shape[1]):
             by_p[t, a] = mu[t % n] * tables.values[t, a]
-    slope(p, dp)
-    slope(by_p, by_dp)
     return ratio
 
 

@@ -1,7 +1,7 @@
 """What one segment between two samples does to a slider, with derivatives: the scalars of `event_march.py`.
 
-A segment is eight numbers (u0, u1, du0, du1, p0, p1, dp0, dp1), as in `event_march._Segment`: positions of the spring's
-end and their slopes a sample, compressions and their slopes, at its start (0) and end (1). Derivatives come in the same
+A segment is six numbers (u0, u1, du0, du1, p0, p1), as in `event_march._Segment`: positions of the spring's
+end and their slopes a sample, compressions, at its start (0) and end (1). Derivatives come in the same
 order. Names, branches and formulas are those of `event_march.py`.
 """
 
@@ -9,8 +9,8 @@ from typing import Any
 
 from updamp.hbm.contact.compiled.keeping import inner
 
-U0, U1, DU0, DU1, P0, P1, DP0, DP1, W0, W1 = range(10)
-N_SEGMENT, N_CORNER = 8, 10
+U0, U1, DU0, DU1, P0, P1, W0, W1 = range(8)
+N_CORNER = 8
 
 # Trial forces this close to the limit (relative) are at it.
 _AT_LIMIT = 1e-9
@@ -30,7 +30,7 @@ def positive_slope(p: float) -> float:
 @inner
 def turned(s: Any, sign: float) -> Any:
     """Seen from the other side where sign is -1."""
-    return sign * s[0], sign * s[1], sign * s[2], sign * s[3], s[4], s[5], s[6], s[7]
+    return sign * s[0], sign * s[1], sign * s[2], sign * s[3], s[4], s[5]
 
 
 @inner
@@ -64,9 +64,8 @@ def end_of(s: Any, ratio: float) -> float:
 @inner
 def _relative_slopes(s: Any, ratio: float) -> Any:
     """Slopes at both ends of the trial force's distance to its limit."""
-    slope0 = s[DU0] - (ratio * s[DP0] if s[P0] > 0 else 0.0)
-    slope1 = s[DU1] - (ratio * s[DP1] if s[P1] > 0 else 0.0)
-    return slope0, slope1
+    limits_slope = ratio * (positive(s[P1]) - positive(s[P0]))
+    return s[DU0] - limits_slope, s[DU1] - limits_slope
 
 
 @inner
@@ -97,15 +96,15 @@ def push_slopes(s: Any, ratio: float) -> Any:
     highest, limit1 = _highest(s, ratio), ratio * positive(s[P1])
     by_limit1 = ratio * positive_slope(s[P1])
     if highest < s[U1] - limit1:
-        return 0.0, 1.0, 0.0, 0.0, 0.0, -by_limit1, 0.0, 0.0
+        return 0.0, 1.0, 0.0, 0.0, 0.0, -by_limit1
     if highest > s[U1] + limit1:
-        return 0.0, 1.0, 0.0, 0.0, 0.0, by_limit1, 0.0, 0.0
+        return 0.0, 1.0, 0.0, 0.0, 0.0, by_limit1
     if s[P0] <= 0 and s[P1] > 0:
         share, move, (by_p0, by_p1) = s[P0] / (s[P0] - s[P1]), s[U1] - s[U0], crossing_slopes(s)
-        return 1 - share, share, 0.0, 0.0, move * by_p0, move * by_p1, 0.0, 0.0
+        return 1 - share, share, 0.0, 0.0, move * by_p0, move * by_p1
     slope0, slope1 = _relative_slopes(s, ratio)
     if not (slope0 > 0 and slope1 < 0):
-        return 0.0, 1.0, 0.0, 0.0, 0.0, -by_limit1, 0.0, 0.0
+        return 0.0, 1.0, 0.0, 0.0, 0.0, -by_limit1
     return _top_slopes(s, ratio, slope0, slope1)
 
 
@@ -120,11 +119,10 @@ def _top_slopes(s: Any, ratio: float, slope0: float, slope1: float) -> Any:
     by_share = 6 * share * (1 - share) * (right - left) + (1 - blend) * slope0 / 2 + blend * slope1 / 2
     by_slope0 = (1 - blend) * share / 2 - by_share * slope1 / (width * width)
     by_slope1 = -blend * (1 - share) / 2 + by_share * slope0 / (width * width)
-    by_p0 = -ratio * positive_slope(s[P0]) * (1 - blend)
-    by_p1 = -ratio * positive_slope(s[P1]) * blend
-    by_dp0 = -ratio * by_slope0 if s[P0] > 0 else 0.0
-    by_dp1 = -ratio * by_slope1 if s[P1] > 0 else 0.0
-    return 1 - blend, blend, by_slope0, by_slope1, by_p0, by_p1, by_dp0, by_dp1
+    by_limits = by_slope0 + by_slope1  # which both fall where the limit rises from start to end
+    by_p0 = ratio * positive_slope(s[P0]) * (by_limits - (1 - blend))
+    by_p1 = -ratio * positive_slope(s[P1]) * (by_limits + blend)
+    return 1 - blend, blend, by_slope0, by_slope1, by_p0, by_p1
 
 
 @inner

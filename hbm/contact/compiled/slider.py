@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 from updamp.hbm.contact.compiled.corners import corner, corner_slopes
 from updamp.hbm.contact.compiled.keeping import inner
 from updamp.hbm.contact.compiled.segments import (
-    DP0,
-    DP1,
     DU0,
     DU1,
     N_CORNER,
@@ -38,13 +36,12 @@ Floats = NDArray[np.float64]
 
 
 class Path(NamedTuple):
-    """Motion at the samples, all (n_time + 1,): u of the spring's end [m], p the compression that sets the limit [m]
-    (`event_march._friction`), and their slopes a sample."""
+    """Motion at the samples, all (n_time + 1,): u of the spring's end [m] and its slope du a sample, p the compression
+    that sets the limit [m] (`event_march._friction`)."""
 
     u: Floats
     du: Floats
     p: Floats
-    dp: Floats
 
 
 class Slider(NamedTuple):
@@ -69,12 +66,11 @@ class Slider(NamedTuple):
 
 
 class Rows(NamedTuple):
-    """Derivatives of u, du, p and dp by the coefficients, each (n_time + 1, n_coefficients)."""
+    """Derivatives of u, du and p by the coefficients, each (n_time + 1, n_coefficients)."""
 
     u: Floats
     du: Floats
     p: Floats
-    dp: Floats
 
 
 class Scratch(NamedTuple):
@@ -91,7 +87,7 @@ class Scratch(NamedTuple):
 
 @inner
 def new_path(n: int) -> Path:
-    return Path(np.empty(n + 1), np.empty(n + 1), np.empty(n + 1), np.empty(n + 1))
+    return Path(np.empty(n + 1), np.empty(n + 1), np.empty(n + 1))
 
 
 @inner
@@ -111,8 +107,8 @@ def new_scratch(c: int) -> Scratch:
 @inner
 def segment(path: Path, j: int) -> Any:
     """See `segments.py`."""
-    u, du, p, dp = path
-    return u[j], u[j + 1], du[j], du[j + 1], p[j], p[j + 1], dp[j], dp[j + 1]
+    u, du, p = path
+    return u[j], u[j + 1], du[j], du[j + 1], p[j], p[j + 1]
 
 
 @inner
@@ -219,7 +215,7 @@ def _add_sources(path: Path, rows: Rows, ratio: float, slider: Slider, out: Scra
             slopes = push_slopes(s, ratio)
             for a in range(P0):
                 out.by[0, a] = slopes[a]
-            for a in range(P0, DP1 + 1):
+            for a in range(P0, P1 + 1):
                 out.by[0, a] = sign * slopes[a]
             _add(slider.columns[k], -1.0, out.by[0], rows, j, out)
         else:
@@ -238,7 +234,6 @@ def _add(column: Floats, factor: float, by: Floats, rows: Rows, j: int, out: Scr
     for b in range(len(out.force)):
         u = by[U0] * rows.u[j, b] + by[U1] * rows.u[j + 1, b]
         out.row_u[b] = u + by[DU0] * rows.du[j, b] + by[DU1] * rows.du[j + 1, b]
-        p = by[P0] * rows.p[j, b] + by[P1] * rows.p[j + 1, b]
-        out.row_p[b] = p + by[DP0] * rows.dp[j, b] + by[DP1] * rows.dp[j + 1, b]
+        out.row_p[b] = by[P0] * rows.p[j, b] + by[P1] * rows.p[j + 1, b]
     add_outer(column, factor, out.row_u, out.by_u)
     add_outer(column, factor, out.row_p, out.by_p)

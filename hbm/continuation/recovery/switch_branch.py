@@ -8,18 +8,20 @@ the sign of det J times that of dw/ds stays, in folds and in kinks alike. With n
 both sides differ by a n^T alone, so that [J; n^T] has one determinant, and the branch crosses the kink the same way on
 either side.
 
-Where contacts that mirror each other change their state together the sign may change although the branch goes straight
-on, as in any symmetric bifurcation; so the reversed direction is tried as well. Neither may lead back along the branch.
+The kink is located between the last point and the shortest step that has failed. The direction beyond it holds until the
+next kink, which may be as close as a contact's slip is small; so the steps tried from the kink fall by factors, and one
+that has passed a further kink is known by its orientation. Contacts that mirror each other change their state together,
+and the sign tells nothing there: of such problems half is solved (hbm/problem/mirror.py).
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 import scipy.linalg
 
-from updamp.hbm.continuation.branch import BranchPoint, point_after
+from updamp.hbm.continuation.branch import BranchPoint, point_at
 from updamp.hbm.continuation.corrector import Corrector
 from updamp.hbm.continuation.retracing import TracedBranch
 from updamp.hbm.newton.equation import evaluate
@@ -31,75 +33,112 @@ _LAST_POINTS = 12
 # It lies on the branch through them where it is off that by no more than this share of its distance from the last
 # point; the same for the mean position.
 _OFF_BRANCH, _OFF_BRANCH_MEAN = 0.03, 0.3
+# A mean position that moves by this share of the vibration for a unit of arc hardly moves.
+_LITTLE_MEAN = 0.02
 
 
 @dataclass(frozen=True)
 class SwitchBranch:
     """A point in the direction in which the branch goes on beyond a kink.
 
-    reverse: with the orientation reversed
-    ahead: arc beyond the last point at which the far side is looked at: one that is too short is still on this side,
-        one that is too long has met the next kink; furthest: the longest of them, or four times the smallest step: the
-        kink lies within that step ahead of the last point
-    steps: on the far side, by that length: long enough to end beyond the kink, wherever before it the kink lies;
-        longest: of them, or ten times the smallest step
-    no_kink: cosine between two tangents above which there is no kink between them
+    ahead: arc beyond the last point at which the far side is looked at, rising; up to `furthest`, or four times the
+        smallest step: the kink lies within that step ahead of the last point
+    bisections: by which the kink is located between two of these
+    steps: arc beyond the kink, tried in turn
+    no_kink: cosine between two tangents above which there is no kink between them; no_kink_mean: and change of their
+        mean position, of which the metric sees little, relative to the larger, below which there is none
+    straight: least cosine between the direction and the step that it has led to; longest: that step, by its length
     """
 
-    reverse: bool = False
-    ahead: tuple[float, ...] = (1e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.03, 0.1)
+    ahead: tuple[float, ...] = (1e-9, 1e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.03, 0.1)
     furthest: float = 1e-3
-    steps: tuple[float, ...] = (10.0, 3.0, 30.0)
-    longest: float = 0.01
+    bisections: int = 24
+    steps: tuple[float, ...] = (0.01, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 1e-6, 1e-7)
     no_kink: float = 0.98
+    no_kink_mean: float = 0.2
+    straight: float = 0.7
+    longest: float = 3.0
 
     def __call__(self, corrector: Corrector, traced: TracedBranch) -> Sequence[BranchPoint]:
-        last, options = traced.last, corrector.options
-        for direction in self.directions(corrector, last):
-            (x, w), (dx, dw) = direction.start, direction.tangent
-            for step in direction.steps:
-                arc = Arc(x + step * dx, w + step * dw, direction.tangent, last.metric)
-                solution = solve(corrector.system, corrector.excitation, arc.x0, arc.w0, options.newton, arc)
-                if not solution.converged:
-                    continue
-                point = point_after(last, solution, corrector.excitation)
-                straight = last.metric.product(direction.tangent, last.move_to(solution)) > 0.7 * point.step
-                if straight and point.step < 3 * step and not lies_on_last_points(traced.points, solution):
-                    return [point]
+        system, excitation, last = corrector.system, corrector.excitation, traced.last
+        if (found := self.kink(corrector, last)) is None:
+            return []
+        (x, w), (dx, dw) = found
+        for step in self.steps:
+            arc = Arc(x + step * dx, w + step * dw, (dx, dw), last.metric)
+            solution = solve(system, excitation, arc.x0, arc.w0, corrector.options.newton, arc)
+            if not solution.converged:
+                continue
+            point = point_at(solution, excitation, last.metric.scale_w, (dx, dw), last.distance(solution))
+            move = (solution.x - x, solution.w - w)
+            length = last.metric.length(move)
+            straight = last.metric.product((dx, dw), move) > self.straight * length and length < self.longest * step
+            if straight and _oriented_alike(point, last) and not lies_on_last_points(traced.points, solution):
+                return [point]
         return []
 
-    def directions(self, corrector: Corrector, last: BranchPoint) -> "Iterator[BranchDirection]":
-        """Of the branch beyond a kink close to `last`."""
-        system, excitation, smallest = corrector.system, corrector.excitation, corrector.options.smallest_step
-        here = evaluate(system, excitation, last.x, last.w)
-        orientation = here.factorised().determinant_sign * np.sign(last.tangent_w)
-        for ahead in (length for length in self.ahead if length <= max(self.furthest, 4 * smallest)):
-            there = evaluate(system, excitation, last.x + ahead * last.tangent_x, last.w + ahead * last.tangent_w)
-            try:
-                jacobian = there.factorised()
-            except scipy.linalg.LinAlgError:
-                continue
-            dx, dw = -jacobian.solve(there.frequency_derivative(excitation)), 1.0
-            length = last.metric.length((dx, dw))
-            if not 0 < length < np.inf or abs(last.metric.product(last.tangent, (dx, dw))) > self.no_kink * length:
-                continue
-            if (jacobian.determinant_sign == orientation) == self.reverse:
-                length = -length
-            steps = tuple(share * ahead for share in self.steps if share * ahead <= max(self.longest, 10 * smallest))
-            yield BranchDirection((there.x, there.w), (dx / length, dw / length), steps)
+    def kink(self, corrector: Corrector, last: BranchPoint) -> tuple[Move, Move] | None:
+        """Place (x, w) of the first kink ahead and the direction of the branch beyond it, of unit length in the metric
+        of the last point; None where there is none."""
+        orientation = _orientation(corrector, last)
+
+        def beyond(ahead: float) -> Move | None:
+            """The direction, if a kink lies before this place."""
+            direction = _direction(corrector, last, ahead, orientation)
+            return None if direction is None or self._goes_on(last, direction) else direction
+
+        furthest = max(self.furthest, 4 * corrector.options.smallest_step)
+        here = 0.0
+        for there in (ahead for ahead in self.ahead if ahead <= furthest):
+            direction = beyond(there)
+            if direction is not None:
+                break
+            here = there
+        else:
+            return None
+        for _ in range(self.bisections):
+            middle = (here + there) / 2
+            if (found := beyond(middle)) is None:
+                here = middle
+            else:
+                there, direction = middle, found
+        return (last.x + there * last.tangent_x, last.w + there * last.tangent_w), direction
+
+    def _goes_on(self, last: BranchPoint, direction: Move) -> bool:
+        """Whether the direction is the last point's tangent, up to what an even bend may have changed."""
+        sizes = [_mean_size(last, dx) for dx in (last.tangent_x, direction[0], direction[0] - last.tangent_x)]
+        floor = _LITTLE_MEAN / last.metric.weights.max()
+        same_mean = sizes[2] <= self.no_kink_mean * max(sizes[:2]) + floor
+        return same_mean and last.metric.product(last.tangent, direction) > self.no_kink
 
 
-@dataclass(frozen=True, eq=False)
-class BranchDirection:
-    """A direction, of unit length in the metric of the last point, in which the branch may go on.
+def _orientation(corrector: Corrector, last: BranchPoint) -> float:
+    """Of the last point; where its Jacobian was not factorised, it is now."""
+    if last.orientation is not None:
+        return last.orientation
+    here = evaluate(corrector.system, corrector.excitation, last.x, last.w)
+    return here.factorised().determinant_sign * float(np.sign(last.tangent_w))
 
-    start: (x, w) beyond the kink; tangent: (dx, dw); steps: to try from there. A guess that began at the last point
-    would lie on this side of the kink, where Newton's method finds the branch that led to it.
-    """
 
-    start: Move
-    tangent: Move
-    steps: tuple[float, ...]
+def _direction(corrector: Corrector, last: BranchPoint, ahead: float, orientation: float) -> Move | None:
+    """Of a branch with this orientation, as seen a little ahead of the last point; None where it has none."""
+    x, w = last.x + ahead * last.tangent_x, last.w + ahead * last.tangent_w
+    there = evaluate(corrector.system, corrector.excitation, x, w)
+    try:
+        jacobian = there.factorised()
+    except scipy.linalg.LinAlgError:
+        return None
+    dx, dw = -jacobian.solve(there.frequency_derivative(corrector.excitation)), 1.0
+    length = last.metric.length((dx, dw))
+    if not 0 < length < np.inf:
+        return None
+    length = length if jacobian.determinant_sign == orientation else -length
+    return dx / length, dw / length
+
+
+def _oriented_alike(point: BranchPoint, last: BranchPoint) -> bool:
+    """Where it is not known of one of them, no step tells."""
+    return None in (point.orientation, last.orientation) or point.orientation == last.orientation
 
 
 def lies_on_last_points(points: Sequence[BranchPoint], solution: Solution) -> bool:

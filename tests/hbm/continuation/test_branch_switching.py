@@ -22,7 +22,7 @@ from updamp.hbm.problem.system import Excitation
 
 ROW = np.array([[0]])
 GAP = 1.0
-EXACT = (SwitchBranch(), SwitchBranch(reverse=True))
+EXACT = (SwitchBranch(),)
 WINDOW = (1.2 / 2 / np.pi, 1.6 / 2 / np.pi)
 
 
