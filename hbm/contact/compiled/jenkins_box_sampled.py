@@ -52,9 +52,7 @@ def force_with_tangent(
 def loop_areas(numbers: Any, displacement: Any, p: Any, cycles: int, tables: Tables, areas: Any) -> None:
     """As in jenkins_box.py beside this file."""
     n = tables.synthesis.shape[1]
-    pressing, u, force, limit, unused = (
-        np.empty(n + 1), np.empty(n + 1), np.empty(n + 1), np.empty(n + 1), np.empty(n + 1)
-    )  # fmt: skip
+    pressing, u, force, limit = np.empty(n + 1), np.empty(n + 1), np.empty(n + 1), np.empty(n + 1)
     position, source = np.empty(n), np.empty(n, dtype=np.int64)
     p_rows = tables.values.copy()
     for i, e in enumerate(numbers):

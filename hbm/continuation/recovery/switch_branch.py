@@ -8,9 +8,9 @@ the sign of det J times that of dw/ds stays, in folds and in kinks alike. With n
 both sides differ by a n^T alone, so that [J; n^T] has one determinant, and the branch crosses the kink the same way on
 either side.
 
-The kink is located between the last point and the shortest step that has failed. The direction beyond it holds until the
-next kink, which may be as close as a contact's slip is small; so the steps tried from the kink fall by factors, and one
-that has passed a further kink is known by its orientation. Contacts that mirror each other change their state together,
+The kink is located between the last point and the shortest step that has failed. The direction beyond it holds until
+the next kink, which may be as close as a contact's slip is small; so the steps tried from the kink fall by factors, and
+one that has passed a further kink is known by its orientation. Contacts that mirror each other change their state together,
 and the sign tells nothing there: of such problems half is solved (hbm/problem/mirror.py).
 """
 
