@@ -47,7 +47,8 @@ class BranchSegment:
     @property
     def end_sentence(self) -> str:
         """Where and why it ended."""
-        return f"at {self.last.frequency:.2f} Hz: {self.ended_by}" if self.last is not None else self.ended_by
+        why = self.ended_by or "further points were not asked for (`CurveOptions.connecting`)"
+        return f"at {self.last.frequency:.2f} Hz: {why}" if self.last is not None else why
 
     def next_point(self) -> BranchPoint | None:
         """The next point, recorded; None where the segment has ended."""

@@ -10,8 +10,8 @@ either side.
 
 The kink is located between the last point and the shortest step that has failed. The direction beyond it holds until
 the next kink, which may be as close as a contact's slip is small; so the steps tried from the kink fall by factors, and
-one that has passed a further kink is known by its orientation. Contacts that mirror each other change their state together,
-and the sign tells nothing there: of such problems half is solved (hbm/problem/mirror.py).
+one that has passed a further kink is known by its orientation. Contacts that mirror each other change their state
+together, and the sign tells nothing there: of such problems half is solved (hbm/problem/mirror.py).
 """
 
 from collections.abc import Sequence
