@@ -1,5 +1,5 @@
 """The command line: `updamp run`, `compare`, `check`, `show`, `diagnose`, `add`, `remove`, `history`, `design`,
-`design-rig`.
+`design-rig`, `explain`.
 
 What each command does is in `commands/`.
 """
@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from updamp.commands.compare import compare
-from updamp.commands.design import design, design_rig
+from updamp.commands.design import design, design_rig, explain
 from updamp.commands.effects import add, diagnose, history, remove
 from updamp.commands.predict import check, run, show
 
@@ -37,7 +37,7 @@ def main(
     pass
 
 
-for command in (run, compare, check, show, diagnose, add, remove, history, design, design_rig):
+for command in (run, compare, check, show, diagnose, add, remove, history, design, design_rig, explain):
     app.command()(command)
 
 

@@ -7,7 +7,7 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from updamp.commands.shared import INTERRUPTED, Debug, clean_errors, interruptible
+from updamp.commands.shared import INTERRUPTED, Debug, RigFile, clean_errors, interruptible
 from updamp.parallel.resources import one_thread, usual_workers
 
 # What a command needs is imported when it is called, as everywhere in this folder.
@@ -79,3 +79,25 @@ def design_rig(
 
         write_design_rig(folder, number, out, replace)
         Console().print(f"{out}", highlight=False, soft_wrap=True)
+
+
+def explain(
+    rig: RigFile,
+    against: Annotated[Path, typer.Option(metavar="OLD", help="Rig file whose products are there already.")],
+    mesh: Annotated[str, typer.Option(help="Preset of both rig files.")] = "full",
+    debug: Debug = False,
+) -> None:
+    """Say what a changed rig file would run again in the folder of the old one, and which inputs make it so.
+
+    Mesh and finite elements take most of the time: what leaves them alone is quick to try.
+    """
+    with clean_errors(debug):
+        from updamp.model.rig_files import load_rig
+        from updamp.workflow.explain import explain as compare_rigs
+        from updamp.workflow.explain import explain_table, other_changes
+
+        new, old, console = load_rig(rig), load_rig(against), Console()
+        verdicts = compare_rigs(new, old, mesh)
+        console.print(explain_table(verdicts))
+        for one in other_changes(new, old, verdicts):
+            console.print(Text.assemble(("kept by  ", "dim"), f"{one.path}: {one.old} -> {one.new}"), soft_wrap=True)

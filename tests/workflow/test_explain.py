@@ -1,0 +1,61 @@
+"""What would run again is what the stages' keys say, and each reason names its input."""
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from updamp.model.rig_files import load_rig
+from updamp.pipeline import app
+from updamp.workflow import stages
+from updamp.workflow.explain import explain, other_changes
+
+RIG = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
+CHANGES = {
+    "contact.friction_coefficient": 0.4,
+    "contact.normal_stiffness": "50000 N/mm^3",
+    "damper.face_length": "4.5 mm",
+    "material.loss_factor": 0.002,
+    "study.modes.OOP.window": ["430 Hz", "450 Hz"],
+    "mesh.small.face": 5,
+    "mesh.full.face": 8,
+    "effects": [{"name": "edge_gap", "values": {"depth": "0.3 um"}}],
+    "name": "other",
+}
+
+
+@pytest.mark.parametrize("path", CHANGES)
+def test_a_stage_runs_again_exactly_where_its_key_is_another(path):
+    old, new = load_rig(RIG), load_rig(RIG, {path: CHANGES[path]})
+    told = {one.name: one for one in explain(new, old, "small")}
+    for stage in stages.STAGES:
+        for mode in new.study.modes if stage is stages.CURVE else ("",):
+            choice = {"preset": "small", "mode": mode, "force": "1.0"}
+            differs = stage.key(new, choice) != stage.key(old, choice)
+            assert told[f"{stage.name} {mode}".strip()].again == differs, (stage.name, mode)
+
+
+def test_the_reason_names_the_input_with_both_values():
+    old, new = load_rig(RIG), load_rig(RIG, {"contact.friction_coefficient": 0.4, "name": "other"})
+    told = {one.name: one.because for one in explain(new, old, "small")}
+    assert told["static_contact"] == "contact.friction_coefficient: 0.6 -> 0.4"
+    assert told["curve IP"] == "contact.friction_coefficient: 0.6 -> 0.4, static_contact runs again"
+    assert told["finite_elements"] == ""
+    assert [one.path for one in other_changes(new, old, explain(new, old, "small"))] == ["name"]
+
+
+def test_an_effect_that_is_new_is_named():
+    old, new = load_rig(RIG), load_rig(RIG, {"effects": CHANGES["effects"]})
+    told = {one.name: one.because for one in explain(new, old, "small")}
+    assert "effects.edge_gap.depth: not stated -> 3e-07" in told["curve OOP"]
+
+
+def test_the_command_says_so(tmp_path):
+    other = tmp_path / "other.toml"
+    other.write_text(RIG.read_text().replace("friction_coefficient = 0.6", "friction_coefficient = 0.4"))
+    result = CliRunner().invoke(app, ["explain", str(other), "--against", str(RIG), "--mesh", "small"])
+    assert result.exit_code == 0, result.output
+    assert "runs again" in result.output
+    refused = CliRunner().invoke(app, ["explain", str(other), "--against", str(RIG), "--mesh", "tiny"])
+    assert refused.exit_code == 2
+    assert "--mesh tiny: the rig pesaresi2017 has small, medium, full" in refused.output
