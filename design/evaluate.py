@@ -10,7 +10,7 @@ import numpy as np
 from updamp.design.records import BROKEN, DONE, FAILED, PARTLY, Record
 from updamp.design.responses.response import Response
 from updamp.design.solved_design import DesignInput, SolvedDesign
-from updamp.design.solved_peak import PeakRequest
+from updamp.design.solved_peak import CURVE, PeakRequest
 from updamp.design.variables import Values
 
 # What the rooms below raise with a sentence: a geometry that cannot be built, a solver that stops, a missing mode.
@@ -84,4 +84,5 @@ def _sentence(error: Exception) -> str:
 
 
 def _name(request: PeakRequest) -> str:
-    return f"{request.mode} {request.force:g} N{f' at {request.point}' if request.point else ''}"
+    place = f" at {request.point}" if request.point else ""
+    return f"{request.mode} {request.force:g} N{place}{', whole curve' if request.by == CURVE else ''}"

@@ -34,8 +34,8 @@ upper = "70 deg"
 [[variables]]
 name = "mu"
 path = "contact.friction_coefficient"
-lower = 0.2
-upper = 0.4
+lower = 0.4
+upper = 0.42
 
 [[responses]]
 name = "oop"
@@ -50,6 +50,39 @@ kind = "largest_pressure"
 name = "mass"
 kind = "damper_mass"
 
+[[responses]]
+name = "pressure_at_peak"
+kind = "largest_pressure"
+mode = "OOP"
+force = "17 N"
+
+[[responses]]
+name = "friction_share"
+kind = "energy_ratio"
+mode = "OOP"
+force = "17 N"
+
+[[responses]]
+name = "stuck"
+kind = "contact_share"
+mode = "OOP"
+force = "17 N"
+state = "stuck"
+
+[[responses]]
+name = "slipping"
+kind = "contact_share"
+mode = "OOP"
+force = "17 N"
+state = "slipping"
+
+[[responses]]
+name = "separated"
+kind = "contact_share"
+mode = "OOP"
+force = "17 N"
+state = "separated"
+
 [method]
 kind = "grid"
 points = 2
@@ -59,7 +92,7 @@ points = 2
 @pytest.fixture(scope="module")
 def studied(tmp_path_factory):
     folder = tmp_path_factory.mktemp("rig_study")
-    text = RIG.read_text().replace('window = ["432 Hz", "450 Hz"]', 'window = ["420 Hz", "500 Hz"]  # wide')
+    text = RIG.read_text().replace('window = ["432 Hz", "450 Hz"]', 'window = ["445 Hz", "460 Hz"]  # wide')
     (folder / "rig.toml").write_text(text + TINY_PRESET)
     (folder / "study.toml").write_text(STUDY)
     result = run(folder / "study.toml")
@@ -84,14 +117,25 @@ def test_friction_alone_needs_no_finite_elements(studied):
     assert len(list((folder / "out" / "stages").glob("finite_elements_*.h5"))) == 1
 
 
+def test_contacts_at_the_peak_are_told_apart_and_friction_takes_its_share(studied):
+    _, result = studied
+    low, high = (one.responses for one in result.records if one.outcome == "done")
+    for one in (low, high):
+        assert one["stuck"] + one["slipping"] + one["separated"] == pytest.approx(1)
+        assert 0 < one["friction_share"] < 1
+        assert one["pressure_at_peak"] > one["pressure"] > 0
+    assert low["stuck"] <= high["stuck"], "less friction, less that sticks"
+    assert low["friction_share"] > high["friction_share"]
+
+
 def test_the_rig_file_of_a_design_has_its_values_and_the_rest_as_it_was(studied):
     folder, result = studied
-    one = next(record for record in result.records if record.outcome == "done" and record.values["mu"] == 0.2)
+    one = next(record for record in result.records if record.outcome == "done" and record.values["mu"] == 0.4)
     write_design_rig(folder / "out", one.number, folder / "new" / "design.toml")
     rig, text = load_rig(folder / "new" / "design.toml"), (folder / "new" / "design.toml").read_text()
-    assert rig.contact.friction_coefficient == 0.2
+    assert rig.contact.friction_coefficient == 0.4
     assert np.rad2deg(rig.platform.underside_angle) == pytest.approx(20)
-    assert rig.study.modes["OOP"].window == pytest.approx((420, 500)), "the mode has not moved"
+    assert rig.study.modes["OOP"].window == pytest.approx((445, 460)), "the mode has not moved"
     assert text.startswith(f"# Design {one.number} of the study study.\n")
     assert "# of the underside, and so of the damper's faces, from the horizontal" in text, "comments stay"
     with pytest.raises(ValueError, match="no design 99; there are 1 to 4"):
