@@ -26,11 +26,11 @@ def best_table(result: StudyResult) -> Table:
     study = result.study
     best = best_records(problem_of(study), result.records)
     title = "Best designs" if study.objectives else "Designs"
-    table = Table(title=title, title_justify="left", header_style="bold")
+    table = Table(title=title, title_justify="left", header_style="bold", box=None, padding=(0, 2, 0, 0))
     names = [*((one.name, one.unit) for one in study.variables), *((one.name, one.unit) for one in study.responses)]
     table.add_column("design", justify="right")
     for name, unit in names:
-        table.add_column(f"{name} \\[{unit}]" if unit else name, justify="right")
+        table.add_column(f"{name} \\[{unit}]" if unit else name, justify="right", overflow="fold")
     for record in (best or (() if study.objectives else result.records))[:_SHOWN]:
         known = {**record.values, **record.responses}
         values = [known.get(name) for name, _ in names]

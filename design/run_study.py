@@ -14,7 +14,7 @@ from updamp.design.methods.method import MethodResult, Problem
 from updamp.design.records import Record, RecordFolder
 from updamp.design.rig_numbers import AnyRig
 from updamp.design.solved_design import DesignInput, SolvedDesign, observed_point
-from updamp.design.study_file import Study
+from updamp.design.study_file import DesignStudy
 from updamp.design.tracked_modes import ModeReference, mode_references
 from updamp.design.variables import Values, overrides
 from updamp.model.rig_files import load_any
@@ -55,7 +55,7 @@ class StudyResult:
     """records: of all designs of this study, earlier sessions included; others: how many the folder holds besides, of
     another rig, mesh or set of responses; method: None where the study was interrupted"""
 
-    study: Study
+    study: DesignStudy
     folder: StudyFolder
     rig: AnyRig
     references: tuple[ModeReference, ...]
@@ -70,7 +70,7 @@ class Evaluations:
 
     task: Task
     stated: Mapping[str, Any]
-    study: Study
+    study: DesignStudy
     records: RecordFolder
     workers: Workers
     display: Display
@@ -107,7 +107,7 @@ class Evaluations:
         )
 
 
-def run_study(study: Study, out: Path, jobs: int, scheduler: str, display: Display) -> StudyResult:
+def run_study(study: DesignStudy, out: Path, jobs: int, scheduler: str, display: Display) -> StudyResult:
     """Solve what is not known yet.
 
     raises: RigError, ValueError for a study that the rig has no place for; KeyboardInterrupt is passed on only before
@@ -137,7 +137,7 @@ def run_study(study: Study, out: Path, jobs: int, scheduler: str, display: Displ
     return StudyResult(study, folder, rig, references, found, records.others(task.setup), result)
 
 
-def _problem(study: Study, folder: StudyFolder, setup: str, at_once: int) -> Problem:
+def _problem(study: DesignStudy, folder: StudyFolder, setup: str, at_once: int) -> Problem:
     """Other goals or bounds are another search."""
     names = tuple(one.name for one in study.responses)
     goals = [(one.response, one.goal.words) for one in study.objectives]
@@ -146,7 +146,7 @@ def _problem(study: Study, folder: StudyFolder, setup: str, at_once: int) -> Pro
     return Problem(study.name, study.variables, names, study.objectives, study.constraints, folder.path, key, at_once)
 
 
-def _own_copy(study: Study, folder: StudyFolder) -> AnyRig:
+def _own_copy(study: DesignStudy, folder: StudyFolder) -> AnyRig:
     """The rig file as it is now, in the folder: workers and later readers do not see what it becomes meanwhile."""
     folder.path.mkdir(parents=True, exist_ok=True)
     text = moved(study.rig.read_text(encoding="utf-8"), study.rig.parent, folder.path)
@@ -157,11 +157,11 @@ def _own_copy(study: Study, folder: StudyFolder) -> AnyRig:
     return load_any(folder.rig)
 
 
-def _peaks(study: Study) -> tuple[Any, ...]:
+def _peaks(study: DesignStudy) -> tuple[Any, ...]:
     return tuple(dict.fromkeys(peak for one in study.responses for peak in one.peaks()))
 
 
-def _references(study: Study, rig: AnyRig, given: DesignInput, display: Display) -> tuple[ModeReference, ...]:
+def _references(study: DesignStudy, rig: AnyRig, given: DesignInput, display: Display) -> tuple[ModeReference, ...]:
     """Of the modes that responses name, in the rig as its file stands."""
     named = {mode for one in study.responses for mode in one.modes()}
     if not named:
@@ -179,7 +179,7 @@ def windows_of(rig: AnyRig) -> dict[str, tuple[float, float]]:
     return {name: mode.window for name, mode in rig.study.modes.items()}
 
 
-def _setup(study: Study, rig: AnyRig) -> str:
+def _setup(study: DesignStudy, rig: AnyRig) -> str:
     """What all designs share: the rig as it is read, the mesh, responses, variables, and versions of what computes."""
     versions = {stage.name: stage.version for stage in stages.STAGES}
     responses = [(type(one).__name__, json.loads(one.model_dump_json())) for one in study.responses]

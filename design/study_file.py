@@ -42,7 +42,7 @@ class StudyTable(InputTable):
 
 
 @dataclass(frozen=True)
-class Study:
+class DesignStudy:
     """rig: file; out: folder; jobs: None where the file does not say; the rest as in the file, resolved"""
 
     name: str
@@ -58,7 +58,7 @@ class Study:
     method_name: str
 
 
-def read_study(path: Path) -> Study:
+def read_study(path: Path) -> DesignStudy:
     """raises: StudyError with every problem found, one a line; RigError where its rig cannot be read"""
     stated = read_toml(path, "a study file, such as rigs/studies/friction.toml", StudyError)
     problems: list[str] = []
@@ -84,7 +84,7 @@ def read_study(path: Path) -> Study:
     if problems or method is None:
         raise _refused(path, problems)
     out = path.parent / head.out if head.out else None
-    return Study(
+    return DesignStudy(
         path.stem, rig_path, head.mesh, out, head.jobs, variables, responses, objectives, constraints, method,
         method_name,
     )  # fmt: skip

@@ -9,17 +9,17 @@ from typing import Any
 from updamp.design.methods.method import Problem
 from updamp.design.optional import library
 from updamp.design.records import Record
-from updamp.design.study_file import Study
+from updamp.design.study_file import DesignStudy
 
 
-def columns(study: Study) -> dict[str, str]:
+def columns(study: DesignStudy) -> dict[str, str]:
     """Name of each column -> its unit, "" for none."""
     units = {one.name: one.unit for one in study.variables} | {one.name: one.unit for one in study.responses}
     first, last = ("number", "outcome", "feasible"), ("executed", "routes", "reason")
     return {**dict.fromkeys(first, ""), **units, "seconds": "s", **dict.fromkeys(last, "")}
 
 
-def rows(study: Study, records: Sequence[Record]) -> list[dict[str, Any]]:
+def rows(study: DesignStudy, records: Sequence[Record]) -> list[dict[str, Any]]:
     """By the columns' names. feasible: None where a constraint's response is not known"""
     problem = problem_of(study)
     return [
@@ -43,13 +43,13 @@ def feasible(problem: Problem, record: Record) -> bool | None:
     return None if violations is None else all(v <= 0 for v in violations)
 
 
-def problem_of(study: Study) -> Problem:
+def problem_of(study: DesignStudy) -> Problem:
     """To judge records by, without a method that runs."""
     names = tuple(one.name for one in study.responses)
     return Problem(study.name, study.variables, names, study.objectives, study.constraints, Path())
 
 
-def write_csv(path: Path, study: Study, records: Sequence[Record]) -> None:
+def write_csv(path: Path, study: DesignStudy, records: Sequence[Record]) -> None:
     """Units stand in the head: "damper.face_length [mm]"."""
     units, text = columns(study), io.StringIO()
     lines = csv.writer(text, lineterminator="\n")
@@ -59,7 +59,7 @@ def write_csv(path: Path, study: Study, records: Sequence[Record]) -> None:
     _replace(path, text.getvalue().encode())
 
 
-def write_parquet(path: Path, study: Study, records: Sequence[Record]) -> None:
+def write_parquet(path: Path, study: DesignStudy, records: Sequence[Record]) -> None:
     """Columns have the plain names. raises: ValueError where pyarrow is not installed"""
     pyarrow, parquet = library("pyarrow"), library("pyarrow.parquet")
     content, units = rows(study, records), columns(study)

@@ -38,7 +38,7 @@ class Response(InputTable):
     def problem(self, rig: AnyRig) -> str:
         """Why the rig cannot have it, "" where it can."""
         if self.of_geometry and isinstance(rig, ModalRig):
-            return "a rig given by modes has no geometry and no contacts; take it out"
+            return "kind: a rig given by modes has no geometry and no contacts; take it out"
         known = modes_of(rig)
         wrong = next((mode for mode in self.modes() if mode not in known), None)
         return f'mode = "{wrong}": the rig has no such mode; it has {", ".join(known)}' if wrong is not None else ""

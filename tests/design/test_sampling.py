@@ -66,3 +66,13 @@ def test_the_tables_hold_what_the_records_hold(folder):
     with (folder / "out" / "designs.csv").open() as file:
         lines = list(csv.DictReader(file))
     assert np.allclose([float(line["mass [g]"]) for line in lines], [one.values["mass"] for one in result.records])
+
+
+def test_a_dask_cluster_finds_the_same(folder):
+    distributed = pytest.importorskip("distributed", reason="Dask is optional: pip install 'updamp[cluster]'")
+    path = write_study(folder, 'kind = "sobol"\nsamples = 4')
+    expected = run(path)
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        found = run(path, out=folder / "dask", scheduler=cluster.scheduler_address)
+    assert [one.responses for one in found.records] == [one.responses for one in expected.records]
+    assert [one.key for one in found.records] == [one.key for one in expected.records]

@@ -61,7 +61,7 @@ def test_an_effect_that_the_rig_has_not_is_added_and_one_that_it_has_keeps_its_o
         ('name = "frequency"', 'name = "mass"', 'variables: name = "frequency" is there 2 times'),
         ('"free_freqency"', '"free_frequency"', 'responses[0].kind = "free_freqency": unknown; did you mean'),
         ('name = "seconds"', 'name = "free"', 'name = "seconds": is another column of the table already'),
-        ('"damper_mass"', '"free_frequency"', "responses[0].a rig given by modes has no geometry"),
+        ('"damper_mass"', '"free_frequency"', "responses[0].kind: a rig given by modes has no geometry"),
         ('"beem.toml"', '"beam.toml"', "no such file"),
     ],
 )

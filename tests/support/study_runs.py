@@ -9,7 +9,7 @@ from updamp.design.study_file import read_study
 from updamp.workflow.progress import Display
 
 
-def run(path: Path, jobs: int = 1, out: Path | None = None) -> StudyResult:
+def run(path: Path, jobs: int = 1, out: Path | None = None, scheduler: str = "") -> StudyResult:
     study = read_study(path)
     with Display(Console(quiet=True)) as display:
-        return run_study(study, out or study.out, jobs, "", display)
+        return run_study(study, out or study.out, jobs, scheduler, display)
