@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 from updamp.design.errors import UnknownResponseError
 from updamp.design.rig_numbers import AnyRig
 from updamp.design.shared_stages import SharedStages
-from updamp.design.solved_peak import CURVE, PeakRequest, SolvedPeak, followed_peaks, peak_of_curve
+from updamp.design.solved_peak import CURVE, RESONANCE_ONLY, PeakRequest, SolvedPeak, followed_peaks, peak_of_curve
 from updamp.design.tracked_modes import ModeReference, TrackedMode, tracked_mode
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.continuation.curve import CurveRequest, trace
@@ -83,6 +83,8 @@ class SolvedDesign:
         if request.force in peaks:
             self.routes[request] = peaks[request.force].by
             return peaks[request.force]
+        if request.by == RESONANCE_ONLY:
+            raise UnknownResponseError(stopped)
         self.routes[request] = f"{CURVE}, since {stopped}"
         try:
             return peak_of_curve(self.curve(request.mode, request.force), request.point or self.observed)

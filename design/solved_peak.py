@@ -12,13 +12,13 @@ from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.resonance.conditions import MaximumResonance
 from updamp.hbm.resonance.resonance_curve import ResonanceCurve, ResonanceRequest, trace_resonance
 
-RESONANCE, CURVE = "resonance", "curve"
+RESONANCE, RESONANCE_ONLY, CURVE = "resonance", "resonance_only", "curve"
 
 
 @dataclass(frozen=True)
 class PeakRequest:
     """Largest first harmonic of one point in one mode. force: [N]; by: "resonance" (followed in the force, the whole
-    curve where that stops) or "curve" """
+    curve where that stops), "resonance_only" or "curve" """
 
     mode: str
     force: float

@@ -45,7 +45,7 @@ class LargestPressure(Response):
     of_geometry: ClassVar[bool] = True
     mode: str | None = None
     force: Force | None = None
-    by: Literal["resonance", "curve"] = "resonance"
+    by: Literal["resonance", "resonance_only", "curve"] = "resonance"
 
     @model_validator(mode="after")
     def _both(self) -> Self:

@@ -52,13 +52,14 @@ class AtPeak(Response):
     """At one mode's resonance under one force.
 
     point: where it is observed, by default the tip of the excited blade
-    by: "resonance" follows the resonance alone and falls back to the curve where that stops; "curve" traces the curve
+    by: "resonance" follows the resonance and falls back to the curve where that stops, which may take minutes;
+        "resonance_only" does not; "curve" traces the curve
     """
 
     mode: Annotated[str, Field(examples=["OOP"])]
     force: Force
     point: str = ""
-    by: Literal["resonance", "curve"] = "resonance"
+    by: Literal["resonance", "resonance_only", "curve"] = "resonance"
 
     @property
     def request(self) -> PeakRequest:

@@ -96,6 +96,14 @@ def test_where_following_stops_the_curve_is_taken_and_it_is_said(hardening, monk
         assert "first 1 N: curve, since the resonance stops at 0.5 N" in [f"{a}: {b}" for a, b in one.routes.items()]
 
 
+def test_nothing_falls_back_that_is_not_to(hardening, monkeypatch):
+    hardening.write_text(hardening.read_text().replace('force = "1 N"\n', 'force = "1 N"\nby = "resonance_only"\n', 1))
+    monkeypatch.setattr(solved_design, "followed_peaks", lambda *_: ({}, "the resonance stops at 0.5 N"))
+    for one in run(hardening).records:
+        assert one.unknown["followed"] == "the resonance stops at 0.5 N"
+        assert one.responses["read_off"] is not None
+
+
 def test_a_curve_that_is_not_complete_has_no_peak(hardening, monkeypatch):
     whole = solved_design.trace
 
