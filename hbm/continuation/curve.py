@@ -19,7 +19,6 @@ from updamp.hbm.continuation.pieces import BranchSegment, Pieces
 from updamp.hbm.continuation.predictor_corrector import CONNECTED
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.continuation.starts import starts
-from updamp.hbm.problem.mirror import acts_symmetrically
 from updamp.hbm.problem.system import NonlinearSystem
 
 __all__ = ["CurveRequest", "trace"]
@@ -35,12 +34,13 @@ def trace(
     resume_from: an interrupted curve of the same system and request; only what follows it is solved
     raises: nothing; a branch that cannot go on ends the curve with its sentence in `stopped`
     """
-    half, mirror, row = system.half, system.mirror, request.excitation.row
-    if half is None or mirror is None or not acts_symmetrically(system.free, mirror, row):
+    row = request.excitation.row
+    if (driven := system.half_driven_at(row)) is None:
         yield from _traced(system, request, resume_from)
         return
+    half, mirror = driven
     excitation = replace(request.excitation, row=row - system.free.n_relative + half.free.n_relative)
-    if resume_from is not None:
+    if resume_from is not None and len(resume_from):
         resume_from = replace(resume_from, displacement=mirror.halved(resume_from.displacement))
     for curve in _traced(half, replace(request, excitation=excitation), resume_from):
         yield replace(curve, displacement=mirror.whole(curve.displacement)) if len(curve) else curve

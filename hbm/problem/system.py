@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.problem.elements import ElementGroup, element_forces, force_only
 from updamp.hbm.problem.linear_model import LinearModel, stuck_on
-from updamp.hbm.problem.mirror import Mirror, half_groups, half_structure
+from updamp.hbm.problem.mirror import Mirror, acts_symmetrically, half_groups, half_structure
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -152,6 +152,12 @@ class NonlinearSystem:
             return None
         free, groups = half_structure(self.free, self.mirror), half_groups(self.groups, self.mirror)
         return None if free is None or groups is None else replace(self, free=free, groups=groups, mirror=None)
+
+    def half_driven_at(self, row: int) -> "tuple[NonlinearSystem, Mirror] | None":
+        """`half`, where a force on this row is its own mirror image too, and what leads back to the whole."""
+        if self.half is None or self.mirror is None or not acts_symmetrically(self.free, self.mirror, row):
+            return None
+        return self.half, self.mirror
 
 
 @dataclass(frozen=True, eq=False)

@@ -115,11 +115,17 @@ COLUMNS = tuple(
 def trace_resonance(system: NonlinearSystem, request: ResonanceRequest) -> Iterator[ResonanceCurve]:
     """The curve so far, after every point; the last one handed out is `complete` or says why it `stopped`.
 
+    Of a problem that is its own mirror image half is solved, as in `hbm.continuation.curve.trace`.
+
     raises: KeyError for a name the model has not; ValueError as `follow_resonance`. A resonance that cannot be
     followed on is not raised: it ends the curve with its sentence in `stopped`
     """
     started = time.perf_counter()
-    problem = ResonanceProblem(system, system.free.row(request.excited), system.free.row(request.point))
+    driven = system.half_driven_at(system.free.row(request.excited))
+    solved, start = (driven[0] if driven else system), request.start
+    if driven and start is not None:
+        start = replace(start, z=driven[1].halved(start.z))
+    problem = ResonanceProblem(solved, solved.free.row(request.excited), solved.free.row(request.point))
     rows: list[dict[str, Any]] = []
 
     def curve(complete: bool = False, stopped: str = "") -> ResonanceCurve:
@@ -128,12 +134,12 @@ def trace_resonance(system: NonlinearSystem, request: ResonanceRequest) -> Itera
         head = (request.mode, request.point, system.harmonics.orders)
         return ResonanceCurve(*head, **columns, complete=complete, stopped=stopped, seconds=seconds)
 
-    points = follow_resonance(
-        problem, request.condition, request.window, request.forces, request.options, request.start
-    )
+    points = follow_resonance(problem, request.condition, request.window, request.forces, request.options, start)
     try:
         for point in points:
-            rows.append(_row(system, point))
+            row = _row(solved, point)
+            x = driven[1].whole(point.solution.x) if driven else point.solution.x
+            rows.append(row | {"displacement": x, "states": _states(system, x, point.solution.w)})
             yield curve()
     except ResonanceStoppedError as stop:
         yield curve(stopped=str(stop))
@@ -152,13 +158,11 @@ def _row(system: NonlinearSystem, point: ResonancePoint) -> dict[str, Any]:
         "force": solution.force,
         "frequency": solution.frequency,
         "response": solution.response,
-        "displacement": solution.x,
         "loss_factor": loss_factor(work, stored),
         "damping_from_phase": damping_ratio_from_phase(solution),
         "work_in": work,
         "friction_loss": float(observe.friction_loss(system, solution.x, solution.w).sum()),
         "stored_energy": stored,
-        "states": _states(system, solution.x, solution.w),
         "asked_for": point.asked_for,
         "turning": point.turning,
         "active": solution.linearised.jacobian.n_active,

@@ -1,0 +1,103 @@
+"""Half of a problem with a plane of symmetry: the same responses as the whole, of half the unknowns."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from updamp.hbm.contact.friction import FrictionParameters
+from updamp.hbm.contact.jenkins_box import JenkinsBox
+from updamp.hbm.continuation.curve import CurveRequest, trace
+from updamp.hbm.harmonics import Harmonics
+from updamp.hbm.newton.equation import residual_alone
+from updamp.hbm.problem.elements import ElementGroup
+from updamp.hbm.problem.linear_model import from_matrices
+from updamp.hbm.problem.mirror import Mirror
+from updamp.hbm.problem.system import Excitation, NonlinearSystem
+from updamp.hbm.resonance.conditions import PhaseResonance
+from updamp.hbm.resonance.resonance_curve import ResonanceRequest, trace_resonance
+
+# Elements 0 and 1 are images of each other, 2 lies in the plane; of the displacements across it the sign changes.
+IMAGE, SIGN = np.array([3, 4, 5, 0, 1, 2, 6, 7, 8]), np.tile([1.0, -1.0, 1.0], 3)
+WINDOW = (0.2, 0.34)
+
+
+def a_system(kn=(2.0, 2.0, 1.0), off=0.0):
+    """Three masses of three directions each, coupled to their neighbours in the plane; off: what breaks the symmetry of
+    the springs."""
+    rng = np.random.default_rng(3)
+    part = rng.normal(size=(9, 9))
+    stiffness = part @ part.T / 9 + 2 * np.eye(9)
+    reflection = np.zeros((9, 9))
+    reflection[np.arange(9), IMAGE] = SIGN
+    stiffness = (stiffness + reflection @ stiffness @ reflection.T) / 2
+    stiffness[0, 0] += off
+    drive = np.zeros(9)
+    drive[6] = 1.0
+    linear = from_matrices(np.eye(9), 0.02 * np.eye(9), stiffness, np.eye(9), {"drive": drive})
+    kn = np.array(kn)
+    parameters = FrictionParameters(np.full(3, 0.4), kn, kn, np.full(3, 0.3), np.zeros((3, 2)), np.zeros(3))
+    group = ElementGroup(JenkinsBox(2), parameters, np.arange(9).reshape(3, 3))
+    return NonlinearSystem(linear, (group,), Harmonics((0, 1, 2, 3)), 64, Mirror(IMAGE, SIGN))
+
+
+def request_for(system, force=0.3):
+    excitation = Excitation(system.free.row("drive"), force)
+    return CurveRequest("1", excitation, WINDOW, ("drive",))
+
+
+@pytest.fixture(scope="module")
+def curves():
+    system = a_system()
+    whole = replace(system, mirror=None)
+    return system, [list(trace(one, request_for(one)))[-1] for one in (system, whole)]
+
+
+def test_half_of_the_contacts_and_the_symmetric_modes_are_left(curves):
+    system, _ = curves
+    assert system.half is not None
+    assert system.half.free.n_relative == 6
+    assert len(system.half.free.omega_squared) == 5
+    assert system.half.groups[0].copies.tolist() == [2.0, 1.0]
+
+
+def test_the_curve_is_that_of_the_whole(curves):
+    system, (half, whole) = curves
+    assert half.complete
+    assert whole.complete
+    assert half.active.max() > 0, "contacts slip"
+    assert half.peak("drive") == pytest.approx(whole.peak("drive"), rel=1e-3)
+
+
+def test_its_points_solve_the_whole_problem_and_keep_its_energy_balance(curves):
+    system, (half, _) = curves
+    assert half.displacement.shape[1:] == (9, 7)
+    excitation = request_for(system).excitation
+    for i in range(0, len(half), 5):
+        x = half.displacement[i]
+        residual = residual_alone(system, excitation, x, 2 * np.pi * half.frequency[i])
+        assert np.abs(residual).max() < 1e-8 * np.abs(x).max()
+        balance = half.work_in[i] - half.friction_loss[i] - half.material_loss[i]
+        assert abs(balance) < 2e-3 * half.work_in[i]
+
+
+def test_a_resonance_followed_in_force_is_that_of_the_whole(curves):
+    system, _ = curves
+    request = ResonanceRequest("1", "drive", "drive", WINDOW, (0.1, 0.3), PhaseResonance())
+    half, whole = (list(trace_resonance(one, request))[-1] for one in (system, replace(system, mirror=None)))
+    assert half.complete
+    assert half.displacement.shape[1:] == (9, 7)
+    np.testing.assert_allclose(half.frequency[-1], whole.frequency[-1], rtol=1e-6)
+    np.testing.assert_array_equal(half.states[-1], whole.states[-1])
+    np.testing.assert_allclose(half.friction_loss[-1], whole.friction_loss[-1], rtol=1e-5)
+
+
+@pytest.mark.parametrize("system", [a_system(kn=(2.0, 2.1, 1.0)), a_system(off=0.01)], ids=["contacts", "structure"])
+def test_what_is_not_its_own_image_is_solved_as_a_whole(system):
+    assert system.half is None
+
+
+def test_so_is_what_is_driven_from_one_side():
+    system = a_system()
+    assert system.half_driven_at(0) is None
+    assert system.half_driven_at(system.free.row("drive")) is not None
