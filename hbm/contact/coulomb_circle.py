@@ -49,4 +49,5 @@ class CoulombCircle:
 
     def state(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
         tangential = friction.tangential_force(displacement, parameters, radial_return, self.cycles)
-        return friction.state(displacement, parameters, at_circle, tangential)
+        limit = friction.slip_limit(displacement, parameters)
+        return friction.state(displacement, parameters, at_circle(tangential, limit))

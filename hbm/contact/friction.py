@@ -49,7 +49,7 @@ def normal_force(displacement: jax.Array, p: FrictionParameters) -> jax.Array:
 
 def tangential_force(displacement: jax.Array, p: FrictionParameters, return_map: Return, cycles: int) -> jax.Array:
     """(n_time, 2) force of the slider behind the spring kt, starting from the force t0 at rest."""
-    limit = p.mu * normal_force(displacement, p)
+    limit = slip_limit(displacement, p)
 
     def step(slider: jax.Array, sample: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
         tangential, bound = sample
@@ -74,11 +74,14 @@ def rest_normal_force(p: FrictionParameters) -> jax.Array:
     return jnp.maximum(p.n0 - p.kn * p.gap, 0.0)
 
 
-def state(displacement: jax.Array, p: FrictionParameters, at_limit: Return, force: jax.Array) -> jax.Array:
-    """(n_time,) STICK, SLIP or SEPARATED."""
-    normal = normal_force(displacement, p)
-    slipping = at_limit(force, p.mu * normal)
-    return jnp.where(normal <= 0.0, SEPARATED, jnp.where(slipping, SLIP, STICK))
+def state(displacement: jax.Array, p: FrictionParameters, slipping: jax.Array) -> jax.Array:
+    """(n_time,) STICK, SLIP or SEPARATED; slipping: (n_time,)"""
+    return jnp.where(normal_force(displacement, p) <= 0.0, SEPARATED, jnp.where(slipping, SLIP, STICK))
+
+
+def slip_limit(displacement: jax.Array, p: FrictionParameters) -> jax.Array:
+    """(n_time,) mu N [N]"""
+    return p.mu * normal_force(displacement, p)
 
 
 def stuck_stiffness(p: FrictionParameters) -> jax.Array:

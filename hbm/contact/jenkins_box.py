@@ -15,9 +15,19 @@ from updamp.hbm.contact.law import CompiledForces
 from updamp.hbm.harmonics import Harmonics
 
 
-def _at_limit(force: jax.Array, limit: jax.Array) -> jax.Array:
-    """The tolerance is that of a difference of displacements far larger than the slip's elastic part."""
-    return jnp.any(jnp.abs(force) >= limit[:, None] * (1 - 1e-9), axis=1)
+# A slider that moves by less than this share of the motion's largest value does not move: round-off is below a
+# thousandth of it.
+_STANDS = 1e-12
+
+
+def _moves(tangential: jax.Array, displacement: jax.Array, p: FrictionParameters) -> jax.Array:
+    """(n_time,) whether a slider moves before or after each sample. The force alone does not tell: one that slipped on
+    its way to the settled motion is at its limit for an instant of every period since, and stands.
+    """
+    surface = displacement[:, :2]
+    slider = surface - tangential / p.kt
+    after = jnp.any(jnp.abs(jnp.roll(slider, -1, axis=0) - slider) > _STANDS * jnp.abs(surface).max(axis=0), axis=1)
+    return after | jnp.roll(after, 1)
 
 
 @dataclass(frozen=True)
@@ -57,4 +67,4 @@ class JenkinsBox:
 
     def state(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
         tangential = march_slider(displacement, parameters, self.cycles).tangential
-        return friction.state(displacement, parameters, _at_limit, tangential)
+        return friction.state(displacement, parameters, _moves(tangential, displacement, parameters))

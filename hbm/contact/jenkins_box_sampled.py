@@ -54,4 +54,5 @@ class SampledJenkinsBox:
 
     def state(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
         tangential = friction.tangential_force(displacement, parameters, clip_each, self.cycles)
-        return friction.state(displacement, parameters, _at_limit, tangential)
+        limit = friction.slip_limit(displacement, parameters)
+        return friction.state(displacement, parameters, _at_limit(tangential, limit))
