@@ -14,7 +14,6 @@ from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.contact.law import CompiledForces
 from updamp.hbm.harmonics import Harmonics
 
-
 # A slider that moves by less than this share of the motion's largest value does not move: round-off is below a
 # thousandth of it.
 _STANDS = 1e-12

@@ -62,7 +62,7 @@ def test_half_of_the_contacts_and_the_symmetric_modes_are_left(curves):
 
 
 def test_the_curve_is_that_of_the_whole(curves):
-    system, (half, whole) = curves
+    _system, (half, whole) = curves
     assert half.complete
     assert whole.complete
     assert half.active.max() > 0, "contacts slip"
