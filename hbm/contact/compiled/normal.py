@@ -21,6 +21,12 @@ def write_normal(
     """
     kn, rest = p.kn[e], p.n0[e] - p.kn[e] * p.gap[e]
     out = force[e, 2]
+    if pressing.max() <= 0:  # open throughout: exactly nothing, where the difference below leaves round-off
+        for a in range(len(out)):
+            out[a] = -positive(rest) * tables.constant[a]
+        if len(tangent):
+            tangent[e, 2] = 0.0
+        return
     for a in range(len(out)):
         out[a] = coefficients[a] + (rest - positive(rest)) / kn * tables.constant[a]
     _add_openings(pressing, tables.shares, most, out)
