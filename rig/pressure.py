@@ -110,6 +110,9 @@ class PolynomialPressure(InputTable):
         return sum(coefficients[i][j] / ((i + 1) * (j + 1)) for i in even for j in even)
 
 
+StatedPressure = UniformPressure | TwoAreaPressure | PolynomialPressure
+
+
 class SurfaceProfile(InputTable):
     """How the damper's faces deviate from planes: an initial opening of the contact. [m], [rad]
 
@@ -132,9 +135,24 @@ class SurfaceProfile(InputTable):
         return self.crown_height or half**2 / (2 * self.crown_radius), self.crown_radius
 
 
+class ByFacePressure(InputTable):
+    """A stated pressure of its own for each face, such as uniform on the left and 90/10 on the right.
+
+    Each face carries the load of eq. (5) of Pesaresi et al. 2017, whatever its shape.
+    """
+
+    model: Literal["by_face"]
+    left: Annotated[StatedPressure, Field(discriminator="model", examples=[{"model": "uniform"}])]
+    right: Annotated[StatedPressure, Field(discriminator="model", examples=[{"model": "uniform"}])]
+
+
 class FePressure(InputTable):
-    """Unilateral contact, with Coulomb friction or without, on the compliance of the finite elements."""
+    """Unilateral contact, with Coulomb friction or without, on the compliance of the finite elements.
+
+    pull_on: where the pull acts: on the damper's end faces, as wires do, or on its mass, as the centrifugal load does
+    """
 
     model: Literal["fe"]
+    pull_on: Literal["ends", "mass"] = "ends"
     friction: Annotated[bool, Field(strict=True)] = True
     profile: SurfaceProfile = SurfaceProfile()

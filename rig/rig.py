@@ -18,7 +18,7 @@ from pydantic_core import to_json
 
 from updamp.rig.effects import Calibration, CalibrationTable, Effects
 from updamp.rig.fields import InputTable, Quantity
-from updamp.rig.pressure import FePressure, PolynomialPressure, TwoAreaPressure, UniformPressure
+from updamp.rig.pressure import ByFacePressure, FePressure, PolynomialPressure, TwoAreaPressure, UniformPressure
 
 Length = Annotated[float, Quantity("m", "5 mm", above=0, at_most=10_000)]
 Force = Annotated[float, Quantity("N", "10 N", above=0)]
@@ -104,7 +104,8 @@ class Contact(InputTable):
     tangential_stiffness: AreaStiffness
     normal_stiffness: AreaStiffness
     pressure: Annotated[
-        UniformPressure | TwoAreaPressure | PolynomialPressure | FePressure, Field(discriminator="model")
+        UniformPressure | TwoAreaPressure | PolynomialPressure | ByFacePressure | FePressure,
+        Field(discriminator="model"),
     ]
 
 

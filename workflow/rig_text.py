@@ -93,7 +93,8 @@ def moved(text: str, source: Path, target: Path) -> str:
         return text
     document = tomlkit.parse(text)
     tables: list[Any] = [(entry, "file") for entry in _effects(document)]
-    tables += [(document.get("contact", {}).get("pressure", {}), "map")]
+    pressure: Any = document.get("contact", {}).get("pressure", {})
+    tables += [(table, "map") for table in (pressure, pressure.get("left", {}), pressure.get("right", {}))]
     for table, key in tables:
         if key in table and not Path(table[key]).is_absolute():
             table[key] = os.path.relpath(source.resolve() / table[key], target.resolve())

@@ -3,7 +3,8 @@
 The damper's faces may deviate from planes by a stated profile, which is the initial gap of the contact patches.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,12 +81,13 @@ def pull_on_mass(damper: ReducedComponent, pull: float) -> tuple[Floats, Floats]
     return motion * pull / (motion @ motion), np.zeros(damper.n_contact_dofs)
 
 
-def finite_element(
-    reduced: ReducedModel, rig: Rig, options: ContactOptions | None = None, pull_on: Pull = pull_on_ends
-) -> StaticContact:
+PULLS: Mapping[str, Pull] = MappingProxyType({"ends": pull_on_ends, "mass": pull_on_mass})  # by `pull_on` of the file
+
+
+def finite_element(reduced: ReducedModel, rig: Rig, options: ContactOptions | None = None) -> StaticContact:
     """Rest state of the damper pulled up against both platforms.
 
-    Where the pull acts matters: on the ends it bends a slender damper, which then bears near its ends.
+    Where the pull acts (`pull_on`) matters: on the ends it bends a slender damper, which then bears near its ends.
     Faces are in rigid unilateral contact (no layer of contact stiffness: the only compliance is that of the bodies,
     modes and residual). Without friction nothing holds the damper along z; it then keeps its place there (least
     rigid motion).
@@ -97,7 +99,7 @@ def finite_element(
     friction = rig.contact.friction_coefficient if model.friction else 0.0
     gap = initial_gap(FaceCoordinates.of(reduced.contacts), model.profile)
     problem = wedge_problem(reduced, gap, friction)
-    load, free = pull_on(reduced.damper, rig.load.pull)
+    load, free = PULLS[model.pull_on](reduced.damper, rig.load.pull)
     steps = LOAD_STEPS if friction > 0 and np.any(gap > 0) else 1
     solution = solve_along(problem, load, free, steps, options or ContactOptions())
     state = solution.value[-1]

@@ -1,9 +1,10 @@
 """The static contact stage: the rest state of every contact element under the pull.
 
-`PRESSURE_MODELS` are the models that a rig file can name. Three prescribe the pressure, after Pesaresi et al. 2017: a
-4th-order polynomial, given or fitted to the scan of a pressure film (section 2); a central strip of each face that
-carries its own share of the load (section 4: 70/30 to 100/0); the same pressure everywhere (eq. 5). The fourth finds it
-from unilateral contact (fem/static_contact/finite_element_pressure.py).
+`PRESSURE_MODELS` are the models that a rig file can name. Three state the pressure's shape (`SHAPES`), after Pesaresi
+et al. 2017: a 4th-order polynomial, given or fitted to the scan of a pressure film (section 2); a central strip of each
+face that carries its own share of the load (section 4: 70/30 to 100/0); the same pressure everywhere (eq. 5). One takes
+such a shape for each face (section 4: one uniform, the other 90/10). The last finds the pressure from unilateral contact
+(fem/static_contact/finite_element_pressure.py).
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -17,29 +18,37 @@ from shapely import area, box, intersection, polygons
 from updamp.fem.reduced_model import ReducedModel
 from updamp.fem.static_contact.finite_element_pressure import finite_element
 from updamp.fem.static_contact.rest_state import FaceCoordinates, StaticContact, patch_average, prescribed_rest
-from updamp.rig.pressure import ORDER, FePressure, PolynomialPressure, TwoAreaPressure, UniformPressure
+from updamp.geometry.contact_elements import LEFT, ContactElements
+from updamp.rig.pressure import (
+    ORDER,
+    ByFacePressure,
+    FePressure,
+    PolynomialPressure,
+    StatedPressure,
+    TwoAreaPressure,
+    UniformPressure,
+)
 from updamp.rig.rig import Rig
 
 Floats = NDArray[np.float64]
 PressureModel = Callable[[ReducedModel, Rig], StaticContact]
 
 
-def polynomial(reduced: ReducedModel, rig: Rig) -> StaticContact:
-    """Average of max(p, 0) over each patch, scaled to the load; (s, z) run from -1 to 1 over the face.
+def polynomial(contacts: ContactElements, options: StatedPressure) -> Floats:
+    """Average of max(p, 0) over each patch; (s, z) run from -1 to 1 over the face.
 
     s points up the slope and z along the damper on both faces: they are mirror images.
     raises: ValueError if a scan does not determine the polynomial
     """
-    options = rig.contact.pressure
     assert isinstance(options, PolynomialPressure)
     coefficients = np.asarray(options.coefficients) if options.map is None else fit_polynomial(options.map)
-    coordinates = FaceCoordinates.of(reduced.contacts)
+    coordinates = FaceCoordinates.of(contacts)
     half_length, half_width = coordinates.length[:, None] / 2, coordinates.width[:, None] / 2
 
     def pressure(s: Floats, z: Floats) -> Floats:
         return np.maximum(polyval2d(s / half_length, z / half_width, coefficients), 0.0)
 
-    return prescribed_rest(reduced.contacts, patch_average(coordinates, pressure), rig)
+    return patch_average(coordinates, pressure)
 
 
 def fit_polynomial(samples: Sequence[tuple[float, float, float]]) -> Floats:
@@ -63,17 +72,15 @@ def fit_polynomial(samples: Sequence[tuple[float, float, float]]) -> Floats:
     return coefficients
 
 
-def two_area(reduced: ReducedModel, rig: Rig) -> StaticContact:
+def two_area(contacts: ContactElements, options: StatedPressure) -> Floats:
     """Pressure constant in the central strip and constant outside it; the strip spans the whole face up the slope.
 
     A patch across the border gets the area-weighted mean, by exact clipping, so the shares hold exactly on any mesh.
     """
-    options = rig.contact.pressure
     assert isinstance(options, TwoAreaPressure)
-    inside = central_part(FaceCoordinates.of(reduced.contacts), options.central_fraction)
+    inside = central_part(FaceCoordinates.of(contacts), options.central_fraction)
     share, fraction = options.central_share, options.central_fraction
-    pressure = inside * share / fraction + (1 - inside) * (1 - share) / (1 - fraction)
-    return prescribed_rest(reduced.contacts, pressure, rig)
+    return inside * share / fraction + (1 - inside) * (1 - share) / (1 - fraction)
 
 
 def central_part(coordinates: FaceCoordinates, fraction: float) -> Floats:
@@ -84,16 +91,38 @@ def central_part(coordinates: FaceCoordinates, fraction: float) -> Floats:
     return area(intersection(patches, strips)) / area(patches)
 
 
-def uniform(reduced: ReducedModel, rig: Rig) -> StaticContact:
+def uniform(contacts: ContactElements, options: StatedPressure) -> Floats:  # noqa: ARG001
     """The same pressure everywhere, sigma0 = CF / (2 A (cos(alpha) + mu sin(alpha))); N0 its integral over a patch."""
-    return prescribed_rest(reduced.contacts, np.ones(len(reduced.contacts)), rig)
+    return np.ones(len(contacts))
+
+
+SHAPES: Mapping[type, Callable[[ContactElements, StatedPressure], Floats]] = MappingProxyType(
+    {UniformPressure: uniform, TwoAreaPressure: two_area, PolynomialPressure: polynomial}
+)
+"""(n,) average pressure over each patch, at least 0, in any unit: each face is scaled to its load afterwards."""
+
+
+def stated(reduced: ReducedModel, rig: Rig) -> StaticContact:
+    """The same shape on both faces."""
+    options = rig.contact.pressure
+    assert isinstance(options, StatedPressure)
+    return prescribed_rest(reduced.contacts, SHAPES[type(options)](reduced.contacts, options), rig)
+
+
+def by_face(reduced: ReducedModel, rig: Rig) -> StaticContact:
+    """A shape for each face."""
+    options, contacts = rig.contact.pressure, reduced.contacts
+    assert isinstance(options, ByFacePressure)
+    left, right = (SHAPES[type(one)](contacts, one) for one in (options.left, options.right))
+    return prescribed_rest(contacts, np.where(contacts.face == LEFT, left, right), rig)
 
 
 PRESSURE_MODELS: Mapping[type, PressureModel] = MappingProxyType(
     {
-        UniformPressure: uniform,
-        TwoAreaPressure: two_area,
-        PolynomialPressure: polynomial,
+        UniformPressure: stated,
+        TwoAreaPressure: stated,
+        PolynomialPressure: stated,
+        ByFacePressure: by_face,
         FePressure: finite_element,
     }
 )

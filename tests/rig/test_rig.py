@@ -287,7 +287,7 @@ PRESSURE = [
     ({}, 'contact.pressure.model: missing; add it, such as model = "uniform"'),
     (
         {"model": "hertz"},
-        'contact.pressure.model = "hertz": unknown; allowed are "uniform", "two_area", "polynomial", "fe"',
+        'contact.pressure.model = "hertz": unknown; allowed are "uniform", "two_area", "polynomial", "by_face", "fe"',
     ),
     (
         {"model": "two_area", "central_share": 1.1, "central_fraction": 0.5},
@@ -314,6 +314,12 @@ PRESSURE = [
     ),
     ({"model": "polynomial", "map": "absent.csv"}, "absent.csv cannot be read (No such file or directory)"),
     ({"model": "polynomial", "map": 3}, "contact.pressure.map = 3: the path of a CSV file is wanted"),
+    (
+        {"model": "by_face", "left": {"model": "uniform"}, "right": {"model": "fe"}},
+        'contact.pressure.right.model = "fe": unknown; allowed are "uniform", "two_area", "polynomial"',
+    ),
+    ({"model": "by_face", "left": {"model": "uniform"}}, "contact.pressure.right: missing"),
+    ({"model": "fe", "pull_on": "apex"}, 'contact.pressure.pull_on = "apex"'),
     ({"model": "fe", "friction": "yes"}, 'contact.pressure.friction = "yes": should be a valid boolean'),
     (
         {"model": "fe", "profile": {"crown_height": 2e-6}},

@@ -126,6 +126,11 @@ SHAPES = [
     {"model": "two_area", "central_share": 0.8, "central_fraction": 0.45},
     {"model": "two_area", "central_share": 1.0, "central_fraction": 0.3},
     {"model": "polynomial", "coefficients": [[1.0, 0.1, -0.8], [0.3], [-0.5]]},
+    {
+        "model": "by_face",
+        "left": {"model": "uniform"},
+        "right": {"model": "two_area", "central_share": 0.9, "central_fraction": 0.4},
+    },
 ]
 
 
@@ -151,6 +156,16 @@ def test_uniform_is_uniform(wedge: ReducedModel) -> None:
     rest = static_contact(wedge, rig_with(model="uniform"))
     sigma0 = PULL / (2 * LENGTH * WIDTH * (np.cos(ANGLE) + MU * np.sin(ANGLE)))
     assert rest.normal_force / wedge.contacts.area == pytest.approx(sigma0, rel=1e-12)
+
+
+def test_each_face_has_the_pressure_that_is_stated_for_it(wedge: ReducedModel) -> None:
+    shape = {"model": "two_area", "central_share": 0.9, "central_fraction": 1 / 3}
+    left_alone, right_alone = static_contact(wedge, rig_with(model="uniform")), static_contact(wedge, rig_with(**shape))
+    rest = static_contact(wedge, rig_with(model="by_face", left={"model": "uniform"}, right=shape))
+    left = wedge.contacts.face == LEFT
+    assert np.array_equal(rest.normal_force[left], left_alone.normal_force[left])
+    assert np.array_equal(rest.normal_force[~left], right_alone.normal_force[~left])
+    assert np.ptp(rest.normal_force[~left] / wedge.contacts.area[~left]) > 0
 
 
 def test_wrong_angle_of_the_rig_file_is_seen_in_the_equilibrium(wedge: ReducedModel) -> None:
