@@ -1,5 +1,5 @@
 """The command line: `updamp run`, `compare`, `check`, `show`, `diagnose`, `add`, `remove`, `history`, `design`,
-`design-rig`, `explain`.
+`design-rig`, `explain`, `study`.
 
 What each command does is in `commands/`.
 """
@@ -13,6 +13,7 @@ from updamp.commands.compare import compare
 from updamp.commands.design import design, design_rig, explain
 from updamp.commands.effects import add, diagnose, history, remove
 from updamp.commands.predict import check, run, show
+from updamp.commands.study import study
 
 app = typer.Typer(
     help="From a bladed test rig's dimensions to its nonlinear vibration with a friction damper.",
@@ -37,7 +38,7 @@ def main(
     pass
 
 
-for command in (run, compare, check, show, diagnose, add, remove, history, design, design_rig, explain):
+for command in (run, compare, check, show, diagnose, add, remove, history, design, design_rig, explain, study):
     app.command()(command)
 
 

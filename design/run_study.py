@@ -114,7 +114,7 @@ def run_study(study: DesignStudy, out: Path, jobs: int, scheduler: str, display:
         the first design: later ones are in their records, and the result says that the method has not ended
     """
     folder = StudyFolder(out.resolve())
-    rig = _own_copy(study, folder)
+    rig = own_copy(study.rig, folder.rig)
     given = DesignInput(folder.rig, {}, study.mesh, folder.stages, (), _peaks(study))
     references = _references(study, rig, given, display)
     given = DesignInput(folder.rig, {}, study.mesh, folder.stages, references, given.peaks)
@@ -146,15 +146,15 @@ def _problem(study: DesignStudy, folder: StudyFolder, setup: str, at_once: int) 
     return Problem(study.name, study.variables, names, study.objectives, study.constraints, folder.path, key, at_once)
 
 
-def _own_copy(study: DesignStudy, folder: StudyFolder) -> AnyRig:
-    """The rig file as it is now, in the folder: workers and later readers do not see what it becomes meanwhile."""
-    folder.path.mkdir(parents=True, exist_ok=True)
-    text = moved(study.rig.read_text(encoding="utf-8"), study.rig.parent, folder.path)
-    if not folder.rig.is_file() or folder.rig.read_text(encoding="utf-8") != text:
-        temporary = folder.rig.with_suffix(".tmp")
+def own_copy(rig: Path, copy: Path) -> AnyRig:
+    """The rig file as it is now, in the study's folder: what becomes of it meanwhile is not seen."""
+    copy.parent.mkdir(parents=True, exist_ok=True)
+    text = moved(rig.read_text(encoding="utf-8"), rig.parent, copy.parent)
+    if not copy.is_file() or copy.read_text(encoding="utf-8") != text:
+        temporary = copy.with_suffix(".tmp")
         temporary.write_text(text, encoding="utf-8")
-        temporary.replace(folder.rig)
-    return load_any(folder.rig)
+        temporary.replace(copy)
+    return load_any(copy)
 
 
 def _peaks(study: DesignStudy) -> tuple[Any, ...]:

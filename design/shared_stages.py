@@ -56,16 +56,20 @@ class SharedStages:
 
     def curve(self, mode: str, force: float) -> ResponseCurve:
         """Through the mode's window in the rig [N]; one that was interrupted goes on from its partial file."""
-        key = self._key(stages.CURVE, mode, force)
-        path = self._file(stages.CURVE, key)
-        with _alone(path):
-            if (found := stored(path, ResponseCurve, key)) is not None:
+        job = self.curve_job(mode, force)
+        with _alone(job.output):
+            if (found := stored(job.output, ResponseCurve, job.key)) is not None:
                 return found.product
             self.static_contact()
-            before = [self._file(s, self._key(s)) for s in (stages.FINITE_ELEMENTS, stages.STATIC_CONTACT)]
-            trace_curve(CurveJob(self.rig, mode, force, key, before[0], before[1], path))
+            trace_curve(job)
             self.executed.append(f"{stages.CURVE.name} {mode} {force:g} N")
-            return store.read(path, ResponseCurve)
+            return store.read(job.output, ResponseCurve)
+
+    def curve_job(self, mode: str, force: float) -> CurveJob:
+        """What traces the curve [N], once the stages before are in their files."""
+        key = self._key(stages.CURVE, mode, force)
+        before = [self._file(s, self._key(s)) for s in (stages.FINITE_ELEMENTS, stages.STATIC_CONTACT)]
+        return CurveJob(self.rig, mode, force, key, before[0], before[1], self._file(stages.CURVE, key))
 
     def _obtain(self, stage: Stage, kind: type[Product], compute: Callable[[], Product]) -> Product:
         key = self._key(stage)

@@ -11,12 +11,14 @@ from updamp.design.shared_stages import SharedStages
 from updamp.design.solved_peak import CURVE, RESONANCE_ONLY, PeakRequest, SolvedPeak, followed_peaks, peak_of_curve
 from updamp.design.tracked_modes import ModeReference, TrackedMode, tracked_mode
 from updamp.effects.rig_model import RigModel
+from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.hbm.continuation.curve import CurveRequest, trace
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.model.build import modal_model, rig_model
 from updamp.model.rig_files import load_any
 from updamp.rig.modal_rig import ModalRig
 from updamp.rig.rig import Rig
+from updamp.workflow.curve_jobs import CurveJob
 
 T = TypeVar("T")
 
@@ -69,6 +71,11 @@ class SolvedDesign:
         """Where responses are taken unless a point is named."""
         return observed_point(self.rig)
 
+    @property
+    def rest(self) -> StaticContact:
+        """Of a rig with geometry. raises: what the stages raise"""
+        return self._once("rest", lambda: self._stages(self.geometry).static_contact())
+
     def mode(self, name: str) -> TrackedMode:
         """raises: UnknownResponseError where the mode is not recognised"""
         reference = next(one for one in self.given.references if one.name == name)
@@ -111,16 +118,27 @@ class SolvedDesign:
         stages = self._stages(self.rig)
         return rig_model(stages.finite_elements().reduced, stages.static_contact(), self.rig)
 
+    def curve_job(self, mode: str, force: float) -> CurveJob:
+        """What traces the curve [N] of a rig with geometry through the mode's window where it is now.
+
+        raises: what the stages before raise; UnknownResponseError where the mode is not recognised
+        """
+        assert self.model is not None, "the stages before are made with the model"
+        return self._stages(self._moved(mode)).curve_job(mode, force)
+
+    def _moved(self, mode: str) -> Rig:
+        """The rig with the mode's window where the mode is now."""
+        moved = load_any(self.given.rig, {**self.given.changes, **window_change(mode, self.mode(mode).window)})
+        assert isinstance(moved, Rig), "of the same kind as before"
+        return moved
+
     def _traced(self, mode: str, force: float) -> ResponseCurve:
-        window = self.mode(mode).window
         if isinstance(self.rig, ModalRig):
             points = tuple(p for p in self.model.system.free.points if ".excitation." not in p)
-            request = CurveRequest(mode, self.model.excited_by(force), window, points)
+            request = CurveRequest(mode, self.model.excited_by(force), self.mode(mode).window, points)
             *_, curve = trace(self.model.system, request)
             return curve
-        moved = load_any(self.given.rig, {**self.given.changes, **window_change(mode, window)})
-        assert isinstance(moved, Rig), "of the same kind as before"
-        return self._stages(moved).curve(mode, force)
+        return self._stages(self._moved(mode)).curve(mode, force)
 
     def _stages(self, rig: Rig) -> SharedStages:
         return SharedStages(rig, self.given.mesh, self.given.store, executed=self.executed)

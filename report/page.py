@@ -4,7 +4,6 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from html import escape
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from plotly.offline import get_plotlyjs
 
 from updamp.comparison.comparison import Comparison
 from updamp.diagnosis.verdict import Verdict
+from updamp.report.document import POLICY, asset
 from updamp.report.markup import FOR_SCRIPTS, level_word, pretty
 from updamp.report.registry import SECTIONS
 from updamp.report.section import Content, Report, ReportSection
@@ -48,13 +48,6 @@ def _short(value: float) -> float | int | None:
     return int(short) if short.is_integer() and abs(short) < 1e7 else short
 
 
-# The browser refuses whatever would leave the page; blob: and data: are plotly's way to save a plot as a picture.
-POLICY = (
-    "default-src 'none'; img-src data: blob:; style-src 'unsafe-inline'; script-src 'unsafe-inline'; "
-    "base-uri 'none'; form-action 'none'"
-)
-
-
 def build_page(report: Report, sections: Sequence[ReportSection]) -> str:
     """HTML of the `sections` that have something to show, in their order"""
     rendered = [(section, content) for section in sections if (content := section.render(report)) is not None]
@@ -76,11 +69,6 @@ def build_page(report: Report, sections: Sequence[ReportSection]) -> str:
             "</body>\n</html>\n",
         )
     )
-
-
-def asset(name: str) -> str:
-    """Text of a file in `assets/`"""
-    return (files("updamp.report") / "assets" / name).read_text(encoding="utf-8")
 
 
 def _contents_list(rendered: Sequence[tuple[ReportSection, Content]]) -> str:

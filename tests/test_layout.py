@@ -14,6 +14,7 @@ IMPORT_ON_CALL = {
     "api.py": "reports and pictures, which effects' files that import it do not need",
     "commands/compare.py": "--help is there at once; threads are stated before numpy is loaded",
     "commands/design.py": "likewise",
+    "commands/study.py": "likewise",
     "commands/effects.py": "likewise",
     "commands/predict.py": "likewise",
     "fem/solvers/cholmod.py": "optional library",

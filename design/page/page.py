@@ -6,16 +6,15 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from plotly.offline import get_plotlyjs
-
 from updamp.design.page.designs import designs_data
 from updamp.design.page.pictures import section_pictures
 from updamp.design.page.sensitivities import sensitivity_figures
 from updamp.design.pareto import best_records
 from updamp.design.run_study import StudyResult
 from updamp.design.table import problem_of
-from updamp.report.markup import FOR_SCRIPTS, figure_element, number, paragraph, table
-from updamp.report.page import POLICY, asset, script_json
+from updamp.report.document import DocumentSection, document, document_data
+from updamp.report.markup import figure_element, number, paragraph, table
+from updamp.report.page import script_json
 
 _BEST = 20  # designs in the table
 
@@ -30,46 +29,22 @@ def write_page(path: Path, result: StudyResult) -> None:
 def study_page(result: StudyResult) -> str:
     """HTML"""
     figures = sensitivity_figures(result)
-    sections = {
-        "overview": ("Study", _overview(result)),
-        "tradeoff": ("Designs", _designs_section()),
-        "parallel": ("Parallel coordinates", figure_element("parallel", "Each design as a line through all axes")),
-        "sensitivities": ("Sensitivities", _figures_section(figures)),
-        "best": ("Best designs", _best(result)),
-    }
-    title = escape(f"Design study {result.study.name}")
-    data = {"designs": designs_data(result), "pictures": section_pictures(result)}
-    document = {
-        "palette": FOR_SCRIPTS,
-        "level": {"unit": "N", "word": "force level"},
-        "figures": figures,
-        "sections": {"study": data},
-    }
-    body = "\n".join(_section(name, heading, html) for name, (heading, html) in sections.items())
-    return "\n".join(
-        (
-            '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">',
-            f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">',
-            '<meta name="viewport" content="width=device-width, initial-scale=1">\n<link rel="icon" href="data:,">',
-            f"<title>{title}</title>\n<style>\n{asset('report.css')}{_own('study.css')}</style>\n</head>\n<body>",
-            f"<header>\n<h1>{title}</h1>\n</header>\n<main>\n{body}\n</main>",
-            f'<script type="application/json" id="report-data">{script_json(document)}</script>',
-            f"<script>{get_plotlyjs()}</script>",
-            *(f"<script>\n{text}</script>" for text in (asset("core.js"), _own("study.js"), asset("start.js"))),
-            "</body>\n</html>\n",
-        )
+    sections = (
+        DocumentSection("overview", "Study", _overview(result)),
+        DocumentSection("tradeoff", "Designs", _designs_section()),
+        DocumentSection(
+            "parallel", "Parallel coordinates", figure_element("parallel", "Each design as a line through all axes")
+        ),
+        DocumentSection("sensitivities", "Sensitivities", _figures_section(figures)),
+        DocumentSection("best", "Best designs", _best(result)),
     )
+    data = {"designs": designs_data(result), "pictures": section_pictures(result)}
+    text = script_json(document_data(figures, {"study": data}))
+    return document(f"Design study {result.study.name}", sections, text, (_own("study.js"),), _own("study.css"))
 
 
 def _own(name: str) -> str:
     return (files("updamp.design.page") / "assets" / name).read_text(encoding="utf-8")
-
-
-def _section(name: str, heading: str, html: str) -> str:
-    return (
-        f'<section id="{name}" aria-labelledby="{name}-heading">\n'
-        f'<h2 id="{name}-heading">{escape(heading)}</h2>\n{html}\n</section>'
-    )
 
 
 def _overview(result: StudyResult) -> str:

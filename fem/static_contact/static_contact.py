@@ -3,8 +3,8 @@
 `PRESSURE_MODELS` are the models that a rig file can name. Three state the pressure's shape (`SHAPES`), after Pesaresi
 et al. 2017: a 4th-order polynomial, given or fitted to the scan of a pressure film (section 2); a central strip of each
 face that carries its own share of the load (section 4: 70/30 to 100/0); the same pressure everywhere (eq. 5). One takes
-such a shape for each face (section 4: one uniform, the other 90/10). The last finds the pressure from unilateral contact
-(fem/static_contact/finite_element_pressure.py).
+such a shape for each face (section 4: one uniform, the other 90/10). The last finds the pressure from unilateral
+contact (fem/static_contact/finite_element_pressure.py).
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -1,0 +1,58 @@
+"""The command of parameter studies: `updamp study`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from updamp.commands.shared import INTERRUPTED, Debug, clean_errors, interruptible
+from updamp.parallel.resources import one_thread, usual_workers
+
+# What the command needs is imported when it is called, as everywhere in this folder.
+
+
+def study(
+    file: Annotated[Path, typer.Argument(metavar="STUDY", help="Study file, such as rigs/studies/pesaresi2017.toml.")],
+    mesh: Annotated[
+        str | None,
+        typer.Option(help="Preset of the rig file: small, medium or full.", show_default="`mesh` of the study file"),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="Folder for all that is written.", show_default="`out` of the study file, a folder a mesh"),
+    ] = None,
+    jobs: Annotated[
+        int | None,
+        typer.Option(
+            min=1, help="Curves traced at the same time.", show_default="`jobs` of STUDY, or the CPUs, at most 4"
+        ),
+    ] = None,
+    solve: Annotated[bool, typer.Option(help="Whether to trace curves; without, what is there is shown.")] = True,
+    debug: Debug = False,
+) -> None:
+    """Run a parameter study: response curves of many variants of a rig, their pictures, findings that are checked.
+
+    Every curve is kept as soon as it is traced; the same command goes on after an interruption, in the middle of a
+    curve too. Writes study.html, study.json and pictures. docs/parameter_study.md has all words of a study file.
+    """
+    with clean_errors(debug), interruptible():
+        one_thread()
+        from updamp.hbm.compilation_cache import keep_compiled
+        from updamp.parameter_study.outputs import check_findings, findings_table, write_outputs
+        from updamp.parameter_study.run_study import run_parameter_study
+        from updamp.parameter_study.study_file import read_parameter_study
+        from updamp.workflow.progress import Display
+
+        keep_compiled()
+        read, console = read_parameter_study(file, mesh), Console()
+        with Display(console) as display:
+            run = run_parameter_study(read, out or read.out, jobs or read.jobs or usual_workers(), display, solve)
+            findings = check_findings(run.result)
+            display.done("files", ", ".join(write_outputs(run.result, findings, display)))
+        if findings:
+            console.print(findings_table(findings))
+        console.print(f"{run.result.folder / 'study.html'}", highlight=False, soft_wrap=True)
+        if run.interrupted:
+            typer.echo("Interrupted. What is traced is kept; to go on run the same command again.", err=True)
+            raise typer.Exit(INTERRUPTED)

@@ -1,0 +1,85 @@
+"""What a parameter study consists of: variants of one rig, and families of their response curves."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Variant:
+    """The rig with some of its values replaced. changes: by dotted path, as `load_any` takes them"""
+
+    name: str
+    changes: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class CurveName:
+    """force: amplitude of the excitation [N]"""
+
+    variant: str
+    mode: str
+    force: float
+
+    @property
+    def label(self) -> str:
+        return f"{self.variant}, {self.mode} {self.force:g} N"
+
+
+@dataclass(frozen=True)
+class Family:
+    """Curves that are looked at together: each variant in each mode at each force [N].
+
+    pictures: names of what is drawn of them (parameter_study/family_pictures.py)
+    """
+
+    name: str
+    title: str
+    variants: tuple[str, ...]
+    modes: tuple[str, ...]
+    forces: tuple[float, ...]
+    pictures: tuple[str, ...]
+
+    def curves(self) -> Iterator[CurveName]:
+        for mode in self.modes:
+            for force in self.forces:
+                for variant in self.variants:
+                    yield CurveName(variant, mode, force)
+
+
+@dataclass(frozen=True)
+class ContactPlace:
+    """A named place on a contact face. face: "left" or "right"; up, along: from -1 to 1 up the slope and along the
+    damper"""
+
+    name: str
+    face: str
+    up: float
+    along: float
+
+
+@dataclass(frozen=True)
+class MeasuredResonance:
+    """Of a test, to be drawn beside the curves. force: [N]; frequency: [Hz]"""
+
+    mode: str
+    force: float
+    frequency: float
+
+
+@dataclass(frozen=True)
+class ParameterStudy:
+    """rig, out: file and folder; mesh: preset; jobs: None where the file does not say; findings: "" for none
+    the rest as in the file, resolved"""
+
+    name: str
+    rig: Path
+    mesh: str
+    out: Path
+    jobs: int | None
+    findings: str
+    variants: tuple[Variant, ...]
+    families: tuple[Family, ...]
+    contacts: tuple[ContactPlace, ...]
+    measured: tuple[MeasuredResonance, ...]

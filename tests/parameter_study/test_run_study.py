@@ -1,0 +1,120 @@
+"""A whole study on the coarsest mesh: what it leaves, what a second run does, what a kill loses."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from rich.console import Console
+from support.parameter_study import STUDY, run, study_folder
+
+from updamp.parameter_study.design_numbers import design_numbers
+from updamp.parameter_study.families import CurveName
+from updamp.parameter_study.named_contacts import loop_at, nearest_patch
+from updamp.parameter_study.outputs import check_findings, write_outputs
+from updamp.workflow.progress import Display
+
+CURVES = 4
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    return study_folder(tmp_path_factory.mktemp("study"))
+
+
+@pytest.fixture(scope="module")
+def solved(file):
+    return run(file).result
+
+
+def test_all_curves_are_there_and_of_the_right_mode(solved):
+    assert len(solved.curves) == CURVES
+    assert solved.missing == {}
+    peak = solved.peak(CurveName("film", "OOP", 0.096))
+    stuck = solved.variants["film"].mode("OOP").frequency
+    assert peak.frequency == pytest.approx(stuck, rel=1e-3), "nothing slips under so small a force"
+
+
+def test_a_second_run_traces_nothing(solved, file):
+    before = {path: path.stat().st_mtime_ns for path in (solved.folder / "stages").glob("curve_*.h5")}
+    again = run(file)
+    assert not again.interrupted
+    assert {path: path.stat().st_mtime_ns for path in before} == before
+    assert list(again.result.curves) == list(solved.curves)
+
+
+def test_named_contacts_lie_where_they_are_stated(solved):
+    contacts, (upper, centre) = solved.patches("film"), solved.study.contacts
+    top, middle = (contacts.centroid[nearest_patch(contacts, place)] for place in (upper, centre))
+    assert top[1] > middle[1]
+    assert top[0] > 0
+    assert middle[0] > 0, "the right face"
+    assert abs(middle[2]) < solved.rig.blade.width / 4
+
+
+def test_a_stuck_contact_has_a_force_in_proportion_to_its_motion(solved):
+    loop = loop_at(solved, CurveName("film", "OOP", 0.096), "A2")
+    area = solved.patches("film").area[nearest_patch(solved.patches("film"), solved.study.contacts[1])]
+    stiffness = solved.rig.contact.tangential_stiffness * area
+    np.testing.assert_allclose(loop.force[:, 0], stiffness * loop.motion[:, 0], atol=1e-9 * np.abs(loop.force).max())
+    assert loop.normal.min() > 0
+
+
+def test_design_numbers(solved):
+    numbers = design_numbers(solved, CurveName("film", "OOP", 0.96))
+    assert numbers.force_ratio == pytest.approx(solved.rig.load.pull / 0.96)
+    assert numbers.frequency_shift > 1, "the damper stiffens"
+    assert 0 < numbers.displacement_ratio < 1
+    assert 0 <= numbers.energy_ratio < 1
+
+
+def test_outputs_and_findings(solved):
+    findings = check_findings(solved)
+    with Display(Console(quiet=True)) as display:
+        write_outputs(solved, findings, display)
+    found = json.loads((solved.folder / "study.json").read_text())
+    assert [one["number"] for one in found["findings"]] == list(range(1, 16))
+    assert set(found["findings"][0]) >= {"number", "paper", "updamp", "met", "measure"}
+    assert all(one["met"] is None for one in found["findings"] if one["number"] in (1, 5, 12))
+    assert len(found["curves"]) == CURVES
+    html = (solved.folder / "study.html").read_text()
+    for file in found["pictures"]:
+        assert (solved.folder / file).stat().st_size > 5000
+    kinds = ("responses", "against_test", "peaks", "damper_motion", "contact_states", "force_loops", "mean_position",
+             "pressure")  # fmt: skip
+    assert all(any(f"levels_{kind}" in file for file in found["pictures"]) for kind in kinds)
+    assert "<script src" not in html
+    assert html.count("data:image/png") >= len(kinds) - 2
+
+
+def test_a_variant_that_cannot_be_built_leaves_the_others(tmp_path):
+    """Its curves are missing, with the reason."""
+    changes = 'changes = { "contact.pressure" = { model = "polynomial", map = "line.csv" } }'
+    (tmp_path / "line.csv").write_text("s,z,pressure\n" + "".join(f"0.3,{z / 20 - 1},1\n" for z in range(40)))
+    text = STUDY.replace('changes = { "contact.pressure" = { model = "uniform" } }', changes)
+    result = run(study_folder(tmp_path, text), solve=False).result
+    missing = {name.variant: reason for name, reason in result.missing.items()}
+    assert "determine only" in missing["50/50"]
+    assert missing["film"] == "not traced yet"
+
+
+def test_nothing_that_was_traced_is_lost_by_a_kill(tmp_path):
+    file = study_folder(tmp_path, STUDY.replace('"0.96 N"', '"0.96 N", "3.84 N", "6 N", "9.6 N"'))
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    command = [sys.executable, "-m", "updamp.pipeline", "study", str(file), "--jobs", "1"]
+    process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    stages, until = tmp_path / "out" / "tiny" / "stages", time.monotonic() + 240
+    while len(list(stages.glob("curve_*.h5"))) < 2 and process.poll() is None:
+        assert time.monotonic() < until, "no curves come"
+        time.sleep(0.02)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    before = {path: path.stat().st_mtime_ns for path in stages.glob("curve_*.h5") if "partial" not in path.name}
+    assert len(before) >= 2
+    result = run(file).result
+    assert len(result.curves) == 10
+    assert {path: path.stat().st_mtime_ns for path in before} == before
