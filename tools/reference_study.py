@@ -13,16 +13,6 @@ ROOT = Path(__file__).parents[1]
 KEPT = (
     "levels_", "loops_", "test_", "split_responses", "stiffness_", "harmonics_", "asymmetric_", "models_peaks", "fe_",
 )  # fmt: skip
-    "levels_",
-    "loops_",
-    "test_",
-    "split_responses",
-    "stiffness_",
-    "harmonics_",
-    "asymmetric_",
-    "models_peaks",
-    "fe_",
-)
 
 
 def main(study: Path) -> None:
