@@ -35,7 +35,8 @@ from updamp.model.rig_files import load_rig
 from updamp.rig.rig import Rig
 from updamp.workflow import stages
 from updamp.workflow.progress import Display
-from updamp.workflow.run import Run, RunOptions
+from updamp.workflow.run import Run
+from updamp.workflow.run_options import RunOptions
 
 HERE = Path(__file__).parents[1]
 RIG = HERE / "rigs" / "pesaresi2017.toml"

@@ -16,7 +16,7 @@ from updamp.workflow import stages
 # load, of which `updamp --help`, another command or the message of a mistyped option would have nothing.
 if TYPE_CHECKING:
     from updamp.rig.rig import Rig
-    from updamp.workflow.run import RunOptions
+    from updamp.workflow.run_options import RunOptions
 
 
 def run(
@@ -41,6 +41,9 @@ def run(
     stability: Annotated[
         bool, typer.Option(help="Whether to say of every point whether it is stable: a third of the curves' time.")
     ] = True,
+    resonance: Annotated[
+        bool, typer.Option(help="Whether to follow every mode's resonance in the force: peak against force as a line.")
+    ] = True,
     until: Annotated[str | None, typer.Option(help=f"Last stage: {', '.join(s.name for s in stages.STAGES)}.")] = None,
     debug: Debug = False,
 ) -> None:
@@ -55,7 +58,7 @@ def run(
         forces, last = tuple(_force(text) for text in force or ()), _stage(until)
         with Meter() as meter:
             loaded = load_rig(rig)
-            from updamp.workflow.run import RunOptions  # once the rig file is known to be sound
+            from updamp.workflow.run_options import RunOptions  # once the rig file is known to be sound
 
             options = RunOptions(
                 preset=mesh,
@@ -67,6 +70,7 @@ def run(
                 pictures=pictures,
                 accuracy=accuracy,
                 stability=stability,
+                resonance=resonance,
                 until=last,
             )
             complete = _run(loaded, options, meter)

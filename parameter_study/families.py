@@ -5,6 +5,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from updamp.fem.contact_places import ContactPlace
+
 
 @dataclass(frozen=True)
 class Variant:
@@ -46,17 +48,6 @@ class Family:
             for force in self.forces:
                 for variant in self.variants:
                     yield CurveName(variant, mode, force)
-
-
-@dataclass(frozen=True)
-class ContactPlace:
-    """A named place on a contact face. face: "left" or "right"; up, along: from -1 to 1 up the slope and along the
-    damper"""
-
-    name: str
-    face: str
-    up: float
-    along: float
 
 
 @dataclass(frozen=True)

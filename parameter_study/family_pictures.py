@@ -9,11 +9,9 @@ from types import MappingProxyType
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.parameter_study.families import CurveName, Family
 from updamp.parameter_study.findings.damper_motion import mean_lift, mean_opening
-from updamp.parameter_study.named_contacts import ForceLoop, loop_at
+from updamp.parameter_study.named_contacts import loop_at
 from updamp.parameter_study.solved_study import SolvedStudy, UnknownResultError
 from updamp.pictures import faces, force_loops, kinematics, mean_position, variants
-from updamp.pictures.faces import STATES
-from updamp.pictures.force_loops import DrawnLoop
 from updamp.pictures.mean_position import MeanPosition
 from updamp.pictures.variants import DrawnCurve, PeakPoint
 
@@ -123,7 +121,7 @@ def loops(solved: SolvedStudy, family: Family) -> Iterator[FamilyPicture]:
         for mode in family.modes:
             name = CurveName(family.variants[0], mode, force)
             try:
-                drawn = [_drawn(loop_at(solved, name, place.name)) for place in solved.study.contacts]
+                drawn = [loop_at(solved, name, place.name) for place in solved.study.contacts]
             except UnknownResultError:
                 continue
             draw = partial(force_loops.force_loops, title=f"{mode} at {force:g} N: force loops", loops=drawn)
@@ -131,10 +129,6 @@ def loops(solved: SolvedStudy, family: Family) -> Iterator[FamilyPicture]:
                 "Left: tangential force over displacement. Right: both forces over a period; grey: friction limit."
             )
             yield FamilyPicture(_file(family, "force_loops", f"{mode} {force:g} N"), caption, draw)
-
-
-def _drawn(loop: ForceLoop) -> DrawnLoop:
-    return DrawnLoop(loop.name, loop.motion[:, 0], loop.force[:, 0], loop.normal, loop.mu, list(STATES)[loop.state])
 
 
 def mean_positions(solved: SolvedStudy, family: Family) -> Iterator[FamilyPicture]:

@@ -7,8 +7,9 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, StringConstraints, ValidationError
 
 from updamp.design.errors import StudyError
+from updamp.fem.contact_places import ContactPlace
 from updamp.model.rig_files import load_any
-from updamp.parameter_study.families import ContactPlace, Family, MeasuredResonance, ParameterStudy, Variant
+from updamp.parameter_study.families import Family, MeasuredResonance, ParameterStudy, Variant
 from updamp.parameter_study.family_pictures import PICTURES
 from updamp.parameter_study.findings.registry import FINDINGS
 from updamp.rig.errors import RigError, explain, read_toml

@@ -1,34 +1,19 @@
 """Force loops of named contacts: tangential force over relative displacement, and forces over a period."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
+from updamp.model.force_loops import ForceLoop
+from updamp.pictures.faces import STATES
 from updamp.pictures.style import BLUE, GREY, LIGHT_GREY, VERMILLION, figure
-
-Floats = NDArray[np.float64]
 
 ACROSS = 3  # contacts in a row
 
 
-@dataclass(frozen=True, eq=False)
-class DrawnLoop:
-    """displacement: (n_time,) along t1 [m]; tangential, normal: (n_time,) forces [N]; mu: friction coefficient
-    state: in words"""
-
-    name: str
-    displacement: Floats
-    tangential: Floats
-    normal: Floats
-    mu: float
-    state: str
-
-
-def force_loops(path: Path, title: str, loops: Sequence[DrawnLoop]) -> None:
+def force_loops(path: Path, title: str, loops: Sequence[ForceLoop]) -> None:
     """Two axes a contact: the loop; beside it the tangential force between its limits, and the normal force."""
     rows = -(-len(loops) // ACROSS)
     with figure(path, 14.0, 0.8 + 2.5 * rows) as drawing:
@@ -42,20 +27,20 @@ def force_loops(path: Path, title: str, loops: Sequence[DrawnLoop]) -> None:
         drawing.suptitle(title, fontweight="bold", x=0.01, ha="left")
 
 
-def _loop(ax: Axes, loop: DrawnLoop) -> None:
-    closed = np.append(np.arange(len(loop.displacement)), 0)
-    ax.plot(1e6 * loop.displacement[closed], loop.tangential[closed], color=BLUE, linewidth=1.3)
-    ax.set_title(f"{loop.name}: {loop.state}", fontsize=9)
+def _loop(ax: Axes, loop: ForceLoop) -> None:
+    closed = np.append(np.arange(len(loop.motion)), 0)
+    ax.plot(1e6 * loop.motion[closed, 0], loop.force[closed, 0], color=BLUE, linewidth=1.3)
+    ax.set_title(f"{loop.name}: {list(STATES)[loop.state]}", fontsize=9)
     ax.set_xlabel("displacement up the slope [µm]", fontsize=8)
     ax.set_ylabel("tangential force [N]", fontsize=8)
     ax.tick_params(labelsize=7)
 
 
-def _histories(ax: Axes, loop: DrawnLoop) -> None:
-    phase = 360 * np.arange(len(loop.tangential)) / len(loop.tangential)
+def _histories(ax: Axes, loop: ForceLoop) -> None:
+    phase = 360 * np.arange(len(loop.motion)) / len(loop.motion)
     limit = loop.mu * loop.normal
     ax.fill_between(phase, -limit, limit, color=LIGHT_GREY, alpha=0.6, linewidth=0)
-    ax.plot(phase, loop.tangential, color=BLUE, linewidth=1.2, label="tangential")
+    ax.plot(phase, loop.force[:, 0], color=BLUE, linewidth=1.2, label="tangential")
     ax.plot(phase, loop.normal, color=VERMILLION, linewidth=1.2, label="normal")
     ax.axhline(0, color=GREY, linewidth=0.6)
     ax.set_xlabel("phase [degrees]", fontsize=8)

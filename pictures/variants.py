@@ -97,7 +97,7 @@ def peaks_against_force(path: Path, title: str, peaks: Mapping[str, Sequence[Pea
         frequency.ticklabel_format(axis="y", useOffset=False)
         forces = sorted({one.force for points in peaks.values() for one in points})
         for ax in (receptance, frequency):
-            _force_axis(ax, forces)
+            force_axis(ax, forces)
         drawing.legend(*receptance.get_legend_handles_labels(), loc="outside right upper", fontsize=8.5)
 
 
@@ -107,7 +107,7 @@ def _points(ax: Axes, points: Sequence[PeakPoint], values: Sequence[float], colo
         ax.plot(one.force, value, "o", color=colour, markerfacecolor=colour if one.complete else "white", markersize=5)
 
 
-def _force_axis(ax: Axes, forces: Sequence[float]) -> None:
+def force_axis(ax: Axes, forces: Sequence[float]) -> None:
     ax.set_xlabel("force [N]")
     if len(forces) > 1:
         ax.set_xscale("log")

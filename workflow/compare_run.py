@@ -25,7 +25,8 @@ from updamp.rig.rig import Rig
 from updamp.workflow import stages
 from updamp.workflow.history import record_comparison
 from updamp.workflow.progress import Display
-from updamp.workflow.run import Run, RunOptions
+from updamp.workflow.run import Run
+from updamp.workflow.run_options import RunOptions
 
 
 @dataclass(frozen=True)

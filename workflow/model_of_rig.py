@@ -12,7 +12,8 @@ from updamp.rig.modal_rig import ModalRig
 from updamp.rig.rig import Rig
 from updamp.workflow import stages
 from updamp.workflow.progress import Display
-from updamp.workflow.run import Run, RunOptions
+from updamp.workflow.run import Run
+from updamp.workflow.run_options import RunOptions
 from updamp.workflow.stage_functions import StageFunctions
 
 

@@ -10,6 +10,7 @@ from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.geometry.rig_mesh import RigMesh
 from updamp.hbm.analysis.finer_points import PointErrors
 from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.hbm.resonance.resonance_curve import ResonanceCurve
 from updamp.hbm.stability.branch_stability import BranchStability
 from updamp.workflow import store
 from updamp.workflow.job_pool import JobOutcome
@@ -32,6 +33,7 @@ class Products:
 
     finer: the same curves with more harmonics, if they were asked for; point_errors: what finer samples
     and cycles change in them; stability: of the curves, as far as it is known
+    resonances: of the modes, followed in the force
     failures: curves that are not there; unknown: what was to be said about curves, and could not
     """
 
@@ -43,6 +45,7 @@ class Products:
     finer: tuple[Stored[ResponseCurve], ...] = ()
     point_errors: tuple[Stored[PointErrors], ...] = ()
     stability: tuple[Stored[BranchStability], ...] = ()
+    resonances: tuple[Stored[ResonanceCurve], ...] = ()
     failures: tuple[JobOutcome, ...] = ()
     unknown: tuple[JobOutcome, ...] = ()
 
@@ -54,7 +57,9 @@ class Products:
     def stamps(self) -> tuple[store.Stamp, ...]:
         single = (self.mesh, self.finite_elements, self.coupled_check, self.static_contact)
         return tuple(
-            entry.stamp for entry in (*single, *self.curves, *self.finer, *self.stability) if entry is not None
+            entry.stamp
+            for entry in (*single, *self.curves, *self.finer, *self.stability, *self.resonances)
+            if entry is not None
         )
 
 

@@ -11,6 +11,7 @@ from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.geometry.rig_mesh import RigMesh
 from updamp.hbm.analysis.finer_points import PointErrors
 from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.hbm.resonance.resonance_curve import ResonanceCurve
 from updamp.hbm.stability.branch_stability import BranchStability
 from updamp.parallel.resources import Meter
 from updamp.rig.rig import Rig
@@ -21,6 +22,8 @@ from updamp.workflow.curve_jobs import CurveJob
 from updamp.workflow.job_pool import Job, JobEnd, JobOutcome, JobProgress, run_all
 from updamp.workflow.products import Product, Products, Stored, stored
 from updamp.workflow.progress import Display
+from updamp.workflow.resonance_jobs import ResonanceJob
+from updamp.workflow.run_options import RunOptions
 from updamp.workflow.stability_jobs import StabilityJob
 from updamp.workflow.stage_functions import StageFunctions
 from updamp.workflow.stages import Stage
@@ -28,34 +31,6 @@ from updamp.workflow.stages import Stage
 AnyJob = TypeVar("AnyJob", bound=Job)
 
 FINITE_ELEMENT_STEPS = 8  # announced by the finite elements, for the progress bar
-
-
-@dataclass(frozen=True)
-class RunOptions:
-    """preset: of the mesh; folder: for all that the run writes; workers: processes that trace curves
-
-    modes, forces: which curves [N]; empty for all of the study
-    stability: whether to say of every point whether it is stable
-    accuracy: whether to trace every curve again with more harmonics, to state its numerical error; what fails of that
-        is not known, and the curve is no less complete
-    check: whether to compare the reduced with the full coupled model; until: last stage, None for all
-    raises: ValueError naming the option that is out of range
-    """
-
-    preset: str
-    folder: Path
-    workers: int = 1
-    modes: tuple[str, ...] = ()
-    forces: tuple[float, ...] = ()
-    check: bool = True
-    pictures: bool = True
-    accuracy: bool = False
-    stability: bool = False
-    until: Stage | None = None
-
-    def __post_init__(self) -> None:
-        if self.workers < 1:
-            raise ValueError(f"--jobs {self.workers}: at least 1")
 
 
 @dataclass(eq=False)
@@ -131,7 +106,8 @@ class Run:
             failures=tuple(one for one in failures if one.job.output not in outputs),
             unknown=tuple(one for one in failures if one.job.output in outputs),
         )
-        return self._with_stability(self._with_point_errors(done, traced), traced)
+        done = self._with_stability(self._with_point_errors(done, traced), traced)
+        return self._with_resonances(done, finite_elements, rest)
 
     def _with_point_errors(self, done: Products, curves: Sequence[tuple[CurveJob, ResponseCurve]]) -> Products:
         if not self.options.accuracy:
@@ -153,6 +129,20 @@ class Run:
         found, failures = self._obtain_all(jobs, BranchStability)
         stability = tuple(found[job.output] for job in jobs if job.output in found)
         return replace(done, stability=stability, unknown=(*done.unknown, *failures))
+
+    def _with_resonances(self, done: Products, finite_elements: Path, rest: Path) -> Products:
+        if not self.options.resonance:
+            return done
+        jobs = [
+            ResonanceJob(
+                self.rig, mode, self.response_point, self.key(stages.RESONANCE, mode), finite_elements, rest,
+                self.file(f"{stages.RESONANCE.name}_{mode}"),
+            )
+            for mode in self.options.modes or tuple(self.rig.study.modes)
+        ]  # fmt: skip
+        found, failures = self._obtain_all(jobs, ResonanceCurve)
+        resonances = tuple(found[job.output] for job in jobs if job.output in found)
+        return replace(done, resonances=resonances, unknown=(*done.unknown, *failures))
 
     def _about(self, stage: Stage, job: CurveJob, curve: ResponseCurve) -> tuple[str, Path]:
         """Key and file of what a stage says about a curve. A curve that is traced once more, for its file was lost, may

@@ -108,6 +108,15 @@ CURVE = Stage(
     optional=("effects", "calibration"),
 )
 
+# A mode's resonance followed in the force, through all levels of the study; what goes into a curve goes into it.
+RESONANCE = Stage(
+    name="resonance",
+    version=1,
+    sections=(*CURVE.sections, "excitation", "study.force_levels"),
+    after=(STATIC_CONTACT,),
+    optional=CURVE.optional,
+)
+
 STABILITY = Stage(name="stability", version=1, sections=(), after=(CURVE,), choices=("force",))
 
 # Only where a run says how accurate it is.

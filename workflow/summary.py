@@ -16,6 +16,7 @@ from updamp.geometry.rig_mesh import RigMesh
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.continuation.sweeps import sweep
 from updamp.hbm.resonance.quadrature import quadrature_resonances
+from updamp.hbm.resonance.resonance_curve import ResonanceCurve
 from updamp.hbm.stability.branch_stability import BranchStability
 from updamp.workflow.accuracy_summary import error_cells
 from updamp.workflow.adaptive_curves import ChosenHarmonics
@@ -112,6 +113,28 @@ def _solved(curve: ResponseCurve, point: str) -> dict[str, Any]:
         "friction_share_of_loss_at_peak": float(curve.friction_loss[at_peak] / curve.work_in[at_peak]),
         "jumps_up_Hz": jumps(curve, upwards=True),
         "jumps_down_Hz": jumps(curve, upwards=False),
+    }
+
+
+def resonance_entry(curve: ResonanceCurve, levels: Sequence[float]) -> dict[str, Any]:
+    """Of a resonance followed in the force, at the levels [N] that it reached: each where it was first met."""
+    close = [np.flatnonzero(np.isclose(curve.force, level, rtol=1e-9)) for level in sorted(levels)]
+    met = [int(places[0]) for places in close if len(places)]
+    return {
+        "mode": curve.mode,
+        "response_point": curve.point,
+        "complete": curve.complete,
+        "stopped": curve.stopped,
+        "seconds": round(curve.seconds, 2),
+        "points": len(curve),
+        "at_levels": {
+            "force_N": curve.force[met].tolist(),
+            "frequency_Hz": curve.frequency[met].tolist(),
+            "receptance_mm_per_N": (1e3 * np.abs(curve.receptance[met])).tolist(),
+            "loss_factor": curve.loss_factor[met].tolist(),
+        }
+        if met
+        else {},
     }
 
 

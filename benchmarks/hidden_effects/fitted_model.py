@@ -13,7 +13,8 @@ from updamp.workflow import stages
 from updamp.workflow.compare_run import CompareFiles
 from updamp.workflow.diagnose_run import DiagnoseOptions, diagnose
 from updamp.workflow.progress import Display
-from updamp.workflow.run import Run, RunOptions
+from updamp.workflow.run import Run
+from updamp.workflow.run_options import RunOptions
 
 # Fitted model -> meshes whose difference from it counts as numerical error.
 FINER = {"diagnosis": ("diagnosis_fine", "diagnosis_contacts"), "diagnosis_146": ("diagnosis_146_fine",)}

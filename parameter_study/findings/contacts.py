@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.fem.contact_places import distance_from_centre
 from updamp.hbm.newton.observe import ContactState
 from updamp.parameter_study.families import CurveName
 from updamp.parameter_study.findings.finding import Measured
@@ -19,7 +20,7 @@ from updamp.parameter_study.findings.pesaresi_names import (
     film,
 )
 from updamp.parameter_study.findings.words import share
-from updamp.parameter_study.named_contacts import distance_from_centre, loop_at
+from updamp.parameter_study.named_contacts import loop_at
 from updamp.parameter_study.solved_study import SolvedStudy
 
 GONE = 0.01  # of the area

@@ -30,7 +30,8 @@ from updamp.workflow import stages, store
 from updamp.workflow.accuracy_summary import error_cells, numerical_error
 from updamp.workflow.products import Products, Stored
 from updamp.workflow.progress import Display
-from updamp.workflow.run import Run, RunOptions
+from updamp.workflow.run import Run
+from updamp.workflow.run_options import RunOptions
 from updamp.workflow.stage_functions import StageFunctions
 from updamp.workflow.summary import union_length
 
@@ -46,7 +47,8 @@ CURVE_KEYS = {
     "mode", "force_N", "peak_receptance_mm_per_N", "peak_frequency_Hz", "points", "unconverged", "seconds",
 }  # fmt: skip
 PICTURES = ("mesh.png", "modes.png", "mode.gif", "pressure.png", "frf_OOP.png", "frf_IP.png", "damper_motion.png",
-            "contact_states_OOP.png", "contact_states_IP.png")  # fmt: skip
+            "contact_states_OOP.png", "contact_states_IP.png", "force_loops_OOP.png", "force_loops_IP.png",
+            "resonance_OOP.png", "resonance_IP.png")  # fmt: skip
 
 
 def run_command(*arguments):
@@ -85,7 +87,8 @@ def test_a_run_writes_all_it_promises(finished):
         assert (out / "mesh" / f"{name}.vtu").exists()
     names = {path.name for path in (out / "stages").glob("*.h5")}
     of_curves = {f"{kind}_{mode}_0.01N.h5" for kind in ("curve", "stability") for mode in ("OOP", "IP")}
-    assert names == {f"{stage.name}.h5" for stage in stages.STAGES[:4]} | of_curves
+    of_modes = {f"resonance_{mode}.h5" for mode in ("OOP", "IP")}
+    assert names == {f"{stage.name}.h5" for stage in stages.STAGES[:4]} | of_curves | of_modes
 
 
 def test_the_summary_has_its_keys_and_sound_numbers(finished):
@@ -105,6 +108,11 @@ def test_the_summary_has_its_keys_and_sound_numbers(finished):
         assert entry["stability"]["peak"] == "stable"
         assert entry["stability"]["points"] == {"stable": entry["points"], "unstable": 0, "unknown": 0}
         assert entry["stability"]["unstable_Hz"] == entry["stability"]["unknown_Hz"] == []
+    for entry, followed in zip(summary["curves"], summary["resonances"], strict=True):
+        assert followed["complete"]
+        assert followed["at_levels"]["receptance_mm_per_N"] == pytest.approx(
+            [entry["peak_receptance_mm_per_N"]], rel=1e-4
+        )
     timing = summary["timing_s"]
     assert timing["total"] > timing["hbm"] > 0
     assert timing["total"] > timing["assembly"] + timing["modes"] + timing["reduction"]
@@ -178,7 +186,7 @@ def test_a_second_run_does_nothing_and_is_quick(finished):
     result = run_command("run", rig, "--mesh", "small", "--out", out, "--jobs", 2, "--no-accuracy")
     assert result.exit_code == 0, result.output
     assert time.perf_counter() - started < 15
-    assert result.output.count("unchanged") == 8
+    assert result.output.count("unchanged") == 10
     assert {path: path.stat().st_mtime_ns for path in before} == before
     second = json.loads((out / "summary.json").read_text())
     assert second["timing_s"]["total"] < first["timing_s"]["total"]

@@ -13,9 +13,10 @@ import pytest
 from rich.console import Console
 from support.parameter_study import STUDY, run, study_folder
 
+from updamp.fem.contact_places import nearest_patch
 from updamp.parameter_study.design_numbers import design_numbers
 from updamp.parameter_study.families import CurveName
-from updamp.parameter_study.named_contacts import loop_at, nearest_patch
+from updamp.parameter_study.named_contacts import loop_at
 from updamp.parameter_study.outputs import check_findings, write_outputs
 from updamp.workflow.progress import Display
 

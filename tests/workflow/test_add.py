@@ -25,7 +25,8 @@ from updamp.workflow import store
 from updamp.workflow.add import AddOptions, add, remove
 from updamp.workflow.history import Errors, history_file, read_history
 from updamp.workflow.progress import Display
-from updamp.workflow.run import Run, RunOptions
+from updamp.workflow.run import Run
+from updamp.workflow.run_options import RunOptions
 from updamp.workflow.stage_functions import StageFunctions
 from updamp.workflow.stages import STATIC_CONTACT
 

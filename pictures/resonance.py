@@ -1,0 +1,40 @@
+"""The resonance of a mode against force: followed, and read off response curves."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from updamp.hbm.resonance.resonance_curve import ResonanceCurve
+from updamp.pictures.style import BLUE, VERMILLION, figure
+from updamp.pictures.variants import PeakPoint, force_axis
+
+MM = 1e3  # m/N to mm/N
+
+
+def resonance_against_force(path: Path, mode: str, followed: ResonanceCurve | None, peaks: Sequence[PeakPoint]) -> None:
+    """Receptance, frequency and loss factor. followed: the line, None where there is none; peaks: of response curves,
+    hollow where they are not complete"""
+    lowest = min((one.force for one in peaks), default=0.0)
+    with figure(path, 12.0, 4.0) as drawing:
+        axes: Sequence[Axes] = drawing.subplots(1, 3, sharex=True)
+        if followed is not None and len(followed):
+            shown = followed.force >= 0.99 * lowest
+            values = (MM * np.abs(followed.receptance), followed.frequency, 100 * followed.loss_factor)
+            for ax, value in zip(axes, values, strict=True):
+                ax.plot(followed.force[shown], value[shown], color=BLUE, label="followed in force")
+        for one in peaks:
+            fill = VERMILLION if one.complete else "white"
+            for ax, at in zip(axes, (MM * one.receptance, one.frequency), strict=False):
+                ax.plot(one.force, at, "o", color=VERMILLION, markerfacecolor=fill, markersize=6)
+        axes[0].plot([], [], "o", color=VERMILLION, label="peaks of response curves")
+        axes[0].set(ylabel="peak receptance [mm/N]", title=f"{mode}: resonance against force")
+        axes[0].set_ylim(bottom=0)
+        axes[1].set(ylabel="frequency [Hz]")
+        axes[1].ticklabel_format(axis="y", useOffset=False)
+        axes[2].set(ylabel="loss factor [%]")
+        axes[2].set_ylim(bottom=0)
+        for ax in axes:
+            force_axis(ax, sorted({one.force for one in peaks}))
+        drawing.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)

@@ -1,0 +1,36 @@
+"""What a run is asked for."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from updamp.workflow.stages import Stage
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """preset: of the mesh; folder: for all that the run writes; workers: processes that trace curves
+
+    modes, forces: which curves [N]; empty for all of the study
+    stability: whether to say of every point whether it is stable
+    accuracy: whether to trace every curve again with more harmonics, to state its numerical error; what fails of that
+        is not known, and the curve is no less complete
+    resonance: whether to follow every mode's resonance in the force, through all levels of the study
+    check: whether to compare the reduced with the full coupled model; until: last stage, None for all
+    raises: ValueError naming the option that is out of range
+    """
+
+    preset: str
+    folder: Path
+    workers: int = 1
+    modes: tuple[str, ...] = ()
+    forces: tuple[float, ...] = ()
+    check: bool = True
+    pictures: bool = True
+    accuracy: bool = False
+    stability: bool = False
+    resonance: bool = False
+    until: Stage | None = None
+
+    def __post_init__(self) -> None:
+        if self.workers < 1:
+            raise ValueError(f"--jobs {self.workers}: at least 1")
