@@ -104,6 +104,17 @@ class CompiledForces(Protocol):
         tangent: NDArray[np.float64],
     ) -> None: ...
 
+    def write_perturbed_tangents(
+        self,
+        numbers: NDArray[np.int64],
+        displacement: NDArray[np.float64],
+        parameters: Any,
+        growth: complex,
+        tangent: NDArray[np.complex128],
+    ) -> None:
+        """growth: s / w, of the perturbation's e^(s t) in a motion at w."""
+        ...
+
     def loop_areas(
         self, numbers: NDArray[np.int64], displacement: NDArray[np.float64], parameters: Any
     ) -> NDArray[np.float64]:

@@ -82,7 +82,7 @@ def _as_sticking_law(law: ContactLaw) -> StickingLaw | None:
 
 
 @lru_cache(maxsize=32)
-def _compiled_forces(law: ContactLaw, harmonics: Harmonics, n_time: int) -> CompiledForces | None:
+def compiled_forces(law: ContactLaw, harmonics: Harmonics, n_time: int) -> CompiledForces | None:
     """None where the law is in JAX alone."""
     return law.compiled(harmonics, n_time) if isinstance(law, CompiledLaw) else None
 
@@ -121,7 +121,7 @@ def element_forces(
     tangent = np.zeros((*displacement.shape, *displacement.shape[1:]))
     each, c = np.arange(displacement.shape[1])[:, None], np.arange(displacement.shape[2])
     tangent[:, each, c, each, c] = stiffness[..., None]
-    compiled = _compiled_forces(group.law, harmonics, n_time)
+    compiled = compiled_forces(group.law, harmonics, n_time)
     if compiled is not None:
         compiled.write_with_tangents(active, displacement, group.values, force, tangent)
         return ElementForces(group.of_all_copies(force), group.of_all_copies(tangent), None)
@@ -140,7 +140,7 @@ def force_only(group: ElementGroup, displacement: Floats, w: float, harmonics: H
     """The forces alone, several times cheaper than with their tangent."""
     force = group.stiffness_of_one[..., None] * displacement
     active = group.may_slip_or_separate(displacement, harmonics, n_time)
-    compiled = _compiled_forces(group.law, harmonics, n_time)
+    compiled = compiled_forces(group.law, harmonics, n_time)
     if compiled is not None:
         compiled.write_forces(active, displacement, group.values, force)
         return group.of_all_copies(force)
@@ -181,7 +181,7 @@ def over_period(
 
 def loop_areas(group: ElementGroup, displacement: Floats, w: float, harmonics: Harmonics, n_time: int) -> Floats:
     """(n_elements,) integral of f dx over a period by the trapezoidal rule [J]."""
-    compiled = _compiled_forces(group.law, harmonics, n_time)
+    compiled = compiled_forces(group.law, harmonics, n_time)
     if compiled is not None:
         areas = np.zeros(len(displacement))  # of elements that stick
         active = group.may_slip_or_separate(displacement, harmonics, min(n_time, STICKING_SAMPLES))

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from updamp.hbm.contact.law import ContactLaw, decoupled_directions_of, force_for_analysis
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.problem.elements import ElementGroup, elements_a_batch
+from updamp.hbm.problem.elements import ElementGroup, compiled_forces, elements_a_batch
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -48,6 +48,23 @@ def perturbed_tangent(
     `element_forces`
     """
     numbers = np.arange(len(displacement)) if numbers is None else numbers
+    if (forces := compiled_forces(group.law, harmonics, n_time)) is not None:
+        written = np.empty((*displacement.shape, *displacement.shape[1:]), dtype=np.complex128)
+        forces.write_perturbed_tangents(numbers, displacement, group.values, s / w, written)
+        return np.asarray(written[numbers])
+    return in_jax(group, displacement, w, s, harmonics, n_time, numbers)
+
+
+def in_jax(
+    group: ElementGroup,
+    displacement: Floats,
+    w: float,
+    s: complex,
+    harmonics: Harmonics,
+    n_time: int,
+    numbers: Integers,
+) -> Complex:
+    """For laws that are not written out for numba, and as what these are checked against."""
     size = len(displacement[0].ravel())
     tangent = np.zeros((len(numbers), *displacement.shape[1:], *displacement.shape[1:]), dtype=np.complex128)
     batch = min(elements_a_batch(2 * size), len(displacement))

@@ -8,20 +8,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.contact.compiled import jenkins_box, jenkins_box_sampled
-from updamp.hbm.contact.compiled.tables import tables
+from updamp.hbm.contact.compiled.tables import growing, tables
 from updamp.hbm.contact.event_march import most_corners
 from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.harmonics import Harmonics
 
 Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 Integers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
 class BoxForces:
-    """evaluate, areas: compiled functions (numbers, displacement, parameters, *arguments, what is written)"""
+    """evaluate, perturbed, areas: compiled functions (numbers, displacement, parameters, *arguments, ...); what they
+    write comes last
+    """
 
     evaluate: Callable[..., None]
+    perturbed: Callable[..., None]
     areas: Callable[..., None]
     arguments: tuple[Any, ...]
 
@@ -35,6 +39,13 @@ class BoxForces:
         motion = np.require(displacement, np.float64, ["C", "W"])
         self.evaluate(numbers, motion, _own(parameters), *self.arguments, force, tangent)
 
+    def write_perturbed_tangents(
+        self, numbers: Integers, displacement: Floats, parameters: Any, growth: complex, tangent: Complex
+    ) -> None:
+        motion = np.require(displacement, np.float64, ["C", "W"])
+        grown = growing(self.arguments[-1], growth)
+        self.perturbed(numbers, motion, _own(parameters), *self.arguments, grown, tangent)
+
     def loop_areas(self, numbers: Integers, displacement: Floats, parameters: Any) -> Floats:
         areas = np.empty(len(numbers))
         motion = np.require(displacement, np.float64, ["C", "W"])
@@ -45,13 +56,14 @@ class BoxForces:
 def between_samples(cycles: int, harmonics: Harmonics, n_time: int) -> BoxForces:
     """Of `JenkinsBox`."""
     most = most_corners(n_time), most_corners(2 * n_time)
-    return BoxForces(jenkins_box.force_with_tangent, jenkins_box.loop_areas, (cycles, most, tables(harmonics, n_time)))
+    law, arguments = jenkins_box, (cycles, most, tables(harmonics, n_time))
+    return BoxForces(law.force_with_tangent, law.perturbed_tangent, law.loop_areas, arguments)
 
 
 def at_samples(cycles: int, harmonics: Harmonics, n_time: int) -> BoxForces:
     """Of `SampledJenkinsBox`."""
-    law = jenkins_box_sampled
-    return BoxForces(law.force_with_tangent, law.loop_areas, (cycles, tables(harmonics, n_time)))
+    law, arguments = jenkins_box_sampled, (cycles, tables(harmonics, n_time))
+    return BoxForces(law.force_with_tangent, law.perturbed_tangent, law.loop_areas, arguments)
 
 
 def _own(p: Any) -> FrictionParameters:

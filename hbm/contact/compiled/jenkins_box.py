@@ -5,7 +5,13 @@ from typing import Any
 import numpy as np
 
 from updamp.hbm.contact.compiled.keeping import kept
-from updamp.hbm.contact.compiled.normal import identity, set_limits, write_block, write_normal
+from updamp.hbm.contact.compiled.normal import (
+    identity,
+    set_limits,
+    write_block,
+    write_normal,
+    write_normal_tangent,
+)
 from updamp.hbm.contact.compiled.segments import positive
 from updamp.hbm.contact.compiled.slider import (
     Rows,
@@ -16,7 +22,7 @@ from updamp.hbm.contact.compiled.slider import (
     new_scratch,
     new_slider,
 )
-from updamp.hbm.contact.compiled.tables import Tables, loop_area, sample, slope
+from updamp.hbm.contact.compiled.tables import GrowingTables, Tables, loop_area, sample, slope
 
 
 @kept
@@ -31,14 +37,14 @@ def force_with_tangent(
     most: corners that are followed of the path, and of where it was pushed to (`event_march.most_corners`)
     """
     c, n = tables.synthesis.shape
-    slider, path, out, pressing = new_slider(n, c), new_path(n), new_scratch(c), np.empty(n + 1)
+    slider, path, out, pressing = new_slider(tables.shares), new_path(n), new_scratch(tables.shares), np.empty(n + 1)
     rows = Rows(tables.values, tables.slopes, tables.values.copy())
     for e in numbers:
         coefficients, kt, kn = displacement[e], p.kt[e], p.kn[e]
         sample(coefficients[2], tables.synthesis, pressing)
         pressing += p.n0[e] / kn - p.gap[e]
         write_normal(coefficients[2], pressing, p, e, most[0], tables, force, tangent, out.by_u)
-        ratio = set_limits(p.mu[e], kn / kt, pressing, tables, path.p, rows.p)
+        ratio = set_limits(p.mu[e], kn / kt, pressing, tables.values, path.p, rows.p)
         for d in range(2):
             sample(coefficients[d], tables.synthesis, path.u)
             slope(path.u, path.du)
@@ -50,17 +56,54 @@ def force_with_tangent(
             if len(tangent):
                 identity(out.by_u)
                 out.by_p[:] = 0.0
-                add_tangent(path, rows, ratio, slider, tables.shares, out)
+                add_tangent(path, rows, ratio, slider, tables.shares, 1.0, out)
                 tangent[e, d] = 0.0
                 write_block(kt, out.by_u, tangent[e, d, :, d, :])
                 write_block(kt, out.by_p, tangent[e, d, :, 2, :])
 
 
 @kept
+def perturbed_tangent(
+    numbers: Any,
+    displacement: Any,
+    p: Any,
+    cycles: int,
+    most: Any,
+    tables: Tables,
+    growing: GrowingTables,
+    tangent: Any,
+) -> None:
+    """Writes the tangent of `force_with_tangent` to a perturbation that grows (`hbm/stability/perturbed_forces.py`).
+
+    tangent: complex
+    """
+    n = tables.synthesis.shape[1]
+    slider, path, out = new_slider(growing.shares), new_path(n), new_scratch(growing.shares)
+    pressing, rows = np.empty(n + 1), Rows(growing.values, growing.slopes, growing.values.copy())
+    for e in numbers:
+        coefficients, kt, kn = displacement[e], p.kt[e], p.kn[e]
+        sample(coefficients[2], tables.synthesis, pressing)
+        pressing += p.n0[e] / kn - p.gap[e]
+        write_normal_tangent(pressing, kn, most[0], growing, tangent[e, 2], out.by_u)
+        ratio = set_limits(p.mu[e], kn / kt, pressing, growing.values, path.p, rows.p)
+        for d in range(2):
+            sample(coefficients[d], tables.synthesis, path.u)
+            slope(path.u, path.du)
+            march(path, ratio, -p.t0[e, d] / kt, cycles, most[1], slider)
+            add_force(path, ratio, slider, tables.shares, most[0], out.force)  # which finds the corners
+            identity(out.by_u)
+            out.by_p[:] = 0.0
+            add_tangent(path, rows, ratio, slider, growing.shares, growing.last_period, out)
+            tangent[e, d] = 0.0
+            write_block(kt, out.by_u, tangent[e, d, :, d, :])
+            write_block(kt, out.by_p, tangent[e, d, :, 2, :])
+
+
+@kept
 def loop_areas(numbers: Any, displacement: Any, p: Any, cycles: int, most: Any, tables: Tables, areas: Any) -> None:
     """Writes (len(numbers),) areas of the force loops [J], of the forces at the samples."""
-    c, n = tables.synthesis.shape
-    slider, path, pressing, force = new_slider(n, c), new_path(n), np.empty(n + 1), np.empty(n + 1)
+    n = tables.synthesis.shape[1]
+    slider, path, pressing, force = new_slider(tables.shares), new_path(n), np.empty(n + 1), np.empty(n + 1)
     p_rows = tables.values.copy()
     for i, e in enumerate(numbers):
         kt, kn = p.kt[e], p.kn[e]
@@ -69,7 +112,7 @@ def loop_areas(numbers: Any, displacement: Any, p: Any, cycles: int, most: Any, 
         for t in range(n + 1):
             force[t] = kn * positive(pressing[t])
         areas[i] = loop_area(pressing, force)
-        ratio = set_limits(p.mu[e], kn / kt, pressing, tables, path.p, p_rows)
+        ratio = set_limits(p.mu[e], kn / kt, pressing, tables.values, path.p, p_rows)
         for d in range(2):
             sample(displacement[e, d], tables.synthesis, path.u)
             slope(path.u, path.du)

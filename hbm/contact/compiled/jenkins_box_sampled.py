@@ -8,9 +8,15 @@ from typing import Any
 import numpy as np
 
 from updamp.hbm.contact.compiled.keeping import inner, kept
-from updamp.hbm.contact.compiled.normal import identity, set_limits, write_block, write_normal
+from updamp.hbm.contact.compiled.normal import (
+    identity,
+    set_limits,
+    write_block,
+    write_normal,
+    write_normal_tangent,
+)
 from updamp.hbm.contact.compiled.segments import positive
-from updamp.hbm.contact.compiled.tables import Tables, add_products, loop_area, sample
+from updamp.hbm.contact.compiled.tables import GrowingTables, Tables, add_products, loop_area, sample
 
 
 @kept
@@ -28,7 +34,7 @@ def force_with_tangent(
         sample(coefficients[2], tables.synthesis, pressing)
         pressing += p.n0[e] / kn - p.gap[e]
         write_normal(coefficients[2], pressing, p, e, 0, tables, force, tangent, by_u)
-        ratio = set_limits(p.mu[e], kn / kt, pressing, tables, limit, p_rows)
+        ratio = set_limits(p.mu[e], kn / kt, pressing, tables.values, limit, p_rows)
         for t in range(n):
             limit[t] = ratio * positive(limit[t])
         for d in range(2):
@@ -42,10 +48,39 @@ def force_with_tangent(
             if len(tangent):
                 identity(by_u)
                 by_p[:] = 0.0
-                _add_tangent(source, limit, ratio, tables, p_rows, by_u, by_p, columns)
+                _add_tangent(source, limit, ratio, tables, p_rows, 1.0, by_u, by_p, columns)
                 tangent[e, d] = 0.0
                 write_block(kt, by_u, tangent[e, d, :, d, :])
                 write_block(kt, by_p, tangent[e, d, :, 2, :])
+
+
+@kept
+def perturbed_tangent(
+    numbers: Any, displacement: Any, p: Any, cycles: int, tables: Tables, growing: GrowingTables, tangent: Any
+) -> None:
+    """As in jenkins_box.py beside this file."""
+    c, n = tables.synthesis.shape
+    pressing, u, limit = np.empty(n + 1), np.empty(n + 1), np.empty(n + 1)
+    position, source, kind = np.empty(n), np.empty(n, dtype=np.int64), growing.shares.dtype
+    by_u, by_p = np.empty((c, c), kind), np.empty((c, c), kind)
+    columns, p_rows = (np.empty((n + 1, c), kind), np.empty((n + 1, c), kind)), growing.values.copy()
+    for e in numbers:
+        coefficients, kt, kn = displacement[e], p.kt[e], p.kn[e]
+        sample(coefficients[2], tables.synthesis, pressing)
+        pressing += p.n0[e] / kn - p.gap[e]
+        write_normal_tangent(pressing, kn, 0, growing, tangent[e, 2], by_u)
+        ratio = set_limits(p.mu[e], kn / kt, pressing, growing.values, limit, p_rows)
+        for t in range(n):
+            limit[t] = ratio * positive(limit[t])
+        for d in range(2):
+            sample(coefficients[d], tables.synthesis, u)
+            _march(u, limit, -p.t0[e, d] / kt, cycles, position, source)
+            identity(by_u)
+            by_p[:] = 0.0
+            _add_tangent(source, limit, ratio, growing, p_rows, growing.last_period, by_u, by_p, columns)
+            tangent[e, d] = 0.0
+            write_block(kt, by_u, tangent[e, d, :, d, :])
+            write_block(kt, by_p, tangent[e, d, :, 2, :])
 
 
 @kept
@@ -59,7 +94,7 @@ def loop_areas(numbers: Any, displacement: Any, p: Any, cycles: int, tables: Tab
         kt, kn = p.kt[e], p.kn[e]
         sample(displacement[e, 2], tables.synthesis, pressing)
         pressing += p.n0[e] / kn - p.gap[e]
-        ratio = set_limits(p.mu[e], kn / kt, pressing, tables, limit, p_rows)
+        ratio = set_limits(p.mu[e], kn / kt, pressing, tables.values, limit, p_rows)
         for t in range(n + 1):
             limit[t], force[t] = ratio * positive(limit[t]), kn * positive(pressing[t])
         areas[i] = loop_area(pressing, force)
@@ -91,9 +126,20 @@ def _march(u: Any, limit: Any, first: float, cycles: int, position: Any, source:
 
 @inner
 def _add_tangent(
-    source: Any, limit: Any, ratio: float, tables: Tables, p_rows: Any, by_u: Any, by_p: Any, columns: Any
+    source: Any,
+    limit: Any,
+    ratio: float,
+    tables: Any,
+    p_rows: Any,
+    last_period: Any,
+    by_u: Any,
+    by_p: Any,
+    columns: Any,
 ) -> None:
-    """Adds the derivatives of what the slider takes away; columns: scratch, two of (n_time + 1, n_coefficients)"""
+    """Adds the derivatives of what the slider takes away; columns: scratch, two of (n_time + 1, n_coefficients)
+
+    last_period: as in slider.py
+    """
     n, (columns_u, columns_p) = len(source), columns
     columns_u[:], columns_p[:] = 0.0, 0.0
     for t in range(n):
@@ -101,8 +147,9 @@ def _add_tangent(
         if source[t] == 2 * n:
             continue
         by_limit = 0.0 if limit[at] == 0 else (ratio if source[t] < n else -ratio)
+        size = last_period if at > t else 0.0 * last_period + 1.0
         for a in range(columns_u.shape[1]):
-            columns_u[at, a] -= tables.shares[t, a]
-            columns_p[at, a] += by_limit * tables.shares[t, a]
+            columns_u[at, a] -= size * tables.shares[t, a]
+            columns_p[at, a] += by_limit * size * tables.shares[t, a]
     add_products(columns_u, tables.values, by_u)
     add_products(columns_p, p_rows, by_p)

@@ -33,10 +33,18 @@ def write_normal(
     for a in range(len(out)):
         out[a] *= kn
     if len(tangent):
-        identity(scratch)
-        _add_openings_tangent(pressing, tables, most, scratch)
-        tangent[e, 2] = 0.0
-        write_block(kn, scratch, tangent[e, 2, :, 2, :])
+        write_normal_tangent(pressing, kn, most, tables, tangent[e, 2], scratch)
+
+
+@inner
+def write_normal_tangent(pressing: Any, kn: float, most: int, tables: Any, tangent: Any, scratch: Any) -> None:
+    """Writes tangent, (n_coefficients, 3, n_coefficients), as `write_normal`; tables: `Tables` or `GrowingTables`"""
+    tangent[:] = 0.0
+    if pressing.max() <= 0:
+        return
+    identity(scratch)
+    _add_openings_tangent(pressing, tables, most, scratch)
+    write_block(kn, scratch, tangent[:, 2, :])
 
 
 @inner
@@ -55,10 +63,10 @@ def _add_openings(p: Any, shares: Any, most: int, force: Any) -> None:
 
 
 @inner
-def _add_openings_tangent(p: Any, tables: Tables, most: int, by_p: Any) -> None:
+def _add_openings_tangent(p: Any, tables: Any, most: int, by_p: Any) -> None:
     """Derivatives of what `_add_openings` adds."""
     shares, values = tables.shares, tables.values
-    found, missing = 0, np.zeros(shares.shape)
+    found, missing = 0, np.zeros(shares.shape, shares.dtype)
     for j in range(len(p) - 1):
         for a in range(shares.shape[1]):
             missing[j, a] = (positive_slope(p[j]) - 1) * shares[j, a]
@@ -72,11 +80,11 @@ def _add_openings_tangent(p: Any, tables: Tables, most: int, by_p: Any) -> None:
 
 
 @inner
-def set_limits(mu: Any, ratio: float, pressing: Any, tables: Tables, p: Any, by_p: Any) -> float:
+def set_limits(mu: Any, ratio: float, pressing: Any, values: Any, p: Any, by_p: Any) -> float:
     """Writes compressions p, (n_time + 1,), and their derivatives by_p by the coefficients, (n_time + 1,
     n_coefficients), and returns what p is multiplied by for the slip limit over kt (`event_march._friction`).
 
-    mu: (1,), or (n_time,) where friction varies over the period; by_p: come as those of `pressing`
+    mu: (1,), or (n_time,) where friction varies over the period; values: derivatives of `pressing`, as which by_p comes
     ratio: kn / kt
     """
     if len(mu) == 1:
@@ -86,7 +94,7 @@ def set_limits(mu: Any, ratio: float, pressing: Any, tables: Tables, p: Any, by_
     for t in range(n + 1):
         p[t] = mu[t % n] * pressing[t]
         for a in range(by_p.shape[1]):
-            by_p[t, a] = mu[t % n] * tables.values[t, a]
+            by_p[t, a] = mu[t % n] * values[t, a]
     return ratio
 
 

@@ -66,11 +66,11 @@ class Slider(NamedTuple):
 
 
 class Rows(NamedTuple):
-    """Derivatives of u, du and p by the coefficients, each (n_time + 1, n_coefficients)."""
+    """Derivatives of u, du and p by the coefficients, each (n_time + 1, n_coefficients), real or complex."""
 
-    u: Floats
-    du: Floats
-    p: Floats
+    u: NDArray[Any]
+    du: NDArray[Any]
+    p: NDArray[Any]
 
 
 class Scratch(NamedTuple):
@@ -91,17 +91,21 @@ def new_path(n: int) -> Path:
 
 
 @inner
-def new_slider(n: int, c: int) -> Slider:
+def new_slider(shares: Any) -> Slider:
+    """shares: (n_time + 1, n_coefficients); what belongs to tangents is of their kind of numbers"""
+    n, c, kind = len(shares) - 1, shares.shape[1], shares.dtype
     source, inside = np.empty(n + 1, dtype=np.int64), np.empty(2 * n + 1, dtype=np.bool_)
-    columns, ends_u, ends_p = np.empty((2 * n + 1, c)), np.empty((n + 1, c)), np.empty((n + 1, c))
+    columns = np.empty((2 * n + 1, c), kind)
+    ends_u, ends_p = np.empty((n + 1, c), kind), np.empty((n + 1, c), kind)
     up, down, corners = np.empty(n), np.empty(n), np.empty(n, dtype=np.bool_)
     return Slider(source, np.empty(2 * n + 1), inside, up, down, corners, columns, ends_u, ends_p)
 
 
 @inner
-def new_scratch(c: int) -> Scratch:
-    square = np.empty((c, c))
-    return Scratch(np.empty(c), square, square.copy(), np.empty(c), np.empty(c), np.empty((2, N_CORNER)))
+def new_scratch(shares: Any) -> Scratch:
+    c, kind = shares.shape[1], shares.dtype
+    square, row = np.empty((c, c), kind), np.empty(c, kind)
+    return Scratch(np.zeros(c), square, square.copy(), row, row.copy(), np.empty((2, N_CORNER)))
 
 
 @inner
@@ -179,14 +183,20 @@ def add_force(path: Path, ratio: float, slider: Slider, shares: Floats, most: in
 
 
 @inner
-def add_tangent(path: Path, rows: Rows, ratio: float, slider: Slider, shares: Floats, out: Scratch) -> None:
-    """Adds to out.by_u and out.by_p the derivatives of what `add_force` has added."""
+def add_tangent(
+    path: Path, rows: Rows, ratio: float, slider: Slider, shares: Any, last_period: Any, out: Scratch
+) -> None:
+    """Adds to out.by_u and out.by_p the derivatives of what `add_force` has added.
+
+    last_period: factor of what moved the slider in the period before (1 where the motion's change is periodic)
+    """
     n = len(slider.up)
     slider.columns[:] = 0.0
     for j in range(n):
         k, following = slider.source[j], slider.source[j + 1]
+        size0, size1 = _size(k, j, n, last_period), _size(following, j + 1, n, last_period)
         for a in range(len(out.force)):
-            slider.columns[k, a] += shares[j, a]
+            slider.columns[k, a] += size0 * shares[j, a]
         s, w0 = segment(path, j), slider.position[k]
         if slider.corner[j]:
             corner_slopes(s, ratio, w0, slider.position[following], out.by)
@@ -194,10 +204,16 @@ def add_tangent(path: Path, rows: Rows, ratio: float, slider: Slider, shares: Fl
                 out.by[0, a] -= out.by[1, a]  # the start has the integral less the moment
             for q in range(2):
                 for a in range(len(out.force)):
-                    slider.columns[k, a] -= shares[j + q, a] * out.by[q, W0]
-                    slider.columns[following, a] -= shares[j + q, a] * out.by[q, W1]
+                    slider.columns[k, a] -= size0 * shares[j + q, a] * out.by[q, W0]
+                    slider.columns[following, a] -= size1 * shares[j + q, a] * out.by[q, W1]
                 _add(shares[j + q], 1.0, out.by[q], rows, j, out)
     _add_sources(path, rows, ratio, slider, out)
+
+
+@inner
+def _size(source: int, j: int, n: int, last_period: Any) -> Any:
+    """Of the change of a source that moves the slider at sample j: it lies in the last period if it comes later."""
+    return last_period if source % n >= j else 0.0 * last_period + 1.0
 
 
 @inner

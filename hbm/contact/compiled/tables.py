@@ -28,6 +28,37 @@ class Tables(NamedTuple):
     constant: Floats
 
 
+class GrowingTables(NamedTuple):
+    """`Tables` for changes of the motion that grow as e^(s t), t = 0 at the first sample; the coefficients are those of
+    the force's change times e^(-s t).
+
+    last_period: e^(-s T), what a change one period earlier is times
+    """
+
+    values: NDArray[np.complex128]
+    slopes: NDArray[np.complex128]
+    shares: NDArray[np.complex128]
+    last_period: complex
+
+
+def growing(tables: Tables, growth: complex) -> GrowingTables:
+    """growth: s / w"""
+    n_time = len(tables.values) - 1
+    step = 2 * np.pi * growth / n_time
+    factor = np.exp(step * np.arange(n_time + 1))[:, None]
+    # as `tables`, each sample by its own growth, which the factor of the middle one leaves in
+    v = tables.values[:-1]
+    near = np.roll(v, -1, axis=0) * np.exp(step) - np.roll(v, 1, axis=0) * np.exp(-step)
+    far = np.roll(v, -2, axis=0) * np.exp(2 * step) - np.roll(v, 2, axis=0) * np.exp(-2 * step)
+    slopes = (8 * near - far) / 12
+    slopes = np.concatenate([slopes, slopes[:1]])
+    values, slopes, shares = (
+        np.ascontiguousarray(t, np.complex128)
+        for t in (tables.values * factor, slopes * factor, tables.shares / factor)
+    )
+    return GrowingTables(values, slopes, shares, complex(np.exp(-2 * np.pi * growth)))
+
+
 @lru_cache(maxsize=32)
 def tables(harmonics: Harmonics, n_time: int) -> Tables:
     """raises: ValueError where n_time cannot resolve the highest harmonic"""

@@ -13,6 +13,8 @@ from updamp.hbm.contact.law import CompiledLaw, force_for_analysis
 from updamp.hbm.contact.modified.velocity_friction import VelocityFriction
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.problem.elements import ElementGroup, element_forces, force_only, loop_areas
+from updamp.hbm.stability.contact_tangent import _follow_springs
+from updamp.hbm.stability.perturbed_forces import in_jax, perturbed_tangent
 
 HARMONICS = Harmonics((0, 1, 2, 3))
 ELEMENTS = 60
@@ -138,3 +140,20 @@ def test_loop_areas_are_those_of_the_law_in_jax(law):
 def test_a_modified_law_is_not_taken_for_the_one_inside():
     assert isinstance(JenkinsBox(2), CompiledLaw)
     assert not isinstance(VelocityFriction(JenkinsBox(2)), CompiledLaw)
+
+
+@pytest.mark.parametrize("s", [0.0, 0.03 + 0.4j, -0.05 + 0.1j])
+@pytest.mark.parametrize("law", [JenkinsBox(2), SampledJenkinsBox(2)])
+def test_tangents_to_what_grows_are_those_of_the_law_in_jax(law, s):
+    """Sliders that were moved in the period before remember a change that was smaller or larger then."""
+    p = parameters()
+    motion, group = motions(p), ElementGroup(law, p, np.arange(3 * ELEMENTS).reshape(-1, 3))
+    numbers = np.delete(np.arange(ELEMENTS), np.r_[HELD])  # held at a limit there are ties
+    ours = perturbed_tangent(group, motion, 1.0, s, HARMONICS, 128, numbers)
+    theirs = in_jax(group, motion, 1.0, s, HARMONICS, 128, numbers)
+    # A slider at rest, where the first of all periods has pushed it, has no tangent of its own (contact_tangent.py).
+    at_rest = _follow_springs(group, motion.reshape(-1, 7), 1.0, HARMONICS, 128)[numbers]
+    assert 3 < (~at_rest[:, :2]).sum() < at_rest[:, :2].size
+    np.testing.assert_allclose(ours[~at_rest], theirs[~at_rest], rtol=0, atol=1e-11)
+    still = perturbed_tangent(group, motion, 1.0, 0.0, HARMONICS, 128, numbers)
+    assert s == 0 or np.abs(ours - still).max() > 0.01, "growth counts"
