@@ -58,7 +58,7 @@ def responses(solved: SolvedStudy, family: Family) -> Iterator[FamilyPicture]:
             draw = partial(
                 variants.variant_responses, title=title, curves=labelled, point=solved.point, in_order=by_force
             )
-            yield FamilyPicture(_file(family, "responses", title), "Dots: peaks.", draw)
+            yield FamilyPicture(_file(family, "responses", title), f"Receptances, {title}; dots: peaks.", draw)
 
 
 def _drawn_curve(solved: SolvedStudy, name: CurveName, curve: ResponseCurve) -> DrawnCurve:
@@ -79,7 +79,9 @@ def against_test(solved: SolvedStudy, family: Family) -> Iterator[FamilyPicture]
                 variants.variant_responses, title=f"{mode}: model and test", curves=labelled, point=solved.point,
                 measured=marks,
             )  # fmt: skip
-            yield FamilyPicture(_file(family, "against_test", mode), "Dashed: resonances that the test found.", draw)
+            yield FamilyPicture(
+                _file(family, "against_test", mode), f"{mode}; dashed: resonances that the test found.", draw
+            )
 
 
 def peaks_against_force(solved: SolvedStudy, family: Family) -> Iterator[FamilyPicture]:
@@ -91,7 +93,9 @@ def peaks_against_force(solved: SolvedStudy, family: Family) -> Iterator[FamilyP
             peaks.setdefault(name.variant, []).append(point)
         if peaks:
             draw = partial(variants.peaks_against_force, title=f"{mode}: peak against force", peaks=peaks)
-            yield FamilyPicture(_file(family, "peaks", mode), "Hollow: read off a curve that is not complete.", draw)
+            yield FamilyPicture(
+                _file(family, "peaks", mode), f"{mode}; hollow: read off a curve that is not complete.", draw
+            )
 
 
 def damper_motion(solved: SolvedStudy, family: Family) -> Iterator[FamilyPicture]:
@@ -101,7 +105,9 @@ def damper_motion(solved: SolvedStudy, family: Family) -> Iterator[FamilyPicture
         places = {name.mode: (curve, solved.peak_of(name, curve).place) for name, curve in curves.items()}
         if places:
             draw = partial(kinematics.damper_kinematics, rig=solved.rig, curves=places)
-            yield FamilyPicture(_file(family, "damper_motion", f"{force:g} N"), "At the peak.", draw)
+            yield FamilyPicture(
+                _file(family, "damper_motion", f"{force:g} N"), f"The damper at the peak, {force:g} N.", draw
+            )
 
 
 def contact_states(solved: SolvedStudy, family: Family) -> Iterator[FamilyPicture]:
@@ -112,7 +118,7 @@ def contact_states(solved: SolvedStudy, family: Family) -> Iterator[FamilyPictur
         states = {name.force: solved.states(name) for name in names}
         if states:
             draw = partial(faces.contact_states, contacts=solved.patches(variant), mode=mode, states=states)
-            yield FamilyPicture(_file(family, "contact_states", mode), "Over a period at the peak.", draw)
+            yield FamilyPicture(_file(family, "contact_states", mode), f"{mode}: over a period at the peak.", draw)
 
 
 def loops(solved: SolvedStudy, family: Family) -> Iterator[FamilyPicture]:
@@ -126,7 +132,8 @@ def loops(solved: SolvedStudy, family: Family) -> Iterator[FamilyPicture]:
                 continue
             draw = partial(force_loops.force_loops, title=f"{mode} at {force:g} N: force loops", loops=drawn)
             caption = (
-                "Left: tangential force over displacement. Right: both forces over a period; grey: friction limit."
+                f"{mode}, {force:g} N. Left: tangential force over displacement; right: both forces over a period, the "
+                "friction limit grey."
             )
             yield FamilyPicture(_file(family, "force_loops", f"{mode} {force:g} N"), caption, draw)
 
@@ -144,7 +151,9 @@ def mean_positions(solved: SolvedStudy, family: Family) -> Iterator[FamilyPictur
         }
         if curves:
             draw = partial(mean_position.mean_positions, title=mode, curves=curves)
-            yield FamilyPicture(_file(family, "mean_position", mode), "Against rest; dots: at the peaks.", draw)
+            yield FamilyPicture(
+                _file(family, "mean_position", mode), f"{mode}: against rest; dots: at the peaks.", draw
+            )
 
 
 def _file(family: Family, picture: str, of: str) -> str:
@@ -160,7 +169,7 @@ def pressure(solved: SolvedStudy, family: Family) -> Iterator[FamilyPicture]:
             continue
         if len(rest.normal_force) == len(contacts):  # a lumped damper has one contact a face
             draw = partial(faces.pressure, contacts=contacts, rest=rest)
-            yield FamilyPicture(_file(family, "pressure", variant), f"At rest, {variant}.", draw)
+            yield FamilyPicture(_file(family, "pressure", variant), f"Pressure at rest, {variant}.", draw)
 
 
 PICTURES: Mapping[str, Pictures] = MappingProxyType(

@@ -15,7 +15,7 @@ from updamp.parameter_study.study_json import STUDY_JSON, study_content, write_s
 from updamp.workflow.progress import Display
 from updamp.workflow.run_outputs import Outputs
 
-VERSION = 1  # to be raised when pictures of the same curves look different
+VERSION = 2  # to be raised when pictures of the same curves look different
 _WORDS = {True: "[green]met[/]", False: "[red]not met[/]", None: "[yellow]not known[/]"}
 
 
@@ -44,7 +44,7 @@ def _draw(solved: SolvedStudy, family: Family) -> dict[str, str]:
         for picture in PICTURES[kind](solved, family):
             file = f"pictures/{picture.name}.png"
             outputs.make(file, sources, VERSION, picture.draw)
-            drawn[file] = f"{family.title}: {picture.name.removeprefix(family.name + '_')}. {picture.caption}"
+            drawn[file] = picture.caption
     return drawn
 
 

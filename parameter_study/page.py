@@ -39,7 +39,8 @@ def study_page(solved: SolvedStudy, findings: Sequence[Checked], pictures: Mappi
         figures |= own
         html = "".join(figure_element(name, figure["layout"]["title"]["text"]) for name, figure in own.items())
         html += _pictures(solved.folder, family, pictures)
-        sections.append(DocumentSection(family.name, family.title, html or paragraph("No curve is known yet.")))
+        html = html or paragraph("No curve is known yet.")
+        sections.append(DocumentSection(family.name, family.title, html, family.title.split(" (")[0]))
     sections.append(DocumentSection("design-numbers", "Design numbers", _design_numbers(solved)))
     sections.append(DocumentSection("curves", "All curves", _curves(solved)))
     data = script_json(document_data(figures, {}))
@@ -71,21 +72,24 @@ def _findings(findings: Sequence[Checked]) -> str:
 
 
 def _pictures(folder: Path, family: Family, pictures: Mapping[str, str]) -> str:
-    shown = []
+    """Small ones, of the pressure, side by side."""
+    shown: dict[bool, list[str]] = {True: [], False: []}
     for file, caption in pictures.items():
         name = Path(file).name
         if name.startswith(f"{family.name}_") and _PLOTTED not in name:
             data = base64.b64encode((folder / file).read_bytes()).decode()
-            shown.append(
+            shown["_pressure_" in name].append(
                 f'<figure class="picture"><img alt="{escape(caption)}" src="data:image/png;base64,{data}">'
                 f"<figcaption>{escape(caption)}</figcaption></figure>"
             )
-    return "".join(shown)
+    small = f'<div class="pictures">{"".join(shown[True])}</div>' if shown[True] else ""
+    return small + "".join(shown[False])
 
 
 def _design_numbers(solved: SolvedStudy) -> str:
     """Table 1b of the first family's variants."""
-    head = ["variant", "mode", "force [N]", *(f"{letter} {name.replace('_', ' ')}" for name, letter in LETTERS.items())]
+    head = ["variant", "mode", "force [N]", *LETTERS.values()]
+    words = ", ".join(f"{letter}: {name.replace('_', ' ')}" for name, letter in LETTERS.items())
     rows = []
     for name in solved.study.families[0].curves():
         try:
@@ -93,7 +97,8 @@ def _design_numbers(solved: SolvedStudy) -> str:
         except UnknownResultError:
             continue
         rows.append([escape(name.variant), escape(name.mode), f"{name.force:g}", *(number(v) for v in values)])
-    return table(head, rows, "At the resonances, as Table 1b of Pesaresi et al. (2017) has them.", numbers_from=2)
+    caption = f"At the resonances, as Table 1b of Pesaresi et al. (2017) has them. {words}."
+    return table(head, rows, caption, numbers_from=2)
 
 
 def _curves(solved: SolvedStudy) -> str:

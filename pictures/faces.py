@@ -34,12 +34,14 @@ def pressure(path: Path, contacts: ContactElements, rest: StaticContact) -> None
     """Pressure at rest on both faces [MPa]."""
     value = rest.normal_force / contacts.area / 1e6
     limits = (0.0, 1.05 * float(value.max()))
-    with figure(path, 9.0, 3.1) as drawing:
+    shape = np.ptp(unrolled(contacts, RIGHT).reshape(-1, 2), axis=0)
+    width = float(np.clip(1.0 * shape[0] / shape[1] + 2.8, 4.6, 9.0))  # faces about an inch high
+    with figure(path, width, 3.1) as drawing:
         axes = drawing.subplots(2, 1, sharex=True)
         for ax, side in zip(axes, SIDES, strict=True):
             patches = _patches(ax, contacts, side)
             patches.set(array=value[contacts.face == side], cmap=SEQUENTIAL, clim=limits)
-        axes[0].set_title(f"Pressure at rest, model “{rest.model}”, pull {rest.applied:.4g} N")
+        axes[0].set_title(f"At rest, “{rest.model}”, pull {rest.applied:.4g} N")
         axes[1].set_xlabel("along the damper z [mm]")
         drawing.colorbar(patches, ax=axes, label="pressure [MPa]", shrink=0.9)
 

@@ -20,11 +20,13 @@ LEVEL = {"unit": "N", "word": "force level"}
 
 @dataclass(frozen=True)
 class DocumentSection:
-    """identifier: a word, for links; title: its heading; html: below it"""
+    """identifier: a word, for links; title: its heading; html: below it; short: its name among the links, where the
+    heading is too long"""
 
     identifier: str
     title: str
     html: str
+    short: str = ""
 
 
 def asset(name: str) -> str:
@@ -65,7 +67,7 @@ def document_data(figures: Mapping[str, Any], sections: Mapping[str, Any]) -> di
 
 
 def _contents(sections: Sequence[DocumentSection]) -> str:
-    links = "".join(f'<li><a href="#{one.identifier}">{escape(one.title)}</a></li>' for one in sections)
+    links = "".join(f'<li><a href="#{one.identifier}">{escape(one.short or one.title)}</a></li>' for one in sections)
     return f'<nav aria-label="Contents"><ul>{links}</ul></nav>\n'
 
 
