@@ -118,17 +118,17 @@ class SolvedDesign:
         stages = self._stages(self.rig)
         return rig_model(stages.finite_elements().reduced, stages.static_contact(), self.rig)
 
-    def curve_job(self, mode: str, force: float) -> CurveJob:
-        """What traces the curve [N] of a rig with geometry through the mode's window where it is now.
+    def curve_job(self, mode: str, force: float, window: tuple[float, float] | None = None) -> CurveJob:
+        """What traces the curve [N] of a rig with geometry through the window, by default that where the mode is now.
 
         raises: what the stages before raise; UnknownResponseError where the mode is not recognised
         """
         assert self.model is not None, "the stages before are made with the model"
-        return self._stages(self._moved(mode)).curve_job(mode, force)
+        return self._stages(self._moved(mode, window or self.mode(mode).window)).curve_job(mode, force)
 
-    def _moved(self, mode: str) -> Rig:
-        """The rig with the mode's window where the mode is now."""
-        moved = load_any(self.given.rig, {**self.given.changes, **window_change(mode, self.mode(mode).window)})
+    def _moved(self, mode: str, window: tuple[float, float]) -> Rig:
+        """The rig with another window of a mode."""
+        moved = load_any(self.given.rig, {**self.given.changes, **window_change(mode, window)})
         assert isinstance(moved, Rig), "of the same kind as before"
         return moved
 
@@ -138,7 +138,7 @@ class SolvedDesign:
             request = CurveRequest(mode, self.model.excited_by(force), self.mode(mode).window, points)
             *_, curve = trace(self.model.system, request)
             return curve
-        return self._stages(self._moved(mode)).curve(mode, force)
+        return self._stages(self._moved(mode, self.mode(mode).window)).curve(mode, force)
 
     def _stages(self, rig: Rig) -> SharedStages:
         return SharedStages(rig, self.given.mesh, self.given.store, executed=self.executed)

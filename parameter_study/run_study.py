@@ -12,6 +12,7 @@ from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.parameter_study.curve_jobs import StudyCurveJob, in_study
 from updamp.parameter_study.families import CurveName, ParameterStudy
 from updamp.parameter_study.solved_study import SolvedStudy
+from updamp.parameter_study.windows import window_of_mode
 from updamp.rig.rig import Rig
 from updamp.workflow import store
 from updamp.workflow.job_pool import Job, JobEnd, JobOutcome, JobProgress, run_all
@@ -98,11 +99,15 @@ def _prepared(
 ) -> tuple[dict[CurveName, StudyCurveJob], dict[CurveName, str]]:
     """Jobs, with their stages before made; and why there is none for the other curves."""
     prepared, missing = {}, {}
+    windows: dict[tuple[str, str], tuple[float, float]] = {}
     with display.stage("variants") as update:
         for place, name in enumerate(named):
             update(place / len(named), name.label)
             try:
-                job = variants[name.variant].curve_job(name.mode, name.force)
+                design, key = variants[name.variant], (name.variant, name.mode)
+                if key not in windows:
+                    windows[key] = window_of_mode(design, name.mode)
+                job = design.curve_job(name.mode, name.force, windows[key])
                 prepared[name] = in_study(job, name.variant, place)
             except (ValueError, RuntimeError) as error:  # the project's own, each with a sentence
                 missing[name] = str(error)

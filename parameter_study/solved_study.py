@@ -57,8 +57,12 @@ class SolvedStudy:
         return curve
 
     def peak(self, name: CurveName) -> Peak:
-        """raises: UnknownResultError as `curve`"""
-        return self.peak_of(name, self.curve(name))
+        """raises: UnknownResultError as `curve`, and where the largest response is at an end of the window"""
+        curve = self.curve(name)
+        peak = self.peak_of(name, curve)
+        if peak.place in (0, len(curve) - 1):
+            raise UnknownResultError(f"{name.label}: no peak in the window; the response is largest at its end")
+        return peak
 
     def peak_of(self, name: CurveName, curve: ResponseCurve) -> Peak:
         """Of a curve of this name, complete or not."""

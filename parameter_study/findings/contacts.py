@@ -32,7 +32,8 @@ def edges_slip_first(solved: SolvedStudy) -> Measured:
     name = next((n for n in levels if _slipping(solved, n).any()), levels[-1])
     far = distance_from_centre(solved.patches(name.variant))
     slips = _slipping(solved, name)
-    inside, outside = (float(far[which].mean()) if which.any() else np.nan for which in (~slips, slips))
+    stuck_there = solved.states(name) == ContactState.STUCK
+    inside, outside = (float(far[which].mean()) if which.any() else 0.0 for which in (stuck_there, slips))
     stuck = {force: _stuck_area(solved, force) for force in (SECOND, HIGHEST)}
     return Measured(
         f"OOP slips first at {name.force:g} N, mean distance from the centre {outside:.2f}, where it sticks "
@@ -68,8 +69,8 @@ def _edges_apart(solved: SolvedStudy, mode: str) -> tuple[float, float]:
 
 
 def _slipping(solved: SolvedStudy, name: CurveName) -> NDArray[np.bool_]:
-    """(n_contacts,) whether a contact slips or opens"""
-    return np.asarray(solved.states(name) != ContactState.STUCK)
+    """(n_contacts,) whether a contact slips, or opens for part of the period"""
+    return np.isin(solved.states(name), (ContactState.STICK_SLIP, ContactState.SEPARATING))
 
 
 def _stuck_area(solved: SolvedStudy, force: float) -> float:

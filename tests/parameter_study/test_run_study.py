@@ -14,10 +14,12 @@ from rich.console import Console
 from support.parameter_study import STUDY, run, study_folder
 
 from updamp.fem.contact_places import nearest_patch
+from updamp.model.small_amplitude import small_amplitude
 from updamp.parameter_study.design_numbers import design_numbers
 from updamp.parameter_study.families import CurveName
 from updamp.parameter_study.named_contacts import loop_at
 from updamp.parameter_study.outputs import check_findings, write_outputs
+from updamp.parameter_study.windows import window_of_mode
 from updamp.workflow.progress import Display
 
 CURVES = 4
@@ -125,3 +127,16 @@ def test_nothing_that_was_traced_is_lost_by_a_kill(tmp_path):
     result = run(file).result
     assert len(result.curves) == 10
     assert {path: path.stat().st_mtime_ns for path in before} == before
+
+
+def test_a_window_moves_down_with_contacts_that_are_open_at_rest(tmp_path, solved):
+    """As far as the mode at small amplitude; where nothing is open it stays as it is."""
+    flat = 'changes = { "contact.pressure" = { model = "fe" } }'
+    text = STUDY.replace('changes = { "contact.pressure" = { model = "uniform" } }', flat)
+    result = run(study_folder(tmp_path, text), solve=False).result
+    open_at_rest = result.variants["50/50"]
+    stuck, (low, high) = open_at_rest.mode("OOP"), window_of_mode(open_at_rest, "OOP")
+    near = small_amplitude(open_at_rest.model, stuck.frequency).frequencies
+    assert high < stuck.window[1]
+    assert np.any((near > low) & (near < high)), "the mode is in it"
+    assert window_of_mode(solved.variants["film"], "OOP") == solved.variants["film"].mode("OOP").window
