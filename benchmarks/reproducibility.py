@@ -53,6 +53,10 @@ class Reading:
     resonances: tuple[float, ...]
 
 
+def small_model(rig: Rig) -> ReducedModel:
+    return finite_element_model(build_mesh(rig, "small"), rig).reduced
+
+
 def readings(rig: Rig, reduced: ReducedModel, mode: str, force: float) -> Iterator[Reading]:
     """One for each way of tracing the curve."""
     ways = [("upwards", reduced, True), ("downwards", reduced, False)]
@@ -92,7 +96,7 @@ def main(
     """Trace six curves of the reference rig four ways each and compare what is read from them."""
     keep_compiled()
     console, rig = Console(width=170), load_rig(RIG)
-    reduced = finite_element_model(build_mesh(rig, "small"), rig).reduced
+    reduced = small_model(rig)
     for curve in (c for c in CURVES if mode in (None, c[0]) and force in (None, c[1])):
         found = list(readings(rig, reduced, *curve))
         peaks, frequencies = ([getattr(r, name) for r in found] for name in ("peak", "frequency"))

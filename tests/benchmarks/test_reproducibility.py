@@ -1,0 +1,62 @@
+"""The reference rig's curves (small mesh) are the same for whoever traces them: upwards and downwards, after a change
+of round-off, with one thread and with two.
+"""
+
+import json
+import os
+import subprocess
+import sys
+from dataclasses import asdict
+
+import pytest
+
+from updamp.benchmarks.reproducibility import CURVES, RIG, Reading, read, readings, small_model
+from updamp.model.rig_files import load_rig
+
+PEAK, FREQUENCY = 1e-3, 0.05  # relative; [Hz]
+
+# numpy is loaded before the benchmark sets its one thread.
+TWO_THREADS = """
+import json, numpy
+from dataclasses import asdict
+from updamp.benchmarks.reproducibility import RIG, read, small_model
+from updamp.model.rig_files import load_rig
+rig = load_rig(RIG)
+print(json.dumps(asdict(read("two threads", rig, small_model(rig), "IP", 17.0, True))))
+"""
+
+
+@pytest.fixture(scope="module")
+def rig():
+    return load_rig(RIG)
+
+
+@pytest.fixture(scope="module")
+def reduced(rig):
+    return small_model(rig)
+
+
+@pytest.mark.parametrize(("mode", "force"), CURVES)
+def test_direction_and_round_off_change_nothing_that_is_read_from_a_curve(rig, reduced, mode, force):
+    first, *others = readings(rig, reduced, mode, force)
+    assert first.complete
+    for other in others:
+        assert_same(other, first)
+
+
+def test_neither_do_two_threads(rig, reduced):
+    threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "2")
+    ran = subprocess.run(
+        [sys.executable, "-c", TWO_THREADS], env={**os.environ, **threads}, capture_output=True, text=True, check=True
+    )
+    found = json.loads(ran.stdout.splitlines()[-1])
+    one = read("one thread", rig, reduced, "IP", 17.0, True)
+    assert_same(Reading(**found), Reading(**json.loads(json.dumps(asdict(one)))))
+
+
+def assert_same(found: Reading, first: Reading) -> None:
+    assert found.complete == first.complete
+    assert found.peak == pytest.approx(first.peak, rel=PEAK)
+    assert found.frequency == pytest.approx(first.frequency, abs=FREQUENCY)
+    for name in ("up", "down", "resonances"):
+        assert list(getattr(found, name)) == pytest.approx(list(getattr(first, name)), abs=FREQUENCY), name
