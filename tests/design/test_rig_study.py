@@ -17,7 +17,7 @@ from updamp.geometry.outlines import area, blade_outline, damper_mass, damper_ou
 from updamp.model.build import rig_model
 from updamp.model.rig_files import load_rig
 
-RIG = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
+RIG = Path(__file__).parents[1] / "data" / "short_faces.toml"
 
 STUDY = """
 [study]

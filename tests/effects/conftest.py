@@ -11,7 +11,7 @@ from updamp.geometry.build_mesh import build_mesh
 from updamp.model.build import rig_model
 from updamp.model.rig_files import load_rig
 
-RIG_FILE = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
+RIG_FILE = Path(__file__).parents[1] / "data" / "short_faces.toml"
 # The law that takes its events at the samples compiles ten times as fast; low friction, so that contacts slip.
 CHANGES = {
     "contact.law": "jenkins_box_sampled",

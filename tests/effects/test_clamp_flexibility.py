@@ -27,7 +27,7 @@ from updamp.model.build import rig_model
 from updamp.model.rig_files import load_rig
 from updamp.rig.rig import MeshDivisions
 
-RIG_FILE = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
+RIG_FILE = Path(__file__).parents[1] / "data" / "short_faces.toml"
 EI, MASS, LENGTH, ELEMENTS, KEPT = 126.0, 1.14, 0.15, 60, 6  # N m^2, kg/m, m
 POINTS = {"excitation": 0.0125, "platform": 0.0475, "tip": 0.13}
 FACE = 0.0425  # m, height of the contact

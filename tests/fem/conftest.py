@@ -13,7 +13,7 @@ from updamp.geometry.rig_mesh import ComponentMesh, RigMesh
 from updamp.model.rig_files import load_rig
 from updamp.rig.rig import MeshDivisions, Rig
 
-RIG_FILE = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
+RIG_FILE = Path(__file__).parents[1] / "data" / "short_faces.toml"
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from updamp.model.rig_files import load_rig
 from updamp.rig.errors import RigError
 from updamp.rig.rig import Rig
 
-RIG_FILE = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
+RIG_FILE = Path(__file__).parents[1] / "data" / "short_faces.toml"
 TIPS = ("blade_left.tip.x", "blade_right.tip.x")
 OUT_OF_PHASE, IN_PHASE = -1, 1
 

@@ -7,7 +7,7 @@ from updamp.geometry.rig_mesh import RigMesh
 from updamp.model.rig_files import load_rig
 from updamp.rig.rig import Rig
 
-RIG_FILE = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
+RIG_FILE = Path(__file__).parents[1] / "data" / "short_faces.toml"
 
 
 @pytest.fixture(scope="session")

@@ -36,7 +36,7 @@ from updamp.workflow.job_pool import JobEnd
 from updamp.workflow.store import Stamp
 
 RIGS = Path(__file__).parents[2] / "rigs"
-RIG = RIGS / "pesaresi2017.toml"
+RIG = Path(__file__).parents[1] / "data" / "short_faces.toml"
 SHAKER = {"name": "shaker_attachment", "values": {"mass": "50 g", "stiffness": "1e5 N/m", "dashpot": "20 N*s/m"}}
 AT_NULL = {"name": "shaker_attachment", "values": {"mass": "0 kg"}}
 OWN = """

@@ -18,7 +18,7 @@ from updamp.workflow.curve_jobs import CurveJob, curve_problem, trace_curve
 from updamp.workflow.job_pool import JobEnd, run_all
 from updamp.workflow.store import Stamp
 
-RIG = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
+RIG = Path(__file__).parents[1] / "data" / "short_faces.toml"
 POINT = "blade_right.tip.x"
 
 

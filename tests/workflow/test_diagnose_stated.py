@@ -21,7 +21,7 @@ from updamp.model.rig_files import load_rig
 from updamp.model.small_amplitude import linear_up_to, small_amplitude
 from updamp.workflow.diagnose_stated import diagnose_stated, tables
 
-RIG_FILE = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
+RIG_FILE = Path(__file__).parents[1] / "data" / "short_faces.toml"
 CHANGES = {
     "contact.law": "jenkins_box_sampled",
     "harmonic_balance.harmonics": [1, 2, 3],

@@ -1,5 +1,5 @@
-"""The reference rig's resonance out of phase (small mesh, 36 contacts): the observed tip moves against the force, and
-faces open one after another, in kinks in which the force turns round.
+"""The resonance out of phase of a rig with short faces (small mesh, 36 contacts): the observed tip moves against the
+force, and faces open one after another, in kinks in which the force turns round.
 """
 
 from pathlib import Path
@@ -17,7 +17,7 @@ from updamp.hbm.resonance.resonance_curve import ResonanceRequest, trace_resonan
 from updamp.model.build import rig_model
 from updamp.model.rig_files import load_rig
 
-RIG_FILE = Path(__file__).parents[3] / "rigs" / "pesaresi2017.toml"
+RIG_FILE = Path(__file__).parents[2] / "data" / "short_faces.toml"
 FORCES = (3.84, 9.6, 17.0)
 
 
