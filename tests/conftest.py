@@ -37,6 +37,7 @@ LONGEST = (
     "workflow/test_diagnose_brake_reuss.py",
     "diagnosis/selection/test_search.py",
     "hbm/test_rig_time_integration.py",
+    "benchmarks/test_reproducibility.py",
     "hbm/stability/test_stability.py",
     "diagnosis/candidate_models/test_refit.py",
     "workflow/test_diagnose.py",

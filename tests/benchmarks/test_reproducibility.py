@@ -38,7 +38,7 @@ def reduced(rig):
 
 @pytest.mark.parametrize(("mode", "force"), CURVES)
 def test_direction_and_round_off_change_nothing_that_is_read_from_a_curve(rig, reduced, mode, force):
-    first, *others = readings(rig, reduced, mode, force)
+    first, *others = readings(rig, reduced, mode, force, seeds=(1,))
     assert first.complete
     for other in others:
         assert_same(other, first)
