@@ -58,7 +58,7 @@ def ip_softens_with_jumps(solved: SolvedStudy) -> Measured:
 
 def above_the_test(solved: SolvedStudy) -> Measured:
     high = {mode: solved.peak(film(mode, LOWEST)).frequency / MEASURED[mode] - 1 for mode in (OOP, IP)}
-    words = ", ".join(f"{mode} {percent(value)} against {MEASURED[mode]:g} Hz" for mode, value in high.items())
+    words = ", ".join(f"{mode} {percent(value, 1)} against {MEASURED[mode]:g} Hz" for mode, value in high.items())
     met = all(ABOVE_TEST[mode][0] < value < ABOVE_TEST[mode][1] for mode, value in high.items())
     return Measured(words, met, {f"{mode} above the test": value for mode, value in high.items()})
 
@@ -74,4 +74,4 @@ def _lowest_and_highest(solved: SolvedStudy, mode: str) -> tuple[Peak, Peak]:
 
 def _fall(low: Peak, high: Peak) -> str:
     change = high.receptance / low.receptance - 1
-    return f"peak {mm(low.receptance)} at 0.096 N, {mm(high.receptance)} mm/N at 17 N: {percent(change)}"
+    return f"peak {mm(low.receptance)} at 0.096 N, {mm(high.receptance)} mm/N at 17 N: {percent(change, 1)}"

@@ -39,11 +39,12 @@ PESARESI_2017: tuple[Finding, ...] = (
             asymmetry_matters_at_low_force),
     Finding(8, "Kt = Kn from 5e3 to 1e7 N/mm3: about 1 % in frequency, mostly at the low end; lower stiffness, larger "
             "amplitude", "Fig. 11",
-            "OOP at 3.84 N: 0.5 to 2 % in all, more than half of it below 6e4; no peak 1 % above that of a "
-            "lower stiffness, that at 1e7 below that at 5e3",
+            "OOP at 3.84 N, uniform pressure: 0.5 to 2 % in all, more than half of it below 6e4; no peak 1 % above "
+            "that of a lower stiffness, that at 1e7 below that at 5e3",
             stiffness_matters_when_low),
     Finding(9, "IP: harmonics 1-3 and 1-10 nearly coincide; 0-3 differs and softens", "Fig. 12b",
-            "at 9.6 N: 0-3 resonates below 1-3, and 1-10 differs from 1-3 by less than a fifth of that",
+            "at 9.6 N, uniform pressure: 0-3 resonates below 1-3, and 1-10 differs from 1-3 by less than a fifth of "
+            "that",
             mean_position_softens_ip),
     Finding(10, "Near the IP resonance the mean position moves: damper up, blades apart", "Fig. 13",
             "at 17 N: both positive at the resonance, and more than twice what they are at the ends of the window",
