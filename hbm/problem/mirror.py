@@ -47,6 +47,10 @@ class Mirror:
         """The image of (n_relative, ...)"""
         return self.sign.reshape(-1, *[1] * (motion.ndim - 1)) * motion[self.image]
 
+    def keeps(self, motion: Floats) -> bool:
+        """Whether a motion (n_relative, ...) is its own image."""
+        return _negligible(self.of(motion) - motion, motion)
+
     def halved(self, motion: Floats) -> Floats:
         """(..., n_relative, n_coefficients) -> (..., n_kept, n_coefficients)"""
         return motion[..., self.kept, :]
@@ -60,8 +64,9 @@ class Mirror:
         return sign[:, None] * half[..., number[source], :]
 
 
-def half_structure(free: LinearModel, mirror: Mirror) -> LinearModel | None:
-    """The symmetric motions of a structure, seen from the kept rows; None where it is not its own image.
+def half_structure(free: LinearModel, mirror: Mirror, parity: float = 1.0) -> LinearModel | None:
+    """The symmetric motions of a structure (parity 1), or those that are the opposite of their image (-1), on the kept
+    rows; None where it is not its own image.
 
     A force on a kept row stands for itself and its image.
     """
@@ -77,19 +82,19 @@ def half_structure(free: LinearModel, mirror: Mirror) -> LinearModel | None:
     coupled = any(not _negligible(damping[np.ix_(even, ~even)], damping) for damping in (free.hysteretic, free.viscous))
     if not (even | odd).all() or not _negligible(image - residual, residual) or coupled:
         return None
-    rows = np.concatenate([kept, np.arange(n, free.n_rows)])
+    rows, chosen = np.concatenate([kept, np.arange(n, free.n_rows)]), even if parity > 0 else odd
     reflected = free.residual.copy()
-    reflected[:, :n] = (free.residual[:, :n] + mirror.of(free.residual[:, :n].T).T) / 2
-    reflected[:n] = (reflected[:n] + mirror.of(reflected[:n])) / 2
+    reflected[:, :n] = (free.residual[:, :n] + parity * mirror.of(free.residual[:, :n].T).T) / 2
+    reflected[:n] = (reflected[:n] + parity * mirror.of(reflected[:n])) / 2
     phi = free.phi.copy()
-    phi[:n] = (relative + mirror.of(relative)) / 2
+    phi[:n] = (relative + parity * mirror.of(relative)) / 2
     return replace(
         free,
-        omega_squared=free.omega_squared[even],
-        phi=phi[np.ix_(rows, even)],
+        omega_squared=free.omega_squared[chosen],
+        phi=phi[np.ix_(rows, chosen)],
         residual=reflected[np.ix_(rows, rows)],
-        hysteretic=free.hysteretic[np.ix_(even, even)],
-        viscous=free.viscous[np.ix_(even, even)],
+        hysteretic=free.hysteretic[np.ix_(chosen, chosen)],
+        viscous=free.viscous[np.ix_(chosen, chosen)],
         n_relative=len(kept),
         basis=None,
     )

@@ -60,7 +60,7 @@ def _follow_springs(group: ElementGroup, x: Floats, w: float, harmonics: Harmoni
     that decays leaves them at rest somewhere beside, which is stuck.
     """
     motion, force = over_period(group, group.law.force, x[group.rows], w, harmonics, n_time)
-    stiffness = group.reference_stiffness()
+    stiffness = group.stiffness_of_one
     beyond = force - stiffness[:, None, :] * motion
     size = stiffness * np.ptp(motion, axis=1) + np.abs(force).max(axis=1)
     elastic: NDArray[np.bool_] = np.ptp(beyond, axis=1) <= ELASTIC * size
@@ -84,15 +84,17 @@ class ContactTangent:
         """For perturbations that grow with s [1/s] about a motion at w [rad/s]."""
         blocks = []
         for some in loose:
-            tangent = perturbed_tangent(some.group, some.displacement, w, s, harmonics, n_time, some.numbers)
-            stiffness = some.group.reference_stiffness()[some.numbers]
+            group = some.group
+            tangent = perturbed_tangent(group, some.displacement, w, s, harmonics, n_time, some.numbers)
+            stiffness = group.stiffness_of_one[some.numbers]
             for d in range(tangent.shape[1]):
                 diagonal = np.einsum("ecc->ec", tangent[:, d, :, d, :])
                 diagonal -= stiffness[:, d, None]
             size = np.abs(tangent).max(axis=(2, 3, 4), initial=0.0)
             still = some.elastic | (size <= NEGLIGIBLE * np.maximum(stiffness, np.finfo(float).tiny))
             tangent[still] = 0.0
-            blocks.append(tangent)
+            copies = 1.0 if group.copies is None else group.copies[some.numbers, None, None, None, None]
+            blocks.append(copies * tangent)
         return ContactTangent(loose, tuple(blocks), n_relative)
 
     @cached_property

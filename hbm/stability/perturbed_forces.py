@@ -44,8 +44,8 @@ def perturbed_tangent(
 
     displacement: (n_elements, directions, n_coefficients) of the periodic motion [m]; w [rad/s]; s [1/s]
     numbers: (n,) of the elements wanted; all where None
-    returns: (n, directions, n_coefficients, directions, n_coefficients) [N/m]; at s = 0 the tangent of
-    `element_forces`
+    returns: (n, directions, n_coefficients, directions, n_coefficients) [N/m], of one of the copies that an element
+    stands for; at s = 0 the tangent of `element_forces`
     """
     numbers = np.arange(len(displacement)) if numbers is None else numbers
     if (forces := compiled_forces(group.law, harmonics, n_time)) is not None:

@@ -87,7 +87,30 @@ def stability(
     against: whether the point lies between turning points, if known. If it does, and the Jacobian's determinant says
     the same, a real exponent grows, and none is computed
     """
-    options = options or StabilityOptions()
+    options, mirror = options or StabilityOptions(), system.mirror
+    if mirror and system.half and system.other_half and mirror.keeps(x):
+        half = mirror.halved(x)
+        alike = _of_one(system.half, half, w, options, against)
+        return _together(alike, _of_one(system.other_half, half, w, options, None))
+    return _of_one(system, x, w, options, against)
+
+
+def _together(alike: Stability, opposed: Stability) -> Stability:
+    """Of a symmetric motion: perturbations that are their own image, and those that are the opposite of it, are free of
+    each other.
+    """
+    both = (alike, opposed)
+    if grows := [one for one in both if one.trusted and one.stable is False]:
+        return grows[0]
+    exponents = np.concatenate([one.exponents for one in both])
+    exponents, change = exponents[np.argsort(-exponents.real)], max(one.change for one in both)
+    known = all(one.trusted and one.stable for one in both)
+    reason = "; ".join(dict.fromkeys(one.reason for one in both if one.reason))
+    return Stability(True if known else None, exponents, known, reason, change)
+
+
+def _of_one(system: NonlinearSystem, x: Floats, w: float, options: StabilityOptions, against: bool | None) -> Stability:
+    """Of a problem that is not divided further."""
     order = max(options.order, system.harmonics.orders[-1], LOWEST_ORDER)
     coarse = HillProblem(system, x, w, order, system.time_samples)
     if not len(coarse.still.rows):

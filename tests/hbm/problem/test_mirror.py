@@ -16,6 +16,7 @@ from updamp.hbm.problem.mirror import Mirror
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 from updamp.hbm.resonance.conditions import PhaseResonance
 from updamp.hbm.resonance.resonance_curve import ResonanceRequest, trace_resonance
+from updamp.hbm.stability.stability import stability
 
 # Elements 0 and 1 are images of each other, 2 lies in the plane; of the displacements across it the sign changes.
 IMAGE, SIGN = np.array([3, 4, 5, 0, 1, 2, 6, 7, 8]), np.tile([1.0, -1.0, 1.0], 3)
@@ -101,3 +102,26 @@ def test_so_is_what_is_driven_from_one_side():
     system = a_system()
     assert system.half_driven_at(0) is None
     assert system.half_driven_at(system.free.row("drive")) is not None
+
+
+def test_stability_of_both_halves_is_that_of_the_whole(curves):
+    """Exponents of both halves are those of the whole."""
+    system, (curve, _) = curves
+    whole = replace(system, mirror=None)
+    assert system.other_half is not None
+    assert len(system.half.free.omega_squared) + len(system.other_half.free.omega_squared) == 9
+    slipping = np.flatnonzero(curve.active > 0)
+    for i in slipping[:: max(1, len(slipping) // 4)]:
+        x, w = curve.displacement[i], 2 * np.pi * curve.frequency[i]
+        halves, one = stability(system, x, w), stability(whole, x, w)
+        assert (halves.stable, halves.trusted) == (one.stable, one.trusted)
+        assert halves.decisive.real == pytest.approx(one.decisive.real, rel=1e-3, nan_ok=True)
+
+
+def test_a_motion_that_is_not_symmetric_is_judged_in_the_whole_problem(curves):
+    system, (curve, _) = curves
+    i = int(curve.active.argmax())
+    x = curve.displacement[i].copy()
+    assert system.mirror.keeps(x)
+    x[1] += 1e-3 * np.abs(x).max()
+    assert not system.mirror.keeps(x)
