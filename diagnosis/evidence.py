@@ -14,6 +14,7 @@ class Trial:
     delta_bic: from the model with one effect less (of a pair: the better one of its two)
     held_out: weighted residual RMS on runs that the fit never saw, nan where there are none or it is not full
     at_bound: parameter at the bound of what is physical, "" if none; full: whether the fit was left to settle
+    farthest: the nuisance parameter that stands farthest from the rig file's value; deviations: how many of its prior
     """
 
     effects: tuple[str, ...]
@@ -23,6 +24,8 @@ class Trial:
     held_out: float
     at_bound: str
     full: bool
+    farthest: str = ""
+    deviations: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -44,6 +47,7 @@ class Evidence:
     repeatability: RMS of what differs between repeats
     tested: the highest score first; trials: of single effects; pairs: of two
     alike: pairs of effects whose signatures look alike, with the cosine
+    farthest, deviations: as for a `Trial`, of the model without effects
     """
 
     excess: float
@@ -53,6 +57,8 @@ class Evidence:
     trials: tuple[Trial, ...]
     pairs: tuple[Trial, ...]
     alike: tuple[tuple[str, str, float], ...]
+    farthest: str = ""
+    deviations: float = 0.0
 
     def trial_of(self, effects: tuple[str, ...]) -> Trial | None:
         return next((t for t in (*self.trials, *self.pairs) if t.effects == effects), None)

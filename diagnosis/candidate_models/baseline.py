@@ -108,6 +108,15 @@ def error_of(fitted: Fit, plan: Plan, branches_of: Branches = in_turn) -> float:
     return float(np.sqrt(compared.mean_squared_misfit))
 
 
+def farthest_nuisance(fitted: Fit) -> tuple[str, float]:
+    """Name of the nuisance parameter that stands farthest from the rig file's value, in prior deviations, and by how
+    many."""
+    p, n = fitted.parametrisation, len(fitted.parametrisation.nuisances)
+    off = fitted.u[:n] / p.deviation[:n]
+    farthest = int(np.argmax(np.abs(off)))
+    return p.nuisances[farthest].name, float(off[farthest])
+
+
 def held_out_runs(plan: Plan, runs: Sequence[str] | None, modes: Sequence[str]) -> tuple[str, ...] | None:
     """Names of the runs: those given and all of the modes; None where neither is given, for the usual choice.
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from updamp.comparison.fit.compared import predict_branches
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
-from updamp.diagnosis.candidate_models.baseline import Baseline, error_of, with_own_numerics
+from updamp.diagnosis.candidate_models.baseline import Baseline, error_of, farthest_nuisance, with_own_numerics
 from updamp.diagnosis.candidate_models.other_sizes import fit_from_size, with_size
 from updamp.diagnosis.candidate_models.refit import FULL, Refit, Starts, assessed, refit
 from updamp.diagnosis.criteria import Criteria
@@ -101,7 +101,9 @@ def _run(shared: tuple[Baseline, Criteria], task: FitTask) -> FittedCandidate | 
         return None
     held_out = error_of(r.fitted, start.held_out_plan) if task.full else float("nan")
     names = tuple(e.name for e in task.effects)
-    return FittedCandidate(r, Trial(names, r.mean_squared_misfit, r.drop, r.delta_bic, held_out, r.at_bound, task.full))
+    calibration = farthest_nuisance(r.fitted)
+    misfit, gain = r.mean_squared_misfit, r.delta_bic
+    return FittedCandidate(r, Trial(names, misfit, r.drop, gain, held_out, r.at_bound, task.full, *calibration))
 
 
 def _refit(start: Baseline, criteria: Criteria, a: FitTask) -> Refit | None:

@@ -173,6 +173,9 @@ def sentence(decision: Decision, found: SearchResult, candidates: Sequence[Candi
             f"something is missing that the catalogue does not have: the model is off by {before:.1f} times the "
             f"scatter, and no effect explains it{best}"
         )
+    if decision.outcome == "undecidable":
+        found_so = "" if trial is None else f"; {' and '.join(trial.effects)} would explain the data with it"
+        return f"{decision.reason}{found_so}. Check what it stands for in the rig file before anything is named"
     assert trial is not None, "an effect has been chosen by its fit"
     fall = f"the error falls from {before:.1f} to {trial.excess**0.5:.2f} times the scatter"
     if np.isfinite(trial.held_out):

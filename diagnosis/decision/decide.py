@@ -11,15 +11,27 @@ from updamp.diagnosis.verdict import Outcome
 
 @dataclass(frozen=True)
 class Decision:
-    """effects: those missing; group: effects of which one is, and the data do not tell which; trial: that rests on"""
+    """effects: those missing; group: effects of which one is, and the data do not tell which; trial: that rests on
+    reason: why nothing is said though the misfit would allow it, "" otherwise"""
 
     outcome: Outcome
     effects: tuple[str, ...]
     group: tuple[str, ...]
     trial: Trial | None
+    reason: str = ""
 
 
 def decide(evidence: Evidence, criteria: Criteria) -> Decision:
+    """A verdict that rests on a calibration that nobody would believe is none."""
+    decision = _by_misfit(evidence, criteria)
+    rests_on = evidence if decision.trial is None else decision.trial
+    if decision.outcome == "unknown" or abs(rests_on.deviations) < criteria.calibration:
+        return decision
+    off = f"{rests_on.farthest} stands {abs(rests_on.deviations):.1f} prior deviations from the rig file's value"
+    return Decision("undecidable", (), (), decision.trial, f"calibration first: {off}")
+
+
+def _by_misfit(evidence: Evidence, criteria: Criteria) -> Decision:
     accepted = [t for t in evidence.trials if not reason_against(t, evidence, criteria)]
     if not accepted:
         pair = _best_pair(evidence, criteria, None)

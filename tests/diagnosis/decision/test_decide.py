@@ -78,6 +78,18 @@ def test_two_effects_where_one_leaves_a_misfit_and_both_are_needed():
     assert outcome(pairs=(pair,)) == ("identified", ("right",))
 
 
+def test_a_calibration_that_nobody_would_believe_is_said_first():
+    far = {"farthest": "preload", "deviations": -3.4}
+    decision = decide(replace(EVIDENCE, trials=(replace(RIGHT, **far),)), Criteria())
+    assert (decision.outcome, decision.effects) == ("undecidable", ())
+    assert decision.reason == "calibration first: preload stands 3.4 prior deviations from the rig file's value"
+    assert outcome(trials=(replace(RIGHT, farthest="preload", deviations=2.9),)) == ("identified", ("right",))
+    # without an effect to name, that of the model without any counts; where nothing explains the data, none
+    assert outcome(trials=(), excess=1.1, **far) == ("undecidable", ())
+    assert outcome(**far) == ("identified", ("right",))
+    assert outcome(trials=(), **far) == ("unknown", ())
+
+
 def test_ablations_say_what_parts_of_the_method_would():
     said = ablations(EVIDENCE, Criteria())
     assert said["no orthogonalisation"] == ("identified", ("wrong",), ())
