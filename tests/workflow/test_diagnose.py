@@ -141,7 +141,7 @@ def test_what_another_version_has_found_is_not_used(
 
 def test_files_that_the_rig_file_names_count_and_its_comments_do_not(tmp_path: Path) -> None:
     rig, film = tmp_path / "rig.toml", tmp_path / "film.csv"
-    text = (Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[1] / "data" / "short_faces.toml").read_text(encoding="utf-8")
     uniform = 'model = "uniform"'
     assert uniform in text
     mapped = text.replace(uniform, 'model = "polynomial"\nmap = "film.csv"')
