@@ -57,7 +57,7 @@ def frequency_responses(
         drawing.legend(
             handles=[*handles, *_key_of_marks(curves, finer), *key_of_stability(stability)],
             loc="outside lower center",
-            ncols=len(handles) + 3,
+            ncols=min(len(handles) + 3, 5),
         )
 
 

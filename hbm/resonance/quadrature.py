@@ -26,8 +26,9 @@ def quadrature_resonances(curve: ResponseCurve, point: str) -> list[QuadratureRe
     of a period behind the force, or leads it where the point moves against the excitation, at its largest.
 
     At an antiresonance the phase is the same and the response at its smallest: there it rises towards the places where
-    the phase has changed by 45 degrees, while it falls at a resonance, to 1 / sqrt(2) if it is linear. Places where the
-    branch was not followed are none.
+    the phase has changed by 45 degrees, while it falls at a resonance, to 1 / sqrt(2) if it is linear. It is the points
+    that are compared, since between few points an antiresonance cannot be told from a narrow resonance. Places where
+    the branch was not followed are none.
 
     raises: ValueError naming the points there are
     """
@@ -35,7 +36,8 @@ def quadrature_resonances(curve: ResponseCurve, point: str) -> list[QuadratureRe
     real, found = receptance.real, []
     for i in np.flatnonzero((np.sign(real[1:]) * np.sign(real[:-1]) < 0) & ~curve.after_gap[1:]):
         frequency, size = _at_quadrature(curve.frequency[i : i + 2], receptance[i : i + 2])
-        if all(_first_at_45_degrees(side) < size for side in (receptance[i::-1], receptance[i + 1 :])):
+        nearest = np.abs(receptance[i : i + 2]).max()
+        if all(_first_at_45_degrees(side) < nearest for side in (receptance[:i][::-1], receptance[i + 2 :])):
             found.append(QuadratureResonance(frequency, size, int(i)))
     return found
 
@@ -52,6 +54,7 @@ def _at_quadrature(frequency: Floats, receptance: Complex) -> tuple[float, float
 
 
 def _first_at_45_degrees(side: Complex) -> float:
-    """Size of the response where its phase is 45 degrees off quadrature, or where the branch ends before."""
+    """Size of the response where its phase is 45 degrees off quadrature, or where the branch ends before; 0 without any
+    points."""
     off = np.flatnonzero(np.abs(side.real) > np.abs(side.imag))
-    return float(abs(side[off[0] if len(off) else -1]))
+    return float(abs(side[off[0] if len(off) else -1])) if len(side) else 0.0

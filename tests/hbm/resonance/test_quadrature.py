@@ -40,9 +40,16 @@ def test_the_one_of_a_hardening_oscillator_is_near_its_peak(duffing):
     assert found.receptance == pytest.approx(peak, rel=2e-3)
 
 
+EVEN = np.linspace(0.8, 2.4, 3001)
+# As a continuation steps: many points at the resonances, few between them.
+AS_TRACED = np.r_[
+    0.8, 0.9, 1 + np.linspace(-0.05, 0.05, 101), 1.2, 1.5, 1.9, 2 + np.linspace(-0.05, 0.05, 101), 2.2, 2.4
+]
+
+
+@pytest.mark.parametrize("frequency", [EVEN, AS_TRACED], ids=["even", "as traced"])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_antiresonances_are_none_and_the_sign_of_the_point_does_not_matter(duffing, sign):
-    frequency = np.linspace(0.8, 2.4, 3001)
+def test_antiresonances_are_none_and_the_sign_of_the_point_does_not_matter(duffing, sign, frequency):
     modes = [1 / (w**2 - frequency**2 + 0.02j * w * frequency) for w in (1.0, 2.0)]
     curve = with_response(duffing, frequency, sign * (modes[0] + modes[1]))
     found = quadrature_resonances(curve, "mass")
