@@ -54,9 +54,12 @@ class ElementGroup:
         """(n_elements, directions) [N/m]"""
         return np.asarray(jax.vmap(self.law.reference_stiffness)(self.parameters))
 
-    def of_all_copies(self, value: Floats) -> Floats:
-        """(n_elements, ...) of one element each -> of all of its copies together"""
-        return value if self.copies is None else value * self.copies.reshape(-1, *[1] * (value.ndim - 1))
+    def of_all_copies(self, value: NDArray[Any], numbers: Integers | None = None) -> NDArray[Any]:
+        """(n_elements, ...) of one element each -> of all of its copies together; numbers: which elements, None: all"""
+        if self.copies is None:
+            return value
+        copies = self.copies if numbers is None else self.copies[numbers]
+        return value * copies.reshape(-1, *[1] * (value.ndim - 1))
 
     @cached_property
     def values(self) -> Any:

@@ -150,16 +150,16 @@ class NonlinearSystem:
         """The symmetric motions alone (hbm/problem/mirror.py); None where the problem is not its own mirror image."""
         if self.mirror is None:
             return None
-        return self._half(self.mirror, 1.0)
+        free, groups = half_structure(self.free, self.mirror), half_groups(self.groups, self.mirror)
+        return None if free is None or groups is None else replace(self, free=free, groups=groups, mirror=None)
 
     @cached_property
     def other_half(self) -> "NonlinearSystem | None":
         """Changes that are the opposite of their image, about a symmetric motion on the same rows as `half`."""
-        return None if self.mirror is None else self._half(self.mirror, -1.0)
-
-    def _half(self, mirror: Mirror, parity: float) -> "NonlinearSystem | None":
-        free, groups = half_structure(self.free, mirror, parity), half_groups(self.groups, mirror)
-        return None if free is None or groups is None else replace(self, free=free, groups=groups, mirror=None)
+        if self.half is None or self.mirror is None:
+            return None
+        free = half_structure(self.free, self.mirror, -1.0)
+        return None if free is None else replace(self.half, free=free)
 
     def half_driven_at(self, row: int) -> "tuple[NonlinearSystem, Mirror] | None":
         """`half`, where a force on this row is its own mirror image too, and what leads back to the whole."""

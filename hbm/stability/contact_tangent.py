@@ -93,8 +93,7 @@ class ContactTangent:
             size = np.abs(tangent).max(axis=(2, 3, 4), initial=0.0)
             still = some.elastic | (size <= NEGLIGIBLE * np.maximum(stiffness, np.finfo(float).tiny))
             tangent[still] = 0.0
-            copies = 1.0 if group.copies is None else group.copies[some.numbers, None, None, None, None]
-            blocks.append(copies * tangent)
+            blocks.append(group.of_all_copies(tangent, some.numbers))
         return ContactTangent(loose, tuple(blocks), n_relative)
 
     @cached_property

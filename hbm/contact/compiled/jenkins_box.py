@@ -8,15 +8,16 @@ from updamp.hbm.contact.compiled.keeping import kept
 from updamp.hbm.contact.compiled.normal import (
     identity,
     set_limits,
-    write_block,
     write_normal,
     write_normal_tangent,
+    write_tangential,
 )
 from updamp.hbm.contact.compiled.segments import positive
 from updamp.hbm.contact.compiled.slider import (
     Rows,
     add_force,
     add_tangent,
+    find_corners,
     march,
     new_path,
     new_scratch,
@@ -49,17 +50,16 @@ def force_with_tangent(
             sample(coefficients[d], tables.synthesis, path.u)
             slope(path.u, path.du)
             march(path, ratio, -p.t0[e, d] / kt, cycles, most[1], slider)
+            find_corners(path, ratio, most[0], slider)
             out.force[:] = coefficients[d]
-            add_force(path, ratio, slider, tables.shares, most[0], out.force)
+            add_force(path, ratio, slider, tables.shares, out.force)
             for a in range(c):
                 force[e, d, a] = kt * out.force[a] - p.t0[e, d] * tables.constant[a]
             if len(tangent):
                 identity(out.by_u)
                 out.by_p[:] = 0.0
                 add_tangent(path, rows, ratio, slider, tables.shares, 1.0, out)
-                tangent[e, d] = 0.0
-                write_block(kt, out.by_u, tangent[e, d, :, d, :])
-                write_block(kt, out.by_p, tangent[e, d, :, 2, :])
+                write_tangential(kt, out.by_u, out.by_p, d, tangent[e, d])
 
 
 @kept
@@ -90,13 +90,11 @@ def perturbed_tangent(
             sample(coefficients[d], tables.synthesis, path.u)
             slope(path.u, path.du)
             march(path, ratio, -p.t0[e, d] / kt, cycles, most[1], slider)
-            add_force(path, ratio, slider, tables.shares, most[0], out.force)  # which finds the corners
+            find_corners(path, ratio, most[0], slider)
             identity(out.by_u)
             out.by_p[:] = 0.0
             add_tangent(path, rows, ratio, slider, growing.shares, growing.last_period, out)
-            tangent[e, d] = 0.0
-            write_block(kt, out.by_u, tangent[e, d, :, d, :])
-            write_block(kt, out.by_p, tangent[e, d, :, 2, :])
+            write_tangential(kt, out.by_u, out.by_p, d, tangent[e, d])
 
 
 @kept

@@ -11,12 +11,19 @@ from updamp.hbm.contact.compiled.keeping import inner, kept
 from updamp.hbm.contact.compiled.normal import (
     identity,
     set_limits,
-    write_block,
     write_normal,
     write_normal_tangent,
+    write_tangential,
 )
 from updamp.hbm.contact.compiled.segments import positive
-from updamp.hbm.contact.compiled.tables import GrowingTables, Tables, add_products, loop_area, sample
+from updamp.hbm.contact.compiled.tables import (
+    GrowingTables,
+    Tables,
+    add_products,
+    loop_area,
+    sample,
+    size_of_change,
+)
 
 
 @kept
@@ -49,9 +56,7 @@ def force_with_tangent(
                 identity(by_u)
                 by_p[:] = 0.0
                 _add_tangent(source, limit, ratio, tables, p_rows, 1.0, by_u, by_p, columns)
-                tangent[e, d] = 0.0
-                write_block(kt, by_u, tangent[e, d, :, d, :])
-                write_block(kt, by_p, tangent[e, d, :, 2, :])
+                write_tangential(kt, by_u, by_p, d, tangent[e, d])
 
 
 @kept
@@ -78,9 +83,7 @@ def perturbed_tangent(
             identity(by_u)
             by_p[:] = 0.0
             _add_tangent(source, limit, ratio, growing, p_rows, growing.last_period, by_u, by_p, columns)
-            tangent[e, d] = 0.0
-            write_block(kt, by_u, tangent[e, d, :, d, :])
-            write_block(kt, by_p, tangent[e, d, :, 2, :])
+            write_tangential(kt, by_u, by_p, d, tangent[e, d])
 
 
 @kept
@@ -147,7 +150,7 @@ def _add_tangent(
         if source[t] == 2 * n:
             continue
         by_limit = 0.0 if limit[at] == 0 else (ratio if source[t] < n else -ratio)
-        size = last_period if at > t else 0.0 * last_period + 1.0
+        size = size_of_change(at > t, last_period)
         for a in range(columns_u.shape[1]):
             columns_u[at, a] -= size * tables.shares[t, a]
             columns_p[at, a] += by_limit * size * tables.shares[t, a]

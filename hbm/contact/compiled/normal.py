@@ -106,6 +106,14 @@ def identity(out: Any) -> None:
 
 
 @inner
+def write_tangential(kt: float, by_u: Any, by_p: Any, d: int, tangent: Any) -> None:
+    """Writes tangent, (n_coefficients, 3, n_coefficients), of the force in direction d; by_u, by_p: over kt"""
+    tangent[:] = 0.0
+    write_block(kt, by_u, tangent[:, d, :])
+    write_block(kt, by_p, tangent[:, 2, :])
+
+
+@inner
 def write_block(factor: float, block: Any, out: Any) -> None:
     for a in range(block.shape[0]):
         for b in range(block.shape[1]):

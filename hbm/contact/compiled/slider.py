@@ -30,7 +30,7 @@ from updamp.hbm.contact.compiled.segments import (
     push_slopes,
     turned,
 )
-from updamp.hbm.contact.compiled.tables import add_outer, add_products
+from updamp.hbm.contact.compiled.tables import add_outer, add_products, size_of_change
 
 Floats = NDArray[np.float64]
 
@@ -105,7 +105,7 @@ def new_slider(shares: Any) -> Slider:
 def new_scratch(shares: Any) -> Scratch:
     c, kind = shares.shape[1], shares.dtype
     square, row = np.empty((c, c), kind), np.empty(c, kind)
-    return Scratch(np.zeros(c), square, square.copy(), row, row.copy(), np.empty((2, N_CORNER)))
+    return Scratch(np.empty(c), square, square.copy(), row, row.copy(), np.empty((2, N_CORNER)))
 
 
 @inner
@@ -165,19 +165,24 @@ def _place(path: Path, ratio: float, most: int, slider: Slider) -> None:
 
 
 @inner
-def add_force(path: Path, ratio: float, slider: Slider, shares: Floats, most: int, force: Floats) -> None:
-    """Adds to the force of a spring alone, over kt, what the slider takes away and what lies beyond the chords."""
-    n = len(slider.up)
+def find_corners(path: Path, ratio: float, most: int, slider: Slider) -> None:
+    """Writes slider.corner; most: corners that are followed."""
     found = 0
-    for j in range(n):
-        w0, w1 = slider.position[slider.source[j]], slider.position[slider.source[j + 1]]
-        s = segment(path, j)
+    for j in range(len(slider.up)):
+        w0 = slider.position[slider.source[j]]
+        slider.corner[j] = found < most and has_corner(segment(path, j), ratio, w0, slider.up[j], slider.down[j])
+        found += slider.corner[j]
+
+
+@inner
+def add_force(path: Path, ratio: float, slider: Slider, shares: Floats, force: Floats) -> None:
+    """Adds to the force of a spring alone, over kt, what the slider takes away and what lies beyond the chords."""
+    for j in range(len(slider.up)):
+        w0 = slider.position[slider.source[j]]
         for a in range(len(force)):
             force[a] -= shares[j, a] * w0
-        slider.corner[j] = found < most and has_corner(s, ratio, w0, slider.up[j], slider.down[j])
         if slider.corner[j]:
-            found += 1
-            integral, moment = corner(s, ratio, w0, w1)
+            integral, moment = corner(segment(path, j), ratio, w0, slider.position[slider.source[j + 1]])
             for a in range(len(force)):
                 force[a] += shares[j, a] * (integral - moment) + shares[j + 1, a] * moment
 
@@ -194,7 +199,9 @@ def add_tangent(
     slider.columns[:] = 0.0
     for j in range(n):
         k, following = slider.source[j], slider.source[j + 1]
-        size0, size1 = _size(k, j, n, last_period), _size(following, j + 1, n, last_period)
+        # a source moves the slider in a segment that comes later only if that lies in the period before
+        size0 = size_of_change(k % n >= j, last_period)
+        size1 = size_of_change(following % n >= j + 1, last_period)
         for a in range(len(out.force)):
             slider.columns[k, a] += size0 * shares[j, a]
         s, w0 = segment(path, j), slider.position[k]
@@ -208,12 +215,6 @@ def add_tangent(
                     slider.columns[following, a] -= size1 * shares[j + q, a] * out.by[q, W1]
                 _add(shares[j + q], 1.0, out.by[q], rows, j, out)
     _add_sources(path, rows, ratio, slider, out)
-
-
-@inner
-def _size(source: int, j: int, n: int, last_period: Any) -> Any:
-    """Of the change of a source that moves the slider at sample j: it lies in the last period if it comes later."""
-    return last_period if source % n >= j else 0.0 * last_period + 1.0
 
 
 @inner

@@ -102,6 +102,12 @@ def loop_area(motion: Any, force: Any) -> float:
 
 
 @inner
+def size_of_change(earlier: bool, last_period: Any) -> Any:
+    """Of what moved a slider, as `GrowingTables` has it, in one kind of number; earlier: in the period before"""
+    return last_period if earlier else 0.0 * last_period + 1.0
+
+
+@inner
 def add_outer(column: Any, factor: float, row: Any, out: Any) -> None:
     """out += factor column row^T"""
     for a in range(len(column)):
