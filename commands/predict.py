@@ -1,6 +1,5 @@
 """Commands of a prediction: `updamp run`, `check`, `show`."""
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -53,10 +52,16 @@ def run(
     it stopped, in the middle of a curve too.
     """
     with clean_errors(debug), interruptible():
-        from updamp.model.rig_files import load_rig
+        from updamp.model.rig_files import is_modal, load_any, load_rig
 
         forces, last = tuple(_force(text) for text in force or ()), _stage(until)
         with Meter() as meter:
+            if is_modal(rig):
+                load_any(rig)  # what is wrong with it comes first
+                raise ValueError(
+                    f"{rig}: gives modes, not dimensions, so there is nothing to mesh; use it with: updamp compare "
+                    f"{rig} MEASUREMENT --out DIR (or diagnose), or from Python with updamp.api.response_curve"
+                )
             loaded = load_rig(rig)
             from updamp.workflow.run_options import RunOptions  # once the rig file is known to be sound
 
@@ -80,6 +85,7 @@ def run(
 
 def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
     """Whether every curve crossed its window and every picture was drawn."""
+    from updamp.rig.questions import questions
     from updamp.workflow.progress import Display
     from updamp.workflow.run import Run
     from updamp.workflow.run_outputs import summarise, write_outputs
@@ -89,6 +95,8 @@ def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
     console = Console()
     with Display(console) as display:
         this = Run(rig, options, display)
+        for question in questions(rig):
+            display.note("question", question)
         products = this.products()
         made, undrawn = write_outputs(this, products)
         display.done("files", ", ".join(made) or "all as they were")
@@ -127,23 +135,28 @@ def _stage(name: str | None) -> stages.Stage | None:
 def check(rig: RigFile, debug: Debug = False) -> None:
     """Read a rig file and explain it: every value in SI, and what follows from them."""
     with clean_errors(debug):
-        from updamp.model.rig_files import load_rig
-        from updamp.rig.tables import derived_table, values_table
+        from updamp.model.rig_files import load_any
+        from updamp.parallel.resources import free_memory
+        from updamp.rig.questions import questions
+        from updamp.rig.rig import Rig
+        from updamp.rig.tables import derived_table, sizes_table, values_table
 
-        loaded, console = load_rig(rig), Console()
+        loaded, console = load_any(rig), Console()
         console.print(values_table(loaded))
-        console.print(derived_table(loaded))
+        if isinstance(loaded, Rig):
+            console.print(derived_table(loaded))
+            console.print(sizes_table(loaded, free_memory()))
+            for question in questions(loaded):
+                console.print(Text.assemble(("question  ", "yellow"), question), soft_wrap=True)
 
 
 def show(folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.")], debug: Debug = False) -> None:
     """Show what a run found."""
     with clean_errors(debug):
-        path = folder / "summary.json"
-        if not path.is_file():
-            raise ValueError(f"{path}: no such file; make it with: updamp run RIG --mesh PRESET --out {folder}")
+        from updamp.workflow.read_summary import read_summary
         from updamp.workflow.summary import curves_table, overview_table
 
-        summary, console = json.loads(path.read_text(encoding="utf-8")), Console()
+        summary, console = read_summary(folder), Console()
         console.print(overview_table(summary))
         if summary.get("curves"):
             console.print(curves_table(summary["curves"]))

@@ -135,7 +135,7 @@ def comparison_of(
         values=fitted.compared.values,
         parameters=len(fitted.u),
         contact_states=_states_of_tests(fitted, plan, after),
-        assumptions=measurement.assumptions,
+        assumptions=measurement.stated,
         provenance={**(provenance or {}), "calibration": fitted.message, "lack of fit": f"{lack_of_fit(fitted):.3g}"},
         level_unit=plan.conditions[0].unit,
     )
@@ -147,7 +147,7 @@ def _of_features(
     found, nan = feature_findings(features), float("nan")
     return Comparison(
         measurement.title, not found, found, (), (), (), (), (), tuple(features), {}, nan, nan, 0, 0, {},
-        measurement.assumptions, provenance,
+        measurement.stated, provenance,
     )  # fmt: skip
 
 

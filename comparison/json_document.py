@@ -18,6 +18,8 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.parallel.whole_file import write_whole
+
 T = TypeVar("T")
 INFINITE = {"Infinity": math.inf, "-Infinity": -math.inf}
 NEEDED = "the file was made by another version or edited; write it anew"
@@ -195,11 +197,13 @@ class JsonDocument(Generic[T]):
         return decode(self.kind, {name: value for name, value in content.items() if name != "schema"})
 
     def write(self, path: Path, value: T) -> None:
-        path.write_text(json.dumps(self.to_json(value), allow_nan=False, indent=1), encoding="utf-8")
+        write_whole(path, json.dumps(self.to_json(value), allow_nan=False, indent=1).encode())
 
     def read(self, path: Path) -> T:
         """raises: ValueError naming the file and what is wrong with it"""
         try:
             return self.from_json(json.loads(path.read_text(encoding="utf-8")))
         except ValueError as error:  # JSONDecodeError and UnicodeDecodeError are ValueErrors
-            raise ValueError(f"{path}: {error}") from error
+            raise ValueError(
+                f"{path}: damaged, or not written by {self.command} ({error}); make it again with it"
+            ) from error

@@ -12,7 +12,7 @@ from updamp.design.study_json import STUDY_JSON
 from updamp.design.tracked_modes import ModeReference
 from updamp.design.variables import Variable, overrides
 from updamp.model.rig_files import is_modal
-from updamp.rig.errors import read_toml
+from updamp.rig.toml_file import read_toml
 from updamp.workflow.rig_text import EffectText, moved, with_effect, with_values
 
 

@@ -21,8 +21,8 @@ from updamp.model.rig_files import load_any
 from updamp.notebook.model import ABOUT_A_MODE
 from updamp.parallel.chosen_workers import chosen_workers
 from updamp.parallel.workers import Workers
-from updamp.rig.errors import read_toml
 from updamp.rig.modal_rig import ModalRig
+from updamp.rig.toml_file import read_toml
 from updamp.workflow import stages
 from updamp.workflow.progress import Display
 from updamp.workflow.rig_text import moved

@@ -20,9 +20,10 @@ from updamp.design.responses.response import Response
 from updamp.design.rig_numbers import AnyRig
 from updamp.design.variables import Variable, VariableTable, variable
 from updamp.model.rig_files import load_any
-from updamp.rig.errors import RigError, explain, read_toml
+from updamp.rig.errors import RigError, explain
 from updamp.rig.fields import InputTable
 from updamp.rig.modal_rig import ModalRig
+from updamp.rig.toml_file import read_toml
 
 Table = TypeVar("Table", bound=InputTable)
 T = TypeVar("T")
@@ -60,7 +61,7 @@ class DesignStudy:
 
 def read_study(path: Path) -> DesignStudy:
     """raises: StudyError with every problem found, one a line; RigError where its rig cannot be read"""
-    stated = read_toml(path, "a study file, such as rigs/studies/friction.toml", StudyError)
+    stated = read_toml(path, "a study file, such as rigs/studies/friction.toml", StudyError, "design study")
     problems: list[str] = []
     head = _section(stated, "study", StudyTable, problems)
     problems += [f"{key}: unknown key; {_instead(key, _KEYS)}" for key in stated if key not in _KEYS]

@@ -100,6 +100,7 @@ class Measurement:
     assumptions: what was not stated and how it was read, in sentences
     hashes: file name -> SHA-256 of what was read
     repeatability: relative standard deviation of a response from test to test as stated, 0 where the repeats tell
+    questions: what is hardly meant as it is stated, found when it was held against a model; `stated` has them first
     """
 
     title: str
@@ -111,6 +112,12 @@ class Measurement:
     assumptions: tuple[str, ...] = ()
     hashes: Mapping[str, str] | None = None
     repeatability: float = 0.0
+    questions: tuple[str, ...] = ()
+
+    @property
+    def stated(self) -> tuple[str, ...]:
+        """Questions and assumptions: what a reader of the results has to know first."""
+        return (*self.questions, *self.assumptions)
 
     def channel(self, name: str) -> Channel:
         """raises: ValueError naming the channels there are"""

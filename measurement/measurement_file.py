@@ -16,8 +16,9 @@ from pydantic import (
 
 from updamp.measurement.measurement import MeasurementError, near
 from updamp.measurement.quantities import AMPLITUDES, QUANTITIES, si_factor
-from updamp.rig.errors import explain, read_toml
+from updamp.rig.errors import explain
 from updamp.rig.fields import InputTable, Quantity
+from updamp.rig.toml_file import read_toml
 
 Text = Annotated[str, StringConstraints(min_length=1)]
 Model = TypeVar("Model", bound=BaseModel)
@@ -122,7 +123,7 @@ class MeasurementFile(InputTable):
 
     title: Annotated[Text, Field(examples=["Double-beam rig, damper 3, May 2024"])]
     rig: Annotated[Text, Field(examples=["pesaresi2017"])]
-    damper_load: Annotated[float, Quantity("N", "960 N", at_least=0)]
+    damper_load: Annotated[float, Quantity("N", "960 N", at_least=0, at_most=1e9)]
     excitation: Annotated[Text, Field(examples=["blade_right.excitation.x"])]
     time_convention: Annotated[Literal["exp(+iwt)", "exp(-iwt)"], Field(examples=["exp(+iwt)"])] | None = None
     features: Annotated[Text, Field(examples=["stated.toml"])] | None = None
@@ -227,7 +228,7 @@ def level_in_si(file: MeasurementFile, run: RunTable) -> float | None:
 
 def read_measurement_table(path: Path) -> dict[str, Any]:
     """A TOML file as it is. raises: MeasurementError where it cannot be read"""
-    return read_toml(path, "a measurement.toml (docs/measurements.md)", MeasurementError)
+    return read_toml(path, "a measurement.toml (docs/measurements.md)", MeasurementError, "measurement")
 
 
 def validated(path: Path, table: Mapping[str, Any], model: type[Model], where: str = "") -> Model:

@@ -84,7 +84,7 @@ class FeatureFile(InputTable):
 
     source: Source
     rig: Annotated[Text, Field(examples=["pesaresi2017"])] | None = None
-    damper_load: Annotated[float, Quantity("N", "960 N", at_least=0)] | None = None
+    damper_load: Annotated[float, Quantity("N", "960 N", at_least=0, at_most=1e9)] | None = None
     excitation: Annotated[Text, Field(examples=["blade_right.excitation.x"])] | None = None
     feature: Annotated[tuple[FeatureTable, ...], Field(min_length=1)]
 

@@ -5,12 +5,11 @@ from pathlib import Path
 from typing import Any
 
 from updamp.rig.effects import Calibration, Readers, RigEffect
-from updamp.rig.errors import RigError, read_toml
+from updamp.rig.errors import RigError
 from updamp.rig.modal_rig import ModalRig
 from updamp.rig.read import read_rig, read_section
 from updamp.rig.rig import Rig
-
-KIND = "modal"
+from updamp.rig.toml_file import read_toml
 
 
 # Both are imported on call: they load JAX, which takes 1.5 s, and most rig files state neither table.
@@ -56,6 +55,6 @@ def load_any(path: str | Path, overrides: Mapping[str, Any] | None = None) -> Ri
 def is_modal(path: str | Path) -> bool:
     """Whether a rig file gives modes; False for one that cannot be read, which its loader explains better."""
     try:
-        return read_toml(Path(path), "a rig file").get("kind") == KIND
+        return "kind" in read_toml(Path(path), "a rig file")
     except RigError:
         return False

@@ -6,12 +6,14 @@ import sys
 import threading
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 import psutil
 
+_GROUP = Path("/sys/fs/cgroup")
 _BYTES_PER_MAXRSS = 1 if sys.platform == "darwin" else 1024
 
 
@@ -121,6 +123,27 @@ def environment(values: Mapping[str, str]) -> Iterator[None]:
                 os.environ.pop(name, None)
             else:
                 os.environ[name] = value
+
+
+def free_memory() -> float:
+    """Memory [bytes] that processes may still take: of the machine, or of the control group of this one."""
+    free = float(psutil.virtual_memory().available)
+    with suppress(OSError, ValueError):  # no control groups of version 2, or none that is limited
+        limit, used = ((_GROUP / name).read_text().strip() for name in ("memory.max", "memory.current"))
+        free = min(free, float(limit) - float(used))
+    return free
+
+
+MEMORY_OF_WORKER = 1e9  # bytes; docs/comparison.md has 1.1 GB for the largest of the reference rig's
+
+
+def checked_workers(number: int) -> int:
+    """raises: ValueError naming the option --jobs where it is below 1 or more than the memory holds"""
+    if number < 1:
+        raise ValueError(f"--jobs {number}: at least 1")
+    if number > (most := max(int(psutil.virtual_memory().total / MEMORY_OF_WORKER), 1)):
+        raise ValueError(f"--jobs {number}: each takes about 1 GB of memory; at most {most} fit into this machine's")
+    return number
 
 
 def usual_workers() -> int:

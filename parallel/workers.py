@@ -20,11 +20,14 @@ T = TypeVar("T")
 R = TypeVar("R")
 
 
+LOST = "a process was ended from outside, likely for want of memory; run again with fewer --jobs"
+
+
 class WorkerLostError(RuntimeError):
     """A process that was ended from outside. place: of the item that it was at, or that was next"""
 
     def __init__(self, place: int) -> None:
-        super().__init__("a process was ended from outside, likely for want of memory; run again with fewer --jobs")
+        super().__init__(LOST)
         self.place = place
 
 

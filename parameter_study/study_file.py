@@ -12,9 +12,10 @@ from updamp.model.rig_files import load_any
 from updamp.parameter_study.families import Family, MeasuredResonance, ParameterStudy, Variant
 from updamp.parameter_study.family_pictures import PICTURES
 from updamp.parameter_study.findings.registry import FINDINGS
-from updamp.rig.errors import RigError, explain, read_toml
+from updamp.rig.errors import RigError, explain
 from updamp.rig.fields import InputTable
 from updamp.rig.rig import Force, Frequency, Name, Rig
+from updamp.rig.toml_file import read_toml
 
 Label = Annotated[str, StringConstraints(pattern=r"^\S(.*\S)?$"), Field(examples=["50/50"])]
 Place = Annotated[float, Field(strict=True, ge=-1, le=1, examples=[0.5])]
@@ -80,7 +81,7 @@ def read_parameter_study(path: Path, mesh: str | None = None) -> ParameterStudy:
 
     raises: StudyError with every problem found, one a line; RigError where its rig cannot be read
     """
-    stated = read_toml(path, "a study file, such as rigs/studies/pesaresi2017.toml", StudyError)
+    stated = read_toml(path, "a study file, such as rigs/studies/pesaresi2017.toml", StudyError, "parameter study")
     try:
         file = StudyFile.model_validate(stated)
     except ValidationError as error:

@@ -1,10 +1,8 @@
 """Turns the validation's findings into sentences a person can act on."""
 
 import json
-import tomllib
 from collections.abc import Iterator, Mapping
 from difflib import get_close_matches
-from pathlib import Path
 from types import UnionType
 from typing import Any, Union, get_args, get_origin
 
@@ -17,18 +15,6 @@ from updamp.rig.fields import Quantity
 
 class RigError(ValueError):
     """A rig file that cannot be used; the message has one line a problem."""
-
-
-def read_toml(path: Path, wanted: str, failure: type[ValueError] = RigError) -> dict[str, Any]:
-    """A TOML file as it is. wanted: what to give in its place where there is none; raises: `failure`"""
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise failure(f"{path}: no such file; give {wanted}") from None
-    except OSError as error:
-        raise failure(f"{path}: cannot be read: {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise failure(f"{path}: not valid TOML: {error}") from None
 
 
 def explain(error: ValidationError, model: type[BaseModel]) -> Iterator[str]:
@@ -114,9 +100,18 @@ def _how_to_add(path: str, field: FieldInfo | None) -> str:
         return "another entry is wanted"
     if isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel):
         return f"add the table [{path}] with {', '.join(field.annotation.model_fields)}"
+    if tables := _tables_of(field.annotation):
+        return f"add a table [{path}.NAME] with {', '.join(tables.model_fields)}"
     quantities = [entry.example for entry in field.metadata if isinstance(entry, Quantity)]
-    examples = quantities or field.examples or [get_args(field.annotation)[0]]
-    return f"add it, such as {key} = {_written(examples[0])}"
+    examples = quantities or field.examples or get_args(field.annotation)
+    return f"add it, such as {key} = {_written(examples[0])}" if examples else f"add it: {key} = ..."
+
+
+def _tables_of(annotation: Any) -> type[BaseModel] | None:
+    """What a table of tables, or an array of them, is made of."""
+    arguments = get_args(annotation)
+    found = [a for a in arguments if isinstance(a, type) and issubclass(a, BaseModel)]
+    return found[0] if found and get_origin(annotation) is not None else None
 
 
 def _written(value: object) -> str:

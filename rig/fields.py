@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|[+-]?(?:nan|inf)\b"
+_DECIMAL_COMMA = re.compile(r",\d")  # what is left of "150,5 mm" after the number
 _NUMBER_AND_UNIT = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*")
 
 
@@ -60,10 +61,14 @@ class Quantity:
         if (1 * unit).to_root_units().units != _registry().Quantity(1, self.si).to_root_units().units:
             raise ValueError(f'wrong dimension: needs a unit of the kind {self.si}, such as "{self.example}"')
         value = _registry().Quantity(number, unit)
-        in_si = float(value.to(self.si).magnitude) if number.is_finite() else math.inf
+        try:
+            in_si = float(value.to(self.si).magnitude) if number.is_finite() else math.inf
+            in_example = float(value.to(self.example.split(maxsplit=1)[1]).magnitude) if number.is_finite() else in_si
+        except ArithmeticError:  # beyond what decimal numbers hold
+            in_si = math.inf
         if not math.isfinite(in_si):
             raise ValueError(f'not a finite number; write it like "{self.example}"')
-        self._check_range(float(value.to(self.example.split(maxsplit=1)[1]).magnitude))
+        self._check_range(in_example)
         return in_si
 
     def in_unit(self, text: object, unit: str) -> float:
@@ -87,6 +92,8 @@ class Quantity:
         match = _NUMBER_AND_UNIT.fullmatch(text) if isinstance(text, str) else None
         if match is None:
             raise ValueError(f'not a number with a unit; write it like "{self.example}"')
+        if _DECIMAL_COMMA.match(match[2]):
+            raise ValueError(f'numbers have a decimal point: "{str(text).strip().replace(",", ".", 1)}"')
         if not match[2]:
             raise ValueError(f'state its unit, such as "{self.example}"')
         return Decimal(match[1]), match[2]

@@ -9,9 +9,10 @@ from pydantic import ValidationError
 
 from updamp.rig.checks import buildable
 from updamp.rig.effects import Readers
-from updamp.rig.errors import RigError, explain, read_toml
+from updamp.rig.errors import RigError, explain
 from updamp.rig.fields import InputTable
 from updamp.rig.rig import Rig
+from updamp.rig.toml_file import read_toml
 
 Kind = TypeVar("Kind", bound=InputTable)
 
@@ -34,7 +35,7 @@ def read_section(
     path: Path, kind: type[Kind], readers: Readers, what: str, overrides: Mapping[str, Any] | None = None
 ) -> Kind:
     """A whole file as one table. what: is wanted, for the message where there is no such file; raises: RigError"""
-    table = read_toml(path, what)
+    table = read_toml(path, what, kind="rig file")
     for key, value in (overrides or {}).items():
         _override(table, key, value)
     try:

@@ -20,10 +20,12 @@ from updamp.rig.effects import Calibration, CalibrationTable, Effects
 from updamp.rig.fields import InputTable, Quantity
 from updamp.rig.pressure import ByFacePressure, FePressure, PolynomialPressure, TwoAreaPressure, UniformPressure
 
-Length = Annotated[float, Quantity("m", "5 mm", above=0, at_most=10_000)]
-Force = Annotated[float, Quantity("N", "10 N", above=0)]
-Frequency = Annotated[float, Quantity("Hz", "430 Hz", above=0)]
-AreaStiffness = Annotated[float, Quantity("N/m^3", "60000 N/mm^3", above=0)]
+# Bounds are far beyond any test rig, and far within what floating-point numbers and hexahedra can be computed with;
+# what is merely odd is asked (questions.py). A thousandth of a millimetre is below every tolerance of manufacture.
+Length = Annotated[float, Quantity("m", "5 mm", at_least=0.001, at_most=10_000)]
+Force = Annotated[float, Quantity("N", "10 N", above=0, at_most=1e9)]
+Frequency = Annotated[float, Quantity("Hz", "430 Hz", above=0, at_most=1e6)]
+AreaStiffness = Annotated[float, Quantity("N/m^3", "60000 N/mm^3", above=0, at_most=1e12)]
 Divisions = Annotated[int, Field(strict=True, ge=1, examples=[4])]
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$")]
 
@@ -40,7 +42,7 @@ class Material(InputTable):
 class Blade(InputTable):
     """The right-hand blade, an upright beam clamped at height 0. [m]"""
 
-    height: Annotated[float, Quantity("m", "150 mm", above=0, at_most=10_000)]
+    height: Annotated[float, Quantity("m", "150 mm", at_least=0.001, at_most=10_000)]
     thickness: Length
     width: Length
     axis_offset: Length
@@ -71,7 +73,7 @@ class Damper(InputTable):
 class Wire(InputTable):
     """The pulling wires, one to each end of the damper. [N/m], [m]"""
 
-    axial_stiffness: Annotated[float, Quantity("N/m", "1e6 N/m", above=0)]
+    axial_stiffness: Annotated[float, Quantity("N/m", "1e6 N/m", above=0, at_most=1e15)]
     length: Length
     attachment_height: Annotated[float, Quantity("m", "3 mm", at_least=-1000, at_most=1000)]
 

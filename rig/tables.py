@@ -5,14 +5,17 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from pydantic import BaseModel
+from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 from updamp.rig.effects import Calibration, RigEffect
 from updamp.rig.fields import Quantity
+from updamp.rig.modal_rig import ModalRig
 from updamp.rig.rig import Rig
+from updamp.rig.size import size_of
 
 
-def values_table(rig: Rig) -> Table:
+def values_table(rig: Rig | ModalRig) -> Table:
     """Every key of the rig file with its value in SI."""
     table = Table(title=f"Rig {rig.name}", title_justify="left", header_style="bold")
     for heading, align in (("key", "left"), ("value", "right"), ("unit", "left")):
@@ -76,6 +79,38 @@ def _written(value: Any) -> str:
     if isinstance(value, tuple):
         return ", ".join(_written(entry) for entry in value) if len(value) < 20 else f"{len(value)} entries"
     return str(value)
+
+
+def sizes_table(rig: Rig, free: float) -> Table:
+    """What each mesh preset takes. free: memory that there is [bytes]"""
+    table = Table(title="What each mesh takes, about", title_justify="left", header_style="bold", box=SIMPLE_HEAD)
+    for heading in ("mesh", "unknowns", "GB", "time", "contacts", "unknowns a curve", "GB a curve", ""):
+        table.add_column(heading, justify="left" if heading in ("mesh", "") else "right")
+    for name in rig.mesh:
+        size = size_of(rig, name)
+        memory, curve = size.elements_memory(), size.curve_memory()
+        table.add_row(
+            name,
+            f"{size.unknowns:,}",
+            f"{memory / 1e9:.2g}",
+            _duration(size.elements_seconds()),
+            f"{size.contacts}",
+            f"{size.balance:,}",
+            f"{curve / 1e9:.2g}",
+            f"[red]more than the {free / 1e9:.3g} GB that are free[/]" if max(memory, curve) > free else "",
+        )
+    table.caption = "time: from mesh to reduced model on two processors; a curve takes seconds, with jumps minutes"
+    return table
+
+
+def _duration(seconds: float) -> str:
+    return (
+        f"{seconds:.0f} s"
+        if seconds < 90
+        else f"{seconds / 60:.0f} min"
+        if seconds < 5400
+        else f"{seconds / 3600:.3g} h"
+    )
 
 
 def derived_table(rig: Rig) -> Table:

@@ -12,7 +12,15 @@ from updamp.model.calibration import present_name
 from updamp.model.rig_files import load_any
 from updamp.rig.errors import RigError
 from updamp.workflow import rig_text
-from updamp.workflow.add_checks import already_there, calibration_missing, name_in_use, not_fitted, notes, unknown
+from updamp.workflow.add_checks import (
+    already_there,
+    calibration_missing,
+    name_in_use,
+    not_fitted,
+    notes,
+    of_rig,
+    unknown,
+)
 from updamp.workflow.history import Errors, HistoryStep, data_hash, read_history, write_history
 from updamp.workflow.rig_text import EffectText
 
@@ -48,8 +56,10 @@ def add(rig: Path, names: Sequence[str], folder: Path, options: AddOptions | Non
     raises: ValueError with every problem found, one a line; RigError for a rig file that cannot be used
     """
     options = options or AddOptions()
-    present = load_any(rig).effects
+    loaded = load_any(rig)
+    present = loaded.effects
     source, verdict = _diagnosis(rig, folder)
+    of_rig(verdict, source, loaded.name)
     names = tuple(dict.fromkeys(names)) or _identified(verdict, source)
     own = {effect_from_file(path).name: path for path in options.own}
     out = options.out or rig.with_name(f"{rig.stem}+{'+'.join(names)}.toml")

@@ -25,6 +25,15 @@ def not_fitted(verdict: Verdict, names: Sequence[str], source: Path) -> Iterator
             )
 
 
+def of_rig(verdict: Verdict, source: Path, rig: str) -> None:
+    """raises: ValueError where the diagnosis is of another rig: its values mean nothing here"""
+    of = verdict.provenance.get("rig", rig)  # older ones do not say
+    if of != rig:
+        raise ValueError(
+            f"{source}: is a diagnosis of the rig '{of}', and this is '{rig}'; give that of this rig with --from"
+        )
+
+
 def already_there(present: Sequence[RigEffect], names: Sequence[str], rig: Path, replace: bool) -> Iterator[str]:
     """An effect at its null values waits to be fitted: it may be replaced unasked."""
     for effect in present:

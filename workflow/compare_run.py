@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib.metadata import version
 from pathlib import Path
 
@@ -21,9 +21,12 @@ from updamp.measurement.measurement import Measurement
 from updamp.model.build import modal_before_effects, rig_before_effects
 from updamp.model.rig_files import is_modal, load_modal, load_rig
 from updamp.report.page import write_report
+from updamp.rig.questions import questions
 from updamp.rig.rig import Rig
 from updamp.workflow import stages
 from updamp.workflow.history import record_comparison
+from updamp.workflow.measured_against_model import measured_against_model, unknown_modes
+from updamp.workflow.output_folder import check_folder
 from updamp.workflow.progress import Display
 from updamp.workflow.run import Run
 from updamp.workflow.run_options import RunOptions
@@ -93,13 +96,15 @@ class ComparisonInputs:
 
     before_effects: the model, calibrated as the rig file says
     rig_effects: effects of the rig file, to be applied after nuisance parameters (`Parametrisation`)
-    mesh: preset, "" for a model without; finer: models with finer numerics, before effects too, by what is finer
+    rig: its name; mesh: preset, "" for a model without
+    finer: models with finer numerics, before effects too, by what is finer
     """
 
     before_effects: RigModel
     measurement: Measurement
     features: tuple[FeatureComparison, ...]
     mesh: str
+    rig: str
     finer: Mapping[str, RigModel] = field(default_factory=dict)
     rig_effects: tuple[ChosenEffect, ...] = ()
 
@@ -111,12 +116,18 @@ def comparison_inputs(
 
     raises: RigError, MeasurementError and what the stages raise, naming what to mend
     """
-    return _of_modal_rig(files) if is_modal(files.rig) else _of_rig(files, preset, workers, display, finer)
+    inputs = _of_modal_rig(files) if is_modal(files.rig) else _of_rig(files, preset, workers, display, finer)
+    model = with_effects(inputs.before_effects, inputs.rig_effects)
+    asked = (*inputs.measurement.questions, *measured_against_model(model, inputs.measurement))
+    for question in asked:
+        display.note("question", question)
+    return replace(inputs, measurement=replace(inputs.measurement, questions=asked)) if asked else inputs
 
 
 def _of_rig(files: CompareFiles, preset: str, workers: int, display: Display, finer: Sequence[str]) -> ComparisonInputs:
     rig = load_rig(files.rig)
     measurement = load_measurement(files.measurement, _points(), rig.name)
+    measurement = replace(measurement, questions=(*questions(rig), *unknown_modes(measurement, tuple(rig.study.modes))))
     run = Run(rig, RunOptions(preset, files.out, workers, check=False, until=stages.STATIC_CONTACT), display)
     model, free_frequency = _model(run)
     features = _features(files, rig, measurement, preset, workers, display, free_frequency)
@@ -125,14 +136,15 @@ def _of_rig(files: CompareFiles, preset: str, workers: int, display: Display, fi
         folder = files.out / name
         again = Run(rig, RunOptions(name, folder, workers, check=False, until=stages.STATIC_CONTACT), display)
         finer_models[name] = _model(again)[0]
-    return ComparisonInputs(model, measurement, features, preset, finer_models, resolved(rig.effects))
+    return ComparisonInputs(model, measurement, features, preset, rig.name, finer_models, resolved(rig.effects))
 
 
 def _of_modal_rig(files: CompareFiles) -> ComparisonInputs:
     rig = load_modal(files.rig)
+    check_folder(files.out, rig.name)
     model = modal_before_effects(rig)
     measurement = load_measurement(files.measurement, model.components.points, rig.name)
-    return ComparisonInputs(model, measurement, (), "", rig_effects=resolved(rig.effects))
+    return ComparisonInputs(model, measurement, (), "", rig.name, rig_effects=resolved(rig.effects))
 
 
 @contextmanager
@@ -223,6 +235,7 @@ def provenance_of(files: CompareFiles, inputs: ComparisonInputs, preset: str) ->
         else {}
     )
     return {
+        "rig": inputs.rig,
         "rig file": str(files.rig),
         "measurement": str(files.measurement),
         **of_mesh,

@@ -15,6 +15,7 @@ from typing import Any, Protocol
 
 from updamp.hbm.compilation_cache import keep_compiled
 from updamp.parallel.resources import environment, thread_limits
+from updamp.parallel.workers import LOST
 
 REPORT_EVERY = 0.2  # s
 
@@ -115,8 +116,8 @@ def _outcomes(
             report(*messages.get(timeout=REPORT_EVERY))
         for future in [f for f in waiting if f.done()]:
             job = waiting.pop(future)
-            error = future.exception()  # of the pool, such as a worker that the system has killed for want of memory
-            yield future.result() if error is None else JobOutcome(job, JobEnd.FAILED, f"{error}")
+            error = future.exception()  # of the pool: a worker was killed
+            yield future.result() if error is None else JobOutcome(job, JobEnd.FAILED, LOST)
 
 
 _messages: Any = None

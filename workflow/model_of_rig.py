@@ -11,6 +11,7 @@ from updamp.model.build import modal_model, rig_model
 from updamp.rig.modal_rig import ModalRig
 from updamp.rig.rig import Rig
 from updamp.workflow import stages
+from updamp.workflow.limits import check_size
 from updamp.workflow.progress import Display
 from updamp.workflow.run import Run
 from updamp.workflow.run_options import RunOptions
@@ -37,6 +38,7 @@ def model_of_rig(
 
 
 def _computed(rig: Rig, preset: str, functions: StageFunctions) -> tuple[ReducedModel, StaticContact]:
+    check_size(rig, preset)
     mesh = functions.mesh(rig, preset)
     reduced = functions.finite_elements(rig, mesh, False, lambda _: None).reduced
     return reduced, functions.static_contact(rig, reduced)

@@ -20,6 +20,8 @@ from updamp.workflow.accuracy_jobs import AccuracyJob
 from updamp.workflow.adaptive_curves import AdaptiveCurveJob, of_these_harmonics
 from updamp.workflow.curve_jobs import CurveJob
 from updamp.workflow.job_pool import Job, JobEnd, JobOutcome, JobProgress, run_all
+from updamp.workflow.limits import check_size
+from updamp.workflow.output_folder import check_folder
 from updamp.workflow.products import Product, Products, Stored, stored
 from updamp.workflow.progress import Display
 from updamp.workflow.resonance_jobs import ResonanceJob
@@ -37,7 +39,8 @@ FINITE_ELEMENT_STEPS = 8  # announced by the finite elements, for the progress b
 class Run:
     """What a run has at hand. `executed` names the stages and curves that were computed, not taken from files.
 
-    raises: ValueError where an option names a mesh or mode that the rig file does not have
+    raises: ValueError where an option names a mesh or mode that the rig file does not have, the folder is no place to
+        write into, or the memory does not hold what is asked for
     """
 
     rig: Rig
@@ -49,6 +52,16 @@ class Run:
     def __post_init__(self) -> None:
         _check_names("--mesh", (self.options.preset,), self.rig.mesh)
         _check_names("--mode", self.options.modes, self.rig.study.modes)
+        check_folder(self.options.folder, self.rig.name)
+        check_size(self.rig, self.options.preset, self._meshed())
+
+    def _meshed(self) -> bool:
+        """Whether the finite elements are there, from this machine or another."""
+        try:
+            stamp = store.read_stamp(self.file(stages.FINITE_ELEMENTS.name))
+        except store.StoreError:
+            return False
+        return stamp.key == self.key(stages.FINITE_ELEMENTS)
 
     def file(self, name: str) -> Path:
         return self.options.folder / "stages" / f"{name}.h5"

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from updamp.parallel.resources import checked_workers
 from updamp.workflow.stages import Stage
 
 
@@ -32,5 +33,4 @@ class RunOptions:
     until: Stage | None = None
 
     def __post_init__(self) -> None:
-        if self.workers < 1:
-            raise ValueError(f"--jobs {self.workers}: at least 1")
+        checked_workers(self.workers)

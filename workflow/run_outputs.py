@@ -11,6 +11,7 @@ from typing import Any
 from updamp.geometry.write_vtu import write_vtu
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.stability.branch_stability import BranchStability
+from updamp.parallel.whole_file import write_whole
 from updamp.pictures.scene import RenderingError
 from updamp.workflow import stages, summary
 from updamp.workflow.accuracy_summary import numerical_error
@@ -45,10 +46,7 @@ class Outputs:
         path.parent.mkdir(parents=True, exist_ok=True)
         write(path)
         self._keys[name] = key
-        self.record.parent.mkdir(parents=True, exist_ok=True)
-        temporary = self.record.with_suffix(".tmp")
-        temporary.write_text(json.dumps(self._keys, indent=1), encoding="utf-8")
-        temporary.replace(self.record)
+        write_whole(self.record, json.dumps(self._keys, indent=1).encode())
         return True
 
 

@@ -6,7 +6,6 @@ text, tuples of numbers or text, mappings from names to any of these, further da
 """
 
 import json
-import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, is_dataclass
@@ -18,6 +17,7 @@ from typing import Any, TypeVar, get_args, get_type_hints
 import h5py
 import numpy as np
 
+from updamp.parallel.whole_file import whole_hdf5
 from updamp.workflow.store_units import UNITS
 
 SCHEMA_VERSION = 1
@@ -56,23 +56,18 @@ class Stamp:
 def write(path: Path, product: Any, stamp: Stamp) -> None:
     """Write a frozen dataclass. The file appears whole or not at all; its folder is made when missing.
 
-    raises: UnitError where a number has no unit in store_units.py or a field is of a kind that cannot be stored
+    raises: UnitError where a number has no unit in store_units.py or a field is of a kind that cannot be stored;
+        DiskError where the disk does not take it
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
-        with h5py.File(temporary, "w", track_order=True) as file:
-            file.attrs["schema"] = SCHEMA_VERSION
-            file.attrs["code_version"] = f"updamp {version('updamp')}"
-            file.attrs["created"] = datetime.now(UTC).isoformat(timespec="seconds")
-            file.attrs["input_hash"] = stamp.key
-            file.attrs["seconds"] = json.dumps(dict(stamp.seconds))
-            file.attrs["intervals"] = json.dumps(stamp.intervals)
-            file.attrs["peak_memory_bytes"] = stamp.peak_memory
-            _put(file, "product", product, owner=type(product).__name__)
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    with whole_hdf5(path) as file:
+        file.attrs["schema"] = SCHEMA_VERSION
+        file.attrs["code_version"] = f"updamp {version('updamp')}"
+        file.attrs["created"] = datetime.now(UTC).isoformat(timespec="seconds")
+        file.attrs["input_hash"] = stamp.key
+        file.attrs["seconds"] = json.dumps(dict(stamp.seconds))
+        file.attrs["intervals"] = json.dumps(stamp.intervals)
+        file.attrs["peak_memory_bytes"] = stamp.peak_memory
+        _put(file, "product", product, owner=type(product).__name__)
 
 
 def read(path: Path, kind: type[Product], part: str = "") -> Product:

@@ -18,6 +18,7 @@ from updamp.hbm.continuation.sweeps import sweep
 from updamp.hbm.resonance.quadrature import quadrature_resonances
 from updamp.hbm.resonance.resonance_curve import ResonanceCurve
 from updamp.hbm.stability.branch_stability import BranchStability
+from updamp.parallel.whole_file import write_whole
 from updamp.workflow.accuracy_summary import error_cells
 from updamp.workflow.adaptive_curves import ChosenHarmonics
 from updamp.workflow.stability_summary import stability_entry, words
@@ -163,10 +164,7 @@ def union_length(intervals: Sequence[tuple[float, float]]) -> float:
 
 
 def write_summary(path: Path, summary: Mapping[str, Any]) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_suffix(".tmp")
-    temporary.write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
-    temporary.replace(path)
+    write_whole(path, (json.dumps(summary, indent=2) + "\n").encode())
 
 
 def write_responses(

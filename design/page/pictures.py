@@ -10,8 +10,9 @@ from updamp.design.run_study import StudyResult
 from updamp.design.variables import overrides
 from updamp.geometry.outlines import blade_outline, damper_outline
 from updamp.model.rig_files import load_any
-from updamp.rig.errors import RigError, read_toml
+from updamp.rig.errors import RigError
 from updamp.rig.rig import Rig
+from updamp.rig.toml_file import read_toml
 
 _OF_GEOMETRY = ("blade", "platform", "damper")
 

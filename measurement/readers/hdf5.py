@@ -1,6 +1,5 @@
 """HDF5 in the project's own schema: sweeps with units, noise and checksums, as `store.py` lays down its products."""
 
-import os
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -12,6 +11,7 @@ import numpy as np
 from updamp.measurement.measurement import MeasurementError
 from updamp.measurement.readers.registry import NoOptions, register, usable_file
 from updamp.measurement.recorded import RecordedChannel, RecordedSweep
+from updamp.parallel.whole_file import whole_hdf5
 
 SCHEMA_VERSION = 1
 KIND = "updamp recorded sweeps"
@@ -37,18 +37,13 @@ def read_hdf5(path: Path, labels: tuple[str, ...], options: NoOptions) -> tuple[
 
 
 def write_hdf5(path: Path, sweeps: Sequence[RecordedSweep]) -> None:
-    """All that a recorded sweep holds; the file appears whole or not at all."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
-        with h5py.File(temporary, "w", track_order=True) as file:
-            file.attrs["kind"], file.attrs["schema"] = KIND, SCHEMA_VERSION
-            file.attrs["code_version"] = f"updamp {version('updamp')}"
-            file.attrs["created"] = datetime.now(UTC).isoformat(timespec="seconds")
-            for number, sweep in enumerate(sweeps):
-                _put(file.create_group(f"sweeps/{number:05d}", track_order=True), sweep)
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    """All that a recorded sweep holds; the file appears whole or not at all. raises: DiskError"""
+    with whole_hdf5(path) as file:
+        file.attrs["kind"], file.attrs["schema"] = KIND, SCHEMA_VERSION
+        file.attrs["code_version"] = f"updamp {version('updamp')}"
+        file.attrs["created"] = datetime.now(UTC).isoformat(timespec="seconds")
+        for number, sweep in enumerate(sweeps):
+            _put(file.create_group(f"sweeps/{number:05d}", track_order=True), sweep)
 
 
 def _put(group: h5py.Group, sweep: RecordedSweep) -> None:

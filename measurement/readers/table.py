@@ -2,6 +2,7 @@
 
 import csv
 from collections.abc import Collection, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
@@ -12,9 +13,11 @@ from numpy.typing import NDArray
 
 from updamp.measurement.measurement import MeasurementError, near
 from updamp.measurement.readers.registry import usable_file
+from updamp.rig.text_file import UTF_16
 
 LARGEST = 2e9  # bytes; the long form takes 1.7 GB of memory for a file of 1 GB
 LINES_AT_ONCE = 100_000
+OTHER_DELIMITERS = {";": "semicolon", ",": "comma", "\t": "tab"}
 LONGEST_LINE = 10_000  # characters; a longer one is no line of numbers
 
 Floats = NDArray[np.float64]
@@ -52,27 +55,46 @@ def read_table(path: Path, numeric: Collection[str], text: Collection[str] = (),
         has something else than numbers in a numeric column
     """
     usable_file(path, LARGEST)
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            reader = csv.reader(_lines(path, file), skipinitialspace=True, delimiter=delimiter)
-            header = tuple(name.strip() for name in next(reader, []))
-            _check_columns(path, header, [*numeric, *text])
-            return _body(path, reader, header, numeric, text)
-    except UnicodeDecodeError as error:
-        raise MeasurementError(f"{path}: not a text file ({error}); name the reader that suits it") from None
-    except csv.Error as error:
-        raise MeasurementError(f"{path}: not a table parted by '{delimiter}' ({error})") from None
+    with _opened(path, delimiter) as file:
+        reader = csv.reader(_lines(path, file), skipinitialspace=True, delimiter=delimiter)
+        header = _header(path, reader, delimiter)
+        _check_columns(path, header, [*numeric, *text])
+        return _body(path, reader, header, numeric, text)
 
 
 def header_of(path: Path, delimiter: str = ",") -> tuple[str, ...]:
     """Names of the columns. raises: MeasurementError as in `read_table`"""
     usable_file(path)
+    with _opened(path, delimiter) as file:
+        return _header(path, csv.reader(_lines(path, file), skipinitialspace=True, delimiter=delimiter), delimiter)
+
+
+@contextmanager
+def _opened(path: Path, delimiter: str) -> Iterator[IO[str]]:
+    """raises: MeasurementError where what is read is no text in UTF-8, or no table"""
+    with path.open("rb") as start:
+        if start.read(2) in UTF_16:
+            raise MeasurementError(f"{path}: the text is UTF-16; save it as UTF-8")
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
-            reader = csv.reader(_lines(path, file), skipinitialspace=True, delimiter=delimiter)
-            return tuple(name.strip() for name in next(reader, []))
+            yield file
     except UnicodeDecodeError as error:
-        raise MeasurementError(f"{path}: not a text file ({error}); name the reader that suits it") from None
+        raise MeasurementError(
+            f"{path}: not a text file in UTF-8 ({error}); save it as UTF-8, or name the reader that suits it"
+        ) from None
+    except csv.Error as error:
+        raise MeasurementError(f"{path}: not a table parted by '{delimiter}' ({error})") from None
+
+
+def _header(path: Path, reader: Iterator[list[str]], delimiter: str) -> tuple[str, ...]:
+    header = tuple(name.strip() for name in next(reader, []))
+    for other, name in OTHER_DELIMITERS.items():
+        if len(header) == 1 and other != delimiter and other in header[0]:
+            raise MeasurementError(
+                f"{path}: its columns are parted by {name}s, here by '{delimiter}'; export it with commas and decimal "
+                f'points, or state options = {{ delimiter = "{other}" }} (reader = "csv_columns" or "time_csv")'
+            )
+    return header
 
 
 def _lines(path: Path, file: IO[str]) -> Iterator[str]:
@@ -100,38 +122,47 @@ def _body(
     codes = {name: Codes() for name in text}
     parts: dict[str, list[NDArray[np.int32]]] = {name: [] for name in text}
     values: dict[str, list[Floats]] = {name: [] for name in numeric}
-    empty = True
+    done = 0
     while rows := list(islice(reader, LINES_AT_ONCE)):
-        empty = False
-        _check_rows(path, len(header), rows)
+        _check_rows(path, len(header), rows, done)
         columns = list(zip(*rows, strict=True))
         for name in numeric:
-            values[name].append(_numbers(path, name, columns[place[name]]))
+            values[name].append(_numbers(path, name, columns[place[name]], done))
         for name in text:
             parts[name].append(codes[name].of(columns[place[name]]))
-    if empty:
+        done += len(rows)
+    if done == 0:
         raise MeasurementError(f"{path}: a header and no line below it; export the data again")
     for name in text:
         codes[name].codes = np.concatenate(parts.pop(name))
     return Table(header, {name: np.concatenate(values.pop(name)) for name in numeric}, codes)
 
 
-def _check_rows(path: Path, width: int, rows: list[list[str]]) -> None:
-    for row in rows:
+def _check_rows(path: Path, width: int, rows: list[list[str]], before: int) -> None:
+    """before: rows of the file before these"""
+    for i, row in enumerate(rows):
         if len(row) != width:
             raise MeasurementError(
-                f"{path}: line {','.join(row)[:60]!r} has {len(row)} columns, the header {width}; the file is cut off "
-                f"or its columns are parted otherwise"
+                f"{path}: line {_line_of(path, before + i)}, {','.join(row)[:60]!r}, has {len(row)} columns, the "
+                f"header {width}; the file is cut off or its columns are parted otherwise"
             )
 
 
-def _numbers(path: Path, column: str, texts: Sequence[str]) -> Floats:
+def _line_of(path: Path, row: int) -> int:
+    """Number in the file, from 1, of a row below the header: empty lines and comments are counted here."""
+    with path.open(encoding="utf-8-sig", newline="") as file:
+        lines = (number for number, line in enumerate(file, 1) if line.strip() and not line.startswith("#"))
+        return next(islice(lines, row + 1, None), 0)
+
+
+def _numbers(path: Path, column: str, texts: Sequence[str], before: int) -> Floats:
     try:
         return np.array(texts, dtype=np.float64)
     except ValueError:
-        bad = next(text for text in texts if not _is_number(text))
+        i, bad = next((i, text) for i, text in enumerate(texts) if not _is_number(text))
         raise MeasurementError(
-            f'{path}: {column} = "{bad[:60]}": not a number; write numbers with a decimal point'
+            f'{path}: line {_line_of(path, before + i)}: {column} = "{bad[:60]}": not a number; write numbers with a '
+            f"decimal point"
         ) from None
 
 

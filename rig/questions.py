@@ -1,0 +1,107 @@
+"""What a rig file states that can be, and hardly is meant so: each a question that names key, value and remedy."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from updamp.rig.rig import Rig
+
+
+@dataclass(frozen=True)
+class Usual:
+    """Values that materials and contacts of test rigs have; beyond them a unit was mistaken more often than not.
+
+    youngs_modulus [Pa]: lead 16e9 to tungsten 411e9, with a factor of two to both sides
+    density [kg/m^3]: balsa wood 100 to osmium 22,600
+    loss_factor: highly damping polymers 0.3 or so; a steel blade has 1e-4 to 1e-2
+    area_stiffness [N/m^3]: published contact stiffnesses lie between 1e12 and 1e15, with a factor of 100 to both sides
+    slenderness: blade's height over its thickness; and its width over its height
+    windows: of frequency, over that of the first bending mode by beam theory: the blade's modes without damper and
+        stuck to it lie above half of it (the platform is a mass too), and 100 times it is beyond the modes kept
+    """
+
+    youngs_modulus: tuple[float, float] = (8e9, 800e9)
+    density: tuple[float, float] = (100.0, 23_000.0)
+    loss_factor: float = 0.3
+    area_stiffness: tuple[float, float] = (1e10, 1e17)
+    slenderness: float = 500.0
+    width: float = 20.0
+    windows: tuple[float, float] = (0.5, 100.0)
+
+
+def questions(rig: Rig, usual: Usual | None = None) -> list[str]:
+    """Empty where nothing is odd; the rig is run as it is, whatever is asked."""
+    usual = usual or Usual()
+    return [*_material(rig, usual), *_dimensions(rig, usual), *_contact(rig, usual), *_study(rig, usual)]
+
+
+def _material(rig: Rig, usual: Usual) -> Iterator[str]:
+    modulus, density, loss = rig.material.youngs_modulus, rig.material.density, rig.material.loss_factor
+    if not usual.youngs_modulus[0] <= modulus <= usual.youngs_modulus[1]:
+        yield (
+            f"material.youngs_modulus = {modulus / 1e6:g} MPa: metals have 16 to 411 GPa; is it meant in another unit "
+            f'(steel: "197 GPa")?'
+        )
+    if not usual.density[0] <= density <= usual.density[1]:
+        yield (
+            f"material.density = {density:g} kg/m^3: materials have 100 to 23,000; is it meant in another unit "
+            f'(steel: "7800 kg/m^3" or "7.8 g/cm^3")?'
+        )
+    if loss > usual.loss_factor:
+        yield f"material.loss_factor = {loss:g}: steel has 0.0001 to 0.01; is it meant in per cent, or as 1 / Q?"
+
+
+def _dimensions(rig: Rig, usual: Usual) -> Iterator[str]:
+    height, thickness, width = rig.blade.height, rig.blade.thickness, rig.blade.width
+    if height / thickness > usual.slenderness:
+        yield (
+            f"blade.thickness = {thickness * 1e3:g} mm: a blade of {height * 1e3:g} mm would be "
+            f"{height / thickness:.3g} times as high as it is thin; are both in the unit that is meant?"
+        )
+    if width / height > usual.width:
+        yield (
+            f"blade.width = {width * 1e3:g} mm: {width / height:.3g} times as wide as it is high "
+            f"({height * 1e3:g} mm); are both in the unit that is meant?"
+        )
+
+
+def _contact(rig: Rig, usual: Usual) -> Iterator[str]:
+    for key in ("tangential_stiffness", "normal_stiffness"):
+        stiffness = getattr(rig.contact, key)
+        if not usual.area_stiffness[0] <= stiffness <= usual.area_stiffness[1]:
+            yield (
+                f"contact.{key} = {stiffness:g} N/m^3 ({stiffness / 1e9:g} N/mm^3): contacts have 1e3 to 1e6 N/mm^3; "
+                f'is it meant in another unit, such as "60000 N/mm^3"?'
+            )
+
+
+def _study(rig: Rig, usual: Usual) -> Iterator[str]:
+    strongest = max(rig.study.force_levels)
+    if strongest > rig.load.pull:
+        yield (
+            f"study.force_levels: {_newton(strongest)} shakes harder than the wires pull, load.pull = "
+            f"{_newton(rig.load.pull)}, and would throw the damper out; is one of both in another unit?"
+        )
+    bending = first_bending(rig)
+    for name, mode in rig.study.modes.items():
+        low, high = (share * bending for share in usual.windows)
+        if mode.window[1] < low or mode.window[0] > high:
+            yield (
+                f"study.modes.{name}.window = {_hertz(mode.window[0])} to {_hertz(mode.window[1])}: beam theory has "
+                f"the blade's first bending mode near {bending:.3g} Hz, so no mode is likely there; is it in Hz?"
+            )
+
+
+def first_bending(rig: Rig) -> float:
+    """Of a clamped beam without platform, Euler-Bernoulli: (1.8751^2 / 2 pi) (t / L^2) sqrt(E / 12 rho) [Hz]."""
+    blade, material = rig.blade, rig.material
+    speed = math.sqrt(material.youngs_modulus / (12 * material.density))
+    return 1.8751**2 / (2 * math.pi) * blade.thickness / blade.height**2 * speed
+
+
+def _newton(force: float) -> str:
+    return f"{force / 1e6:g} MN" if force >= 1e6 else f"{force:g} N"
+
+
+def _hertz(frequency: float) -> str:
+    return f"{frequency / 1e3:g} kHz" if frequency >= 1e4 else f"{frequency:g} Hz"

@@ -1,0 +1,114 @@
+"""How large a rig's problems are: unknowns, memory and time of each mesh preset, before anything is meshed."""
+
+from dataclasses import dataclass
+
+from updamp.rig.rig import MeshDivisions, Rig
+
+COMPONENTS_OF_3D = 3
+VECTORS_A_MODE = 2.5  # that ARPACK is given (fem/modes.py: 60 for 24)
+
+
+@dataclass(frozen=True)
+class SizeOptions:
+    """What memory and time are extrapolated from. Measured on the reference rig (README.md), 2 processors of 2026-11.
+
+    base: of Python with its libraries [bytes]
+    factor, unknowns: memory of the finite elements [bytes] at this number of unknowns; it grows with the fill of a
+        nested dissection in three dimensions, n^(4/3) (A. George, SIAM J. Numer. Anal. 10, 1973). On the presets small
+        and medium, 0.52 and 1.74 GB were measured; this says 0.44 and 1.40
+    seconds, begin: likewise the time from mesh to reduced model [s], grows with n^(6/5); begin: of the smallest mesh
+    matrices: dense ones of all unknowns of harmonic balance that one point of a curve takes (Jacobian, its factors,
+        the receptance, what is built from)
+    arrays: numbers kept for each time sample of a contact's three directions, tangents included
+    """
+
+    base: float = 0.35e9
+    factor: float = 7.25e9
+    unknowns: int = 375_711
+    memory_power: float = 4 / 3
+    begin: float = 8.0
+    seconds: float = 246.0
+    time_power: float = 6 / 5
+    matrices: int = 4
+    arrays: int = 30
+
+
+USUAL = SizeOptions()
+
+
+@dataclass(frozen=True)
+class Size:
+    """Of one mesh preset. unknowns: of one blade's finite elements, which take the most; damper: of the damper's
+    balance: unknowns of harmonic balance, all contacts in three directions; samples: time samples of a period's cycles
+    """
+
+    unknowns: int
+    damper: int
+    balance: int
+    samples: int
+    contacts: int
+
+    def elements_memory(self, options: SizeOptions = USUAL) -> float:
+        """Of the finite elements [bytes]."""
+        return options.base + options.factor * (self.unknowns / options.unknowns) ** options.memory_power
+
+    def elements_seconds(self, options: SizeOptions = USUAL) -> float:
+        """From mesh to reduced model [s]."""
+        return options.begin + options.seconds * (self.unknowns / options.unknowns) ** options.time_power
+
+    def most_unknowns(self, memory: float, options: SizeOptions = USUAL) -> int:
+        """Of the finite elements that so much memory [bytes] holds."""
+        share = max(memory - options.base, 0.0) / options.factor
+        return int(options.unknowns * share ** (1 / options.memory_power))
+
+    def matrices_memory(self, options: SizeOptions = USUAL) -> float:
+        """Of the dense matrices of one curve's points [bytes]."""
+        return 8.0 * options.matrices * self.balance**2
+
+    def samples_memory(self, options: SizeOptions = USUAL) -> float:
+        """Of the contacts' time samples [bytes]."""
+        return 8.0 * options.arrays * COMPONENTS_OF_3D * self.contacts * self.samples
+
+    def curve_memory(self, options: SizeOptions = USUAL) -> float:
+        """Of the process that traces one curve [bytes]."""
+        return options.base + self.matrices_memory(options) + self.samples_memory(options)
+
+
+def size_of(rig: Rig, preset: str) -> Size:
+    """preset: one of the rig file's"""
+    mesh, balance = rig.mesh[preset], rig.harmonic_balance
+    coefficients = sum(1 if k == 0 else 2 for k in balance.harmonics)
+    return Size(
+        unknowns=COMPONENTS_OF_3D * _nodes(*_blade_section(mesh), mesh.width),
+        damper=COMPONENTS_OF_3D * _nodes(*_damper_section(rig, mesh), mesh.width),
+        balance=COMPONENTS_OF_3D * mesh.contact_elements * coefficients,
+        samples=balance.time_samples * balance.cycles,
+        contacts=mesh.contact_elements,
+    )
+
+
+def _blade_section(mesh: MeshDivisions) -> tuple[int, int]:
+    """Quadrilaterals of the blade's section and edges on its outline (geometry/cross_sections.py has the blocks)."""
+    stem = (
+        mesh.stem_below_excitation
+        + mesh.stem_below_platform
+        + mesh.platform_height
+        + mesh.stem_above_platform
+        + mesh.stem_top
+    )
+    reach = mesh.platform_inner + mesh.face + mesh.platform_outer
+    cells = mesh.stem_thickness * stem + mesh.platform_height * reach
+    return cells, 2 * (stem + mesh.stem_thickness + reach)
+
+
+def _damper_section(rig: Rig, mesh: MeshDivisions) -> tuple[int, int]:
+    up = mesh.face + mesh.damper_base + (mesh.damper_apex if rig.damper.apex_height > 0 else 0)
+    return mesh.damper_across * up, 2 * (mesh.damper_across + up)
+
+
+def _nodes(cells: int, outline: int, layers: int) -> int:
+    """Of 20-node hexahedra over a section without holes: vertices and middles of edges. Edges of the section are
+    2 cells + outline / 2, and by Euler's formula its vertices are 1 + edges - cells."""
+    edges = 2 * cells + outline // 2
+    vertices = 1 + edges - cells
+    return (vertices + edges) * (layers + 1) + vertices * layers

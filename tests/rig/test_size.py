@@ -1,0 +1,50 @@
+"""The stated size is that of the mesh, and what does not fit is refused with what would."""
+
+from pathlib import Path
+
+import pytest
+
+from updamp.fem.quadratic_mesh import quadratic_mesh
+from updamp.geometry.build_mesh import build_mesh
+from updamp.model.rig_files import load_rig
+from updamp.rig.questions import questions
+from updamp.rig.size import size_of
+from updamp.workflow.limits import check_size
+
+RIGS = Path(__file__).parents[2] / "rigs"
+FILES = ["pesaresi2017.toml", "virtual_rig.toml"]
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_unknowns_are_those_of_the_mesh(name: str) -> None:
+    rig = load_rig(RIGS / name)
+    preset = next(iter(rig.mesh))
+    mesh, size = build_mesh(rig, preset), size_of(rig, preset)
+    assert size.unknowns == 3 * len(quadratic_mesh(mesh.blade).nodes)
+    assert size.damper == 3 * len(quadratic_mesh(mesh.damper).nodes)
+    assert size.contacts == len(mesh.contacts)
+
+
+def test_memory_is_near_what_was_measured() -> None:
+    """GB of the reference rig's runs (peak_memory_GB of summary.json, 2026-11-23)."""
+    rig = load_rig(RIGS / "pesaresi2017.toml")
+    for preset, measured in (("small", 0.52), ("medium", 1.74), ("full", 7.6)):
+        assert size_of(rig, preset).elements_memory() / 1e9 == pytest.approx(measured, rel=0.25)
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_rig_of_ours_fits_and_is_asked_nothing(name: str) -> None:
+    rig = load_rig(RIGS / name)
+    assert questions(rig) == []
+    check_size(rig, next(iter(rig.mesh)), memory=4e9)
+
+
+def test_what_fits_fits_and_one_more_does_not() -> None:
+    rig = load_rig(RIGS / "pesaresi2017.toml")
+    size = size_of(rig, "full")
+    needed = size.elements_memory()
+    assert size.most_unknowns(needed) == pytest.approx(size.unknowns, abs=1)
+    check_size(rig, "full", memory=1.001 * needed)
+    with pytest.raises(ValueError, match=r"mesh\.full: .* 7\.6 GB .* at most 3\.7"):
+        check_size(rig, "full", memory=0.99 * needed)
+    check_size(rig, "full", meshed=True, memory=0.5 * needed)

@@ -1,0 +1,192 @@
+"""Is the measurement in the units it says, and of this rig? Asked before anything is fitted to it.
+
+Where units are mistaken a measurement is off by a factor that one knows: 1000, 9.81, 1.414, 2 pi. Frequencies are held
+against those at which the model can resonate, amplitudes against its modal constant: near a resonance
+1/H = (w_r^2 (1 + i eta) - w^2) / A, whose slope in w^2 gives A whatever the damping is (D. J. Ewins, Modal Testing,
+2000, ch. 4).
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.effects.rig_model import RigModel
+from updamp.measurement.measurement import MeasuredRun, Measurement, MeasurementError
+from updamp.model.small_amplitude import SmallAmplitude, small_amplitude
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class QuestionOptions:
+    """points: fewest that show a resonance: frequency, damping and a complex height are four numbers
+    frequency: how far a measured resonance may lie from where the model can resonate; a modulus that is wrong by half
+    gives as much
+    exact: how close to a known factor an amplitude is for it to be asked about; odd: a factor that is asked about in
+    any case: mode shapes are hardly wrong by as much
+    height: points from this share of the peak on are used; scatter: of them about the straight line, relative, up to
+    which it tells
+    """
+
+    points: int = 5
+    frequency: float = 0.2
+    exact: float = 0.06
+    odd: float = 5.0
+    height: float = 0.3
+    scatter: float = 0.3
+
+
+FREQUENCY_UNITS = {"kHz": 1e3, "mHz": 1e-3, "rad/s": 1 / (2 * np.pi), "1/min": 1 / 60}
+UNIT = "channels.{}.unit"
+# What a reading is too large by, or too small by, and what it may be.
+FACTORS = {
+    1e3: 'millimetres taken for metres or the other way round ("mm/s" and "m/s"), or kN for N; correct {unit}',
+    1e6: 'micrometres taken for metres or the other way round ("um/s" and "m/s"); correct {unit}',
+    9.80665: 'multiples of standard gravity taken for m/s^2 or the other way round ("g_0", "m/s^2"); correct {unit}',
+    np.sqrt(2): 'RMS taken for peak or the other way round; correct channels.{name}.amplitude ("rms", "peak")',
+    2.0: 'peak to peak taken for peak or the other way round; correct channels.{name}.amplitude ("peak_to_peak")',
+    2 * np.pi: "2 pi: frequencies in Hz taken for rad/s where the recorder integrated; correct the data or {unit}",
+}  # fmt: skip
+
+
+def unknown_modes(measurement: Measurement, modes: Sequence[str]) -> list[str]:
+    """Questions on the modes that runs name. modes: of the rig's study"""
+    return [
+        f'mode = "{mode}" is none of the rig file\'s ({", ".join(modes)}); {_near(mode, modes)}'
+        for mode in dict.fromkeys(run.mode for run in measurement.runs)
+        if mode not in modes
+    ]
+
+
+def _near(mode: str, modes: Sequence[str]) -> str:
+    close = get_close_matches(mode, modes, n=1)
+    return f"did you mean {close[0]}?" if close else "is it measured on this rig?"
+
+
+def measured_against_model(
+    model: RigModel, measurement: Measurement, options: QuestionOptions | None = None
+) -> list[str]:
+    """Questions on units, each with what may be meant. model: with the effects of its rig file
+
+    raises: MeasurementError where a run has no frequency at which the model can resonate: nothing could be compared
+    """
+    options = options or QuestionOptions()
+    questions: list[str] = []
+    runs = {run.name: run for run in reversed(measurement.runs)}  # one of each test
+    enough = [run for run in reversed(runs.values()) if len(run) >= options.points]
+    questions += [_few(run, options.points) for run in runs.values() if len(run) < options.points]
+    if enough:
+        near = float(np.median([_peak(run)[0] for run in enough]))
+        found = small_amplitude(model, near)
+        for run in enough:
+            _check_frequency(run, _resonances(model, found), options)
+        lowest = min(enough, key=lambda run: run.level)
+        for channel in measurement.channels:
+            if channel.name in lowest.channels:
+                questions += _amplitude(model, found, lowest, channel.name, channel.point, options)
+    return questions
+
+
+def _few(run: MeasuredRun, points: int) -> str:
+    return (
+        f"run '{run.name}' has {len(run)} frequencies: fewer than {points} do not show a resonance (frequency, "
+        "damping, height and phase); is the file whole?"
+    )
+
+
+def _peak(run: MeasuredRun) -> tuple[float, Floats]:
+    """Frequency [Hz] at which the strongest channel is highest, and (n,) that channel's receptance."""
+    receptances = np.abs([run.receptance(channel) for channel in run.channels])
+    place = np.unravel_index(int(np.argmax(receptances)), receptances.shape)
+    return float(run.frequency[place[1]]), receptances[place[0]]
+
+
+def _resonances(model: RigModel, found: SmallAmplitude) -> list[tuple[float, float]]:
+    """Where the model can resonate [Hz]: from a blade's own frequency, all contacts slipping, up to that of the stuck
+    structure: less stiffness never raises a frequency (Rayleigh)."""
+    free = model.components.frequencies[np.array(model.owner) != "damper"]
+    stuck = [float(f) for f in found.frequencies]
+    return [(float(max((f for f in free if f <= top), default=top)), top) for top in stuck]
+
+
+def _check_frequency(run: MeasuredRun, resonances: Sequence[tuple[float, float]], options: QuestionOptions) -> None:
+    def possible(frequency: float) -> bool:
+        return any(
+            low * (1 - options.frequency) <= frequency <= high * (1 + options.frequency) for low, high in resonances
+        )
+
+    peak, _ = _peak(run)
+    if possible(peak):
+        return
+    meant = [unit for unit, factor in FREQUENCY_UNITS.items() if possible(peak * factor)]
+    guess = (
+        f"are its frequencies in {' or '.join(meant)} (a factor of {_sizes(meant)})? Convert them to Hz"
+        if meant
+        else "are its frequencies those of the test (column, unit, offset), and is it of this rig?"
+    )
+    nearest = min(resonances, key=lambda r: abs(np.log(r[1] / peak)))
+    raise MeasurementError(
+        f"run '{run.name}': the response is highest at {peak:.4g} Hz, and the model can resonate nowhere within "
+        f"{100 * options.frequency:.0f} % of that, the nearest is {_range(nearest)}; {guess}"
+    )
+
+
+def _range(resonance: tuple[float, float]) -> str:
+    low, high = resonance
+    return f"{high:.2f} Hz" if high - low < 0.01 * high else f"{low:.1f} to {high:.1f} Hz"
+
+
+def _sizes(units: Sequence[str]) -> str:
+    return " or ".join(f"{max(f, 1 / f):.3g}" for f in (FREQUENCY_UNITS[unit] for unit in units))
+
+
+def _amplitude(
+    model: RigModel, found: SmallAmplitude, run: MeasuredRun, name: str, point: str, options: QuestionOptions
+) -> Iterator[str]:
+    measured = modal_constant(run.frequency, run.receptance(name), options)
+    if measured is None:
+        return
+    frequency, _ = _peak(run)
+    mode = int(np.argmin(np.abs(found.frequencies - frequency)))
+    own = abs(found.at(point, mode) * found.at(model.excitation, mode))
+    if own == 0:
+        return
+    ratio = measured / own
+    size = max(ratio, 1 / ratio)
+    w = 2 * np.pi * frequency
+    of_time = {
+        w: "velocity taken for displacement, or acceleration for velocity; correct channels.{name}.quantity",
+        w**2: "acceleration taken for displacement; correct channels.{name}.quantity",
+    }
+    guesses = [
+        f"a factor of {factor:.4g} is {text.format(unit=UNIT.format(name), name=name)}"
+        for factor, text in {**FACTORS, **of_time}.items()
+        if abs(np.log(size / factor)) < options.exact
+    ]
+    if guesses or size > options.odd:
+        guess = "; or ".join(guesses) or f"is {UNIT.format(name)} right, its quantity, and the point it looks at"
+        yield (
+            f"channel '{name}' (run '{run.name}'): its modal constant at {frequency:.4g} Hz is {ratio:.3g} times the "
+            f"model's; {guess}?"
+        )
+
+
+def modal_constant(frequency: Floats, receptance: NDArray[np.complex128], options: QuestionOptions) -> float | None:
+    """|A| of the straight line through 1/H around the peak [1/kg]; None where too few points lie on one."""
+    size = np.abs(receptance)
+    if not np.all(size > 0):
+        return None
+    near = size >= options.height * size.max()
+    if near.sum() < options.points:
+        return None
+    squared, H = (2 * np.pi * frequency[near]) ** 2, receptance[near]
+    middle, spread = squared.mean(), np.ptp(squared)
+    columns = np.stack([np.ones_like(squared), (squared - middle) / spread], axis=1) * H[:, None]
+    line = np.linalg.lstsq(columns, np.ones(len(H), complex), rcond=None)[0]
+    left = np.abs(columns @ line - 1)
+    if np.sqrt(np.mean(left**2)) > options.scatter or line[1] == 0:
+        return None
+    return float(spread / abs(line[1]))

@@ -1,0 +1,40 @@
+"""The folder that a command writes into: there or to be made, ours to write, and of one rig alone."""
+
+import json
+import os
+from contextlib import suppress
+from pathlib import Path
+
+SUMMARY = "summary.json"
+OWNERS = ("comparison.json", "diagnosis.json")  # which name their rig among what they rest on
+
+
+def check_folder(folder: Path, rig: str) -> None:
+    """Before the work begins; nothing is made or written.
+
+    rig: name in the rig file
+    raises: ValueError naming the folder, what is wrong with it, and the option that names another
+    """
+    existing = folder
+    while not existing.exists() and existing != existing.parent:
+        existing = existing.parent
+    if not existing.is_dir():
+        raise ValueError(f"{existing}: is a file, no folder; give another folder with --out")
+    if not os.access(existing, os.W_OK | os.X_OK):
+        raise ValueError(f"{existing}: no permission to write there; give another folder with --out")
+    owner = owner_of(folder)
+    if owner and owner != rig:
+        raise ValueError(
+            f"{folder}: holds results of the rig '{owner}', and this is '{rig}'; give another folder with --out"
+        )
+
+
+def owner_of(folder: Path) -> str:
+    """Name of the rig whose results are there, "" where none are, or they do not say."""
+    for name in (SUMMARY, *OWNERS):
+        with suppress(OSError, ValueError, AttributeError, TypeError):
+            content = json.loads((folder / name).read_text(encoding="utf-8"))
+            owner = content.get("rig") if name == SUMMARY else content.get("provenance", {}).get("rig")
+            if isinstance(owner, str) and owner:
+                return owner
+    return ""
