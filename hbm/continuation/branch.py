@@ -47,9 +47,9 @@ class BranchPoint:
 
     @property
     def orientation(self) -> float | None:
-        """Sign of det J times that of dw/ds, which stays along a branch; None where J was not factorised."""
+        """Sign of det J times that of dw/ds, which stays along a branch; None where det J would cost too much."""
         jacobian = self.solution.jacobian
-        if jacobian is None or not jacobian.factorised:
+        if jacobian is None or not jacobian.sign_is_cheap:
             return None
         return jacobian.determinant_sign * float(np.sign(self.tangent_w))
 

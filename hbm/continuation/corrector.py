@@ -82,7 +82,9 @@ class Corrector:
         arc = Arc(*_predict(traced.points, step), last.tangent, last.metric)
         if step > self.options.short_step and newton.patience:
             newton = replace(newton, patience=self.options.patience)
-        solution = solve(self.system, self.excitation, arc.x0, arc.w0, newton, arc)
+        jacobian = last.solution.jacobian
+        factors = None if jacobian is None else jacobian.factors
+        solution = solve(self.system, self.excitation, arc.x0, arc.w0, newton, arc, factors)
         if not solution.converged:
             return None, solution
         point = point_after(last, solution, self.excitation)

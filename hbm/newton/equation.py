@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.hbm.newton.active_forces import DirectForces
 from updamp.hbm.newton.jacobian import Jacobian, factorise
 from updamp.hbm.newton.tangent import supported
 from updamp.hbm.problem.system import Departure, Excitation, Forcing, NonlinearSystem, Receptance
@@ -35,9 +36,12 @@ class Equation:
         size = np.abs(self.residual).max() / displacement_size(self.receptance.system, self.x)
         return float(size) if np.isfinite(size) else np.inf
 
-    def factorised(self, support: float = 0.0) -> Jacobian:
-        """raises: scipy.linalg.LinAlgError where a tangent is not finite"""
-        return factorise(self.receptance, supported(self.receptance.system, self.departure, support))
+    def factorised(self, support: float = 0.0, near: DirectForces | None = None) -> Jacobian:
+        """support: as in `NewtonOptions`; near: factors at a similar point, to do without new ones
+
+        raises: scipy.linalg.LinAlgError where a tangent is not finite
+        """
+        return factorise(self.receptance, supported(self.receptance.system, self.departure, support), near)
 
     def frequency_derivative(self, excitation: Forcing) -> Floats:
         """dr/dw"""

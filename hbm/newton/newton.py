@@ -8,6 +8,7 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
+from updamp.hbm.newton.active_forces import DirectForces
 from updamp.hbm.newton.equation import Equation, displacement_size, evaluate, residual_alone
 from updamp.hbm.newton.jacobian import Jacobian
 from updamp.hbm.newton.metric import Metric, Move
@@ -124,8 +125,11 @@ def solve(
     w: float,
     options: NewtonOptions | None = None,
     arc: Arc | None = None,
+    near: DirectForces | None = None,
 ) -> Solution:
     """Newton with step halving from (x, w); at fixed w, or on the hyperplane `arc`.
+
+    near: factors at a point nearby, by which the equations of the steps are preconditioned
 
     raises: nothing for want of convergence; the status tells
     """
@@ -142,10 +146,11 @@ def solve(
             status = Status.DIVERGED
             break
         try:
-            step = _step(equation, equation.factorised(options.support), excitation, arc, step)
+            step = _step(equation, equation.factorised(options.support, near), excitation, arc, step)
         except scipy.linalg.LinAlgError:
             status = Status.DIVERGED
             break
+        near = step.jacobian.factors or near
         bound = max(sizes[-options.memory :]) if options.damped else np.inf
         candidate = _damped(system, excitation, equation, (step.dx, step.dw), options, bound)
         if candidate is None:
@@ -160,7 +165,7 @@ def solve(
     if errors[-1] < options.tolerance and step is not None:
         status = Status.CONVERGED
         if options.support:
-            equation, step = _last_step_unsupported(system, excitation, equation, arc)
+            equation, step = _last_step_unsupported(system, excitation, equation, arc, near)
             errors.append(equation.error)
     jacobian, slope = (None, None) if step is None else (step.jacobian, step.by_frequency)
     place = (equation.x, equation.w)
@@ -168,10 +173,10 @@ def solve(
 
 
 def _last_step_unsupported(
-    system: NonlinearSystem, excitation: Forcing, equation: Equation, arc: Arc | None
+    system: NonlinearSystem, excitation: Forcing, equation: Equation, arc: Arc | None, near: DirectForces | None
 ) -> tuple[Equation, "_Step"]:
     """One exact step more, for the branch's tangent; taken where the residual does not rise."""
-    step = _step(equation, equation.factorised(), excitation, arc, None)
+    step = _step(equation, equation.factorised(near=near), excitation, arc, None)
     further = evaluate(system, excitation, equation.x + step.dx, equation.w + step.dw)
     return (further if further.error <= equation.error else equation), step
 

@@ -8,9 +8,11 @@ from updamp.hbm.contact.coulomb_circle import CoulombCircle
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.continuation.continuation import ContinuationOptions, first_point
 from updamp.hbm.continuation.recovery.supported_step import SupportedStep
+from updamp.hbm.newton.active_forces import DirectForces, KrylovForces
 from updamp.hbm.newton.equation import evaluate, linear_solution
 from updamp.hbm.newton.jacobian import factorise
 from updamp.hbm.newton.newton import NewtonOptions, Status, solve
+from updamp.hbm.newton.tangent import active_rows, apply_tangent
 from updamp.hbm.problem.system import Excitation
 
 
@@ -36,6 +38,23 @@ def test_jacobian_against_differences(slipping):
         step = 1e-7 * np.abs(solution.x).max() / np.abs(v).max()
         ahead, behind = (evaluate(system, excitation, solution.x + s * step * v, solution.w).residual for s in (1, -1))
         np.testing.assert_allclose((ahead - behind) / (2 * step), d, atol=2e-6 * np.abs(d).max())
+
+
+def test_factors_of_a_point_nearby_leave_little_to_iterate_on(slipping):
+    """Of another frequency, with rows that were not active there: the same forces as by factors of this one."""
+    system, excitation, solution = slipping
+    there, here = (evaluate(system, excitation, (1 + e) * solution.x, (1 + e) * solution.w) for e in (0.0, 0.002))
+    rows = active_rows(system, here.departure)
+    near = DirectForces(there.receptance, there.departure, rows[2:])
+    exact = DirectForces(here.receptance, here.departure, rows)
+    preconditioned, plain = (
+        KrylovForces(here.receptance, here.departure, rows, factors, 1e-13) for factors in (near, None)
+    )
+    b = apply_tangent(system, here.departure, np.random.default_rng(0).normal(size=solution.x.shape))
+    for solver in (preconditioned, plain):
+        np.testing.assert_allclose(solver(b), exact(b), atol=1e-7 * np.abs(exact(b)).max())
+    assert preconditioned.factors is near, "it was found by iteration"
+    assert 0 < preconditioned.iterations < 25  # 2 rows of 7 coefficients have changed much, the others little
 
 
 def test_frequency_derivative_against_differences(slipping):
