@@ -77,7 +77,8 @@ class KrylovForces:
     modes. Where it does not converge the equations are factorised and solved directly.
 
     near: factors of a similar matrix, on rows of its own, or None
-    tolerance: of the residual, relative to b; Newton's convergence becomes linear with this factor
+    tolerance: of the residual, relative to b (with factors, of the preconditioned one, not below single precision);
+        Newton's convergence becomes linear with this factor
     """
 
     def __init__(
