@@ -61,7 +61,20 @@ def normal_modes(part: FactorisedComponent, n_modes: int) -> Modes:
             f"reduction.modes = {n_modes} is not possible with {rigid.shape[1]} rigid-body modes and {n_dofs} degrees "
             f"of freedom; choose between {rigid.shape[1] + 1} and {n_dofs - 2 + rigid.shape[1]}"
         )
-    mass_rigid = matrices.mass @ rigid
+    elastic = _elastic_modes(part, n_elastic, vectors)
+    # Rayleigh's quotient: its error is the square of the mode's.
+    omega = np.sqrt(np.einsum("im,im->m", elastic, matrices.stiffness @ elastic))
+    residual = relative_residuals(matrices.stiffness.dot, matrices.mass.dot, omega, elastic).max()
+    _check(residual)
+    return Modes(
+        np.concatenate([np.zeros(rigid.shape[1]), omega]), np.asfortranarray(np.hstack([rigid, elastic])), residual
+    )
+
+
+def _elastic_modes(part: FactorisedComponent, n_modes: int, vectors: int) -> Floats:
+    """(n_dofs, n_modes) in ascending order, orthogonal to the rigid-body modes; vectors: of the Krylov space"""
+    matrices, rigid = part.component.matrices, part.component.rigid
+    mass_rigid, n_dofs = matrices.mass @ rigid, matrices.n_dofs
 
     def search(load: Floats) -> Floats:
         motion = part.factor.solve(load - mass_rigid @ (rigid.T @ load))
@@ -70,7 +83,7 @@ def normal_modes(part: FactorisedComponent, n_modes: int) -> Modes:
     start = np.random.default_rng(SEED).standard_normal(n_dofs)
     values, elastic = eigsh(
         matrices.stiffness,
-        n_elastic,
+        n_modes,
         matrices.mass,
         sigma=0,
         which="LM",
@@ -78,15 +91,8 @@ def normal_modes(part: FactorisedComponent, n_modes: int) -> Modes:
         ncv=vectors,
         OPinv=LinearOperator((n_dofs, n_dofs), matvec=search, dtype=np.float64),
     )
-    order = np.argsort(values)
-    elastic = elastic[:, order] - rigid @ (mass_rigid.T @ elastic[:, order])
-    # Rayleigh's quotient: its error is the square of the mode's.
-    omega = np.sqrt(np.einsum("im,im->m", elastic, matrices.stiffness @ elastic))
-    residual = relative_residuals(matrices.stiffness.dot, matrices.mass.dot, omega, elastic).max()
-    _check(residual)
-    return Modes(
-        np.concatenate([np.zeros(rigid.shape[1]), omega]), np.asfortranarray(np.hstack([rigid, elastic])), residual
-    )
+    elastic = elastic[:, np.argsort(values)]
+    return np.asarray(elastic - rigid @ (mass_rigid.T @ elastic))
 
 
 def relative_residuals(stiffness: Product, mass: Product, omega: Floats, phi: Floats) -> Floats:

@@ -48,7 +48,7 @@ class _Tracing:
 
     def on_end(self, outcome: JobOutcome) -> None:
         job, finished = outcome.job, outcome.end is JobEnd.FINISHED
-        well, sentence = job.said() if finished else (False, outcome.message or outcome.end.value)
+        well, sentence = job.conclusion() if finished else (False, outcome.message or outcome.end.value)
         (self.display.done if well else self.display.failed)(job.name, sentence)
         self.known += finished
         if outcome.end is JobEnd.FAILED:

@@ -46,6 +46,6 @@ class AccuracyJob:
         store.write(self.output, found, stamp)
         return JobEnd.FINISHED
 
-    def said(self) -> tuple[bool, str]:
+    def conclusion(self) -> tuple[bool, str]:
         found = store.read(self.output, PointErrors)
         return True, found.reason or f"peak {found.samples[0]:+.2g} % and {found.cycles[0]:+.2g} %"

@@ -67,8 +67,8 @@ class AdaptiveCurveJob(CurveJob):
         key = f"{self.key} {','.join(map(str, orders))}"
         return CurveJob(self.rig, self.mode, self.force, key, self.finite_elements, self.rest, output, orders=orders)
 
-    def said(self) -> tuple[bool, str]:
-        well, sentence = super().said()
+    def conclusion(self) -> tuple[bool, str]:
+        well, sentence = super().conclusion()
         orders = store.read(self.output, ResponseCurve).orders
         return well, f"{sentence}, harmonics up to {orders[-1]}"
 

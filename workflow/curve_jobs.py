@@ -67,7 +67,7 @@ class CurveJob:
     ) -> JobEnd:
         return trace_curve(self, report, should_stop, memory_of=memory_of)
 
-    def said(self) -> tuple[bool, str]:
+    def conclusion(self) -> tuple[bool, str]:
         curve = store.read(self.output, ResponseCurve)
         return not curve.stopped, curve.stopped or f"{len(curve)} points, {curve.seconds:.1f} s"
 

@@ -61,7 +61,7 @@ class Job(Protocol):
         """
         ...
 
-    def said(self) -> tuple[bool, str]:
+    def conclusion(self) -> tuple[bool, str]:
         """Of what it left: whether that is whole, and a short line about it."""
         ...
 

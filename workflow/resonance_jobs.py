@@ -64,7 +64,7 @@ class ResonanceJob:
         store.write(self.output, found, stamp)
         return JobEnd.FINISHED
 
-    def said(self) -> tuple[bool, str]:
+    def conclusion(self) -> tuple[bool, str]:
         found = store.read(self.output, ResonanceCurve)
         return found.complete, found.stopped or f"{len(found)} points, {found.seconds:.1f} s"
 

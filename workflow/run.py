@@ -279,7 +279,7 @@ class Run:
             self.display.failed(name, outcome.message or outcome.end.value)
             return
         self.executed.append(name)
-        well, sentence = outcome.job.said()
+        well, sentence = outcome.job.conclusion()
         show = self.display.done if well else self.display.failed
         show(name, sentence)
 

@@ -105,15 +105,6 @@ def _chosen(curve: Stored[ResponseCurve]) -> ChosenHarmonics | None:
 
 def summarise(run: Run, products: Products, seconds: float, peak_memory: float) -> dict[str, Any]:
     """seconds, peak_memory [bytes]: of the present run. Stages taken from their files report what they once cost."""
-    stamps = products.stamps
-    parts = ("mesh", "assembly", "modes", "reduction", "coupled_check", "static_contact")
-    timing = {part: sum(stamp.seconds.get(part, 0.0) for stamp in stamps) for part in parts}
-    timing["hbm"] = summary.union_length(
-        [i for curve in (*products.curves, *products.finer) for i in curve.stamp.intervals]
-    )
-    timing["stability"] = summary.union_length([i for entry in products.stability for i in entry.stamp.intervals])
-    timing["resonance"] = summary.union_length([i for entry in products.resonances for i in entry.stamp.intervals])
-    timing["accuracy"] = summary.union_length([i for entry in products.point_errors for i in entry.stamp.intervals])
     content: dict[str, Any] = {
         "rig": run.rig.name,
         "mesh_preset": run.options.preset,
@@ -137,11 +128,12 @@ def summarise(run: Run, products: Products, seconds: float, peak_memory: float) 
             )
             for entry, curve in ((entry, entry.product) for entry in products.curves)
         ]
-        content["not_said"] = {outcome.job.name: outcome.message for outcome in products.unknown}
+        content["not_known"] = {outcome.job.name: outcome.message for outcome in products.unknown}
         content["failed_curves"] = {outcome.job.name: outcome.message for outcome in products.failures}
         content["resonances"] = [
             summary.resonance_entry(entry.product, run.rig.study.force_levels) for entry in products.resonances
         ]
+    timing = _timing(products)
     content["timing_s"] = {
         **{name: round(value, 3) for name, value in timing.items()},
         "total": round(seconds, 3),
@@ -150,5 +142,20 @@ def summarise(run: Run, products: Products, seconds: float, peak_memory: float) 
     content["timing_note"] = (
         "total: wall time of the run that wrote this file; the others: of the stages when they were computed"
     )
-    content["peak_memory_GB"] = round(max(peak_memory, *(stamp.peak_memory for stamp in stamps)) / 1e9, 3)
+    content["peak_memory_GB"] = round(max(peak_memory, *(stamp.peak_memory for stamp in products.stamps)) / 1e9, 3)
     return content
+
+
+def _timing(products: Products) -> dict[str, float]:
+    """Wall time [s] of each stage when it was computed; what ran beside each other is counted once."""
+    parts = ("mesh", "assembly", "modes", "reduction", "coupled_check", "static_contact")
+    timing = {part: sum(stamp.seconds.get(part, 0.0) for stamp in products.stamps) for part in parts}
+    beside_each_other: dict[str, Sequence[Stored[Any]]] = {
+        "hbm": (*products.curves, *products.finer),
+        "stability": products.stability,
+        "resonance": products.resonances,
+        "accuracy": products.point_errors,
+    }
+    for name, entries in beside_each_other.items():
+        timing[name] = summary.union_length([i for entry in entries for i in entry.stamp.intervals])
+    return timing

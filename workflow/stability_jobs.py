@@ -61,7 +61,7 @@ class StabilityJob:
         store.write(self.output, found, stamp)
         return JobEnd.FINISHED
 
-    def said(self) -> tuple[bool, str]:
+    def conclusion(self) -> tuple[bool, str]:
         found = store.read(self.output, BranchStability)
         shares = ", ".join(f"{found.share(state):.0%} {state.name.lower()}" for state in SPOKEN)
         return True, f"{shares}, {found.seconds:.1f} s"

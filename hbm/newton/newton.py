@@ -138,25 +138,14 @@ def solve(
     errors, sizes = [equation.error], [float(np.linalg.norm(equation.residual))]
     step: _Step | None = None
     status = Status.TOO_MANY_ITERATIONS
-    while len(errors) <= options.iterations:
-        if errors[-1] < options.tolerance and step is not None:
-            status = Status.CONVERGED
-            break
-        if not np.isfinite(errors[-1]):
-            status = Status.DIVERGED
-            break
-        try:
-            step = _step(equation, equation.factorised(options.support, near), excitation, arc, step)
-        except scipy.linalg.LinAlgError:
-            status = Status.DIVERGED
-            break
-        near = step.jacobian.factors or near
+    while len(errors) <= options.iterations and not (errors[-1] < options.tolerance and step is not None):
         bound = max(sizes[-options.memory :]) if options.damped else np.inf
-        candidate = _damped(system, excitation, equation, (step.dx, step.dw), options, bound)
-        if candidate is None:
-            status = Status.STALLED
+        advanced = _advance(system, excitation, equation, options, arc, step, near, bound)
+        if isinstance(advanced, Status):
+            status = advanced
             break
-        equation = candidate
+        equation, step = advanced
+        near = step.jacobian.factors or near
         errors.append(equation.error)
         sizes.append(float(np.linalg.norm(equation.residual)))
         if options.out_of_patience(errors):
@@ -170,6 +159,27 @@ def solve(
     jacobian, slope = (None, None) if step is None else (step.jacobian, step.by_frequency)
     place = (equation.x, equation.w)
     return Solution(*place, status, len(errors) - 1, tuple(errors), equation, jacobian, slope, options.support)
+
+
+def _advance(
+    system: NonlinearSystem,
+    excitation: Forcing,
+    equation: Equation,
+    options: NewtonOptions,
+    arc: Arc | None,
+    before: "_Step | None",
+    near: DirectForces | None,
+    bound: float,
+) -> "tuple[Equation, _Step] | Status":
+    """The next iterate and the step that led to it, or why there is none."""
+    if not np.isfinite(equation.error):
+        return Status.DIVERGED
+    try:
+        step = _step(equation, equation.factorised(options.support, near), excitation, arc, before)
+    except scipy.linalg.LinAlgError:
+        return Status.DIVERGED
+    found = _damped(system, excitation, equation, (step.dx, step.dw), options, bound)
+    return Status.STALLED if found is None else (found, step)
 
 
 def _last_step_unsupported(

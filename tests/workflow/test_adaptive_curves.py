@@ -53,7 +53,7 @@ def test_harmonics_are_added_until_the_peak_stands_and_an_interruption_loses_no_
     finest = store.read(job.with_harmonics(tuple(range(chosen.tried[-1] + 1))).output, ResponseCurve)
     assert abs(finest.peak(POINT)[1] / curve.peak(POINT)[1] - 1) <= 0.02
     assert "no more than the tolerance" in chosen.status
-    assert job.said() == (True, f"{len(curve)} points, {curve.seconds:.1f} s, harmonics up to {curve.orders[-1]}")
+    assert job.conclusion() == (True, f"{len(curve)} points, {curve.seconds:.1f} s, harmonics up to {curve.orders[-1]}")
 
 
 def test_a_job_with_harmonics_of_its_own_is_solved_with_these(job):

@@ -44,7 +44,7 @@ def followed(job):
 
 def test_what_is_stored_reaches_all_levels(job, followed):
     assert followed.complete
-    assert job.said()[0]
+    assert job.conclusion()[0]
     assert followed.force[-1] == pytest.approx(0.5)
     assert followed.displacement.shape[0] == len(followed)
 

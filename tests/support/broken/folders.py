@@ -279,7 +279,7 @@ class KilledJob:
         os.kill(os.getpid(), signal.SIGKILL)
         return JobEnd.FINISHED
 
-    def said(self) -> tuple[bool, str]:
+    def conclusion(self) -> tuple[bool, str]:
         return True, ""
 
 
