@@ -7,7 +7,8 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from updamp.commands.shared import INTERRUPTED, Debug, RigFile, clean_errors, interruptible
+from updamp.commands.shared import Debug, RigFile, clean_errors, interruptible
+from updamp.parallel.ending import INTERRUPTED
 from updamp.parallel.resources import one_thread, usual_workers
 
 # What a command needs is imported when it is called, as everywhere in this folder.

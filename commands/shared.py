@@ -1,17 +1,17 @@
 """What all commands of the command line share: their arguments, and how errors and interruptions reach a person."""
 
 import shlex
-import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from types import FrameType
 from typing import Annotated
 
 import typer
 
-BAD_INPUT, INCOMPLETE, INTERRUPTED = 2, 1, 130
+from updamp.parallel.ending import INTERRUPTED, Command, heard
+
+BAD_INPUT, INCOMPLETE = 2, 1
 
 RigFile = Annotated[Path, typer.Argument(metavar="RIG", help="Rig file, such as rigs/pesaresi2017.toml.")]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
@@ -26,10 +26,7 @@ def clean_errors(debug: bool) -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
-        command = shlex.join(["updamp", *sys.argv[1:]])
-        typer.echo(
-            f"\nInterrupted. What is solved so far is kept; to go on from there run again:\n  {command}", err=True
-        )
+        typer.echo(_go_on(), err=True)
         raise typer.Exit(INTERRUPTED) from None
     except typer.Exit:
         raise
@@ -42,13 +39,17 @@ def clean_errors(debug: bool) -> Iterator[None]:
 
 @contextmanager
 def interruptible() -> Iterator[None]:
-    """A request to terminate is treated like Ctrl-C, so that checkpoints are written."""
-
-    def interrupt(number: int, frame: FrameType | None) -> None:  # noqa: ARG001
-        raise KeyboardInterrupt
-
-    before = signal.signal(signal.SIGTERM, interrupt)
+    """SIGTERM is treated like Ctrl-C: what is solved is stored, and all processes end within 10 s."""
+    command = Command(_go_on)
     try:
         yield
+    except KeyboardInterrupt:
+        heard()
+        raise
     finally:
-        signal.signal(signal.SIGTERM, before)
+        command.over()
+
+
+def _go_on() -> str:
+    command = shlex.join(["updamp", *sys.argv[1:]])
+    return f"\nInterrupted. What is solved so far is kept; to go on from there run again:\n  {command}"

@@ -6,7 +6,8 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from updamp.commands.shared import INTERRUPTED, Debug, clean_errors, interruptible
+from updamp.commands.shared import Debug, clean_errors, interruptible
+from updamp.parallel.ending import INTERRUPTED
 from updamp.parallel.resources import one_thread, usual_workers
 
 # What the command needs is imported when it is called, as everywhere in this folder.

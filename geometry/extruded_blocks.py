@@ -16,25 +16,23 @@ from updamp.geometry.rig_mesh import ComponentMesh
 
 
 @contextmanager
-def broken_pipe_signal_kept() -> Iterator[None]:
-    """What happens on writing to a broken pipe is, afterwards, what it was before.
+def signal_handlers_kept() -> Iterator[None]:
+    """What happens on a signal is, afterwards, what it was before.
 
     gmsh's start resets SIGPIPE, which Python ignores so as to raise BrokenPipeError: a write to a worker process that
-    is gone would then end this process without a word. By the C functions, since `signal.signal` works in the main
-    thread only.
+    is gone would then end this process without a word. It resets SIGTERM too, which would end it without storing what
+    is solved, and leave its workers behind. By the C functions, since `signal.signal` works in the main thread only.
     """
-    number = getattr(signal, "SIGPIPE", None)
-    if number is None:  # Windows has none
-        yield
-        return
     get, put = ctypes.pythonapi.PyOS_getsig, ctypes.pythonapi.PyOS_setsig
     get.restype = put.restype = ctypes.c_void_p
     put.argtypes = [ctypes.c_int, ctypes.c_void_p]
-    before = get(number)
+    before = {number: get(number) for number in signal.valid_signals()}
     try:
         yield
     finally:
-        put(number, before)
+        for number, handler in before.items():
+            if get(number) != handler:
+                put(number, handler)
 
 
 HEXAHEDRON, QUADRILATERAL = 5, 3  # gmsh's element types, first order
@@ -99,7 +97,7 @@ def gmsh_model(name: str) -> Iterator[None]:
     if opened:
         # Without user files the result depends on this code only; uninterruptible, gmsh leaves Python's handler of
         # interruptions alone (and so works outside the main thread).
-        with broken_pipe_signal_kept():
+        with signal_handlers_kept():
             gmsh.initialize(argv=["gmsh", "-nopopup"], readConfigFiles=False, run=False, interruptible=False)
     terminal = gmsh.option.getNumber("General.Terminal")
     gmsh.option.setNumber("General.Terminal", 0)

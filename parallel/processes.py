@@ -1,8 +1,5 @@
 """Processes with one thread each, for as long as a context lasts; none of them outlives the process that started it."""
 
-import os
-import signal
-import threading
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
@@ -10,6 +7,7 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection
 
 from updamp.hbm.compilation_cache import keep_compiled, keeps_compiled
+from updamp.parallel.ending import Worker, end_children
 from updamp.parallel.resources import environment, thread_limits
 
 
@@ -25,22 +23,14 @@ def processes(number: int) -> Iterator[ProcessPoolExecutor]:
             yield pool
         except BaseException:
             held.close()
-            pool.shutdown(wait=True, cancel_futures=True)
+            pool.shutdown(wait=False, cancel_futures=True)
+            end_children(grace=1.0)
             raise
         pool.shutdown()
 
 
 def _begin(alive: Connection, kept: bool) -> None:
-    """Of a worker. An interruption from the keyboard reaches it too; it is for the parent to end it."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_parent, args=(alive,), daemon=True).start()
+    """Of a worker. What it is at is not stored in parts: there is nothing to wait for when it is to end."""
+    Worker(alive, grace=0.0)
     if kept:
         keep_compiled()
-
-
-def _end_with_parent(alive: Connection) -> None:
-    """Nothing is ever sent: the other end is closed, by the parent or by its end."""
-    try:
-        alive.recv()
-    except EOFError:
-        os._exit(1)

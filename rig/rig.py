@@ -277,6 +277,11 @@ class Rig(InputTable):
         """Of the response points at the tips. [m]"""
         return self.blade.height - self.response.below_top
 
+    @property
+    def state(self) -> str:
+        """SHA-256 of all that the file states."""
+        return self.digest(*type(self).model_fields)
+
     def digest(self, *keys: str) -> str:
         """SHA-256 of what stands under the keys (dotted paths, such as "contact.pressure" or "mesh.full")."""
         return hashlib.sha256(to_json([(key, reduce(_entry, key.split("."), self)) for key in keys])).hexdigest()

@@ -26,7 +26,7 @@ from updamp.rig.rig import Rig
 from updamp.workflow import stages
 from updamp.workflow.history import record_comparison
 from updamp.workflow.measured_against_model import measured_against_model, unknown_modes
-from updamp.workflow.output_folder import check_folder
+from updamp.workflow.output_folder import STATE, check_folder
 from updamp.workflow.progress import Display
 from updamp.workflow.run import Run
 from updamp.workflow.run_options import RunOptions
@@ -96,7 +96,7 @@ class ComparisonInputs:
 
     before_effects: the model, calibrated as the rig file says
     rig_effects: effects of the rig file, to be applied after nuisance parameters (`Parametrisation`)
-    rig: its name; mesh: preset, "" for a model without
+    rig: its name; rig_state: hash of what its file states; mesh: preset, "" for a model without
     finer: models with finer numerics, before effects too, by what is finer
     """
 
@@ -105,6 +105,7 @@ class ComparisonInputs:
     features: tuple[FeatureComparison, ...]
     mesh: str
     rig: str
+    rig_state: str = ""
     finer: Mapping[str, RigModel] = field(default_factory=dict)
     rig_effects: tuple[ChosenEffect, ...] = ()
 
@@ -136,7 +137,9 @@ def _of_rig(files: CompareFiles, preset: str, workers: int, display: Display, fi
         folder = files.out / name
         again = Run(rig, RunOptions(name, folder, workers, check=False, until=stages.STATIC_CONTACT), display)
         finer_models[name] = _model(again)[0]
-    return ComparisonInputs(model, measurement, features, preset, rig.name, finer_models, resolved(rig.effects))
+    return ComparisonInputs(
+        model, measurement, features, preset, rig.name, rig.state, finer_models, resolved(rig.effects)
+    )
 
 
 def _of_modal_rig(files: CompareFiles) -> ComparisonInputs:
@@ -236,6 +239,7 @@ def provenance_of(files: CompareFiles, inputs: ComparisonInputs, preset: str) ->
     )
     return {
         "rig": inputs.rig,
+        **({STATE: inputs.rig_state} if inputs.rig_state else {}),
         "rig file": str(files.rig),
         "measurement": str(files.measurement),
         **of_mesh,

@@ -1,7 +1,6 @@
 """Jobs of a run shared over processes: each leaves one file, reports how far it is, and can be interrupted."""
 
 import os
-import signal
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
@@ -9,11 +8,13 @@ from contextlib import suppress
 from dataclasses import dataclass
 from enum import Enum
 from multiprocessing import get_context
+from multiprocessing.connection import Connection
 from pathlib import Path
 from queue import Empty
 from typing import Any, Protocol
 
 from updamp.hbm.compilation_cache import keep_compiled
+from updamp.parallel.ending import Worker, end_children
 from updamp.parallel.resources import environment, thread_limits
 from updamp.parallel.workers import LOST
 
@@ -87,21 +88,25 @@ def run_all(
     raises: KeyboardInterrupt after an interruption, once every worker has stored what it has solved
     """
     context = get_context("spawn")  # forking a process that has threads (MKL, JAX, VTK) can hang
-    messages, stop = context.Queue(), context.Event()
+    messages = context.Queue()
+    alive, held = context.Pipe(duplex=False)  # closed, it asks the workers to end: no lock that a killed one could hold
     by_output = {str(job.output): job for job in jobs}
     outcomes: list[JobOutcome] = []
     with (
+        held,
+        alive,
         environment(thread_limits(1)),
-        ProcessPoolExecutor(workers, mp_context=context, initializer=_start_worker, initargs=(messages, stop)) as pool,
+        ProcessPoolExecutor(workers, mp_context=context, initializer=_start_worker, initargs=(messages, alive)) as pool,
     ):
-        futures = {pool.submit(_work, job): job for job in sorted(jobs, key=lambda job: job.ease)}
-        try:
+        try:  # from the first task on: leaving the context would wait for all of them
+            futures = {pool.submit(_work, job): job for job in sorted(jobs, key=lambda job: job.ease)}
             for outcome in _outcomes(futures, messages, lambda name, progress: report(by_output[name], progress)):
                 outcomes.append(outcome)
                 finished(outcome)
         except BaseException:
-            stop.set()
-            pool.shutdown(wait=True, cancel_futures=True)
+            held.close()
+            pool.shutdown(wait=False, cancel_futures=True)
+            end_children()
             raise
     return tuple(outcomes)
 
@@ -121,21 +126,21 @@ def _outcomes(
 
 
 _messages: Any = None
-_stop: Any = None
+_worker: Worker | None = None
 
 
-def _start_worker(messages: Any, stop: Any) -> None:
-    """An interruption from the keyboard reaches the workers too; the parent asks them to stop."""
-    global _messages, _stop
+def _start_worker(messages: Any, alive: Connection) -> None:
+    global _messages, _worker
+    _worker = Worker(alive)
     keep_compiled()
     messages.cancel_join_thread()  # progress that nobody reads any more must not hold up the end
-    _messages, _stop = messages, stop
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    _messages = messages
 
 
 def _work(job: Job) -> JobOutcome:
     """Errors come back as text: not every exception survives the way between processes."""
-    last, parent = 0.0, os.getppid()
+    assert _worker is not None, "the pool has begun this process"
+    last, asked = 0.0, _worker.asked.is_set
 
     def report(progress: JobProgress) -> None:
         nonlocal last
@@ -143,13 +148,7 @@ def _work(job: Job) -> JobOutcome:
             last = time.monotonic()
             _messages.put((str(job.output), progress))
 
-    def orphaned() -> bool:
-        return os.getppid() != parent
-
     try:
-        outcome = JobOutcome(job, job.run(report, lambda: _stop.is_set() or orphaned(), parent))
+        return JobOutcome(job, job.run(report, asked, os.getppid()))
     except Exception as error:
-        outcome = JobOutcome(job, JobEnd.FAILED, f"{type(error).__name__}: {error}")
-    if orphaned():
-        os._exit(1)  # the pool is gone, and its queues would be waited for without end
-    return outcome
+        return JobOutcome(job, JobEnd.FAILED, f"{type(error).__name__}: {error}")

@@ -6,6 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 
 SUMMARY = "summary.json"
+STATE = "state of the rig"  # key of their provenance
 OWNERS = ("comparison.json", "diagnosis.json")  # which name their rig among what they rest on
 
 
@@ -27,6 +28,16 @@ def check_folder(folder: Path, rig: str) -> None:
         raise ValueError(
             f"{folder}: holds results of the rig '{owner}', and this is '{rig}'; give another folder with --out"
         )
+
+
+def results_of_other_states(folder: Path, state: str) -> list[str]:
+    """Comparisons and diagnoses in the folder that were made with another state of the rig (`Rig.state`)."""
+    found = []
+    for name in OWNERS:
+        with suppress(OSError, ValueError, KeyError, AttributeError, TypeError):
+            stated = json.loads((folder / name).read_text(encoding="utf-8"))["provenance"].get(STATE, state)
+            found += [name] if stated != state else []
+    return found
 
 
 def owner_of(folder: Path) -> str:

@@ -16,6 +16,7 @@ from updamp.pictures.scene import RenderingError
 from updamp.workflow import stages, summary
 from updamp.workflow.accuracy_summary import numerical_error
 from updamp.workflow.adaptive_curves import ChosenHarmonics, chosen_file
+from updamp.workflow.output_folder import results_of_other_states
 from updamp.workflow.products import Products, Stored, stored
 from updamp.workflow.run import Run
 from updamp.workflow.run_pictures import by_mode, curve_keys, pictures, stability_keys
@@ -25,13 +26,20 @@ from updamp.workflow.summary import write_responses
 
 
 class Outputs:
-    """Remembers in one file which key each output was made with."""
+    """Remembers in one file which key each output was made with, and of which state of the rig it is.
 
-    def __init__(self, folder: Path, record: Path) -> None:
-        self.folder, self.record = folder, record
+    state: hash of the rig file and the mesh; "" where it does not matter
+    """
+
+    def __init__(self, folder: Path, record: Path, state: str = "") -> None:
+        self.folder, self.record, self.state = folder, record, state
         self._keys: dict[str, str] = {}
-        with suppress(OSError, ValueError):  # none yet, or not one of ours: everything is made anew
-            self._keys = dict(json.loads(record.read_text(encoding="utf-8")))
+        self._states: dict[str, str] = {}
+        self._current: set[str] = set()
+        with suppress(OSError, ValueError, TypeError, AttributeError):  # none yet, or not ours: all is made anew
+            content = json.loads(record.read_text(encoding="utf-8"))
+            self._states = dict(content.pop(STATES, {}))
+            self._keys = dict(content)
 
     def make(self, name: str, sources: Iterable[str], version: int, write: Callable[[Path], object]) -> bool:
         """Let `write` make folder/name, unless it is there and was made from the same sources by the same version.
@@ -40,22 +48,44 @@ class Outputs:
         returns: whether it was made
         """
         path = self.folder / name
+        self._current.add(name)
         key = hashlib.sha256(json.dumps([version, *sources]).encode()).hexdigest()
         if self._keys.get(name) == key and path.exists():
+            if self._states.get(name) != self.state:
+                self._states[name] = self.state
+                self._remember()
             return False
         path.parent.mkdir(parents=True, exist_ok=True)
         write(path)
-        self._keys[name] = key
-        write_whole(self.record, json.dumps(self._keys, indent=1).encode())
+        self._keys[name], self._states[name] = key, self.state
+        self._remember()
         return True
 
+    def remove_older(self) -> tuple[str, ...]:
+        """Names of the outputs that are taken away: not asked for this time, and of another state of the rig."""
+        older = [
+            name for name in self._keys
+            if name not in self._current and self._states.get(name, self.state) != self.state
+        ]  # fmt: skip
+        for name in older:
+            (self.folder / name).unlink(missing_ok=True)
+            del self._keys[name], self._states[name]
+        if older:
+            self._remember()
+        return tuple(older)
 
+    def _remember(self) -> None:
+        write_whole(self.record, json.dumps({**self._keys, STATES: self._states}, indent=1).encode())
+
+
+STATES = "states"  # among the names of outputs, which all have an ending
 CSV_VERSION, PICTURE_VERSION, VTU_VERSION = 2, 3, 1  # to be raised when a file of the same products looks different
 
 
 def write_outputs(run: Run, products: Products) -> tuple[tuple[str, ...], str]:
-    """Files made anew, by name; and why those that need rendering were not, "" if they were. raises: OSError"""
-    outputs = Outputs(run.options.folder, run.options.folder / "stages" / "outputs.json")
+    """Files made anew, by name; and why those that need rendering were not, "" if they were. Those of an older state of
+    the rig are removed. raises: OSError, DiskError"""
+    outputs = Outputs(run.options.folder, run.options.folder / "stages" / "outputs.json", _state(run))
     made = [*_meshes(outputs, products), *_tables(outputs, products)]
     try:
         for name, sources, draw in pictures(run, products):
@@ -64,7 +94,16 @@ def write_outputs(run: Run, products: Products) -> tuple[tuple[str, ...], str]:
                 made.append(name)
     except RenderingError as error:
         return tuple(made), str(error)
+    finally:
+        if older := outputs.remove_older():
+            run.display.note("files", f"of an older state of the rig, removed: {', '.join(older)}")
+        for name in results_of_other_states(run.options.folder, run.rig.state):
+            run.display.note("files", f"{name} is of an older state of the rig: make it again, or take another --out")
     return tuple(made), ""
+
+
+def _state(run: Run) -> str:
+    return hashlib.sha256(f"{run.options.preset} {run.rig.state}".encode()).hexdigest()
 
 
 def _meshes(outputs: Outputs, products: Products) -> list[str]:

@@ -1,3 +1,4 @@
+import ctypes
 import os
 import signal
 from concurrent.futures import ThreadPoolExecutor
@@ -12,7 +13,7 @@ import pyvista
 from scipy.spatial import cKDTree
 
 from updamp.geometry.build_mesh import build_mesh
-from updamp.geometry.extruded_blocks import broken_pipe_signal_kept
+from updamp.geometry.extruded_blocks import signal_handlers_kept
 from updamp.geometry.rig_mesh import GeometryError, mirrored_mesh, scaled_jacobian
 from updamp.model.rig_files import load_rig
 
@@ -214,6 +215,19 @@ def test_gmsh_leaves_no_trace(rig, small, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+def test_gmsh_leaves_all_signals_as_they_were(rig):
+    """It resets SIGTERM: a run would end without storing what is solved, and leave its workers."""
+    handler_of = ctypes.pythonapi.PyOS_getsig  # that of the process; Python's own record does not change
+    handler_of.restype = ctypes.c_void_p
+    before = signal.signal(signal.SIGTERM, lambda *_: None)
+    try:
+        handlers = {number: handler_of(number) for number in signal.valid_signals()}
+        build_mesh(rig, "small")
+        assert {number: handler_of(number) for number in signal.valid_signals()} == handlers
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
 @pytest.mark.parametrize("in_a_thread", [False, True])
 def test_a_write_to_a_worker_that_is_gone_does_not_end_this_process(rig, in_a_thread):
     """gmsh resets SIGPIPE; `diagnose` would end without a word where one of its workers is killed."""
@@ -226,7 +240,7 @@ def test_a_write_to_a_worker_that_is_gone_does_not_end_this_process(rig, in_a_th
 
 
 def test_an_open_gmsh_session_is_kept(rig, small):
-    with broken_pipe_signal_kept():
+    with signal_handlers_kept():
         gmsh.initialize(interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
