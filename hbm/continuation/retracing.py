@@ -47,7 +47,8 @@ class Chord:
 
 @dataclass(frozen=True, eq=False)
 class TracedBranch:
-    """points: the last ones; chords: between all neighbouring points, but for gaps"""
+    """points: the last ones, all but those added last without their equations; chords: between all neighbouring points,
+    but for gaps"""
 
     points: Sequence[BranchPoint]
     chords: Sequence[Chord] = ()
@@ -68,7 +69,8 @@ class TracedBranch:
             if not point.after_gap:
                 added.append(Chord((before.x, before.w), (point.x, point.w), point.orientation))
             before = point
-        kept = [*self.points, *points][-self.limits.points_kept :]
+        kept = [*(point.without_equations() for point in self.points[-1:]), *points]
+        kept = [*self.points[:-1], *kept][-self.limits.points_kept :]
         return replace(self, points=kept, chords=[*self.chords, *added])
 
     def contains(self, point: BranchPoint) -> bool:
