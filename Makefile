@@ -6,7 +6,7 @@ ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 
-.PHONY: help setup system test run bench
+.PHONY: help setup system test run bench wheel
 .DEFAULT_GOAL := help
 
 help:
@@ -14,6 +14,7 @@ help:
 	@echo "make test    ruff, mypy, import contracts and the tests (PYTEST_OPTIONS='-k rig' for some of them);"
 	@echo "             about 10 minutes on two cores, more the first time: contact laws are compiled"
 	@echo "make bench   the benchmarks"
+	@echo "make wheel   dist/updamp-*.whl, which pip installs without this folder"
 	@echo "make setup   the environment in .venv, from requirements.lock (the others do it too)"
 
 setup: .venv/ready
@@ -31,6 +32,9 @@ system:
 		|| echo "CHOLMOD (optional solver) was not built: needs gcc, Python's headers, libsuitesparse-dev; see .venv/cholmod.log"
 	@mkdir -p .venv/types && ln -sfn ../.. .venv/types/updamp  # for mypy, see pyproject.toml
 	@touch $@
+
+wheel: setup
+	$(PIP) wheel --no-deps --wheel-dir dist .
 
 test: setup
 	$(BIN)/ruff check .

@@ -1,4 +1,4 @@
-"""The command line: `updamp run`, `compare`, `check`, `show`, `diagnose`, `add`, `remove`, `history`, `design`,
+"""The command line: `updamp init`, `run`, `compare`, `check`, `show`, `diagnose`, `add`, `remove`, `history`, `design`,
 `design-rig`, `explain`, `study`.
 
 What each command does is in `commands/`.
@@ -12,13 +12,14 @@ import typer
 from updamp.commands.compare import compare
 from updamp.commands.design import design, design_rig, explain
 from updamp.commands.effects import add, diagnose, history, remove
+from updamp.commands.init import init
 from updamp.commands.predict import check, run, show
 from updamp.commands.study import study
 
 app = typer.Typer(
     help="From a bladed test rig's dimensions to its nonlinear vibration with a friction damper.",
     no_args_is_help=True,
-    add_completion=False,
+    rich_markup_mode=None,  # plain help: full names of options at 80 columns
     pretty_exceptions_enable=False,
 )
 
@@ -38,7 +39,7 @@ def main(
     pass
 
 
-for command in (run, compare, check, show, diagnose, add, remove, history, design, design_rig, explain, study):
+for command in (init, run, compare, check, show, diagnose, add, remove, history, design, design_rig, explain, study):
     app.command()(command)
 
 

@@ -7,8 +7,8 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from updamp.commands.shared import Debug, RigFile, clean_errors, interruptible
-from updamp.parallel.resources import one_thread, usual_workers
+from updamp.commands.shared import Debug, Finer, Jobs, Mesh, RigFile, chosen_mesh, clean_errors, interruptible
+from updamp.parallel.resources import checked_workers, one_thread, usual_workers
 
 
 def compare(
@@ -16,16 +16,12 @@ def compare(
     measurement: Annotated[
         Path, typer.Argument(metavar="MEASUREMENT", help="measurement.toml, or a file of stated features.")
     ],
-    out: Annotated[Path, typer.Option(help="Folder for all that is written; that of a run, to use its model.")],
-    mesh: Annotated[str, typer.Option(help="Preset of the rig file: small (first looks), medium or full.")] = "full",
-    finer: Annotated[
-        list[str],
-        typer.Option(help="Preset with a finer mesh: what it changes counts as numerical error. Repeatable."),
-    ] = [],  # noqa: B006
-    jobs: Annotated[
-        int | None,
-        typer.Option(min=1, help="Branches traced at the same time.", show_default="the CPUs, at most 4"),
-    ] = None,
+    out: Annotated[
+        Path, typer.Option("--out", "-o", help="Folder for all that is written; that of a run, to use its model.")
+    ],
+    mesh: Mesh = None,
+    finer: Finer = None,
+    jobs: Jobs = None,
     debug: Debug = False,
 ) -> None:
     """Lay the model over a measurement and say where it fails: comparison.json and report.html.
@@ -41,7 +37,8 @@ def compare(
         keep_compiled()
         console = Console()
         files = CompareFiles(rig, measurement, out)
-        comparison, _ = run_compare(files, mesh, jobs if jobs is not None else usual_workers(), console, tuple(finer))
+        workers = checked_workers(usual_workers() if jobs is None else jobs)
+        comparison, _ = run_compare(files, chosen_mesh(rig, mesh), workers, console, tuple(finer or ()))
         for sentence in sentences(comparison):
             console.print(Text.assemble(("finding   ", "yellow"), sentence), soft_wrap=True)
         console.print(f"{files.report}", highlight=False, soft_wrap=True)

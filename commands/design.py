@@ -7,7 +7,7 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from updamp.commands.shared import Debug, RigFile, clean_errors, interruptible
+from updamp.commands.shared import Debug, Mesh, RigFile, chosen_mesh, clean_errors, interruptible
 from updamp.parallel.ending import INTERRUPTED
 from updamp.parallel.resources import one_thread, usual_workers
 
@@ -17,11 +17,14 @@ from updamp.parallel.resources import one_thread, usual_workers
 def design(
     study: Annotated[Path, typer.Argument(metavar="STUDY", help="Study file, such as rigs/studies/friction.toml.")],
     out: Annotated[
-        Path | None, typer.Option(help="Folder for all that is written.", show_default="`out` of the study file")
+        Path | None,
+        typer.Option("--out", "-o", help="Folder for all that is written.", show_default="`out` of the study file"),
     ] = None,
     jobs: Annotated[
         int | None,
         typer.Option(
+            "--jobs",
+            "-j",
             min=1,
             help="Designs solved at the same time.",
             show_default="`jobs` of STUDY, or the CPUs, at most 4",
@@ -67,7 +70,7 @@ def design(
 def design_rig(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a study.")],
     number: Annotated[int, typer.Argument(metavar="NUMBER", help="Of the design, as in designs.csv.")],
-    out: Annotated[Path, typer.Option(help="The new rig file.")],
+    out: Annotated[Path, typer.Option("--out", "-o", help="The new rig file.")],
     replace: Annotated[bool, typer.Option("--replace", help="Replace the file where it is there already.")] = False,
     debug: Debug = False,
 ) -> None:
@@ -85,7 +88,7 @@ def design_rig(
 def explain(
     rig: RigFile,
     against: Annotated[Path, typer.Option(metavar="OLD", help="Rig file whose products are there already.")],
-    mesh: Annotated[str, typer.Option(help="Preset of both rig files.")] = "full",
+    mesh: Mesh = None,
     debug: Debug = False,
 ) -> None:
     """Say what a changed rig file would run again in the folder of the old one, and which inputs make it so.
@@ -98,7 +101,7 @@ def explain(
         from updamp.workflow.explain import explain_table, other_changes
 
         new, old, console = load_rig(rig), load_rig(against), Console()
-        verdicts = compare_rigs(new, old, mesh)
+        verdicts = compare_rigs(new, old, chosen_mesh(rig, mesh))
         console.print(explain_table(verdicts))
         for one in other_changes(new, old, verdicts):
             console.print(Text.assemble(("kept by  ", "dim"), f"{one.path}: {one.old} -> {one.new}"), soft_wrap=True)

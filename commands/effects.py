@@ -7,27 +7,29 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from updamp.commands.shared import Debug, RigFile, clean_errors, interruptible
-from updamp.parallel.resources import one_thread, usual_workers
+from updamp.commands.shared import Debug, Finer, Jobs, Mesh, RigFile, chosen_mesh, clean_errors, interruptible
+from updamp.parallel.resources import checked_workers, one_thread, usual_workers
 
 # On call, as everywhere in this folder: JAX takes seconds to load, and has to find the number of threads stated.
 if TYPE_CHECKING:
     from updamp.workflow.add import Changed
 
 Out = Annotated[
-    Path | None, typer.Option(help="The new rig file; RIG itself to change it.", show_default="RIG's name and EFFECT's")
+    Path | None,
+    typer.Option(
+        "--out", "-o", help="The new rig file; RIG itself to change it.", show_default="RIG's name and EFFECT's"
+    ),
 ]
 
 
 def diagnose(
     rig: RigFile,
     measurement: Annotated[Path, typer.Argument(metavar="MEASUREMENT", help="measurement.toml.")],
-    out: Annotated[Path, typer.Option(help="Folder for all that is written; that of a run, to use its model.")],
-    mesh: Annotated[str, typer.Option(help="Preset of the rig file: small (first looks), medium or full.")] = "full",
-    finer: Annotated[
-        list[str] | None,
-        typer.Option(help="Preset with a finer mesh: what it changes counts as numerical error. May be repeated."),
-    ] = None,
+    out: Annotated[
+        Path, typer.Option("--out", "-o", help="Folder for all that is written; that of a run, to use its model.")
+    ],
+    mesh: Mesh = None,
+    finer: Finer = None,
     hold_out: Annotated[
         list[str] | None,
         typer.Option(
@@ -46,10 +48,7 @@ def diagnose(
     effect: Annotated[
         list[Path] | None, typer.Option(help="Python file of an effect of your own to look for; may be repeated.")
     ] = None,
-    jobs: Annotated[
-        int | None,
-        typer.Option(min=1, help="Processes that trace branches and run fits.", show_default="the CPUs, at most 4"),
-    ] = None,
+    jobs: Jobs = None,
     scheduler: Annotated[
         str, typer.Option(metavar="ADDRESS", help="Of a Dask scheduler whose workers trace branches and run fits.")
     ] = "",
@@ -76,12 +75,12 @@ def diagnose(
             held_out=tuple(hold_out) if hold_out else None,
             held_out_modes=tuple(hold_out_mode or ()),
             own=tuple(effect or ()),
-            jobs=jobs if jobs is not None else usual_workers(),
+            jobs=checked_workers(usual_workers() if jobs is None else jobs),
             scheduler=scheduler,
             next_measurement=next_measurement,
         )
         files, console = CompareFiles(rig, measurement, out), Console()
-        verdict = search_effects(files, mesh, options, console)
+        verdict = search_effects(files, chosen_mesh(rig, mesh), options, console)
         console.print(Text.assemble((f"{verdict.verdict}   ", "yellow"), verdict.sentence), soft_wrap=True)
         console.print(f"{files.report}", highlight=False, soft_wrap=True)
 

@@ -7,7 +7,7 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from updamp.commands.shared import INCOMPLETE, Debug, RigFile, clean_errors, interruptible
+from updamp.commands.shared import INCOMPLETE, Debug, Jobs, Mesh, RigFile, clean_errors, interruptible
 from updamp.parallel.resources import Meter, usual_workers
 from updamp.workflow import stages
 
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 
 def run(
     rig: RigFile,
-    mesh: Annotated[str, typer.Option(help="Preset of the rig file: small (first looks), medium or full.")],
-    out: Annotated[Path, typer.Option(help="Folder for all that is written; the same one to resume or to reuse.")],
-    jobs: Annotated[
-        int | None, typer.Option(help="Curves traced at the same time.", show_default="the CPUs, at most 4")
-    ] = None,
+    out: Annotated[
+        Path, typer.Option("--out", "-o", help="Folder for all that is written; the same one to resume or to reuse.")
+    ],
+    mesh: Mesh = None,
+    jobs: Jobs = None,
     mode: Annotated[list[str] | None, typer.Option(help="Only this mode of the study; may be repeated.")] = None,
     force: Annotated[
         list[str] | None, typer.Option(help='Only this amplitude, such as "3.84 N"; may be repeated.')
@@ -66,7 +66,7 @@ def run(
             from updamp.workflow.run_options import RunOptions  # once the rig file is known to be sound
 
             options = RunOptions(
-                preset=mesh,
+                preset=mesh if mesh is not None else next(iter(loaded.mesh)),
                 folder=out,
                 workers=jobs if jobs is not None else usual_workers(),
                 modes=tuple(mode or ()),

@@ -14,7 +14,29 @@ from updamp.parallel.ending import INTERRUPTED, Command, heard
 BAD_INPUT, INCOMPLETE = 2, 1
 
 RigFile = Annotated[Path, typer.Argument(metavar="RIG", help="Rig file, such as rigs/pesaresi2017.toml.")]
+Mesh = Annotated[
+    str | None,
+    typer.Option(
+        "--mesh", "-m", help="Mesh preset of the rig file; small for first looks.", show_default="the rig file's first"
+    ),
+]
+Jobs = Annotated[
+    int | None,
+    typer.Option("--jobs", "-j", help="Processes at the same time.", show_default="the CPUs, at most 4"),
+]
+Finer = Annotated[
+    list[str] | None,
+    typer.Option(help="Preset with a finer mesh: what it changes counts as numerical error. May be repeated."),
+]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
+
+
+def chosen_mesh(rig: Path, mesh: str | None) -> str:
+    """The preset that is asked for, or the first of the rig file; raises: RigError"""
+    from updamp.model.rig_files import load_any
+
+    presets = getattr(load_any(rig), "mesh", {})
+    return mesh if mesh is not None else next(iter(presets), "")
 
 
 @contextmanager

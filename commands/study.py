@@ -17,16 +17,25 @@ def study(
     file: Annotated[Path, typer.Argument(metavar="STUDY", help="Study file, such as rigs/studies/pesaresi2017.toml.")],
     mesh: Annotated[
         str | None,
-        typer.Option(help="Preset of the rig file: small, medium or full.", show_default="`mesh` of the study file"),
+        typer.Option("--mesh", "-m", help="Mesh preset of the rig file.", show_default="`mesh` of the study file"),
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option(help="Folder for all that is written.", show_default="`out` of the study file, a folder a mesh"),
+        typer.Option(
+            "--out",
+            "-o",
+            help="Folder for all that is written.",
+            show_default="`out` of the study file, a folder a mesh",
+        ),
     ] = None,
     jobs: Annotated[
         int | None,
         typer.Option(
-            min=1, help="Curves traced at the same time.", show_default="`jobs` of STUDY, or the CPUs, at most 4"
+            "--jobs",
+            "-j",
+            min=1,
+            help="Curves traced at the same time.",
+            show_default="`jobs` of STUDY, or the CPUs, at most 4",
         ),
     ] = None,
     solve: Annotated[bool, typer.Option(help="Whether to trace curves; without, what is there is shown.")] = True,

@@ -8,6 +8,7 @@ import pytest
 # Before JAX is loaded, and for the processes that tests start too. What is compiled is kept beside the results, not in
 # the user's own cache. Without the fusion emitters contact laws compile in two thirds of the time and run as fast.
 os.environ["XDG_CACHE_HOME"] = str(Path(__file__).parents[1] / "results" / ".cache" / "tests")
+os.environ["HYPOTHESIS_STORAGE_DIRECTORY"] = str(Path(os.environ["XDG_CACHE_HOME"]) / "hypothesis")
 _QUICK = "--xla_cpu_use_fusion_emitters=false"
 if _QUICK not in os.environ.get("XLA_FLAGS", ""):
     os.environ["XLA_FLAGS"] = f"{os.environ.get('XLA_FLAGS', '')} {_QUICK}".strip()

@@ -17,6 +17,7 @@ IMPORT_ON_CALL = {
     "commands/study.py": "likewise",
     "commands/effects.py": "likewise",
     "commands/predict.py": "likewise",
+    "commands/shared.py": "likewise",
     "fem/solvers/cholmod.py": "optional library",
     "fem/solvers/pardiso.py": "library that loads MKL and may be missing",
     "hbm/contact/jenkins_box.py": "numba, where something is solved",

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from updamp.effects.rig_model import RigModel
 from updamp.measurement.measurement import MeasuredRun, Measurement, MeasurementError
 from updamp.model.small_amplitude import SmallAmplitude, small_amplitude
+from updamp.workflow.window_questions import possible_resonances
 
 Floats = NDArray[np.float64]
 
@@ -105,11 +106,9 @@ def _peak(run: MeasuredRun) -> tuple[float, Floats]:
 
 
 def _resonances(model: RigModel, found: SmallAmplitude) -> list[tuple[float, float]]:
-    """Where the model can resonate [Hz]: from a blade's own frequency, all contacts slipping, up to that of the stuck
-    structure: less stiffness never raises a frequency (Rayleigh)."""
+    """Where the model can resonate [Hz]."""
     free = model.components.frequencies[np.array(model.owner) != "damper"]
-    stuck = [float(f) for f in found.frequencies]
-    return [(float(max((f for f in free if f <= top), default=top)), top) for top in stuck]
+    return possible_resonances(free.tolist(), found.frequencies.tolist())
 
 
 def _check_frequency(run: MeasuredRun, resonances: Sequence[tuple[float, float]], options: QuestionOptions) -> None:

@@ -29,6 +29,7 @@ from updamp.workflow.run_options import RunOptions
 from updamp.workflow.stability_jobs import StabilityJob
 from updamp.workflow.stage_functions import StageFunctions
 from updamp.workflow.stages import Stage
+from updamp.workflow.window_questions import empty_windows, possible_resonances
 
 AnyJob = TypeVar("AnyJob", bound=Job)
 
@@ -95,7 +96,16 @@ class Run:
         done = replace(done, static_contact=rest)
         if not self.wanted(stages.CURVE):
             return done
+        self._ask_of_windows(finite_elements.product, check.product if check else None)
         return self._with_curves(done, finite_elements.path, rest.path)
+
+    def _ask_of_windows(self, finite_elements: FiniteElementResult, check: CoupledCheck | None) -> None:
+        if check is None:  # the stuck structure's frequencies are not known
+            return
+        resonances = possible_resonances(finite_elements.blade_frequencies.tolist(), check.full.tolist())
+        windows = {mode: self.rig.study.modes[mode].window for mode in self.options.modes or self.rig.study.modes}
+        for question in empty_windows(windows, resonances, float(check.full.max())):
+            self.display.note("question", question)
 
     def _with_curves(self, done: Products, finite_elements: Path, rest: Path) -> Products:
         jobs = self.jobs(finite_elements, rest)

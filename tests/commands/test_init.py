@@ -1,0 +1,67 @@
+"""`updamp init`: what a newcomer gets can be read, is sound, and its steps are commands that there are."""
+
+import json
+import shlex
+from pathlib import Path
+
+import pytest
+from support.broken.outcome import command
+
+from updamp.commands.init import STEPS
+from updamp.measurement.load import load_measurement
+from updamp.model.rig_files import load_rig
+from updamp.pipeline import app
+from updamp.rig.questions import questions
+from updamp.workflow.compare_run import _points
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    told = command("init", tmp_path / "first")
+    assert not told.refused
+    for step, _ in STEPS:
+        assert step in told.said
+    return tmp_path / "first"
+
+
+def test_the_files_are_sound_and_the_truth_is_sealed(folder: Path) -> None:
+    rig = load_rig(folder / "rig.toml")
+    assert questions(rig) == []
+    assert next(iter(rig.mesh)) == "small", "what commands take where no mesh is named"
+    measurement = load_measurement(folder / "measurement.toml", _points(), rig.name)
+    assert {run.mode for run in measurement.runs} == set(rig.study.modes)
+    sealed = json.loads((folder / "sealed.json").read_text())
+    assert [one["name"] for one in sealed["hidden"]] == ["blade_mistuning"]
+    assert "mistuning" not in (folder / "rig.toml").read_text() + (folder / "measurement.toml").read_text()
+    assert sum(path.stat().st_size for path in folder.iterdir()) < 300_000
+
+
+def test_the_steps_are_commands_of_this_program_on_files_that_are_there(folder: Path) -> None:
+    there = {path.name for path in folder.iterdir()}
+    known = {one.callback.__name__ for one in app.registered_commands}
+    for step, purpose in STEPS:
+        program, name, *arguments = shlex.split(step)
+        assert program == "updamp"
+        assert name in known
+        assert {one for one in arguments if one.endswith(".toml") and one != "better.toml"} <= there
+        assert purpose
+    runs = {run.name for run in load_measurement(folder / "measurement.toml", _points()).runs}
+    words = [word for step, _ in STEPS for word in shlex.split(step)]
+    held_out = {words[i + 1] for i, word in enumerate(words) if word == "--hold-out"}
+    assert set() < held_out < runs
+    assert all(step in (folder / "README.md").read_text() for step, _ in STEPS)
+
+
+def test_nothing_is_written_over(folder: Path) -> None:
+    (folder / "rig.toml").write_text("mine")
+    told = command("init", folder)
+    assert told.refused
+    assert "rig.toml, measurement.toml, sweeps.csv, sealed.json already; give another folder" in told.said
+    assert (folder / "rig.toml").read_text() == "mine"
+
+
+def test_options_are_named_in_full_on_a_narrow_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    said = command("diagnose", "--help").said
+    whole = ("--next-measurement / --no-next-measurement", "--hold-out-mode", "-m, --mesh", "-o, --out", "-j, --jobs")
+    assert [option for option in whole if option not in said] == []
