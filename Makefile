@@ -6,7 +6,7 @@ ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 
-.PHONY: help setup system test run bench wheel
+.PHONY: help setup system test run bench wheel docs
 .DEFAULT_GOAL := help
 
 help:
@@ -15,6 +15,7 @@ help:
 	@echo "             about 10 minutes on two cores, more the first time: contact laws are compiled"
 	@echo "make bench   the benchmarks"
 	@echo "make wheel   dist/updamp-*.whl, which pip installs without this folder"
+	@echo "make docs    the documentation as a site, docs/_build/html/index.html"
 	@echo "make setup   the environment in .venv, from requirements.lock (the others do it too)"
 
 setup: .venv/ready
@@ -32,6 +33,10 @@ system:
 		|| echo "CHOLMOD (optional solver) was not built: needs gcc, Python's headers, libsuitesparse-dev; see .venv/cholmod.log"
 	@mkdir -p .venv/types && ln -sfn ../.. .venv/types/updamp  # for mypy, see pyproject.toml
 	@touch $@
+
+docs: setup
+	@$(BIN)/python -c 'import sphinx' 2>/dev/null || $(PIP) install --requirement requirements.lock
+	$(BIN)/sphinx-build --fail-on-warning --keep-going --quiet -b html docs docs/_build/html
 
 wheel: setup
 	$(PIP) wheel --no-deps --wheel-dir dist .
