@@ -18,7 +18,6 @@ from updamp.hbm.resonance.resonance import (
     ResonanceProblem,
     ResonanceSolution,
     ResonanceState,
-    constant_force_plane,
     constant_frequency_plane,
 )
 from updamp.hbm.resonance.resonance_predictor import RelativeMetric, ahead, difference, predict, size_of
@@ -183,7 +182,7 @@ def _scale_w(window: tuple[float, float], options: ResonanceOptions) -> float:
 def _resonance_near(
     problem: ResonanceProblem, condition: ResonanceCondition, guess: ResonanceState, options: ResonanceOptions
 ) -> ResonanceSolution:
-    return condition.solve(problem, guess, constant_force_plane(guess), options.newton)
+    return condition.at_force(problem, guess, options.newton)
 
 
 def _follow(

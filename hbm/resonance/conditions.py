@@ -2,7 +2,8 @@
 
 The maximum (Raze, Volvert and Kerschen 2023 follow it by its own equation) is found here as the phase at which it
 stands. Phase runs evenly through a resonance, turning points included, and no second derivative of the contact law is
-needed, which sampled friction and separation do not have.
+needed, which sampled friction and separation do not have. For the same reason it is not followed from force to force:
+where contacts change their states the place of the maximum jumps, the response at a given phase does not.
 """
 
 from dataclasses import dataclass, replace
@@ -12,8 +13,15 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from updamp.hbm.newton.equation import linear_solution
-from updamp.hbm.newton.newton import NewtonOptions, Status
-from updamp.hbm.resonance.resonance import Hyperplane, ResonanceProblem, ResonanceSolution, ResonanceState, at_phase
+from updamp.hbm.newton.newton import NewtonOptions
+from updamp.hbm.resonance.resonance import (
+    Hyperplane,
+    ResonanceProblem,
+    ResonanceSolution,
+    ResonanceState,
+    at_phase,
+    constant_force_plane,
+)
 
 LARGEST_TURN = 0.4  # [rad] from one phase tried for the maximum to the next
 
@@ -29,7 +37,11 @@ class ResonanceCondition(Protocol):
     def solve(
         self, problem: ResonanceProblem, guess: ResonanceState, plane: Hyperplane, options: NewtonOptions
     ) -> ResonanceSolution:
-        """The resonance on `plane`; its status tells whether there is one nearby."""
+        """What is followed, on `plane`; its status tells whether there is one nearby."""
+        ...
+
+    def at_force(self, problem: ResonanceProblem, guess: ResonanceState, options: NewtonOptions) -> ResonanceSolution:
+        """The resonance at the guess's force; its status tells whether there is one nearby."""
         ...
 
 
@@ -52,46 +64,60 @@ class PhaseResonance:
     ) -> ResonanceSolution:
         return at_phase(problem, replace(guess, phase=self.target), plane, options)
 
+    def at_force(self, problem: ResonanceProblem, guess: ResonanceState, options: NewtonOptions) -> ResonanceSolution:
+        return self.solve(problem, guess, constant_force_plane(guess), options)
+
 
 @dataclass(frozen=True)
 class MaximumResonance:
     """The largest first harmonic of the observed displacement along the response at constant force.
 
+    From force to force the response is followed at one phase, and the maximum is looked for from there.
+
     tolerance: how near the phase comes to the maximum's [rad]; tries: phases tried at most
+    followed: the phase that is followed [rad], by default that of the linear response at its maximum
     raises: ValueError for a tolerance that is not a small angle
     """
 
     tolerance: float = 1e-3
     tries: int = 16
+    followed: float | None = None
 
     def __post_init__(self) -> None:
         if not 1e-6 <= self.tolerance <= 0.1 or self.tries < 2:
             raise ValueError(f"tolerance = {self.tolerance} rad: between 1e-6 and 0.1; tries = {self.tries}: 2 or more")
 
-    def facing(self, phase: float) -> "MaximumResonance":  # noqa: ARG002  a size has no sign
-        return self
+    def facing(self, phase: float) -> "MaximumResonance":
+        return self if self.followed is not None else replace(self, followed=phase)
 
     def solve(
         self, problem: ResonanceProblem, guess: ResonanceState, plane: Hyperplane, options: NewtonOptions
     ) -> ResonanceSolution:
+        return at_phase(
+            problem, guess if self.followed is None else replace(guess, phase=self.followed), plane, options
+        )
+
+    def at_force(self, problem: ResonanceProblem, guess: ResonanceState, options: NewtonOptions) -> ResonanceSolution:
         """Root of lag_to_maximum over the phase: secant steps kept inside the bracket once there is one.
 
         Sampled contact laws have tangents that jump, so there may be no root but a change of sign: the bracket is
-        then closed to the tolerance.
+        then closed to the tolerance. Where the response cannot be solved on the way, the largest that was is taken.
         """
-        solution = at_phase(problem, guess, plane, options)
-        iterations, tried = solution.iterations, _PhaseBracket()
+        solution = self.solve(problem, guess, constant_force_plane(guess), options)
+        largest, iterations, tried = solution, solution.iterations, _PhaseBracket()
         for _ in range(self.tries):
             if not solution.converged:
-                return solution
+                break
+            if abs(solution.amplitude) > abs(largest.amplitude):
+                largest = solution
             lag = solution.linearised.lag_to_maximum
             tried.add(solution.state.phase, lag)
             if abs(lag) < self.tolerance or tried.width < self.tolerance:
                 return replace(solution, iterations=iterations)
             next_guess = replace(solution.state, phase=tried.next())
-            solution = at_phase(problem, next_guess, plane, options)
+            solution = at_phase(problem, next_guess, constant_force_plane(next_guess), options)
             iterations = max(iterations, solution.iterations)
-        return replace(solution, status=Status.TOO_MANY_ITERATIONS, iterations=iterations)
+        return replace(largest, iterations=iterations)
 
 
 class _PhaseBracket:
