@@ -20,6 +20,7 @@ from updamp.design.variables import Values, overrides
 from updamp.model.rig_files import load_any
 from updamp.notebook.model import ABOUT_A_MODE
 from updamp.parallel.chosen_workers import chosen_workers
+from updamp.parallel.ending import heard
 from updamp.parallel.workers import Workers
 from updamp.rig.modal_rig import ModalRig
 from updamp.rig.toml_file import read_toml
@@ -129,6 +130,7 @@ def run_study(study: DesignStudy, out: Path, jobs: int, scheduler: str, display:
                 _problem(study, folder, task.setup, jobs), Evaluations(task, stated, study, records, workers, display)
             )
     except KeyboardInterrupt as stop:
+        heard()
         interrupted = stop
     found = records.of_setup(task.setup)
     if interrupted is not None and not found:

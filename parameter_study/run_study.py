@@ -9,6 +9,7 @@ from updamp.design.run_study import own_copy, windows_of
 from updamp.design.solved_design import DesignInput, SolvedDesign, observed_point
 from updamp.design.tracked_modes import mode_references
 from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.parallel.ending import heard
 from updamp.parameter_study.curve_jobs import StudyCurveJob, in_study
 from updamp.parameter_study.families import CurveName, ParameterStudy
 from updamp.parameter_study.solved_study import SolvedStudy
@@ -127,6 +128,7 @@ def _trace(prepared: Mapping[CurveName, StudyCurveJob], jobs: int, tracing: _Tra
     try:
         run_all(list(once.values()), min(jobs, len(once)), tracing.on_progress, tracing.on_end)
     except KeyboardInterrupt:
+        heard()
         return True
     return False
 
