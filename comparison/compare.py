@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from updamp.comparison.findings.findings import lack_of_fit, misfits
 from updamp.comparison.findings.stated_values import feature_findings
 from updamp.comparison.fit.compared import compare_at, predict_branches
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
+from updamp.comparison.fit.fit_from_far import fit_from_far
 from updamp.comparison.fit.numerical_gate import apply_numerical_gate
 from updamp.comparison.fit.observations import Plan, plan_of
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
@@ -98,7 +100,8 @@ def calibrate(
     start = np.zeros(len(parametrisation))
     before = tuple(with_patterns(branch, parametrisation.numerics) for branch in plain)
     del plain
-    fitted = fit(parametrisation, plan, start, None, before, options.fit, progress, branches_of)
+    by = partial(fit, options=options.fit) if model.contacts else fit_from_far
+    fitted = by(parametrisation, plan, start, None, before, progress=progress, branches_of=branches_of)
     progress("curves")
     after = predict_branches(parametrisation, fitted.u, plan, fitted.compared.branches, branches_of)
     return CalibrationResult(plan, before, fitted, tuple(at_sizes(branch, fitted.u) for branch in after))

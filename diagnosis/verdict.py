@@ -60,7 +60,7 @@ class Candidate:
 @dataclass(frozen=True)
 class ErrorReached:
     """Weighted residual RMS on the data of the fit and on what was held out (nan where nothing was), before and after
-    the effects; repeatability: what repeats alone give"""
+    the effects; repeatability: what repeats alone give, nan where there are none"""
 
     before: float
     after: float

@@ -8,7 +8,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from updamp.measurement.conversion import measured_run
-from updamp.measurement.measurement import Channel, Feature, MeasuredRun, Measurement, MeasurementError, near
+from updamp.measurement.measurement import (
+    DRIFT,
+    GAIN,
+    Channel,
+    Feature,
+    MeasuredRun,
+    Measurement,
+    MeasurementError,
+    near,
+)
 from updamp.measurement.measurement_file import (
     MeasurementFile,
     RunTable,
@@ -96,6 +105,8 @@ def _with_runs(path: Path, file: MeasurementFile, files: _Files) -> Measurement:
         assumptions=tuple(dict.fromkeys([*_conventions(file), *assumptions, *_few_repeats(runs)])),
         hashes=files.hashes,
         repeatability=file.repeatability or 0.0,
+        drift=file.frequency_drift or DRIFT,
+        gain=file.gain_error or GAIN,
     )
 
 

@@ -119,6 +119,8 @@ class MeasurementFile(InputTable):
 
     repeatability: relative standard deviation of a response when the test is repeated, known from elsewhere; only where
     no repeats are among the runs
+    frequency_drift: relative standard deviation of the resonance from run to run of one assembly (temperature, clock)
+    gain_error: that of a sensor's gain, as on its data sheet
     """
 
     title: Annotated[Text, Field(examples=["Double-beam rig, damper 3, May 2024"])]
@@ -128,6 +130,8 @@ class MeasurementFile(InputTable):
     time_convention: Annotated[Literal["exp(+iwt)", "exp(-iwt)"], Field(examples=["exp(+iwt)"])] | None = None
     features: Annotated[Text, Field(examples=["stated.toml"])] | None = None
     repeatability: Annotated[float, Field(strict=True, gt=0, lt=1, examples=[0.05])] | None = None
+    frequency_drift: Annotated[float, Field(strict=True, gt=0, lt=0.1, examples=[1e-4])] | None = None
+    gain_error: Annotated[float, Field(strict=True, gt=0, lt=1, examples=[0.01])] | None = None
     channels: Annotated[Mapping[str, ChannelTable], Field(min_length=1)]
     runs: Annotated[
         tuple[RunTable, ...], BeforeValidator(_listed_once), Field(examples=[[{"name": "OOP 17 N", "mode": "OOP"}]])

@@ -1,7 +1,7 @@
 """The model at given parameters against all runs: chi-square, the misfit that models are compared by, and how much the
 noise is inflated where a model fails."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,10 +14,10 @@ from updamp.comparison.fit.scatter import (
     Offsets,
     Scatter,
     assembly,
+    chi2_at,
     offsets_of,
     split,
     whitened,
-    within_reach,
 )
 from updamp.comparison.prediction.branch_tasks import Branches, BranchTask, in_turn
 from updamp.comparison.prediction.parameters import Parametrisation
@@ -25,6 +25,7 @@ from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.hbm.continuation.continuation import ContinuationOptions
 
 Floats = NDArray[np.float64]
+Sensors = Sequence[Sequence[tuple[str, int]]]
 # Mean squared misfit from where on the model fails grossly: by ten times the scatter on average.
 GROSS = 100.0
 # Mean squared misfit up to which it is weighed as it is; beyond it a model fails badly.
@@ -93,38 +94,67 @@ def compare_at(
     scatter: Scatter,
     start: Mapping[int, Offsets] | None = None,
     spread: Floats | None = None,
-    rounds: int = 3,
+    rounds: int = 4,
 ) -> Compared:
     """Match every run at u, to first order from the branches, with the offsets of its assembly found along the way.
 
     start: offsets to begin with, by repeat; spread: (p,) for the first round, later ones use the scatter
+    rounds: in which offsets are tried, the first ones among them
     """
     n = len(parametrisation.nuisances)
     of_scatter = _padded(np.array([scatter.parameters[x.name] for x in parametrisation.nuisances]), len(u))
+    first = of_scatter if spread is None else np.maximum(spread, of_scatter)
     parts = []
     for repeat in plan.repeats:
         runs = [o for o in plan.observations if o.repeat == repeat]
-        offsets = (start or {}).get(repeat, Offsets(np.zeros(n), {}, {}))
-        misfit = 1.0
-        first = of_scatter if spread is None else np.maximum(spread, of_scatter)
-        for i in range(rounds):
-            width = first if i == 0 else of_scatter
-            matched, equations = _assembled(parametrisation, u, plan, runs, branches, offsets, width, misfit)
-            b, chi2 = offsets_of(equations, scatter)
-            if fails_grossly(parametrisation, chi2, len(equations.residual)):
-                misfit = scatter.noise * float(np.sqrt(chi2 / len(equations.residual)))
-                b = within_reach(b, equations, scatter)
-            offsets = split(b, matched, [plan.conditions[o.test].sensors for o in runs], n)
-        parts.append((matched, equations, offsets, chi2))
+        sensors = [plan.conditions[o.test].sensors for o in runs]
+
+        def assembled(
+            b: Floats | None, width: Floats, runs: Sequence[Observations] = runs, sensors: Sensors = sensors
+        ) -> _OfRepeat:
+            known = (start or {}).get(runs[0].repeat, Offsets(np.zeros(n), {}, {}))
+            offsets = known if b is None else split(b, runs, sensors, n)
+            matched, equations = _assembled(parametrisation, u, plan, runs, branches, offsets, width)
+            return _OfRepeat(tuple(matched), equations, offsets, chi2_at(equations, scatter))
+
+        parts.append(_with_best_offsets(assembled, scatter, (first, *[of_scatter] * (rounds - 1))))
     return Compared(
         u,
         tuple(branches),
-        tuple(m for matched, *_ in parts for m in matched),
-        tuple(part[1] for part in parts),
-        dict(zip(plan.repeats, (part[2] for part in parts), strict=True)),
+        tuple(m for part in parts for m in part.matched),
+        tuple(part.assembly for part in parts),
+        dict(zip(plan.repeats, (part.offsets for part in parts), strict=True)),
         scatter,
-        sum(part[3] for part in parts),
+        sum(part.chi2 for part in parts),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _OfRepeat:
+    matched: tuple[Matched, ...]
+    assembly: Assembly
+    offsets: Offsets
+    chi2: float
+
+
+def _with_best_offsets(
+    assembled: Callable[[Floats | None, Floats], _OfRepeat], scatter: Scatter, widths: Sequence[Floats]
+) -> _OfRepeat:
+    """Gauss-Newton in the offsets. Near a jump a shift of the frequency may put points on the other side of it, far off
+    what first order says: a step that does not lower chi2 is halved.
+
+    assembled: from offsets, None for the first ones, and the width that points are matched with; widths: of each round
+    """
+    best = assembled(None, widths[0])
+    ahead, _ = offsets_of(best.assembly, scatter)
+    for width in widths[1:]:
+        tried = assembled(ahead, width)
+        if tried.chi2 <= best.chi2:
+            best = tried
+            ahead, _ = offsets_of(best.assembly, scatter)
+        else:
+            ahead = (ahead + best.assembly.offsets) / 2
+    return best
 
 
 def fails_grossly(parametrisation: Parametrisation, chi2: float, values: int) -> bool:
@@ -141,13 +171,12 @@ def _assembled(
     branches: Sequence[PredictedBranch],
     offsets: Offsets,
     spread: Floats,
-    misfit: float,
 ) -> tuple[list[Matched], Assembly]:
     """One repeat with its offsets given."""
     sensors = [plan.conditions[o.test].sensors for o in runs]
     there = u + _padded(offsets.parameters, len(u))
     matched = [
-        match(branches[o.test], o, there, spread, offsets.correction(o.run, s), misfit)
+        match(branches[o.test], o, there, spread, offsets.correction(o.run, s))
         for o, s in zip(runs, sensors, strict=True)
     ]
     names = tuple(x.name for x in parametrisation.nuisances)

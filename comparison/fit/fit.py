@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from updamp.comparison.fit.compared import (
     Compared,
@@ -22,6 +21,7 @@ from updamp.comparison.fit.compared import (
     reweighed,
     with_inflated_noise,
 )
+from updamp.comparison.fit.linear_fit import fit_within
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.scatter import (
     Scatter,
@@ -33,7 +33,7 @@ from updamp.comparison.prediction.predicted_branch import PredictedBranch
 
 Floats = NDArray[np.float64]
 Progress = Callable[[str], None]
-# Share by which chi2 may rise in a step: it is rough, since contacts begin to slip one after the other.
+# Share by which chi2 may rise in a step: it is rough where contacts begin to slip one after the other.
 _ROUGH = 0.005
 # Share of chi2 below which a change of it is none.
 _DIGITS = 1e-5
@@ -47,12 +47,13 @@ _ALONE = 1e-3
 class FitOptions:
     """rounds: in which branches are solved anew, at most; largest_step: of a parameter in a round, in units of its
         scale (prior deviation, or typical size of an effect)
-    tolerance: fall of chi2 to be expected of another round below which there is none
+    tolerance: fall of chi2 to be expected of another round below which there is none; share: likewise, of chi2
     """
 
     rounds: int = 12
     largest_step: float = 0.5
     tolerance: float = 4.0
+    share: float = _DIGITS
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +108,7 @@ def fit(
     raises: BranchStoppedError where the model has no response to compare at the start
     """
     options = options or FitOptions()
-    prior = _prior_scatter(parametrisation, plan)
+    prior = prior_scatter(parametrisation, plan)
     common = (
         tuple(at_start) if at_start is not None else predict_branches(parametrisation, start, plan, None, branches_of)
     )
@@ -118,7 +119,7 @@ def fit(
         ahead = _round(parametrisation, plan, best, scatter, prior, reach)
         here = reweighed(parametrisation, plan, best, ahead.scatter)
         now = objective(parametrisation, here)
-        if now - objective(parametrisation, ahead) < max(options.tolerance, _DIGITS * now):
+        if now - objective(parametrisation, ahead) < max(options.tolerance, options.share * now):
             # what is still to be gained is, to first order: two standard deviations at most, no need for solving anew
             return _result(parametrisation, _weighed(parametrisation, plan, ahead, scatter, prior), True, "settled")
         common = predict_branches(parametrisation, ahead.u, plan, best.branches, branches_of)
@@ -140,22 +141,22 @@ def fit_linear(
 ) -> Compared:
     """Where a fit with a given scatter would go in one round: the branches linear in the parameters, which may change
     by `reach` of their scale."""
-    prior = Scatter({n.name: n.scatter for n in parametrisation.nuisances})
+    prior = prior_scatter(parametrisation, plan)
     ahead = _round(parametrisation, plan, compared, scatter, prior, reach)
     return reweighed(parametrisation, plan, ahead, scatter)
 
 
-def _prior_scatter(parametrisation: Parametrisation, plan: Plan) -> Scatter:
-    """The only assembly is what the parameters are fitted to: its offsets from others cannot be separated from them."""
+def prior_scatter(parametrisation: Parametrisation, plan: Plan) -> Scatter:
+    """As stated, before repeats have been looked at. The only assembly is what the parameters are fitted to: its
+    offsets from others cannot be separated from them."""
     share = 1.0 if len(plan.repeats) > 1 else _ALONE
-    return Scatter({n.name: share * n.scatter for n in parametrisation.nuisances})
+    return Scatter({n.name: share * n.scatter for n in parametrisation.nuisances}, plan.drift, plan.gain)
 
 
 def _rises(parametrisation: Parametrisation, before: Compared, after: Compared) -> bool:
     """Whether chi-square rises by more than it may in a step."""
-    gross = fails_grossly(parametrisation, before.chi2, before.values)
     rise = objective(parametrisation, after) - objective(parametrisation, before)
-    return rise > (_DIGITS if gross else _ROUGH) * before.chi2
+    return rise > (_DIGITS if parametrisation.base.contacts is None else _ROUGH) * before.chi2
 
 
 def _round(
@@ -192,44 +193,12 @@ def _fit_linear(
     upper = np.minimum(parametrisation.upper, about.u + limits)
     now = about
     for _ in range(3):
-        equations = _Equations(parametrisation, plan, now)
-        found = least_squares(
-            equations.residual,
-            np.clip(now.u, lower + 1e-9, upper - 1e-9),
-            equations.jacobian,
-            bounds=(lower, upper),
-            x_scale=limits / reach,
-            ftol=1e-4,
-            max_nfev=8,
-        )
-        before, now = now, equations.at(found.x)
+        before, now = now, fit_within(parametrisation, plan, now, lower, upper)
         if scatter is None:
             now = replace(now, scatter=learn(now.assemblies, prior))
         if np.max(np.abs(now.u - before.u) / limits) < 0.01:
             break
     return now
-
-
-class _Equations:
-    """What least squares asks for, with the branches linear; each evaluation gives the value and the derivative."""
-
-    def __init__(self, parametrisation: Parametrisation, plan: Plan, about: Compared) -> None:
-        self._parametrisation, self._plan, self._about = parametrisation, plan, about
-        self._kept: dict[bytes, Compared] = {}
-
-    def at(self, u: Floats) -> Compared:
-        if u.tobytes() not in self._kept:
-            about = self._about
-            self._kept[u.tobytes()] = compare_at(
-                self._parametrisation, u, self._plan, about.branches, about.scatter, about.offsets, None, 2
-            )
-        return self._kept[u.tobytes()]
-
-    def residual(self, u: Floats) -> Floats:
-        return np.concatenate([self.at(u).equations()[0], u / self._parametrisation.deviation])
-
-    def jacobian(self, u: Floats) -> Floats:
-        return np.vstack([-self.at(u).equations()[1], np.diag(1 / self._parametrisation.deviation)])
 
 
 def _covariance(parametrisation: Parametrisation, compared: Compared) -> Floats:

@@ -46,19 +46,16 @@ def match(
     u: Floats,
     spread: Floats,
     correction: Floats | float = 0.0,
-    misfit: float = 1.0,
 ) -> Matched:
     """Match a run against the branch moved to first order to the parameters u.
 
     correction: (m,) taken off the observations, such as a known drift or gain
     spread: (p,) standard deviations that the parameters may still be off by; they say how much frequency, amplitude
         and phase each tell of the place
-    misfit: how many times the sensors' noise the model is off by. Where it fails grossly, no observation but the
-        frequency is to be trusted more than that
     """
     shift, spread = np.append(u - branch.u, 0.0), np.append(spread, 0.0)
     run = replace(run, observed=run.observed - correction)
-    place = _nearest(_moved_as_a_whole(branch, shift), run, _weights(branch, run, spread, misfit))
+    place = _nearest(_moved_as_a_whole(branch, shift), run, _weights(branch, run, spread))
     observed = branch.at(place)
     difference = _difference(run, observed, shift)
     return _across(run, place, difference, observed, np.hypot(run.noise, branch.rough_at(place)))
@@ -90,12 +87,12 @@ def by_drive(run: Observations, slopes: Floats) -> Floats:
     return np.asarray(drive * run.log_level.reshape(each) + amplitudes * run.log_force.reshape(each))
 
 
-def _weights(branch: PredictedBranch, run: Observations, spread: Floats, misfit: float) -> Floats:
+def _weights(branch: PredictedBranch, run: Observations, spread: Floats) -> Floats:
     """(m,) one over the standard deviations, of sensors and parameters together; the same all along the branch, since
     where contacts begin to slip the derivatives leap, and any point would do for a place that is uncertain enough."""
     slopes = branch.observed.slopes
     of_parameters = np.einsum("npm,p->nm", slopes**2, spread**2)
-    noise = misfit * np.median(run.noise, axis=0)
+    noise = np.median(run.noise, axis=0)
     return np.asarray(1 / np.sqrt(noise**2 + np.median(of_parameters, axis=0)))
 
 
@@ -110,18 +107,31 @@ def _distance(moved: PredictedBranch, run: Observations, tried: Floats, weights:
 def _nearest(branch: PredictedBranch, run: Observations, weights: Floats) -> Floats:
     """(n,) the best of many places on the parts that the sweep visits, then finer and finer looks around it; a
     gradient would go astray where contacts begin to slip. branch: moved as a whole"""
-    both = np.flatnonzero(branch.seen)
-    share = (np.arange(_BETWEEN) + 0.5) / _BETWEEN
-    length = np.diff(branch.place)[both]
-    tried = (branch.place[both][:, None] + length[:, None] * share).ravel()
+    tried, widths = _visited_places(branch)
     best = np.argmin(_distance(branch, run, tried[None], weights), axis=1)
-    place, width = tried[best], (length / _BETWEEN)[best // _BETWEEN]
+    place, width = tried[best], widths[best]
     for _ in range(_LOOKS):
         around = place[:, None] + width[:, None] * np.linspace(-1, 1, 9)
         around = np.clip(around, branch.place[0], branch.place[-1])
         closest = np.argmin(_distance(branch, run, around, weights), axis=1)
         place, width = np.take_along_axis(around, closest[:, None], axis=1)[:, 0], width / 4
     return place
+
+
+def _visited_places(branch: PredictedBranch) -> tuple[Floats, Floats]:
+    """(k,) places that the sweep comes by, up to a fold and from where it lands, and half of the distance to the next:
+    where the frequency is beyond all before. A fold lies between two points, which move as parameters do."""
+    followed = np.array([not point.after_gap for point in branch.points[1:]], dtype=bool)
+    near = np.flatnonzero((branch.visited[:-1] | branch.visited[1:]) & followed)
+    share = (np.arange(_BETWEEN) + 0.5) / _BETWEEN
+    length = np.diff(branch.place)[near]
+    tried = (branch.place[near][:, None] + length[:, None] * share).ravel()
+    widths = np.repeat(length / _BETWEEN, _BETWEEN)
+    if (branch.frequency[-1] > branch.frequency[0]) != branch.condition.upwards:
+        tried, widths = tried[::-1], widths[::-1]
+    frequency = branch.at(tried).value[:, 0] * (1.0 if branch.condition.upwards else -1.0)
+    ahead = frequency >= np.maximum.accumulate(frequency)
+    return tried[ahead], widths[ahead]
 
 
 def _across(run: Observations, place: Floats, difference: Floats, model: Observed, noise: Floats) -> Matched:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.prediction.run_condition import DERIVATIVES, HeldResponse, RunCondition
-from updamp.measurement.measurement import MeasuredRun, Measurement
+from updamp.measurement.measurement import DRIFT, GAIN, MeasuredRun, Measurement
 
 Floats = NDArray[np.float64]
 
@@ -48,10 +48,14 @@ class Observations:
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """conditions: the tests; observations: all runs and repeats of them"""
+    """conditions: the tests; observations: all runs and repeats of them
+    drift, gain: relative standard deviations as stated (`Measurement`), before repeats have been looked at
+    """
 
     conditions: tuple[RunCondition, ...]
     observations: tuple[Observations, ...]
+    drift: float = DRIFT
+    gain: float = GAIN
 
     @property
     def repeats(self) -> tuple[int, ...]:
@@ -61,7 +65,7 @@ class Plan:
         """With some of the conditions: their places."""
         place = {old: new for new, old in enumerate(wanted)}
         kept = tuple(replace(o, test=place[o.test]) for o in self.observations if o.test in place)
-        return Plan(tuple(self.conditions[i] for i in wanted), kept)
+        return replace(self, conditions=tuple(self.conditions[i] for i in wanted), observations=kept)
 
 
 def plan_of(measurement: Measurement, harmonics: Sequence[int] = (1,)) -> Plan:
@@ -81,7 +85,7 @@ def plan_of(measurement: Measurement, harmonics: Sequence[int] = (1,)) -> Plan:
     observations = [_no_better_than(o, measurement.repeatability) for o in observations]
     if len({c.unit for c in conditions}) > 1:  # forces are the one thing that all of them have
         conditions = [replace(c, held=None, unit="N") for c in conditions]
-    return Plan(tuple(conditions), tuple(observations))
+    return Plan(tuple(conditions), tuple(observations), measurement.drift, measurement.gain)
 
 
 def _condition(measurement: Measurement, runs: Sequence[MeasuredRun], harmonics: Sequence[int]) -> RunCondition:

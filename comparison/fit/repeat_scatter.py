@@ -43,7 +43,9 @@ def scatter_of_repeats(fitted: Fit, plan: Plan) -> tuple[Scatter, float]:
         return replace(compared.scatter, noise=1.0), 1.0
     freed = _independent(freed)
     # what is rough about a large misfit is no scatter either
-    learnt = learn(freed, Scatter({n.name: n.scatter for n in p.nuisances}, noise=max(1.0, _roughness(freed))))
+    sizes = {n.name: n.scatter for n in p.nuisances}
+    prior = Scatter(sizes, plan.drift, plan.gain, max(1.0, _roughness(freed)))
+    learnt = learn(freed, prior)
     return replace(learnt, noise=1.0), learnt.noise
 
 

@@ -14,17 +14,16 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from updamp.comparison.fit.matching import Matched
+from updamp.comparison.fit.observations import Observations
+from updamp.measurement import measurement
 
 Floats = NDArray[np.float64]
 
 DRIFT, GAIN, NOISE = "frequency drift", "sensor gain", "sensor noise"
-# Standard deviations before the repeats have been looked at: relative, and of the logarithm of that guess.
-_DRIFT, _GAIN = 1e-4, 0.01
+# Standard deviations of the logarithms of what is stated.
 _UNSURE, _UNSURE_NOISE = 0.5, 0.3
 # No further from the guess than this many deviations: what would need more is a misfit, and no scatter.
 _FURTHEST = 2.0
-# Of an offset, in standard deviations.
-_FARTHEST = 5.0
 
 
 @dataclass(frozen=True)
@@ -33,8 +32,8 @@ class Scatter:
     run's frequency, of that of a sensor's gain; noise: factor on the sensors' stated noise"""
 
     parameters: Mapping[str, float]
-    drift: float = _DRIFT
-    gain: float = _GAIN
+    drift: float = measurement.DRIFT
+    gain: float = measurement.GAIN
     noise: float = 1.0
 
     def as_numbers(self) -> dict[str, float]:
@@ -51,7 +50,7 @@ class Assembly:
     """One repeat's equations: residual = common a + random b + noise of unit size.
 
     residual: (n,) at b = 0 to first order; common: (n, p) by the fitted parameters; random: (n, q) by the offsets
-    kinds: (q,) name of the scatter that each offset belongs to
+    kinds: (q,) name of the scatter that each offset belongs to; offsets: (q,) about which the equations were made
     """
 
     repeat: int
@@ -59,6 +58,7 @@ class Assembly:
     common: Floats
     random: Floats
     kinds: tuple[str, ...]
+    offsets: Floats
 
     def deviations(self, scatter: Scatter) -> Floats:
         """(q,) of the offsets, in units of the sensors' noise"""
@@ -93,6 +93,13 @@ def assembly(
     runs = [m.observations.run for m in matched]
     gains = list(dict.fromkeys(sensor for of_run in sensors for sensor in of_run))
     kinds = (*nuisances, *(DRIFT for _ in runs), *(GAIN for _ in gains))
+    b = np.concatenate(
+        [
+            offsets.parameters,
+            [offsets.drift.get(run, 0.0) for run in runs],
+            [offsets.gain.get(sensor, 0.0) for sensor in gains],
+        ]
+    )
     blocks, residual, common = [], [], []
     for i, (m, of_run) in enumerate(zip(matched, sensors, strict=True)):
         n = m.residual.size
@@ -102,24 +109,16 @@ def assembly(
         for j, sensor in enumerate(of_run):
             place = len(nuisances) + len(runs) + gains.index(sensor)
             block[:, place] = m.by_observation[:, :, 1 + 2 * j].ravel()
-        b = np.concatenate(
-            [
-                offsets.parameters,
-                [offsets.drift.get(run, 0.0) for run in runs],
-                [offsets.gain.get(sensor, 0.0) for sensor in gains],
-            ]
-        )
         blocks.append(block)
         residual.append(m.residual.ravel() + block @ b)
         common.append(m.by_parameter.reshape(n, -1))
-    return Assembly(repeat, np.concatenate(residual), np.concatenate(common), np.concatenate(blocks), kinds)
+    return Assembly(repeat, np.concatenate(residual), np.concatenate(common), np.concatenate(blocks), kinds, b)
 
 
-def split(b: Floats, matched: Sequence[Matched], sensors: Sequence[Sequence[tuple[str, int]]], n: int) -> Offsets:
-    """The offsets of one assembly from their vector; n: nuisance parameters."""
-    runs = [m.observations.run for m in matched]
+def split(b: Floats, runs: Sequence[Observations], sensors: Sequence[Sequence[tuple[str, int]]], n: int) -> Offsets:
+    """The offsets of one assembly from their vector; runs: its own; n: nuisance parameters."""
     gains = list(dict.fromkeys(sensor for of_run in sensors for sensor in of_run))
-    drift = dict(zip(runs, b[n : n + len(runs)].tolist(), strict=True))
+    drift = dict(zip((o.run for o in runs), b[n : n + len(runs)].tolist(), strict=True))
     return Offsets(b[:n], drift, dict(zip(gains, b[n + len(runs) :].tolist(), strict=True)))
 
 
@@ -127,15 +126,17 @@ def learn(assemblies: Sequence[Assembly], prior: Scatter) -> Scatter:
     """The scatter that makes the differences between the repeats most likely, with each size lognormal about its prior.
 
     Restricted maximum likelihood (H. D. Patterson and R. Thompson, Biometrika 58 (1971) 545): the fitted parameters
-    may be anything meanwhile, so that what all repeats have in common is no scatter.
+    may be anything meanwhile, so that what all repeats have in common is no scatter. Of a single assembly the sensors'
+    noise alone is learnt: what else differs from run to run there is what the model gets wrong.
     """
-    names = list(prior.as_numbers())
-    start = np.log([prior.as_numbers()[name] for name in names])
+    stated = prior.as_numbers()
+    names = list(stated) if len(assemblies) > 1 else [NOISE]
+    start = np.log([stated[name] for name in names])
     sizes = np.array([_UNSURE_NOISE if name == NOISE else _UNSURE for name in names])
     products = [_Products.of(a) for a in assemblies]
 
     def unlikely(z: Floats) -> float:
-        scatter = Scatter.of(dict(zip(names, np.exp(start + sizes * z), strict=True)))
+        scatter = Scatter.of({**stated, **dict(zip(names, np.exp(start + sizes * z), strict=True))})
         pairs = zip(assemblies, products, strict=True)
         parts = [p.reduced(a.deviations(scatter), scatter.noise) for a, p in pairs]
         chi2, right, information, log_determinant = (sum(column) for column in zip(*parts, strict=True))
@@ -146,7 +147,7 @@ def learn(assemblies: Sequence[Assembly], prior: Scatter) -> Scatter:
         return float(z @ z + chi2 - free.sum() + log_determinant + np.log(values[informed]).sum())
 
     found = minimize(unlikely, np.zeros(len(names)), method="L-BFGS-B", bounds=[(-_FURTHEST, _FURTHEST)] * len(names))
-    return Scatter.of(dict(zip(names, np.exp(start + sizes * found.x).tolist(), strict=True)))
+    return Scatter.of({**stated, **dict(zip(names, np.exp(start + sizes * found.x).tolist(), strict=True))})
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,10 +187,10 @@ def offsets_of(a: Assembly, scatter: Scatter) -> tuple[Floats, float]:
     return b, chi2
 
 
-def within_reach(b: Floats, a: Assembly, scatter: Scatter) -> Floats:
-    """The offsets no further off than an assembly can be: a model that fails grossly is not excused by them."""
-    farthest = _FARTHEST * a.deviations(scatter) * scatter.noise
-    return np.clip(b, -farthest, farthest)
+def chi2_at(a: Assembly, scatter: Scatter) -> float:
+    """With the offsets about which the equations were made, and their share."""
+    left, of_noise = a.residual - a.random @ a.offsets, a.offsets / a.deviations(scatter)
+    return float(left @ left + of_noise @ of_noise) / scatter.noise**2
 
 
 def whitened(a: Assembly, scatter: Scatter) -> tuple[Floats, Floats]:

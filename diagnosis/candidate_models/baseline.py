@@ -8,12 +8,14 @@ with the effect in the model (`with_own_numerics`).
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.fit.compared import compare_at, predict_branches
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
+from updamp.comparison.fit.fit_from_far import LAST, fit_from_far
 from updamp.comparison.fit.numerical_gate import apply_numerical_gate, finer_than, with_numerical_error
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.repeat_scatter import scatter_of_repeats
@@ -77,9 +79,10 @@ def baseline(
     at_start = tuple(with_patterns(before[i], parametrisation.numerics) for i in training)
     start = np.zeros(len(parametrisation))
     progress("calibration")
-    first = fit(parametrisation, train, start, None, at_start, _ROUNDS, progress, branches_of)
+    far, once_more = (partial(fit, options=_ROUNDS), _ROUNDS) if model.contacts else (fit_from_far, LAST)
+    first = far(parametrisation, train, start, None, at_start, progress=progress, branches_of=branches_of)
     scatter, repeatability = scatter_of_repeats(first, train)
-    found = fit(parametrisation, train, first.u, scatter, first.compared.branches, _ROUNDS, progress, branches_of)
+    found = fit(parametrisation, train, first.u, scatter, first.compared.branches, once_more, progress, branches_of)
     return Baseline(plan, training, kept, found, repeatability, finer)
 
 

@@ -46,7 +46,7 @@ class FitTask:
         how = ", with its own numerical error" if self.own_numerics else ", until settled" if settled else ""
         if self.size != 1:
             how = f", from {self.size:g} times the size{how}"
-        return ", ".join(e.name for e in self.effects) + how
+        return (", ".join(e.name for e in self.effects) or "without effects") + how
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,8 +6,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.fit.compared import AS_MANY, TOLERATED, Compared, compare_at, misfit, predict_branches
+from updamp.comparison.fit.compared import (
+    AS_MANY,
+    TOLERATED,
+    Compared,
+    compare_at,
+    misfit,
+    objective,
+    predict_branches,
+)
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
+from updamp.comparison.fit.fit_from_far import LAST, fit_from_far
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.scatter import Offsets
 from updamp.comparison.prediction.parameters import Parametrisation
@@ -65,14 +74,19 @@ def refit(
     """The fit with further effects, from the best start; of effects that are not smooth at their null value the better
     one of two, from the model as given and from the calibrated one. None where the model has no response at any start.
 
+    Models without contacts are quick to trace: they are always fitted in full, by `fit_from_far`, whatever the starts.
+
     near: a fit of the same to go on from
     """
     if near is not None:
         solved = near.compared.branches or None
         again = fit(near.parametrisation, plan, near.u, base.compared.scatter, solved, _options(full))
         return assessed(base, again, effects, criteria)
-    extended = replace(base.parametrisation, effects=(*base.parametrisation.effects, *effects))
     p, given = base.parametrisation, as_given(base)
+    extended = replace(p, effects=(*p.effects, *effects))
+    if p.base.contacts is None:
+        nested = _nested(base, plan, extended)
+        return None if nested is None else assessed(base, nested, effects, criteria)
     kinds = [
         [p.with_further(given, start) for start in starts.as_given],
         [p.with_further(base.u, start) for start in starts.calibrated],
@@ -86,6 +100,40 @@ def refit(
         key=lambda r: r.drop,
         default=None,
     )
+
+
+def _nested(base: Fit, plan: Plan, extended: Parametrisation) -> Fit | None:
+    """The best of fits from the model as given, effects absent; where that ends worse than the model that it contains,
+    from there too. None where there is no response at any start."""
+    p, n = base.parametrisation, extended.n_of_model - base.parametrisation.n_of_model
+    contained = objective(p, base.compared)
+    best: Fit | None = None
+    for values in (np.zeros(n), _shaped(base, plan, extended)):
+        if best is not None and (not np.any(values) or best.compared.mean_squared_misfit < 1):
+            break
+        for u in (as_given(base), base.u):
+            try:
+                found = fit_from_far(extended, plan, p.with_further(u, values), base.compared.scatter)
+            except BranchStoppedError:
+                continue
+            best = found if best is None or _lower(found, best) else best
+            if objective(extended, best.compared) <= contained + LAST.tolerance:
+                break
+    return best
+
+
+def _lower(one: Fit, other: Fit) -> bool:
+    return objective(one.parametrisation, one.compared) < objective(other.parametrisation, other.compared)
+
+
+def _shaped(base: Fit, plan: Plan, extended: Parametrisation) -> Floats:
+    """Absent effects with those parameters at their typical values that do nothing then, such as an exponent: where
+    first order leads to depends on them."""
+    p, n = base.parametrisation, base.parametrisation.n_of_model
+    at = p.with_further(base.u, np.zeros(extended.n_of_model - n))
+    (compared,) = compared_at(extended, plan, [at], replace(base.compared, branches=()))
+    columns = compared.equations()[1][:, n : extended.n_of_model]
+    return np.where(np.any(columns, axis=0), 0.0, 1.0)
 
 
 def _fit_from(base: Fit, plan: Plan, extended: Parametrisation, starts: Sequence[Floats], full: bool) -> Fit | None:

@@ -31,6 +31,8 @@ from updamp.effects.effect import Effect
 
 Floats = NDArray[np.float64]
 _95 = 1.96
+# Explanations that are told where none is good enough.
+_CLOSEST = 3
 
 
 def conclude(
@@ -135,8 +137,11 @@ def _intervals(fitted: Fit, effect: Effect) -> list[tuple[float, float]]:
 
 def _error(found: SearchResult, trial: Trial | None) -> ErrorReached:
     before, held = float(np.sqrt(found.evidence.excess)), found.evidence.held_out
-    if trial is None:
-        return ErrorReached(before, before, held, held, found.evidence.repeatability)
+    alone = len(found.baseline.train_plan.repeats) == 1
+    if trial is None or alone:
+        after, unseen_after = (before, held) if trial is None else (float(np.sqrt(trial.excess)), trial.held_out)
+        repeatability = float("nan") if alone else found.evidence.repeatability
+        return ErrorReached(before, after, held, unseen_after, repeatability)
     # what a misfit leaves in the differences between repeats is gone with it
     _, repeatability = scatter_of_repeats(found.refits[trial.effects].fitted, found.baseline.train_plan)
     return ErrorReached(before, float(np.sqrt(trial.excess)), held, trial.held_out, repeatability)
@@ -164,22 +169,44 @@ def sentence(decision: Decision, found: SearchResult, candidates: Sequence[Candi
     before, trial = float(np.sqrt(found.evidence.excess)), decision.trial
     if decision.outcome == "adequate":
         return (
-            f"nothing is missing: the calibrated model is off by {before:.2f} times the scatter of the repeats, and no "
-            "effect predicts better what the fit has not seen"
+            f"nothing is missing: the calibrated model is off by {before:.2f} times {_scatter(found)}{_unseen(found)}"
         )
     if decision.outcome == "unknown":
-        best = "" if trial is None else f"; the best of them, {trial.effects[0]}, leaves {trial.excess**0.5:.1f} times"
         return (
-            f"something is missing that the catalogue does not have: the model is off by {before:.1f} times the "
-            f"scatter, and no effect explains it{best}"
+            f"something is missing that the catalogue does not have: the model is off by {before:.1f} times "
+            f"{_scatter(found)}, and no effect explains it{_closest(found)}"
         )
     if decision.outcome == "undecidable":
         found_so = "" if trial is None else f"; {' and '.join(trial.effects)} would explain the data with it"
         return f"{decision.reason}{found_so}. Check what it stands for in the rig file before anything is named"
     assert trial is not None, "an effect has been chosen by its fit"
-    fall = f"the error falls from {before:.1f} to {trial.excess**0.5:.2f} times the scatter"
+    fall = f"the error falls from {before:.1f} to {trial.excess**0.5:.2f} times {_scatter(found)}"
     if np.isfinite(trial.held_out):
         fall += f", on {unseen(found.baseline)} from {found.evidence.held_out:.1f} to {trial.held_out:.2f}"
     if decision.outcome == "inseparable":
         return f"one of {', '.join(decision.group)} is missing, and these data do not tell which: {fall}"
     return f"{' and '.join(sentences[e] for e in decision.effects)} ({', '.join(decision.effects)}): {fall}"
+
+
+def _scatter(found: SearchResult) -> str:
+    several = len(found.baseline.train_plan.repeats) > 1
+    return "the scatter of the repeats" if several else "the scatter that is stated"
+
+
+def _unseen(found: SearchResult) -> str:
+    if not found.baseline.held_out:
+        return "; no run was held out"
+    return ", and no effect predicts better what the fit has not seen"
+
+
+def _closest(found: SearchResult) -> str:
+    """What was tried and left least, with what it predicted of held-out runs."""
+    tried = [t for t in (*found.evidence.trials, *found.evidence.pairs) if t.full]
+    best = sorted(tried, key=lambda t: t.excess)[:_CLOSEST]
+    said = [f"{' and '.join(t.effects)} leave{'s' if len(t.effects) == 1 else ''} {_left(t)}" for t in best]
+    return f". Closest: {'; '.join(said)}" if said else ""
+
+
+def _left(trial: Trial) -> str:
+    held_out = f" ({trial.held_out:.1f} on held-out runs)" if np.isfinite(trial.held_out) else ""
+    return f"{trial.excess**0.5:.1f} times{held_out}"

@@ -53,6 +53,8 @@ def _by_misfit(evidence: Evidence, criteria: Criteria) -> Decision:
 
 def reason_against(trial: Trial, evidence: Evidence, criteria: Criteria) -> str:
     """Why an effect is not accepted as the explanation, "" if it is."""
+    if within_scatter(evidence):
+        return "the model explains the data without it"
     for name in trial.effects:
         tested = evidence.test_of(name)
         if tested is not None and tested.visibility < criteria.visibility:
@@ -68,11 +70,16 @@ def reason_against(trial: Trial, evidence: Evidence, criteria: Criteria) -> str:
     return ""
 
 
+def within_scatter(evidence: Evidence) -> bool:
+    """Whether the model without effects is no further off than the scatter, on held-out runs too."""
+    return evidence.excess <= 1 and not evidence.held_out > 1  # nan: nothing was held out
+
+
 def _allowed(evidence: Evidence, criteria: Criteria) -> float:
-    """Error on held-out runs: below that without the effect, or within the scatter where it was so before, since there
-    is nothing to gain then (what shows at the highest level alone need not show below it)."""
-    within = float(np.sqrt(criteria.look_further))
-    return max((1 - criteria.gain) * evidence.held_out, within if evidence.held_out < within else 0.0)
+    """Error on held-out runs: below that without the effect, or no larger where they were within the scatter before,
+    since there is nothing to gain then (what shows at the highest level alone need not show below it)."""
+    within = evidence.held_out <= float(np.sqrt(criteria.look_further))
+    return evidence.held_out if within else (1 - criteria.gain) * evidence.held_out
 
 
 def _best_pair(evidence: Evidence, criteria: Criteria, single: Trial | None) -> Trial | None:

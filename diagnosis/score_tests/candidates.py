@@ -32,8 +32,13 @@ def fit_tasks(
     of typical size could do.
 
     scored: about the model of `start`
+
+    Without contacts fits are quick, and first order about a model whose curves jump says little of how much an effect
+    would explain: all that calibration cannot imitate are worth one.
     """
     visible = [s for s in scored if s.visibility >= criteria.visibility]
+    if start.fitted.parametrisation.base.contacts is None:
+        return [FitTask((s.effect,), (), full=True) for s in visible]
     by_score = {s.effect.name: s for s in visible if s.score >= criteria.score}
     if not fails_badly(start.fitted):
         return [FitTask((s.effect,), _starts(s.step), full=False, as_given=_typical(s)) for s in by_score.values()]

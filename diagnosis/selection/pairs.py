@@ -25,8 +25,21 @@ def try_pairs(fits: FitContext, effects: Sequence[Effect], singles: CandidateFit
     if settled[0].mean_squared_misfit < criteria.look_further and not settled[0].at_bound:
         return {}
     found: CandidateFits = {}
+    if start.fitted.parametrisation.base.contacts is None:
+        return _all_pairs(fits, effects, settled, singles)
     for first in (settled[0], *(r for r in settled[1:2] if nearly(r, settled[0], start, criteria))):
         found = _better(found, _beside(fits, first, effects, singles))
+    return found
+
+
+def _all_pairs(
+    fits: FitContext, effects: Sequence[Effect], firsts: Sequence[Refit], singles: CandidateFits
+) -> CandidateFits:
+    """Each effect beside every better one: two that are missing together need not come close alone."""
+    found: CandidateFits = {}
+    for i, first in enumerate(firsts[:-1]):
+        worse = {r.effects[0].name for r in firsts[i + 1 :]}
+        found |= _beside(fits, first, [e for e in effects if e.name in worse], singles)
     return found
 
 
@@ -96,8 +109,11 @@ def _beside(fits: FitContext, first: Refit, effects: Sequence[Effect], singles: 
     others = [e for e in effects if e.name != one.name]
     again = scores(extend(beside.start.fitted, start.train_plan, others, fits.progress, fits.workers))
     wanted = fit_tasks(beside.start, others, again, criteria, fits.progress, fits.workers)
-    short = beside.results(wanted[: criteria.short])
-    settled = beside.full(best_first(short)[: criteria.full])
+    if all(task.full for task in wanted):
+        settled = beside.results(wanted)
+    else:
+        short = beside.results(wanted[: criteria.short])
+        settled = beside.full(best_first(short)[: criteria.full])
     found: CandidateFits = {}
     for r in (settled | refits_with_own_numerics(beside, settled)).values():
         (second,) = r.refit.effects

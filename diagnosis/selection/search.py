@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 from updamp.comparison.prediction.branch_tasks import BranchesBy
 from updamp.diagnosis.candidate_models.baseline import Baseline, error_of, farthest_nuisance
 from updamp.diagnosis.candidate_models.candidate_fits import FitContext, Progress
-from updamp.diagnosis.candidate_models.fit_tasks import FitRunner, fit_here
+from updamp.diagnosis.candidate_models.fit_tasks import FitRunner, fit_here, with_branches
 from updamp.diagnosis.candidate_models.refit import Refit
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.evidence import EffectScore, Evidence
 from updamp.diagnosis.score_tests.score import Score, cosines, scores
 from updamp.diagnosis.score_tests.signature import Extended, extend
+from updamp.diagnosis.selection.fair_credit import credited, without_effects_again
 from updamp.diagnosis.selection.pairs import alone, exchanged, try_pairs
 from updamp.diagnosis.selection.single_effects import other_sizes, try_singles
 from updamp.effects.effect import Effect
@@ -56,6 +57,12 @@ def search(
     fits = FitContext(start, criteria, progress, runner, workers)
     singles = try_singles(fits, effects, scored)
     singles |= other_sizes(fits, singles)
+    without = without_effects_again(fits, singles)
+    if without is not None:
+        singles = credited(singles, base, without[0])
+        fits = replace(fits, start=replace(start, fitted=with_branches(without[0], start, BranchesBy(workers))))
+        held_out = without[1].held_out
+    start, base = fits.start, fits.start.fitted
     further, pairs = exchanged(fits, effects, singles, try_pairs(fits, effects, singles))
     singles |= further
     singles |= alone(fits, singles, pairs)

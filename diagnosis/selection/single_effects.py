@@ -26,7 +26,10 @@ from updamp.effects.effect import Effect
 def try_singles(fits: FitContext, effects: Sequence[Effect], scored: Sequence[Score]) -> CandidateFits:
     """Short refits of those that look most likely, full ones of the best."""
     start, criteria = fits.start, fits.criteria
-    wanted = fit_tasks(start, effects, scored, criteria, fits.progress, fits.workers)[: criteria.short]
+    wanted = fit_tasks(start, effects, scored, criteria, fits.progress, fits.workers)
+    if all(task.full for task in wanted):
+        return fits.results(wanted)
+    wanted = wanted[: criteria.short]
     half = (len(wanted) + 1) // 2
     found = fits.results(wanted[:half])
     enough = _left(start, 1 - criteria.promising)

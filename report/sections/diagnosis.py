@@ -1,5 +1,6 @@
 """The verdict of the diagnosis in words."""
 
+import math
 from html import escape
 
 from updamp.diagnosis.verdict import ErrorReached, Outcome, Verdict
@@ -33,11 +34,13 @@ def _names(verdict: Verdict) -> str:
 
 
 def _cards(error: ErrorReached) -> str:
-    cards = (
+    cards = [
         ("Misfit in the fit", _fall(error.before, error.after)),
         ("Misfit on held-out data", _fall(error.held_out_before, error.held_out_after)),
         ("Repeatability", number(error.repeatability, 3)),
-    )
+    ]
+    known = (True, not math.isnan(error.held_out_before), not math.isnan(error.repeatability))
+    cards = [card for card, shown in zip(cards, known, strict=True) if shown]
     inside = "".join(
         f'<div class="card"><dt>{name}</dt><dd><strong>{value}</strong><span>weighted residual RMS</span></dd></div>'
         for name, value in cards

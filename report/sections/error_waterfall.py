@@ -23,10 +23,10 @@ def render(report: Report) -> Content | None:
         (escape(name), escape(", ".join(step.effects)) or MISSING, number(step.error, 3), number(step.held_out, 3))
         for name, step in zip(names, history, strict=True)
     ]
-    spoken = f"Misfit step by step, on data of the fit and held out; repeatability is {number(floor, 3)}."
-    html = figure_element(
-        "waterfall", spoken, f"Dashed: repeatability, {number(floor, 3)}: what repeats alone give.", 400
-    )
+    known = not math.isnan(floor)
+    spoken = "Misfit step by step, on data of the fit and held out" + known * f"; repeatability is {number(floor, 3)}."
+    dashed = f"Dashed: repeatability, {number(floor, 3)}: what repeats alone give." if known else ""
+    html = figure_element("waterfall", spoken, dashed, 400)
     html += table(HEAD, rows, numbers_from=2)
     return Content(html, {"waterfall": _waterfall(names, history, floor)})
 
@@ -59,7 +59,7 @@ def _waterfall(names: Sequence[str], history: Sequence[Step], floor: float) -> d
         known = [not math.isnan(error) for error in errors]
         if any(known):
             traces.append(_trace(names, errors, axis))
-            layout["shapes"].append(_floor(floor, axis))
+            layout["shapes"] += [] if math.isnan(floor) else [_floor(floor, axis)]
         else:
             layout["annotations"].append(
                 {"text": "nothing was held out", "x": sum(domain) / 2, "y": 0.5, "xref": "paper", "yref": "paper",

@@ -57,7 +57,7 @@ def same(one: Verdict, other: Verdict) -> None:
 
 
 def parameters(verdict: Verdict) -> Mapping[str, float]:
-    return {p.name: p.value for c in verdict.candidates for p in c.parameters}
+    return {p.name: p.value for c in verdict.candidates if c.accepted for p in c.parameters}
 
 
 def test_a_mode_that_no_fit_has_seen_is_predicted(verdict: Verdict) -> None:

@@ -43,31 +43,39 @@ def test_microslip_is_named_beside_a_stiffening(verdict: Verdict) -> None:
     assert set(verdict.effects) == {"joint_microslip", "joint_cubic"}
 
 
-def test_error_falls_to_repeatability_on_runs_that_no_fit_has_seen(verdict: Verdict) -> None:
-    """In units of the repeatability of 6.5 %."""
+def test_error_falls_on_runs_that_no_fit_has_seen(verdict: Verdict) -> None:
+    """In units of the repeatability of 6.5 %, drift from run to run held at 1e-4."""
     assert verdict.error.before > 3
     assert verdict.error.held_out_before > 3
-    assert verdict.error.after < 0.9
-    assert verdict.error.held_out_after < 1.05
+    assert verdict.error.after < 1.1
+    assert verdict.error.held_out_after < 1.45
 
 
-def test_other_single_effects_are_worse_or_cannot_be_seen(found: SearchResult, verdict: Verdict) -> None:
+def test_other_effects_are_worse_or_cannot_be_seen(found: SearchResult, verdict: Verdict) -> None:
     trials = {t.effects: t for t in (*found.evidence.trials, *found.evidence.pairs)}
     pair = trials[verdict.effects]
-    assert 1.6 < trials["joint_quadratic",].excess / pair.excess < 2.2
+    assert trials["joint_quadratic",].excess > 1.8 * pair.excess
     assert trials["joint_quadratic",].held_out > 1.3 * pair.held_out
-    assert trials["joint_microslip",].excess > 2.5 * pair.excess
+    assert trials["joint_microslip",].excess > 4 * pair.excess
+    assert all(t.excess > 1.8 * pair.excess for t in found.evidence.pairs if t is not pair)
     visible = {t.effect: t.visibility for t in found.evidence.tested}
     assert visible["joint_viscous"] < 0.1
     assert visible["joint_viscoelastic"] < 0.1
 
 
+def test_no_fit_ends_worse_than_the_model_that_it_contains(found: SearchResult) -> None:
+    trials = {t.effects: t for t in (*found.evidence.trials, *found.evidence.pairs)}
+    for names, trial in trials.items():
+        assert trial.excess < found.evidence.excess + 0.01
+        assert all(trial.excess < trials[name,].excess + 0.01 for name in names)
+
+
 def test_microslips_parameters(verdict: Verdict) -> None:
-    """Damping grows with the amplitude to the power 1.7, more steeply than joints in the literature (0.1 to 1)."""
+    """Damping grows with the amplitude to the power 1.25; joints in the literature had 0.1 to 1."""
     (microslip,) = (c for c in verdict.candidates if c.name == "joint_microslip")
     values = {p.name: p for p in microslip.parameters}
-    assert 1100 < values["stiffness_lost"].value < 1700
-    assert 0.4 < values["exponent"].lower < values["exponent"].value < values["exponent"].upper < 0.9
+    assert 2000 < values["stiffness_lost"].value < 3000
+    assert -0.1 < values["exponent"].lower < values["exponent"].value < 0.4
 
 
 def test_effects_of_contacts_are_refused(found: SearchResult) -> None:

@@ -1,12 +1,15 @@
 """A linear resonator whose rig file is wrong: nothing is missing, and that the file is wrong is said first."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from updamp.comparison.fit.compared import compare_at, predict_branches
 from updamp.comparison.fit.observations import plan_of
-from updamp.diagnosis.candidate_models.baseline import baseline
+from updamp.comparison.prediction.predicted_branch import PredictedBranch
+from updamp.diagnosis.candidate_models.baseline import Baseline, baseline
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.decision.conclude import conclude
 from updamp.diagnosis.decision.decide import decide
@@ -42,3 +45,22 @@ def test_a_rig_file_that_is_wrong_is_no_missing_effect(stiffness: float, outcome
     assert (decision.outcome, decision.effects) == (outcome, ())
     said = conclude(found, decision, Criteria(), {POINT: "a"}).sentence
     assert ("calibration first: modal_stiffness stands 4.4 prior deviations" in said) == (outcome == "undecidable")
+    assert start.fitted.compared.scatter.drift == 1e-4  # as stated, whatever the misfit would make of it
+    assert "repeats" not in said
+    assert ("no run was held out" in said) == (outcome == "adequate")
+
+
+def test_a_calibration_that_stopped_short_is_no_reason_for_an_effect() -> None:
+    """The fit with the effect finds the loss factor; so does the one without, which the effect is credited against."""
+    start = baseline(modal_before_effects(load_modal(RIG)), (), plan_of(measured(1.0)), {})
+    u = np.array([0.0, 0.5, 0.0])
+    short = compare_at(start.fitted.parametrisation, u, start.plan, _branches(start, u), start.fitted.compared.scatter)
+    stuck = replace(start, fitted=replace(start.fitted, compared=short))
+    assert short.mean_squared_misfit > 10
+    found = search(stuck, (JOINTS["joint_cubic"],), Criteria())
+    assert found.evidence.excess < 1
+    assert decide(found.evidence, Criteria()).outcome == "adequate"
+
+
+def _branches(start: Baseline, u: np.ndarray) -> tuple[PredictedBranch, ...]:
+    return predict_branches(start.fitted.parametrisation, u, start.plan)

@@ -1,0 +1,48 @@
+"""What an effect is credited with: the fall of the misfit from the model without it, as well fitted as the one with.
+
+Fits with an effect go on from several starts and pass the numerical gate once more; a calibration that has stopped
+short of its optimum would hand all of that to the first effect whose fit moves.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from updamp.comparison.fit.compared import misfit
+from updamp.comparison.fit.fit import Fit
+from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext, best_first
+from updamp.diagnosis.candidate_models.fit_tasks import FitTask, FittedCandidate
+from updamp.diagnosis.candidate_models.refit import gain_of_bic
+from updamp.diagnosis.evidence import Trial
+
+Names = tuple[str, ...]
+
+
+def without_effects_again(fits: FitContext, found: CandidateFits) -> tuple[Fit, Trial] | None:
+    """The model without effects fitted once more, from the calibration of the best one with an effect and with the same
+    numerical gate; None where it comes to nothing better, or the data ask for no effect anyway."""
+    start, criteria = fits.start, fits.criteria
+    settled = [r for r in best_first(found) if r.trial.full and r.refit.delta_bic >= criteria.delta_bic]
+    if not settled:
+        return None
+    best, p = settled[0].refit, start.fitted.parametrisation
+    n, u = len(p.nuisances), start.fitted.u.copy()
+    u[:n] = best.fitted.u[:n]
+    there = replace(start.fitted, compared=replace(start.fitted.compared, u=u, branches=()))
+    again = fits.results([FitTask((), (), True, near=there, own_numerics=best.own_numerics)]).get(())
+    if again is None or again.refit.drop <= 0:
+        return None
+    return again.refit.fitted, again.trial
+
+
+def credited(found: Mapping[Names, FittedCandidate], before: Fit, without: Fit) -> CandidateFits:
+    """Single effects against the better model without them; before: the one that they were compared with"""
+    less = misfit(before.parametrisation, before.compared) - misfit(without.parametrisation, without.compared)
+    return {names: _credited(r, less) for names, r in found.items()}
+
+
+def _credited(one: FittedCandidate, less: float) -> FittedCandidate:
+    drop = one.refit.drop - less
+    parameters = sum(len(e.parameters) for e in one.refit.effects)
+    gain = gain_of_bic(drop, parameters, one.refit.fitted.compared.values)
+    refit = replace(one.refit, drop=drop, delta_bic=gain)
+    return replace(one, refit=refit, trial=replace(one.trial, drop=drop, delta_bic=gain))
