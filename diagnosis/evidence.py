@@ -6,6 +6,17 @@ from updamp.comparison.json_document import JsonDocument
 
 
 @dataclass(frozen=True)
+class IfRepeatable:
+    """A fit, had another repeatability been stated (relative). excess, held_out: as for a `Trial`; misfit: what drops
+    are differences of (`comparison/fit/compared.py: misfit`)"""
+
+    repeatability: float
+    excess: float
+    misfit: float
+    held_out: float
+
+
+@dataclass(frozen=True)
 class Trial:
     """A fit with effects in the model.
 
@@ -15,6 +26,7 @@ class Trial:
     held_out: weighted residual RMS on runs that the fit never saw, nan where there are none or it is not full
     at_bound: parameter at the bound of what is physical, "" if none; full: whether the fit was left to settle
     farthest: the nuisance parameter that stands farthest from the rig file's value; deviations: how many of its prior
+    parameters: of its effects; if_repeatable: had other repeatabilities been stated, none where repeats tell
     """
 
     effects: tuple[str, ...]
@@ -26,6 +38,8 @@ class Trial:
     full: bool
     farthest: str = ""
     deviations: float = 0.0
+    parameters: int = 1
+    if_repeatable: tuple[IfRepeatable, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -47,7 +61,7 @@ class Evidence:
     repeatability: RMS of what differs between repeats
     tested: the highest score first; trials: of single effects; pairs: of two
     alike: pairs of effects whose signatures look alike, with the cosine
-    farthest, deviations: as for a `Trial`, of the model without effects
+    farthest, deviations, if_repeatable: as for a `Trial`, of the model without effects; values: number of measured ones
     """
 
     excess: float
@@ -59,6 +73,8 @@ class Evidence:
     alike: tuple[tuple[str, str, float], ...]
     farthest: str = ""
     deviations: float = 0.0
+    if_repeatable: tuple[IfRepeatable, ...] = ()
+    values: int = 1
 
     def trial_of(self, effects: tuple[str, ...]) -> Trial | None:
         return next((t for t in (*self.trials, *self.pairs) if t.effects == effects), None)
@@ -68,4 +84,4 @@ class Evidence:
 
 
 # `evidence.json`, every number kept to the last digit.
-EVIDENCE_JSON = JsonDocument(Evidence, "updamp evidence 1", "updamp diagnose")
+EVIDENCE_JSON = JsonDocument(Evidence, "updamp evidence 2", "updamp diagnose")

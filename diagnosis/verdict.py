@@ -139,6 +139,15 @@ class NextMeasurement:
     hours: float
 
 
+@dataclass(frozen=True)
+class StripEntry:
+    """The verdict from a stated repeatability (relative) on, up to the next entry's; effects: named, or the group"""
+
+    repeatability: float
+    verdict: Outcome
+    effects: tuple[str, ...]
+
+
 @dataclass(frozen=True, eq=False)
 class Verdict:
     """verdict: adequate: nothing is missing beyond repeatability; identified: `effects` are missing; inseparable: one
@@ -150,6 +159,7 @@ class Verdict:
     next_measurement: worth making, most separation per hour first
     calibration: nuisance parameters fitted together with `effects`, for `updamp add --with-calibration`: factors on
         the rig file's values; empty where they are not handed on
+    strip: how the verdict hangs on the stated repeatability, the smallest first; empty where repeats tell it
     """
 
     verdict: Outcome
@@ -165,8 +175,9 @@ class Verdict:
     history: tuple[Step, ...]
     provenance: Mapping[str, str]
     calibration: tuple[Calibrated, ...] = ()
+    strip: tuple[StripEntry, ...] = ()
 
 
 # `diagnosis.json`, every number kept to the last digit: the fields of `Verdict` by their names, and `schema`; nan as
 # null.
-VERDICT_JSON = JsonDocument(Verdict, "updamp diagnosis 1", "updamp diagnose")
+VERDICT_JSON = JsonDocument(Verdict, "updamp diagnosis 2", "updamp diagnose")

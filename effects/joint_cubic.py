@@ -17,7 +17,7 @@ EFFECT = Effect(
     (
         EffectParameter(
             "coefficient", 0.0, -1e13, 1e13, 1e11, "N/m^3",
-            "0.15 % of a modal stiffness of 5e5 N/m at 0.1 mm",
+            "0.15 % of a modal stiffness of 5e5 N/m at 0.1 mm", grows_with=(1, -2, 0),
         ),
     ),
     apply,

@@ -30,7 +30,7 @@ EFFECT = Effect(
         EffectParameter(
             "stiffness_lost", 0.0, 0.0, 1e6, 5e3, "N/m",
             "by 0.1 mm at the excitation point; a per cent of a beam's modal stiffness of 5e5 N/m, which shifts the "
-            "resonance by half a per cent, as lap joints do",
+            "resonance by half a per cent, as lap joints do", grows_with=(1, 0, 0),
         ),
         EffectParameter(
             "exponent", 0.0, -0.9, 1.0, -0.4, "",

@@ -18,6 +18,7 @@ EFFECT = Effect(
         EffectParameter(
             "coefficient", 0.0, 0.0, 1e4, 50.0, "N*s^2/m^2",
             "at 0.1 m/s as a dashpot of some 4 N s/m; drag of the air on a beam of this size is below 0.1",
+            grows_with=(1, -1, -2),
         ),
     ),
     apply,

@@ -55,9 +55,18 @@ EFFECT = Effect(
     "joint_viscoelastic",
     "a viscoelastic layer in the joint adds stiffness and loss that depend on frequency, not on amplitude",
     (
-        EffectParameter("stiffness", 0.0, 0.0, 1e6, 5e3, "N/m", "a per cent of a modal stiffness of 5e5 N/m"),
         EffectParameter(
-            "relaxation_time", 2e-3, 1e-5, 1.0, 1e-3, "s", "most loss at 80 Hz and 160 Hz; polymers have any"
+            "stiffness", 0.0, 0.0, 1e6, 5e3, "N/m", "a per cent of a modal stiffness of 5e5 N/m", (), (1, 0, 0)
+        ),
+        EffectParameter(
+            "relaxation_time",
+            2e-3,
+            1e-5,
+            1.0,
+            1e-3,
+            "s",
+            "most loss at 80 Hz and 160 Hz; polymers have any",
+            grows_with=(0, 0, -1),
         ),
     ),
     apply,

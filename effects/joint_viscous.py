@@ -22,7 +22,7 @@ EFFECT = Effect(
     (
         EffectParameter(
             "dashpot", 0.0, 0.0, 1e3, 2.0, "N*s/m",
-            "a damping ratio of 0.1 % of a mode of 2 kg at 80 Hz, as an oiled joint adds",
+            "a damping ratio of 0.1 % of a mode of 2 kg at 80 Hz, as an oiled joint adds", grows_with=(1, 0, -1),
         ),
     ),
     apply,

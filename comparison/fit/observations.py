@@ -50,22 +50,38 @@ class Observations:
 class Plan:
     """conditions: the tests; observations: all runs and repeats of them
     drift, gain: relative standard deviations as stated (`Measurement`), before repeats have been looked at
+    repeatability: as stated, 0 where repeats tell; the observations' noise has it
     """
 
     conditions: tuple[RunCondition, ...]
     observations: tuple[Observations, ...]
     drift: float = DRIFT
     gain: float = GAIN
+    repeatability: float = 0.0
 
     @property
     def repeats(self) -> tuple[int, ...]:
         return tuple(sorted({o.repeat for o in self.observations}))
+
+    @property
+    def largest_amplitude(self) -> float:
+        """Of all sensors, first harmonics [m]"""
+        return float(np.exp(max(o.observed[:, 1].max() for o in self.observations)))
 
     def only(self, wanted: Sequence[int]) -> "Plan":
         """With some of the conditions: their places."""
         place = {old: new for new, old in enumerate(wanted)}
         kept = tuple(replace(o, test=place[o.test]) for o in self.observations if o.test in place)
         return replace(self, conditions=tuple(self.conditions[i] for i in wanted), observations=kept)
+
+    def if_repeatable(self, repeatability: float) -> "Plan":
+        """The same runs, had another repeatability been stated."""
+        runs = []
+        for o in self.observations:
+            noise = o.noise.copy()
+            noise[:, 1:] = np.sqrt(np.maximum(noise[:, 1:] ** 2 - self.repeatability**2, 0.0) + repeatability**2)
+            runs.append(replace(o, noise=noise))
+        return replace(self, observations=tuple(runs), repeatability=repeatability)
 
 
 def plan_of(measurement: Measurement, harmonics: Sequence[int] = (1,)) -> Plan:
@@ -85,7 +101,8 @@ def plan_of(measurement: Measurement, harmonics: Sequence[int] = (1,)) -> Plan:
     observations = [_no_better_than(o, measurement.repeatability) for o in observations]
     if len({c.unit for c in conditions}) > 1:  # forces are the one thing that all of them have
         conditions = [replace(c, held=None, unit="N") for c in conditions]
-    return Plan(tuple(conditions), tuple(observations), measurement.drift, measurement.gain)
+    stated = measurement.drift, measurement.gain, measurement.repeatability
+    return Plan(tuple(conditions), tuple(observations), *stated)
 
 
 def _condition(measurement: Measurement, runs: Sequence[MeasuredRun], harmonics: Sequence[int]) -> RunCondition:

@@ -10,6 +10,7 @@ from updamp.comparison.fit.compared import predict_branches
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.diagnosis.candidate_models.baseline import Baseline, error_of, farthest_nuisance, with_own_numerics
+from updamp.diagnosis.candidate_models.if_repeatable import if_repeatable
 from updamp.diagnosis.candidate_models.other_sizes import fit_from_size, with_size
 from updamp.diagnosis.candidate_models.refit import FULL, Refit, Starts, assessed, refit
 from updamp.diagnosis.criteria import Criteria
@@ -103,7 +104,11 @@ def _run(shared: tuple[Baseline, Criteria], task: FitTask) -> FittedCandidate | 
     names = tuple(e.name for e in task.effects)
     calibration = farthest_nuisance(r.fitted)
     misfit, gain = r.mean_squared_misfit, r.delta_bic
-    return FittedCandidate(r, Trial(names, misfit, r.drop, gain, held_out, r.at_bound, task.full, *calibration))
+    trial = Trial(names, misfit, r.drop, gain, held_out, r.at_bound, task.full, *calibration)
+    if not task.full:
+        return FittedCandidate(r, trial)
+    parameters = sum(len(e.parameters) for e in task.effects)
+    return FittedCandidate(r, replace(trial, parameters=parameters, if_repeatable=if_repeatable(r.fitted, start)))
 
 
 def _refit(start: Baseline, criteria: Criteria, a: FitTask) -> Refit | None:

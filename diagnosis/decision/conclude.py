@@ -14,6 +14,7 @@ from updamp.diagnosis.candidate_models.refit import Refit
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.decision.decide import Decision, reason_against
 from updamp.diagnosis.decision.signature_curves import signatures
+from updamp.diagnosis.decision.verdict_strip import strip
 from updamp.diagnosis.evidence import EffectScore, Trial
 from updamp.diagnosis.score_tests.score import cosines
 from updamp.diagnosis.selection.search import SearchResult
@@ -61,6 +62,7 @@ def conclude(
         history=_history(found, decision),
         provenance=provenance or {},
         calibration=calibrated_factors(chosen.fitted if chosen is not None else found.baseline.fitted),
+        strip=strip(found.evidence, criteria),
     )
 
 

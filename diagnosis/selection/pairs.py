@@ -119,7 +119,9 @@ def _beside(fits: FitContext, first: Refit, effects: Sequence[Effect], singles: 
         (second,) = r.refit.effects
         both = assessed(start.fitted, r.refit.fitted, (one, second), criteria)
         names = (one.name, second.name)
-        trial = replace(r.trial, effects=names, drop=both.drop, delta_bic=gain_over_one(both, singles))
+        parameters = len(one.parameters) + len(second.parameters)
+        gain = gain_over_one(both, singles)
+        trial = replace(r.trial, effects=names, drop=both.drop, delta_bic=gain, parameters=parameters)
         found[names] = FittedCandidate(both, trial)
     return found
 

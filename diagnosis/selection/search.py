@@ -10,6 +10,7 @@ from updamp.comparison.prediction.branch_tasks import BranchesBy
 from updamp.diagnosis.candidate_models.baseline import Baseline, error_of, farthest_nuisance
 from updamp.diagnosis.candidate_models.candidate_fits import FitContext, Progress
 from updamp.diagnosis.candidate_models.fit_tasks import FitRunner, fit_here, with_branches
+from updamp.diagnosis.candidate_models.if_repeatable import if_repeatable
 from updamp.diagnosis.candidate_models.refit import Refit
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.evidence import EffectScore, Evidence
@@ -19,6 +20,7 @@ from updamp.diagnosis.selection.fair_credit import credited, without_effects_aga
 from updamp.diagnosis.selection.pairs import alone, exchanged, try_pairs
 from updamp.diagnosis.selection.single_effects import other_sizes, try_singles
 from updamp.effects.effect import Effect
+from updamp.effects.sized import sized
 from updamp.parallel.workers import Workers, here
 
 Floats = NDArray[np.float64]
@@ -51,6 +53,7 @@ def search(
     raises: BranchStoppedError where the calibrated model has no response at the beginning of a run
     """
     base, plan = start.fitted, start.train_plan
+    effects = [sized(effect, base.parametrisation.base, plan.largest_amplitude) for effect in effects]
     extended = extend(base, plan, effects, progress, workers)
     scored = scores(extended)
     held_out = error_of(base, start.held_out_plan, BranchesBy(workers))
@@ -75,6 +78,8 @@ def search(
         tuple(sorted((r.trial for r in pairs.values()), key=lambda t: t.excess)),
         _alike(scored, criteria),
         *farthest_nuisance(base),
+        if_repeatable(base, start, BranchesBy(workers)),
+        base.compared.values,
     )
     refits = {names: r.refit for names, r in {**singles, **pairs}.items()}
     return SearchResult(start, extended, scored, refits, evidence)

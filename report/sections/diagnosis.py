@@ -23,7 +23,7 @@ def render(report: Report) -> Content | None:
         return None
     kind = "good" if verdict.verdict in GOOD else "bad"
     html = f'<p class="verdict {kind}">{TITLES[verdict.verdict]}.<br><span>{escape(verdict.sentence)}</span></p>'
-    return Content(html + _names(verdict) + _cards(verdict.error))
+    return Content(html + _names(verdict) + _cards(verdict.error) + _strip(verdict))
 
 
 def _names(verdict: Verdict) -> str:
@@ -31,6 +31,21 @@ def _names(verdict: Verdict) -> str:
     title, names = ("Cannot be separated", verdict.group) if verdict.group else ("Missing", verdict.effects)
     items = "".join(f"<li><code>{escape(name)}</code> {escape(sentences.get(name, ''))}</li>" for name in names)
     return f'<h3>{title}</h3><ul class="findings">{items}</ul>' if items else ""
+
+
+def _strip(verdict: Verdict) -> str:
+    """How it hangs on what was stated."""
+    if not verdict.strip:
+        return ""
+    items = "".join(
+        f"<li>from {100 * each.repeatability:g} %: {each.verdict}{escape(_of(each.effects))}</li>"
+        for each in verdict.strip
+    )
+    return f'<h3>If another repeatability had been stated</h3><ul class="findings">{items}</ul>'
+
+
+def _of(effects: tuple[str, ...]) -> str:
+    return f" ({', '.join(effects)})" if effects else ""
 
 
 def _cards(error: ErrorReached) -> str:

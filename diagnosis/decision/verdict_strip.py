@@ -1,0 +1,42 @@
+"""How the verdict hangs on the repeatability that was stated."""
+
+from dataclasses import replace
+
+from updamp.diagnosis.candidate_models.refit import gain_of_bic
+from updamp.diagnosis.criteria import Criteria
+from updamp.diagnosis.decision.decide import decide
+from updamp.diagnosis.evidence import Evidence, Trial
+from updamp.diagnosis.verdict import StripEntry
+
+
+def strip(evidence: Evidence, criteria: Criteria) -> tuple[StripEntry, ...]:
+    """The verdict from each repeatability on where it changes; none where repeats tell how far a model may be off."""
+    found: list[StripEntry] = []
+    for i, of_null in enumerate(evidence.if_repeatable):
+        decision = decide(_restated(evidence, i), criteria)
+        entry = StripEntry(of_null.repeatability, decision.outcome, decision.group or decision.effects)
+        if not found or (entry.verdict, entry.effects) != (found[-1].verdict, found[-1].effects):
+            found.append(entry)
+    return tuple(found)
+
+
+def _restated(evidence: Evidence, i: int) -> Evidence:
+    """As it would be with the i-th repeatability."""
+    of_null = evidence.if_repeatable[i]
+
+    def restated(t: Trial) -> Trial:
+        if not t.if_repeatable:
+            return t
+        then = t.if_repeatable[i]
+        drop = of_null.misfit - then.misfit
+        gain = gain_of_bic(drop, t.parameters, evidence.values)
+        return replace(t, excess=then.excess, drop=drop, delta_bic=gain, held_out=then.held_out)
+
+    trials = tuple(restated(t) for t in evidence.trials)
+    gains = {t.effects[0]: t.delta_bic for t in trials}
+
+    def over_one(pair: Trial) -> Trial:
+        return replace(pair, delta_bic=pair.delta_bic - max((gains.get(e, 0.0) for e in pair.effects), default=0.0))
+
+    pairs = tuple(over_one(restated(t)) for t in evidence.pairs)
+    return replace(evidence, excess=of_null.excess, held_out=of_null.held_out, trials=trials, pairs=pairs)
