@@ -10,6 +10,7 @@ Prints one line a try and a summary; ends with 1 where one took longer, left a p
 import argparse
 import os
 import random
+import resource
 import shutil
 import signal
 import subprocess
@@ -25,11 +26,16 @@ import psutil
 RIG = Path(__file__).parents[1] / "rigs" / "pesaresi2017.toml"
 LIMIT = 10.0  # s
 LONGEST_WAIT = 120.0  # s, before a try counts as hung
+# A curve that goes on from its file begins with another first guess. Newton's method ends at a residual of 1e-9, which
+# the resonance makes larger by 1 / loss factor, 1e3.
+SAME = 1e-6
+FULL = "UPDAMP_FILES_UP_TO"  # bytes that a file of the next run may grow to: beyond, writing fails as on a full disk
 MODES = ("--mode", "OOP", "--mode", "IP", "--force", "0.096 N", "--force", "3.84 N")
 
 
 def command(out: Path) -> list[str]:
-    options = ("--mesh", "small", "--jobs", "2", "--no-pictures", "--no-accuracy", "--no-check", *MODES)
+    short = ("--no-pictures", "--no-stability", "--no-accuracy", "--no-check", "--no-resonance")
+    options = ("--mesh", "small", "--jobs", "2", *short, *MODES)
     return [sys.executable, "-X", "faulthandler", "-m", "updamp.pipeline", "run", str(RIG), "--out", str(out), *options]
 
 
@@ -61,7 +67,9 @@ class Try:
 def interrupted(out: Path, at: float, to: str) -> Try:
     """to: "process", "group" (as a terminal, systemd or a batch system does) or "kill" (SIGKILL to the process)"""
     with tempfile.TemporaryFile("w+") as said:
-        process = subprocess.Popen(command(out), stdout=said, stderr=subprocess.STDOUT, start_new_session=True)
+        process = subprocess.Popen(
+            command(out), stdout=said, stderr=subprocess.STDOUT, start_new_session=True, preexec_fn=_limited
+        )
         family: dict[int, psutil.Process] = {}
         ends = time.monotonic() + at
         while time.monotonic() < ends and process.poll() is None:
@@ -89,6 +97,13 @@ def interrupted(out: Path, at: float, to: str) -> Try:
                 one.kill()
         said.seek(0)
         return Try(at, took, process.returncode, left, said.read()[-6000:], to)
+
+
+def _limited() -> None:
+    """In the new process: its disk is as good as full, where that is asked for."""
+    if FULL in os.environ:
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (int(os.environ[FULL]),) * 2)
 
 
 def members(pid: int) -> dict[int, psutil.Process]:
@@ -132,15 +147,61 @@ def tries(folder: Path, number: int, longest: float, seed: int) -> bool:
     return not bad
 
 
+def whole(out: Path) -> int:
+    """Run to the end, undisturbed; its exit code."""
+    return subprocess.run(command(out), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode
+
+
+def largest_difference(out: Path, reference: Path) -> float:
+    """Of all amplitudes in the tables of two runs, over the largest of them; infinite where points differ in number."""
+    worst = 0.0
+    for path in sorted(reference.glob("frf_*.csv")):
+        a, b = ([line.split(",") for line in (f / path.name).read_text().splitlines()[1:]] for f in (reference, out))
+        if [(row[:2], row[3:5]) for row in a] != [(row[:2], row[3:5]) for row in b]:
+            return float("inf")
+        x, y = ([complex(float(row[5]), float(row[6])) for row in rows] for rows in (a, b))
+        worst = max(worst, max(abs(p - q) for p, q in zip(x, y, strict=True)) / max(map(abs, x)))
+    return worst
+
+
+def soak(folder: Path, number: int, longest: float, seed: int) -> bool:
+    """One folder disturbed over and over, then run to its end: are its results those of a run undisturbed?"""
+    draw, reference, out = random.Random(seed), folder / "undisturbed", folder / "soaked"
+    for path in (reference, out):
+        shutil.rmtree(path, ignore_errors=True)
+        shutil.copytree(prepared(folder), path)
+    bad = whole(reference) != 0
+    for i in range(number):
+        kind = ("process", "kill", "full", "truncated")[i % 4]
+        stored = sorted((out / "stages").glob("*.h5"))
+        if kind == "truncated" and stored:
+            victim = draw.choice(stored)
+            os.truncate(victim, draw.randrange(victim.stat().st_size))
+        elif kind == "full":
+            os.environ[FULL] = str(draw.randrange(1_000, 900_000))
+        one = interrupted(out, draw.uniform(2.0, longest), kind if kind in ("process", "kill") else "process")
+        os.environ.pop(FULL, None)
+        print(f"{kind:10}{one.line()}", flush=True)
+        if not (one.good or (kind == "full" and one.code == 2)):
+            print(one.said, flush=True)
+            bad = True
+    codes, difference = whole(out), largest_difference(out, reference)
+    print(f"{number} disturbances; the last run ended with {codes}; largest difference {difference:.2g}")
+    return not bad and codes == 0 and difference < SAME
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--tries", type=int, default=50)
+    parser.add_argument("--soak", type=int, default=0, help="disturb one folder so many times, in place of --tries")
     parser.add_argument("--longest", type=float, default=20.0, help="latest time of the signal [s]")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--folder", type=Path, default=None)
     chosen = parser.parse_args(arguments)
     folder = chosen.folder or Path(tempfile.mkdtemp(prefix="updamp_signals_"))
     folder.mkdir(parents=True, exist_ok=True)
+    if chosen.soak:
+        return 0 if soak(folder, chosen.soak, chosen.longest, chosen.seed) else 1
     return 0 if tries(folder, chosen.tries, chosen.longest, chosen.seed) else 1
 
 

@@ -95,6 +95,8 @@ def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
     console = Console()
     with Display(console) as display:
         this = Run(rig, options, display)
+        options.folder.mkdir(parents=True, exist_ok=True)
+        display.log = options.folder / "log.txt"
         for question in questions(rig):
             display.note("question", question)
         products = this.products()

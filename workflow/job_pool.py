@@ -148,6 +148,7 @@ def _work(job: Job) -> JobOutcome:
             last = time.monotonic()
             _messages.put((str(job.output), progress))
 
+    report(JobProgress(0.0, "loading and compiling"))
     try:
         return JobOutcome(job, job.run(report, asked, os.getppid()))
     except Exception as error:

@@ -276,7 +276,18 @@ class Run:
                 self.display.unchanged(job.name)
         if not missing:
             return found, ()
-        outcomes = run_all(missing, min(self.options.workers, len(missing)), self._on_progress, self._on_end)
+        in_all = self.display.together("in all", len(missing))
+
+        def progress(job: Job, reached: JobProgress) -> None:
+            self._on_progress(job, reached)
+            in_all.update(job.name, reached.share)
+
+        def end(outcome: JobOutcome) -> None:
+            self._on_end(outcome)
+            in_all.done(outcome.job.name)
+
+        outcomes = run_all(missing, min(self.options.workers, len(missing)), progress, end)
+        in_all.over()
         found |= _stored_products(missing, kind)
         return found, tuple(outcome for outcome in outcomes if outcome.end is not JobEnd.FINISHED)
 

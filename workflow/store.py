@@ -17,7 +17,7 @@ from typing import Any, TypeVar, get_args, get_type_hints
 import h5py
 import numpy as np
 
-from updamp.parallel.whole_file import whole_hdf5
+from updamp.parallel.whole_file import DAMAGED_HDF5, is_undamaged, whole_hdf5
 from updamp.workflow.store_units import UNITS
 
 SCHEMA_VERSION = 1
@@ -99,13 +99,15 @@ def _opened(path: Path) -> Iterator[h5py.File]:
     """The file, open for reading; whatever goes wrong while it is read comes out as a StoreError."""
     if not path.is_file():
         raise StoreError(path, "no such file")
+    if not is_undamaged(path):
+        raise StoreError(path, "damaged: its checksum is another")
     try:
         with h5py.File(path, "r") as file:
             schema = file.attrs.get("schema")
             if schema != SCHEMA_VERSION:
                 raise StoreError(path, f"written with schema {schema}, this version reads {SCHEMA_VERSION}")
             yield file
-    except (OSError, KeyError, RuntimeError, ValueError) as error:  # what HDF5 and the decoding of its content raise
+    except DAMAGED_HDF5 as error:
         raise StoreError(path, f"damaged or not written by updamp ({error})") from error
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from updamp.measurement.measurement import MeasurementError
 from updamp.measurement.readers.registry import NoOptions, register, usable_file
 from updamp.measurement.recorded import RecordedChannel, RecordedSweep
-from updamp.parallel.whole_file import whole_hdf5
+from updamp.parallel.whole_file import DAMAGED_HDF5, is_undamaged, whole_hdf5
 
 SCHEMA_VERSION = 1
 KIND = "updamp recorded sweeps"
@@ -22,6 +22,8 @@ LARGEST_NUMBERS = 1e8  # in one data set: 1.6 GB
 def read_hdf5(path: Path, labels: tuple[str, ...], options: NoOptions) -> tuple[RecordedSweep, ...]:  # noqa: ARG001
     """A file that `write_hdf5` wrote."""
     usable_file(path)
+    if not is_undamaged(path):
+        raise MeasurementError(f"{path}: damaged (its checksum is another); copy or write it again")
     try:
         with h5py.File(path, "r") as file:
             if file.attrs.get("kind") != KIND or file.attrs.get("schema") != SCHEMA_VERSION:
@@ -30,7 +32,7 @@ def read_hdf5(path: Path, labels: tuple[str, ...], options: NoOptions) -> tuple[
                     f"'{KIND}' and {SCHEMA_VERSION}, as write_hdf5 writes them (MATLAB's v7.3 ends in .mat)"
                 )
             return tuple(_sweep(path, file["sweeps"][name], labels) for name in sorted(file["sweeps"]))
-    except (OSError, KeyError, RuntimeError, ValueError) as error:  # what HDF5 and damaged content raise
+    except DAMAGED_HDF5 as error:
         if isinstance(error, MeasurementError):
             raise
         raise MeasurementError(f"{path}: damaged or no HDF5 file ({error}); copy or write it again") from None

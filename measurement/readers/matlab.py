@@ -12,6 +12,7 @@ from pydantic import Field
 from updamp.measurement.measurement import MeasurementError, near
 from updamp.measurement.readers.registry import register, usable_file
 from updamp.measurement.recorded import Complex, RecordedChannel, RecordedSweep, complex_of
+from updamp.parallel.whole_file import DAMAGED_HDF5
 from updamp.rig.fields import InputTable
 
 LARGEST_NUMBERS = 1e8  # in one variable: 1.6 GB
@@ -80,7 +81,9 @@ def _version_73(path: Path, wanted: tuple[str, ...]) -> tuple[dict[str, Any], tu
         with h5py.File(path, "r") as file:
             found = {name: value for name in wanted if (value := _numeric(path, name, file, _member)) is not None}
             return found, tuple(name for name in file if not name.startswith("#"))
-    except (OSError, KeyError, RuntimeError) as error:
+    except MeasurementError:
+        raise
+    except DAMAGED_HDF5 as error:
         raise MeasurementError(f"{path}: damaged MATLAB v7.3 file ({error}); save it again from MATLAB") from None
 
 
