@@ -27,9 +27,9 @@ from updamp.effects.rig_model import RigModel
 from updamp.hbm.compilation_cache import keep_compiled
 from updamp.hbm.continuation.continuation import ContinuationOptions
 from updamp.hbm.continuation.curve import CurveRequest, trace
-from updamp.hbm.resonance.backbone import ResonanceOptions
 from updamp.hbm.resonance.conditions import MaximumResonance, PhaseResonance, ResonanceCondition
 from updamp.hbm.resonance.resonance_curve import ResonanceRequest, trace_resonance
+from updamp.hbm.resonance.resonance_steps import ResonanceOptions
 from updamp.measurement.load import load_measurement
 from updamp.measurement.measurement import Measurement, MeasurementError
 from updamp.model.rig_files import load_any

@@ -136,6 +136,14 @@ def linearise(problem: ResonanceProblem, equation: Equation, log_force: float) -
     )
 
 
+def linearised_at(problem: ResonanceProblem, state: ResonanceState) -> Linearised:
+    """raises: scipy.linalg.LinAlgError where a tangent is not finite"""
+    excitation = problem.excitation(state.log_force)
+    return linearise(
+        problem, evaluate(problem.system, excitation, excitation.force * state.z, state.w), state.log_force
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class ResonanceSolution:
     """One solution of the extended equations.
@@ -198,7 +206,7 @@ def at_phase(
     """
     options = options or NewtonOptions()
     trial = _Trial.at(problem, guess)
-    iterations = 0
+    iterations, errors = 0, [trial.error]
     while True:
         if trial.converged(options) and iterations:
             return trial.solution(Status.CONVERGED, iterations)
@@ -215,6 +223,9 @@ def at_phase(
             return trial.solution(Status.STALLED, iterations)
         trial = better
         iterations += 1
+        errors.append(trial.error)
+        if options.out_of_patience(errors) and not trial.converged(options):
+            return trial.solution(Status.STALLED, iterations)
 
 
 @dataclass(frozen=True, eq=False)
@@ -274,7 +285,7 @@ def _damped(trial: _Trial, step: tuple[Floats, float, float], options: NewtonOpt
         )
         if next_state.w > 0 and abs(next_state.log_force) < _MOST_LOG_FORCE:
             candidate = _Trial.at(trial.problem, next_state)
-            if candidate.error < trial.error or candidate.converged(options):
+            if not options.damped or candidate.error < trial.error or candidate.converged(options):
                 return candidate
         damping /= 2
     return None

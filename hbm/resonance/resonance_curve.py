@@ -13,10 +13,11 @@ from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.newton import observe
 from updamp.hbm.newton.observe import ContactState
 from updamp.hbm.problem.system import NonlinearSystem
-from updamp.hbm.resonance.backbone import ResonanceOptions, ResonancePoint, ResonanceStoppedError, follow_resonance
+from updamp.hbm.resonance.backbone import ResonancePoint, follow_resonance
 from updamp.hbm.resonance.conditions import ResonanceCondition
 from updamp.hbm.resonance.equivalent_damping import damping_ratio_from_phase, loss_factor, stored_energy
 from updamp.hbm.resonance.resonance import ResonanceProblem, ResonanceState
+from updamp.hbm.resonance.resonance_steps import ResonanceOptions, ResonanceStoppedError
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

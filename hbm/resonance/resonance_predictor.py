@@ -1,11 +1,11 @@
-"""The predictor on a branch of resonances, and the metric of its steps."""
+"""The tangent of a branch of resonances, the predictor along it, and the metric of its steps."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from updamp.hbm.resonance.resonance import ResonanceSolution, ResonanceState
+from updamp.hbm.resonance.resonance import Linearised, ResonanceSolution, ResonanceState
 
 
 @dataclass(frozen=True)
@@ -14,48 +14,76 @@ class RelativeMetric:
 
     scale_w: float
 
+    def product(self, here: ResonanceState, a: ResonanceState, b: ResonanceState) -> float:
+        by_size = float(np.vdot(a.z, b.z)) / size_of(here) ** 2
+        return by_size + a.w * b.w / self.scale_w**2 + a.log_force * b.log_force
+
     def distance(self, here: ResonanceState, there: ResonanceState) -> float:
-        dz, dw, dlog_force = there.z - here.z, there.w - here.w, there.log_force - here.log_force
-        return float(np.sqrt(np.sum(dz**2) / size_of(here) ** 2 + (dw / self.scale_w) ** 2 + dlog_force**2))
+        move = difference(there, here, 1.0)
+        return float(np.sqrt(self.product(here, move, move)))
 
     def unit(self, here: ResonanceState, towards: ResonanceState) -> ResonanceState:
-        length = np.sqrt(
-            np.sum(towards.z**2) / size_of(here) ** 2 + (towards.w / self.scale_w) ** 2 + towards.log_force**2
-        )
+        length = np.sqrt(self.product(here, towards, towards))
         return ResonanceState(*(part / length for part in (towards.z, towards.w, towards.log_force, towards.phase)))
+
+
+@dataclass(frozen=True, eq=False)
+class BranchOfResonances:
+    """The branch of constant phase through a solution, and its sense.
+
+    Along a branch of f(y) = 0 with one unknown more than equations the sign of det(df/dy; t) stays, t its tangent, in
+    folds and kinks alike (Eaves and Scarf 1976, Math. Oper. Res. 1). Eliminating the displacements leaves det J times
+    the phase's derivatives, so that t follows with its sign from the last linearised equations alone.
+
+    orientation: that sign, 1 or -1
+    """
+
+    metric: RelativeMetric
+    orientation: float
+
+    @staticmethod
+    def from_force(metric: RelativeMetric, first: ResonanceSolution, direction: float) -> "BranchOfResonances":
+        """direction: 1 where the force rises from the first resonance on, -1 where it falls"""
+        line = first.linearised
+        sign = line.jacobian.determinant_sign * np.sign(line.y_by_frequency.imag)
+        return BranchOfResonances(metric, float(direction * sign))
+
+    def tangent(self, line: Linearised, state: ResonanceState) -> ResonanceState:
+        """Of unit length."""
+        sign, force = self.orientation * line.jacobian.determinant_sign, np.exp(state.log_force)
+        dw, dlog_force = -sign * line.y_by_log_force.imag, sign * line.y_by_frequency.imag
+        dx = -line.by_frequency * dw - line.by_log_force * dlog_force
+        return self.metric.unit(state, ResonanceState(dx / force - state.z * dlog_force, dw, dlog_force, 0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class FollowedResonance:
+    """tangent: of unit length, along the branch; step: from the point before"""
+
+    solution: ResonanceSolution
+    tangent: ResonanceState
+    step: float
+
+    @property
+    def state(self) -> ResonanceState:
+        return self.solution.state
+
+
+def predict(followed: Sequence[FollowedResonance], step: float, metric: RelativeMetric) -> ResonanceState:
+    """Along the last point's tangent, bent by the change of the tangent since the point before (second order)."""
+    last = followed[-1]
+    guess = ahead(last.state, last.tangent, step)
+    if len(followed) < 2:
+        return guess
+    before = metric.unit(last.state, followed[-2].tangent)
+    # across a kink, and far beyond what it was found from, the change of the tangent says nothing
+    if step > 4 * last.step or metric.product(last.state, before, last.tangent) < 0.9:
+        return guess
+    return ahead(guess, difference(last.tangent, before, 1 / last.step), step**2 / 2)
 
 
 def size_of(state: ResonanceState) -> float:
     return max(float(np.linalg.norm(state.z)), np.finfo(float).tiny)
-
-
-def predict(
-    points: Sequence[ResonanceSolution], step: float, direction: float, metric: RelativeMetric
-) -> tuple[ResonanceState, ResonanceState]:
-    """Direction of the branch and the state `step` further: a parabola through the last three points, a line through
-    two, and from one the tangent of constant phase."""
-    last = points[-1].state
-    if len(points) == 1:
-        normal = metric.unit(last, _tangent(points[0], direction))
-        return normal, ahead(last, normal, step)
-    before = points[-2].state
-    distance = metric.distance(before, last)
-    secant = difference(last, before, 1 / distance)
-    rate = secant
-    if len(points) > 2:
-        earlier = points[-3].state
-        gap = metric.distance(earlier, before)
-        bend = difference(secant, difference(before, earlier, 1 / gap), 1 / (distance + gap))
-        rate = ahead(secant, bend, step + distance)
-    return metric.unit(last, secant), ahead(last, rate, step)
-
-
-def _tangent(solution: ResonanceSolution, direction: float) -> ResonanceState:
-    """d(z, w, ln F) along the branch of constant phase, ln F moving in `direction`."""
-    line, state = solution.linearised, solution.state
-    dw = -direction * line.y_by_log_force.imag / line.y_by_frequency.imag
-    dx = -line.by_frequency * dw - line.by_log_force * direction
-    return ResonanceState(dx / solution.force - state.z * direction, dw, direction, 0.0)
 
 
 def ahead(state: ResonanceState, rate: ResonanceState, step: float) -> ResonanceState:

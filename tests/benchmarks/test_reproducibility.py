@@ -11,6 +11,10 @@ from dataclasses import asdict
 import pytest
 
 from updamp.benchmarks.reproducibility import CURVES, RIG, Reading, read, readings, small_model
+from updamp.fem.static_contact.static_contact import static_contact
+from updamp.hbm.resonance.conditions import MaximumResonance
+from updamp.hbm.resonance.resonance_curve import ResonanceRequest, trace_resonance
+from updamp.model.build import rig_model
 from updamp.model.rig_files import load_rig
 
 PEAK, FREQUENCY = 1e-3, 0.05  # relative; [Hz]
@@ -53,6 +57,20 @@ def test_neither_do_two_threads(rig, reduced):
     found = json.loads(ran.stdout.splitlines()[-1])
     one = read("one thread", rig, reduced, "IP", 9.6, True)
     assert_same(Reading(**found), Reading(**json.loads(json.dumps(asdict(one)))))
+
+
+def test_the_resonance_followed_in_force_is_the_peak_of_the_curves_however_many_contacts_open(rig, reduced):
+    """IP, whose contacts open one after another; at 17 N the curve has more than one resonance."""
+    model, tip = rig_model(reduced, static_contact(reduced, rig), rig), f"blade_{rig.excitation.blade}.tip.x"
+    window = rig.study.modes["IP"].window
+    asked = ResonanceRequest("IP", model.excitation, tip, window, (0.96, 3.84, 9.6, 17.0), MaximumResonance())
+    *_, followed = trace_resonance(model.system, asked)
+    assert followed.complete, followed.stopped
+    at = followed.at_forces()
+    for i, force in enumerate(asked.forces[:-1]):
+        curve = read("upwards", rig, reduced, "IP", force, True)
+        assert abs(at.receptance[i]) == pytest.approx(curve.peak, rel=PEAK)
+        assert at.frequency[i] == pytest.approx(curve.frequency, abs=FREQUENCY)
 
 
 def assert_same(found: Reading, first: Reading) -> None:

@@ -1,0 +1,137 @@
+"""Steps along a branch of resonances: predicted along its tangent, corrected on the plane across it, and refused where
+they have ended elsewhere than the branch goes.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import scipy.linalg
+
+from updamp.hbm.newton.newton import NewtonOptions, Status
+from updamp.hbm.resonance.conditions import ResonanceCondition
+from updamp.hbm.resonance.resonance import (
+    Hyperplane,
+    ResonanceProblem,
+    ResonanceSolution,
+    ResonanceState,
+    linearised_at,
+)
+from updamp.hbm.resonance.resonance_predictor import (
+    BranchOfResonances,
+    FollowedResonance,
+    ahead,
+    difference,
+    predict,
+    size_of,
+)
+
+
+@dataclass(frozen=True)
+class ResonanceOptions:
+    """Steps are lengths of arc in the relative metric, about ln of a force ratio.
+
+    wanted_iterations: steps grow where Newton needs fewer and shrink where it needs more
+    frequency_scale: share of the window that counts as one unit of arc
+    straight: a step counts where the tangents at both its ends go its way, by the cosine of their angles to it at
+        least: what does not is another branch, or the same one on its way back
+    beyond_kinks: where no smaller step is solved contacts change their states: so far ahead [arc] the tangent of the
+        branch beyond is taken, and steps of the lengths after the kink are tried along it
+    max_points: at most this many points; lowest_start: the force may be lowered to this share of the first force to
+    find a beginning
+
+    raises: ValueError naming the option that is out of range
+    """
+
+    first_step: float = 0.1
+    smallest_step: float = 1e-4
+    largest_step: float = 0.4
+    wanted_iterations: int = 5
+    frequency_scale: float = 0.5
+    straight: float = 0.5
+    beyond_kinks: tuple[float, ...] = (1e-4, 3e-4, 1e-3, 3e-3, 0.01)
+    max_points: int = 1000
+    lowest_start: float = 1e-6
+    newton: NewtonOptions = field(default_factory=NewtonOptions)
+    corrector: NewtonOptions = field(default_factory=lambda: NewtonOptions(iterations=8, damped=False, patience=5))
+
+    def __post_init__(self) -> None:
+        if not 0 < self.smallest_step < self.first_step <= self.largest_step:
+            raise ValueError(
+                f"steps {self.smallest_step}, {self.first_step}, {self.largest_step}: "
+                "0 < smallest_step < first_step <= largest_step is needed"
+            )
+        if self.frequency_scale <= 0 or self.max_points < 2 or not 0 < self.lowest_start < 1:
+            raise ValueError(
+                f"frequency_scale = {self.frequency_scale} must be positive, max_points = {self.max_points} at least "
+                f"2 and lowest_start = {self.lowest_start} between 0 and 1"
+            )
+
+
+class ResonanceStoppedError(Exception):
+    """A resonance that cannot be followed on. What was computed has been handed out already."""
+
+    def __init__(self, solution: ResonanceSolution, status: Status) -> None:
+        self.force, self.frequency, self.status, self.error = solution.force, solution.frequency, status, solution.error
+        super().__init__(
+            f"the resonance stops at {self.force:.4g} N, {self.frequency:.4f} Hz: {status.value}, residual "
+            f"{self.error:.1e} of the displacement; {status.advice}, or begin at another force or response curve"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class ResonanceSteps:
+    """Finds the resonance that follows those so far."""
+
+    problem: ResonanceProblem
+    condition: ResonanceCondition
+    branch: BranchOfResonances
+    options: ResonanceOptions
+
+    def next_point(self, followed: Sequence[FollowedResonance], step: float) -> tuple[FollowedResonance, float]:
+        """The following resonance and the step to try after it.
+
+        raises: ResonanceStoppedError
+        """
+        options, last = self.options, followed[-1]
+        while True:
+            guess = predict(followed, step, self.branch.metric)
+            point, solution = self._corrected(last, guess, last.tangent, step)
+            if point is not None:
+                growth = np.clip(2.0 ** ((options.wanted_iterations - solution.iterations) / 2), 0.5, 2.0)
+                return point, float(np.clip(point.step * growth, options.smallest_step, options.largest_step))
+            if step <= options.smallest_step:
+                break
+            step = max(step / 2, options.smallest_step)
+        for tangent in self._tangents_beyond(last):
+            for length in options.beyond_kinks:
+                point, _ = self._corrected(last, ahead(last.state, tangent, length), tangent, length)
+                if point is not None:
+                    return point, max(length, options.smallest_step)
+        status = Status.STALLED if solution.status is Status.CONVERGED else solution.status
+        raise ResonanceStoppedError(last.solution, status)
+
+    def _corrected(
+        self, last: FollowedResonance, guess: ResonanceState, normal: ResonanceState, step: float
+    ) -> tuple[FollowedResonance | None, ResonanceSolution]:
+        metric = self.branch.metric
+        plane = Hyperplane(guess, normal, size_of(last.state), metric.scale_w)
+        solution = self.condition.solve(self.problem, guess, plane, self.options.corrector)
+        if not solution.converged:
+            return None, solution
+        moved = metric.distance(last.state, solution.state)
+        tangent = self.branch.tangent(solution.linearised, solution.state)
+        way = difference(solution.state, last.state, 1 / max(moved, np.finfo(float).tiny))
+        ends = (metric.product(last.state, way, normal), metric.product(last.state, way, tangent))
+        if 0.5 * step < moved < 1.6 * step and min(ends) > self.options.straight:
+            return FollowedResonance(solution, tangent, moved), solution
+        return None, solution
+
+    def _tangents_beyond(self, last: FollowedResonance) -> Iterator[ResonanceState]:
+        """Of the branch as it is a little ahead, where contacts have other states."""
+        for length in self.options.beyond_kinks:
+            there = ahead(last.state, last.tangent, length)
+            try:
+                yield self.branch.tangent(linearised_at(self.problem, there), there)
+            except scipy.linalg.LinAlgError:
+                continue
