@@ -1,7 +1,7 @@
 """Counts what becomes of the broken inputs of tests/support/broken: clear, unclear, crash, accepted.
 
-python benchmarks/broken_inputs.py            # the counts
-python benchmarks/broken_inputs.py --list     # and every one that is not clear, with what was said
+python tests/broken_inputs.py            # the counts
+python tests/broken_inputs.py --list     # and every one that is not clear, with what was said
 """
 
 import os
@@ -12,7 +12,6 @@ from collections import Counter
 from pathlib import Path
 
 os.environ.setdefault("COLUMNS", "10000")
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
 from support.broken.folders import FOLDERS
 from support.broken.measurements import MEASUREMENTS
