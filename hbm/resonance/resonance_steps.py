@@ -120,12 +120,12 @@ class ResonanceSteps:
         if not solution.converged:
             return None, solution
         moved = metric.distance(last.state, solution.state)
+        if not 0.5 * step < moved < 1.6 * step:
+            return None, solution
         tangent = self.branch.tangent(solution.linearised, solution.state)
-        way = difference(solution.state, last.state, 1 / max(moved, np.finfo(float).tiny))
-        ends = (metric.product(last.state, way, normal), metric.product(last.state, way, tangent))
-        if 0.5 * step < moved < 1.6 * step and min(ends) > self.options.straight:
-            return FollowedResonance(solution, tangent, moved), solution
-        return None, solution
+        way = difference(solution.state, last.state, 1 / moved)
+        straight = min(metric.product(last.state, way, end) for end in (normal, tangent)) > self.options.straight
+        return FollowedResonance(solution, tangent, moved) if straight else None, solution
 
     def _tangents_beyond(self, last: FollowedResonance) -> Iterator[ResonanceState]:
         """Of the branch as it is a little ahead, where contacts have other states."""
