@@ -73,12 +73,12 @@ class PredictorCorrector(Corrector):
 
         raises: BranchStoppedError
         """
-        options, last = self.options, traced.last
+        options, last, asked_for = self.options, traced.last, step
         while True:
             for support in sorted({0.0, last.solution.support}, reverse=True):
                 point, solution = self.step(traced, step, replace(options.newton, support=support))
                 if point is not None:
-                    return [point], self.next_step(point, step)
+                    return [point], options.following(step, point.step, solution.iterations, step < asked_for)
             if step <= options.smallest_step:
                 break
             step = options.shortened(step)

@@ -83,7 +83,7 @@ def first_resonance(
         raise ResonanceStoppedError(start, Status.STALLED if start.converged else start.status)
     if log_force == _log_force(force):
         return start
-    *_, last = _follow(problem, condition, start, [_log_force(force)], _scale_w(window, options), options)
+    *_, last = _follow(problem, condition, start, [_log_force(force)], options.scale_w(window), options)
     if not last.asked_for:
         raise ResonanceStoppedError(last.solution, Status.STALLED)
     return last.solution
@@ -120,17 +120,13 @@ def follow_resonance(
             raise ResonanceStoppedError(first, first.status)
     yield ResonancePoint(first, 0.0, False, True)
     if log_forces[1:]:
-        yield from _follow(problem, condition, first, log_forces[1:], _scale_w(window, options), options)
+        yield from _follow(problem, condition, first, log_forces[1:], options.scale_w(window), options)
 
 
 def _log_force(force: float) -> float:
     if not force > 0:
         raise ValueError(f"force = {force} N: a resonance needs a positive one")
     return float(np.log(force))
-
-
-def _scale_w(window: tuple[float, float], options: ResonanceOptions) -> float:
-    return 2 * np.pi * options.frequency_scale * (window[1] - window[0])
 
 
 def _resonance_near(

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from updamp.hbm.continuation.step_lengths import StepLengths
 from updamp.hbm.resonance.resonance import Linearised, ResonanceSolution, ResonanceState
 
 
@@ -69,15 +70,16 @@ class FollowedResonance:
         return self.solution.state
 
 
-def predict(followed: Sequence[FollowedResonance], step: float, metric: RelativeMetric) -> ResonanceState:
+def predict(
+    followed: Sequence[FollowedResonance], step: float, metric: RelativeMetric, lengths: StepLengths
+) -> ResonanceState:
     """Along the last point's tangent, bent by the change of the tangent since the point before (second order)."""
     last = followed[-1]
     guess = ahead(last.state, last.tangent, step)
     if len(followed) < 2:
         return guess
     before = metric.unit(last.state, followed[-2].tangent)
-    # across a kink, and far beyond what it was found from, the change of the tangent says nothing
-    if step > 4 * last.step or metric.product(last.state, before, last.tangent) < 0.9:
+    if not lengths.bent(step, last.step, metric.product(last.state, before, last.tangent)):
         return guess
     return ahead(guess, difference(last.tangent, before, 1 / last.step), step**2 / 2)
 

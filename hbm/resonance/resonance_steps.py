@@ -5,9 +5,9 @@ they have ended elsewhere than the branch goes.
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
 import scipy.linalg
 
+from updamp.hbm.continuation.step_lengths import StepLengths
 from updamp.hbm.newton.newton import NewtonOptions, Status
 from updamp.hbm.resonance.conditions import ResonanceCondition
 from updamp.hbm.resonance.resonance import (
@@ -28,11 +28,9 @@ from updamp.hbm.resonance.resonance_predictor import (
 
 
 @dataclass(frozen=True)
-class ResonanceOptions:
-    """Steps are lengths of arc in the relative metric, about ln of a force ratio.
+class ResonanceOptions(StepLengths):
+    """Steps are of about ln of a force ratio.
 
-    wanted_iterations: steps grow where Newton needs fewer and shrink where it needs more
-    frequency_scale: share of the window that counts as one unit of arc
     straight: a step counts where the tangents at both its ends go its way, by the cosine of their angles to it at
         least: what does not is another branch, or the same one on its way back
     beyond_kinks: where no smaller step is solved contacts change their states: so far ahead [arc] the tangent of the
@@ -44,10 +42,8 @@ class ResonanceOptions:
     """
 
     first_step: float = 0.1
-    smallest_step: float = 1e-4
     largest_step: float = 0.4
     wanted_iterations: int = 5
-    frequency_scale: float = 0.5
     straight: float = 0.5
     beyond_kinks: tuple[float, ...] = (1e-4, 3e-4, 1e-3, 3e-3, 0.01)
     max_points: int = 1000
@@ -56,15 +52,11 @@ class ResonanceOptions:
     corrector: NewtonOptions = field(default_factory=lambda: NewtonOptions(iterations=8, damped=False, patience=5))
 
     def __post_init__(self) -> None:
-        if not 0 < self.smallest_step < self.first_step <= self.largest_step:
+        super().__post_init__()
+        if self.max_points < 2 or not 0 < self.lowest_start < 1:
             raise ValueError(
-                f"steps {self.smallest_step}, {self.first_step}, {self.largest_step}: "
-                "0 < smallest_step < first_step <= largest_step is needed"
-            )
-        if self.frequency_scale <= 0 or self.max_points < 2 or not 0 < self.lowest_start < 1:
-            raise ValueError(
-                f"frequency_scale = {self.frequency_scale} must be positive, max_points = {self.max_points} at least "
-                f"2 and lowest_start = {self.lowest_start} between 0 and 1"
+                f"max_points = {self.max_points} must be at least 2 and lowest_start = {self.lowest_start} between 0 "
+                "and 1"
             )
 
 
@@ -93,16 +85,15 @@ class ResonanceSteps:
 
         raises: ResonanceStoppedError
         """
-        options, last = self.options, followed[-1]
+        options, last, asked_for = self.options, followed[-1], step
         while True:
-            guess = predict(followed, step, self.branch.metric)
+            guess = predict(followed, step, self.branch.metric, options)
             point, solution = self._corrected(last, guess, last.tangent, step)
             if point is not None:
-                growth = np.clip(2.0 ** ((options.wanted_iterations - solution.iterations) / 2), 0.5, 2.0)
-                return point, float(np.clip(point.step * growth, options.smallest_step, options.largest_step))
+                return point, options.following(step, point.step, solution.iterations, step < asked_for)
             if step <= options.smallest_step:
                 break
-            step = max(step / 2, options.smallest_step)
+            step = options.shortened(step)
         for tangent in self._tangents_beyond(last):
             for length in options.beyond_kinks:
                 point, _ = self._corrected(last, ahead(last.state, tangent, length), tangent, length)
@@ -120,7 +111,7 @@ class ResonanceSteps:
         if not solution.converged:
             return None, solution
         moved = metric.distance(last.state, solution.state)
-        if not 0.5 * step < moved < 1.6 * step:
+        if not self.options.counts(moved, step):
             return None, solution
         tangent = self.branch.tangent(solution.linearised, solution.state)
         way = difference(solution.state, last.state, 1 / moved)

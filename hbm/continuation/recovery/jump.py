@@ -56,7 +56,7 @@ def _backwards(corrector: Corrector, start: BranchPoint) -> Iterator[BranchPoint
         if point is None:
             step /= 2
             continue
-        step = corrector.next_step(point, step)
+        step = corrector.options.following(step, point.step, point.solution.iterations, False)
         traced = traced.extended([point])
         yield point
 
@@ -79,7 +79,7 @@ def point_beyond_gap(
             move, away = last.move_to(solution), last.distance(solution)
             point = point_at(solution, excitation, last.metric.scale_w, move, away, after_gap=True)
             # beyond the last point, and about as far as was asked for: elsewhere it is some other branch
-            near = 0.5 * length < away < 1.6 * length and last.metric.product(move, ahead) > 0
+            near = corrector.options.counts(away, length) and last.metric.product(move, ahead) > 0
             if not near or traced.contains(point):
                 continue
             if point.orientation == last.orientation:

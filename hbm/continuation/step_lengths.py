@@ -1,0 +1,82 @@
+"""How long the steps of a continuation are: one control for response curves and for resonances followed in force."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class StepLengths:
+    """Steps are lengths of arc in a relative metric: about what a relative change of the amplitude, or one of the phase
+    in radians, counts.
+
+    first_step, smallest_step, largest_step: the corrector's failures shorten the step down to the smallest
+    short_step: steps up to this are shortened to a quarter, longer ones to a half: what stops short ones is a kink
+    wanted_iterations: steps grow where Newton needs fewer and shrink where it needs more
+    most_growth: of a step over the one before, and the most that it shrinks by. After a step that had to be shortened
+        there is none, as in the integration of differential equations (Hairer, Norsett and Wanner 1993, Solving
+        Ordinary Differential Equations I, section II.4)
+    frequency_scale: share of the window that counts as one unit of arc
+    moved: least and largest distance from the last point at which a solution counts, as shares of the step: on a curve
+        that bends evenly the plane across the tangent is met at a little more than the step; what lies elsewhere is
+        another branch
+    bend_within, bend_cosine: the predictor is bent by the change of the tangent from the point before, but for steps
+        longer than so many times the one that the change is from, and where the tangents' cosine is below this:
+        across a kink the change tells nothing
+
+    raises: ValueError naming the option that is out of range
+    """
+
+    first_step: float = 0.05
+    smallest_step: float = 1e-4
+    largest_step: float = 0.2
+    short_step: float = 0.01
+    wanted_iterations: int = 4
+    most_growth: float = 2.0
+    frequency_scale: float = 0.5
+    moved: tuple[float, float] = (0.5, 1.6)
+    bend_within: float = 4.0
+    bend_cosine: float = 0.9
+
+    def __post_init__(self) -> None:
+        if not 0 < self.smallest_step < self.first_step <= self.largest_step:
+            raise ValueError(
+                f"steps {self.smallest_step}, {self.first_step}, {self.largest_step}: "
+                "0 < smallest_step < first_step <= largest_step is needed"
+            )
+        if self.frequency_scale <= 0:
+            raise ValueError(f"frequency_scale = {self.frequency_scale}: it must be positive")
+        if self.most_growth < 1:
+            raise ValueError(f"most_growth = {self.most_growth}: at least 1")
+        if not 0 < self.moved[0] < 1 < self.moved[1]:
+            raise ValueError(f"moved = {self.moved}: one share below 1 and one above it are needed")
+
+    def scale_w(self, window: tuple[float, float]) -> float:
+        """Angular frequency that counts as one unit of arc [rad/s]; window [Hz]."""
+        return 2 * np.pi * self.frequency_scale * (window[1] - window[0])
+
+    def no_shorter(self, lengths: Sequence[float]) -> tuple[float, ...]:
+        """The lengths, those below the smallest step raised to it, each once."""
+        return tuple(dict.fromkeys(max(length, self.smallest_step) for length in lengths))
+
+    def shortened(self, step: float) -> float:
+        return max(step / (2 if step > max(self.short_step, self.smallest_step) else 4), self.smallest_step)
+
+    def following(self, step: float, moved: float, iterations: int, shortened: bool) -> float:
+        """The step to try after one that Newton has solved in so many iterations.
+
+        moved: how far it has led; shortened: whether a longer one had failed before
+        """
+        growth = 2.0 ** ((self.wanted_iterations - iterations) / 2)
+        growth = float(np.clip(growth, 1 / self.most_growth, 1.0 if shortened else self.most_growth))
+        return float(np.clip(max(step, moved) * growth, self.smallest_step, self.largest_step))
+
+    def counts(self, moved: float, step: float) -> bool:
+        """Whether a solution so far from the last point is the one that the step was to lead to."""
+        return self.moved[0] * step < moved < self.moved[1] * step
+
+    def bent(self, step: float, before: float, cosine: float) -> bool:
+        """Whether the change of the tangent along the step before, and the cosine between both, say how the branch
+        goes on."""
+        return step <= self.bend_within * before and cosine >= self.bend_cosine
