@@ -102,7 +102,7 @@ def damper_motion(solved: SolvedStudy, family: Family) -> Iterator[FamilyPicture
     """At the lowest and at the highest force of the first variant."""
     for force in dict.fromkeys((min(family.forces), max(family.forces))):
         curves = complete(solved, (CurveName(family.variants[0], mode, force) for mode in family.modes))
-        places = {name.mode: (curve, solved.peak_of(name, curve).place) for name, curve in curves.items()}
+        places = [(curve, solved.peak_of(name, curve).place) for name, curve in curves.items()]
         if places:
             draw = partial(kinematics.damper_kinematics, rig=solved.rig, curves=places)
             yield FamilyPicture(
@@ -117,7 +117,9 @@ def contact_states(solved: SolvedStudy, family: Family) -> Iterator[FamilyPictur
         names = complete(solved, (CurveName(variant, mode, force) for force in family.forces))
         states = {name.force: solved.states(name) for name in names}
         if states:
-            draw = partial(faces.contact_states, contacts=solved.patches(variant), mode=mode, states=states)
+            draw = partial(
+                faces.contact_states, rig=solved.rig, contacts=solved.patches(variant), mode=mode, states=states
+            )
             yield FamilyPicture(_file(family, "contact_states", mode), f"{mode}: over a period at the peak.", draw)
 
 

@@ -12,10 +12,11 @@ from updamp.parameter_study.findings.registry import FINDINGS
 from updamp.parameter_study.page import write_page
 from updamp.parameter_study.solved_study import SolvedStudy
 from updamp.parameter_study.study_json import STUDY_JSON, study_content, write_study_json
+from updamp.pictures.style import FORMATS, style_key
 from updamp.workflow.progress import Display
 from updamp.workflow.run_outputs import Outputs
 
-VERSION = 2  # to be raised when pictures of the same curves look different
+VERSION = 3  # to be raised when pictures of the same curves look different
 _WORDS = {True: "[green]met[/]", False: "[red]not met[/]", None: "[yellow]not known[/]"}
 
 
@@ -43,7 +44,7 @@ def _draw(solved: SolvedStudy, family: Family) -> dict[str, str]:
     for kind in family.pictures:
         for picture in PICTURES[kind](solved, family):
             file = f"pictures/{picture.name}.png"
-            outputs.make(file, sources, VERSION, picture.draw)
+            outputs.make(file, [*sources, style_key()], VERSION, picture.draw, FORMATS)
             drawn[file] = picture.caption
     return drawn
 

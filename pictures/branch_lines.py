@@ -8,24 +8,35 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.stability.branch_stability import BranchStability, State
+from updamp.pictures.smooth_branch import smooth_branch
 from updamp.pictures.style import GREY
 
-Floats = NDArray[np.float64]
-
+MM = 1e3  # m/N to mm/N
+HATCH = "////"  # of what was not followed
 LINES: Mapping[State, Any] = {State.STABLE: "-", State.UNSTABLE: (0, (4, 2)), State.UNKNOWN: (0, (1, 1.2))}
 WORDS: Mapping[State, str] = {State.UNSTABLE: "unstable", State.UNKNOWN: "not known if stable"}
 
 
 def draw_branch(
-    ax: Axes, curve: ResponseCurve, size: Floats, colour: Any, stability: BranchStability | None, **style: Any
+    ax: Axes, curve: ResponseCurve, point: str, colour: Any, stability: BranchStability | None, **style: Any
 ) -> None:
-    """size: (n,) what is drawn over the frequency; without stability all is solid."""
+    """Size of the receptance at `point` [mm/N], interpolated; without stability all is solid."""
+    smooth = smooth_branch(curve, point)
+    size = MM * np.abs(smooth.receptance)
     for start, end, state in _runs(curve, stability):
-        ax.plot(curve.frequency[start : end + 1], size[start : end + 1], color=colour, linestyle=LINES[state], **style)
+        places = np.flatnonzero((smooth.interval >= start) & (smooth.interval < end))
+        if end < len(curve) - 1 and not curve.after_gap[end + 1]:
+            places = np.append(places, places[-1] + 1)  # up to where the next line begins
+        ax.plot(smooth.frequency[places], size[places], color=colour, linestyle=LINES[state], **style)
+
+
+def hatch_gaps(ax: Axes, curve: ResponseCurve, colour: Any) -> None:
+    """Hatched: frequencies between which the branch of an incomplete curve was not followed, or where it ends."""
+    for one, other in (*curve.gaps(), (curve.frequency[-1],) * 2):
+        ax.axvspan(min(one, other), max(one, other), facecolor="none", edgecolor=colour, hatch=HATCH, linewidth=1.0)
 
 
 def _runs(curve: ResponseCurve, stability: BranchStability | None) -> Iterator[tuple[int, int, State]]:

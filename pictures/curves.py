@@ -1,6 +1,7 @@
 """Figures for notebooks: receptance with its phase, resonance over force, model over measurement."""
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,8 +10,9 @@ from numpy.typing import NDArray
 from updamp.comparison.comparison import CurvePair
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.resonance.resonance_curve import ResonanceCurve
-from updamp.pictures.response import hatch_gaps
-from updamp.pictures.style import BLUE, GREY, VERMILLION, NotebookFigure, notebook_figure, shades
+from updamp.pictures.branch_lines import hatch_gaps
+from updamp.pictures.smooth_branch import smooth_branch
+from updamp.pictures.style import BLUE, GREY, VERMILLION, NotebookFigure, figure, notebook_figure, shades
 
 MM = 1e3  # m/N to mm/N
 _LEGEND = 10  # entries at most; more would cover the curves
@@ -21,10 +23,11 @@ def receptance_figure(drawn: Sequence[tuple[ResponseCurve, str]]) -> NotebookFig
     """Amplitude and phase of the first harmonic over frequency. drawn: curves, each with the point to be drawn"""
     with notebook_figure(8.0, 5.6, rows=2, share=True) as (drawing, (amplitude, phase)):
         for (curve, point), colour in zip(drawn, shades(len(drawn)), strict=True):
-            receptance = curve.receptance(point)
             label = f"{curve.mode}, {curve.force:g} N, {point}"
-            amplitude.plot(curve.frequency, MM * np.abs(receptance), color=colour, label=label)
-            phase.plot(curve.frequency, _degrees(receptance), color=colour)
+            for piece in smooth_branch(curve, point).pieces():
+                amplitude.plot(piece.frequency, MM * np.abs(piece.receptance), color=colour, label=label)
+                label = ""  # the key has each curve once
+                phase.plot(piece.frequency, _degrees(piece.receptance), color=colour)
             if len(curve) and not curve.complete:
                 hatch_gaps(amplitude, curve, colour)
         amplitude.set_ylim(bottom=0)
@@ -63,23 +66,48 @@ def resonance_figure(curve: ResonanceCurve) -> NotebookFigure:
 
 def comparison_figure(pairs: Sequence[CurvePair]) -> NotebookFigure:
     """Size of the receptance in every run at every channel: measured, model as given, model calibrated."""
-    columns = min(len(pairs), 2)
-    rows = -(-len(pairs) // columns)
+    columns, rows = _grid(len(pairs))
     with notebook_figure(5.0 * columns, 2.8 * rows, rows, columns) as (drawing, axes):
-        for ax, pair in zip(axes, pairs, strict=False):
-            for one in pair.measured:
-                ax.plot(one.frequency, MM * np.abs(one.receptance), ".", color=GREY, markersize=4)
-            for curve, colour in ((pair.before, VERMILLION), (pair.after, BLUE)):
-                ax.plot(curve.frequency, MM * np.abs(curve.receptance), color=colour, linewidth=1.2)
-            ax.set_title(f"{pair.run}, {pair.channel}")
-            ax.set_xlabel("frequency [Hz]")
-            ax.set_ylabel("receptance [mm/N]")
-        for ax in axes[len(pairs) :]:
-            ax.set_visible(False)
-        for mark, colour, label in ((".", GREY, "measured"), ("-", VERMILLION, "as given"), ("-", BLUE, "calibrated")):
-            axes[0].plot([], [], mark, color=colour, label=label)
+        _draw_pairs(axes, pairs)
         _legend(axes[0])
     return drawing
+
+
+def comparison_picture(path: Path, title: str, pairs: Sequence[CurvePair]) -> None:
+    """The same as a file, the key below."""
+    columns, rows = _grid(len(pairs))
+    with figure(path, 5.0 * columns, 2.6 * rows + 0.8) as drawing:
+        axes = list(drawing.subplots(rows, columns, squeeze=False).ravel())
+        _draw_pairs(axes, pairs)
+        drawing.suptitle(title, fontweight="bold", x=0.01, ha="left")
+        drawing.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+
+
+def _grid(count: int) -> tuple[int, int]:
+    """Columns and rows"""
+    columns = min(count, 2)
+    return columns, -(-count // columns)
+
+
+def _draw_pairs(axes: Sequence[Axes], pairs: Sequence[CurvePair]) -> None:
+    for ax, pair in zip(axes, pairs, strict=False):
+        if len(pair.band):
+            frequency, low, high = pair.band.T
+            ax.fill_between(frequency, MM * low, MM * high, color=BLUE, alpha=0.15, linewidth=0)
+        for one in pair.measured:
+            ax.plot(one.frequency, MM * np.abs(one.receptance), ".", color=GREY, markersize=4)
+        for curve, colour in ((pair.before, VERMILLION), (pair.after, BLUE)):
+            ax.plot(curve.frequency, MM * np.abs(curve.receptance), color=colour, linewidth=1.2)
+        ax.set_title(f"{pair.run}, {pair.channel}")
+        ax.set_xlabel("frequency [Hz]")
+        ax.set_ylabel("receptance [mm/N]")
+        ax.set_ylim(bottom=0)
+    for ax in axes[len(pairs) :]:
+        ax.set_visible(False)
+    for mark, colour, label in ((".", GREY, "measured"), ("-", VERMILLION, "as given"), ("-", BLUE, "calibrated")):
+        axes[0].plot([], [], mark, color=colour, label=label)
+    if any(len(pair.band) for pair in pairs):
+        axes[0].fill_between([], [], [], color=BLUE, alpha=0.15, label="95 % of repeats")
 
 
 def _legend(ax: Axes) -> None:

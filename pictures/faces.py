@@ -12,11 +12,14 @@ from numpy.typing import NDArray
 
 from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements
+from updamp.pictures.damper_section import draw_faces
 from updamp.pictures.style import BLUE, INK, LIGHT_GREY, SEQUENTIAL, VERMILLION, YELLOW, figure
+from updamp.rig.rig import Rig
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
+ACROSS, COLUMN = 5, 1.9  # force levels beside each other, each so many inches wide
 SIDES = {LEFT: "left face", RIGHT: "right face"}
 # In the order of hbm.observe.ContactState.
 STATES = {"stuck": BLUE, "stick-slip": YELLOW, "separating": VERMILLION, "never in contact": LIGHT_GREY}
@@ -46,27 +49,39 @@ def pressure(path: Path, contacts: ContactElements, rest: StaticContact) -> None
         drawing.colorbar(patches, ax=axes, label="pressure [MPa]", shrink=0.9)
 
 
-def contact_states(path: Path, contacts: ContactElements, mode: str, states: Mapping[float, Integers]) -> None:
-    """State of every patch over a period at the peak, one row a force level.
+def contact_states(
+    path: Path, rig: Rig, contacts: ContactElements, mode: str, states: Mapping[float, Integers]
+) -> None:
+    """State of every patch over a period at the peak, a column a force level, beside the damper.
 
     states: force [N] -> (n_contacts,) ContactState
     """
-    colours = ListedColormap(list(STATES.values()))
-    norm = BoundaryNorm(np.arange(len(STATES) + 1) - 0.5, len(STATES))
-    with figure(path, 11.0, 1.3 + 1.05 * len(states)) as drawing:
-        axes = drawing.subplots(len(states), 2, sharex=True, sharey=True, squeeze=False)
-        for row, (force, state) in zip(axes, sorted(states.items()), strict=True):
-            for ax, side in zip(row, SIDES, strict=True):
-                _patches(ax, contacts, side).set(array=state[contacts.face == side], cmap=colours, norm=norm)
-                share = _share(contacts, side, state == 0)
-                ax.set_title(f"{force:g} N, {SIDES[side]}: {share:.0f} % of the area stuck", fontsize=9)
-                ax.set_ylabel("")
-            row[0].set_ylabel("slope [mm]")
-        for ax in axes[-1]:
-            ax.set_xlabel("along the damper z [mm]")
+    across = min(len(states), ACROSS)
+    rows = -(-len(states) // ACROSS)
+    shape = np.ptp(unrolled(contacts, RIGHT).reshape(-1, 2), axis=0)
+    high = max(COLUMN * float(shape[1] / shape[0]) + 0.3, 0.6)
+    with figure(path, 2.4 + (COLUMN + 0.15) * across, 1.0 + 2 * high * rows) as drawing:
+        grid = drawing.add_gridspec(2 * rows, across + 1, width_ratios=[2.0 / COLUMN, *[1.0] * across])
+        draw_faces(drawing.add_subplot(grid[:2, 0]), rig)
+        for i, (force, state) in enumerate(sorted(states.items())):
+            for j, side in enumerate(SIDES):
+                row, column = 2 * (i // ACROSS) + j, i % ACROSS
+                ax = drawing.add_subplot(grid[row, column + 1])
+                _states(ax, contacts, side, state)
+                share = f"{_share(contacts, side, state == 0):.0f} % stuck"
+                ax.set_title(f"{force:g} N: {share}" if j == 0 else share, fontsize=8.5)
+                ax.set_ylabel(f"{SIDES[side]}\nup [mm]" if column == 0 else "", fontsize=8)
+                ax.set_xlabel("along the damper z [mm]" if j == 1 else "", fontsize=8)
+                ax.tick_params(labelsize=7.5, labelbottom=j == 1, labelleft=column == 0)
         drawing.suptitle(f"{mode}: contact states over a period at the peak", fontweight="bold", x=0.01, ha="left")
         handles = [Patch(facecolor=colour, edgecolor=INK, linewidth=0.4, label=name) for name, colour in STATES.items()]
         drawing.legend(handles=handles, loc="outside lower center", ncols=len(STATES))
+
+
+def _states(ax: Axes, contacts: ContactElements, side: int, state: Integers) -> None:
+    colours = ListedColormap(list(STATES.values()))
+    norm = BoundaryNorm(np.arange(len(STATES) + 1) - 0.5, len(STATES))
+    _patches(ax, contacts, side).set(array=state[contacts.face == side], cmap=colours, norm=norm)
 
 
 def _patches(ax: Axes, contacts: ContactElements, side: int) -> PolyCollection:

@@ -1,98 +1,139 @@
-"""Frequency responses in mm/N: the whole branch, and what sweeps would see of it."""
+"""Frequency responses in mm/N: the resonances of all force levels, and the whole window beside the blades alone."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from numpy.typing import NDArray
 
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.continuation.sweeps import sweep
 from updamp.hbm.stability.branch_stability import BranchStability
-from updamp.pictures.branch_lines import draw_branch, key_of_stability
+from updamp.pictures.branch_lines import HATCH, draw_branch, hatch_gaps, key_of_stability
+from updamp.pictures.smooth_branch import smooth_branch
 from updamp.pictures.style import GREY, INK, figure, shades
 
 MM = 1e3  # m/N to mm/N
-HATCH = "////"  # of what was not followed
 BAND = 0.2  # opacity of the numerical error
+WIDEST, FINEST = 3.2, 1.4  # lines, of the lowest and of the highest force: those that coincide are all seen
+SHOWN = 0.04  # of the largest peak: frequencies at which all is lower are left out beside the resonances
+ALONE = "without damper"
 
 
-def frequency_responses(
-    path: Path,
-    mode: str,
-    curves: Sequence[ResponseCurve],
-    point: str,
-    finer: Sequence[ResponseCurve] = (),
-    stability: Mapping[float, BranchStability] | None = None,
-) -> None:
-    """finer: the same curves with more harmonics, drawn thin; stability: by force, as far as it is known.
+@dataclass(frozen=True, eq=False)
+class LinearResponse:
+    """Of the blades without damper. frequency: (n,) [Hz]; receptance: (n,) complex [m/N]"""
 
-    Receptance of the first harmonic at `point`, all force levels of a mode; jumps of an up sweep point up in
-    frequency, those of a down sweep down."""
-    stability = stability or {}
-    curves = sorted(curves, key=lambda curve: curve.force)
-    with figure(path, 10.5, 4.8) as drawing:
-        linear, logarithmic = drawing.subplots(1, 2, sharex=True)
-        logarithmic.set_yscale("log")
+    frequency: NDArray[np.float64]
+    receptance: NDArray[np.complex128]
+
+
+@dataclass(frozen=True, eq=False)
+class Responses:
+    """All force levels of a mode, rising, at one point.
+
+    finer: curves with more harmonics; stability: by force, as far as it is known
+    alone: the response without damper, None where it is not known
+    """
+
+    mode: str
+    point: str
+    curves: Sequence[ResponseCurve]
+    finer: Sequence[ResponseCurve] = ()
+    stability: Mapping[float, BranchStability] | None = None
+    alone: LinearResponse | None = None
+
+    def levels(self) -> list[tuple[ResponseCurve, Any, float]]:
+        """Curves with their colours and widths"""
+        curves = sorted(self.curves, key=lambda curve: curve.force)
+        widths = np.linspace(WIDEST, FINEST, len(curves)).tolist() if len(curves) > 1 else [FINEST]
+        return list(zip(curves, shades(len(curves)), widths, strict=True))
+
+    def stability_of(self, curve: ResponseCurve) -> BranchStability | None:
+        return (self.stability or {}).get(curve.force)
+
+
+def frequency_responses(path: Path, drawn: Responses) -> None:
+    """Receptance of the first harmonic; jumps of an up sweep point up in frequency, those of a down sweep down."""
+    with figure(path, 11.0, 4.9) as drawing:
+        linear, logarithmic = drawing.subplots(1, 2)
         for ax in (linear, logarithmic):
-            for curve, colour in zip(curves, shades(len(curves)), strict=True):
-                _branch(ax, curve, point, colour, stability.get(curve.force))
-                for other in (one for one in finer if one.force == curve.force):
-                    _band(ax, curve, other, point, colour)
-                    draw_branch(ax, other, MM * np.abs(other.receptance(point)), colour, None, linewidth=0.6)
+            for curve, colour, width in drawn.levels():
+                _level(ax, drawn, curve, colour, width)
             ax.set_xlabel("frequency [Hz]")
-            ax.margins(x=0)
+        linear.set_xlim(*_resonances(drawn))
         linear.set_ylim(bottom=0)
         linear.set_ylabel("receptance, first harmonic [mm/N]")
-        linear.set_title(f"{mode} at {point}")
-        logarithmic.set_title("the same, logarithmic")
-        handles: list[Artist] = [
-            Line2D([], [], color=colour, label=f"{curve.force:g} N")
-            for curve, colour in zip(curves, shades(len(curves)), strict=True)
-        ]
-        drawing.legend(
-            handles=[*handles, *_key_of_marks(curves, finer), *key_of_stability(stability)],
-            loc="outside lower center",
-            ncols=min(len(handles) + 3, 5),
-        )
+        linear.set_title(f"{drawn.mode} at {drawn.point}")
+        logarithmic.set_yscale("log")
+        logarithmic.set_title("logarithmic" if drawn.alone is None else "logarithmic, and without damper")
+        if drawn.alone is not None:
+            size = MM * np.abs(drawn.alone.receptance)
+            logarithmic.plot(drawn.alone.frequency, size, color=GREY, linewidth=1.1, zorder=1)
+        logarithmic.margins(x=0)
+        _keys(drawing, drawn)
 
 
-def hatch_gaps(ax: Axes, curve: ResponseCurve, colour: Any) -> None:
-    """Hatched: frequencies between which the branch of an incomplete curve was not followed, or where it ends."""
-    for one, other in (*curve.gaps(), (curve.frequency[-1],) * 2):
-        ax.axvspan(min(one, other), max(one, other), facecolor="none", edgecolor=colour, hatch=HATCH, linewidth=1.0)
+def _keys(drawing: Figure, drawn: Responses) -> None:
+    """Levels to the right, marks below."""
+    levels = [
+        Line2D([], [], color=colour, linewidth=width, label=f"{curve.force:g} N")
+        for curve, colour, width in drawn.levels()
+    ]
+    drawing.legend(handles=levels, title="force", loc="outside right upper")
+    marks = [*_key_of_marks(drawn), *key_of_stability(drawn.stability or {})]
+    drawing.legend(handles=marks, loc="outside lower center", ncols=4)
 
 
-def _branch(ax: Axes, curve: ResponseCurve, point: str, colour: Any, stability: BranchStability | None) -> None:
-    size = MM * np.abs(curve.receptance(point))
-    draw_branch(ax, curve, size, colour, stability)
-    frequency, peak = curve.peak(point)
-    ax.plot(frequency, MM * peak, "o", color=colour, markeredgecolor="white", markersize=6)
+def _level(ax: Axes, drawn: Responses, curve: ResponseCurve, colour: Any, width: float) -> None:
+    for finer in (one for one in drawn.finer if one.force == curve.force):
+        _band(ax, curve, finer, drawn.point, colour)
+    draw_branch(ax, curve, drawn.point, colour, drawn.stability_of(curve), linewidth=width)
+    frequency, peak = curve.peak(drawn.point)
+    ax.plot(frequency, MM * peak, "o", color=colour, markeredgecolor="white", markersize=6, zorder=3)
+    size = MM * np.abs(curve.receptance(drawn.point))
     for upwards, marker in ((True, ">"), (False, "<")) if curve.complete else ():
         swept = sweep(curve.frequency, upwards)
         for place in swept.jump_after:
             start, end = swept.visited[place], swept.visited[place + 1]
             at = curve.frequency[start]
             ax.plot([at, at], [size[start], size[end]], ":", color=colour, linewidth=1.1)
-            ax.plot(at, size[start], marker, color=colour, markeredgecolor=INK, markeredgewidth=0.6, markersize=7)
+            ax.plot(
+                at, size[start], marker, color=colour, markeredgecolor=INK, markeredgewidth=0.6, markersize=7, zorder=4
+            )
     if not curve.complete:
         hatch_gaps(ax, curve, colour)
+
+
+def _resonances(drawn: Responses) -> tuple[float, float]:
+    """Frequencies with something to see on a linear scale, and a little more."""
+    sizes = [np.abs(curve.receptance(drawn.point)) for curve in drawn.curves]
+    largest = max(float(size.max()) for size in sizes)
+    seen = [curve.frequency[size > SHOWN * largest] for curve, size in zip(drawn.curves, sizes, strict=True)]
+    places = np.concatenate([*seen, *(curve.gaps().ravel() for curve in drawn.curves if not curve.complete)])
+    margin = 0.06 * float(np.ptp(places))
+    ends = [float(f) for curve in drawn.curves for f in (curve.frequency.min(), curve.frequency.max())]
+    return max(float(places.min()) - margin, min(ends)), min(float(places.max()) + margin, max(ends))
 
 
 def _band(ax: Axes, curve: ResponseCurve, finer: ResponseCurve, point: str, colour: Any) -> None:
     """Shaded: between a curve and the one with more harmonics, where both are complete."""
     if curve.complete and finer.complete:
-        frequency = np.concatenate([curve.frequency, finer.frequency[::-1]])
-        size = MM * np.abs(np.concatenate([curve.receptance(point), finer.receptance(point)[::-1]]))
+        one, other = smooth_branch(curve, point), smooth_branch(finer, point)
+        frequency = np.concatenate([one.frequency, other.frequency[::-1]])
+        size = MM * np.abs(np.concatenate([one.receptance, other.receptance[::-1]]))
         ax.fill(frequency, size, color=colour, alpha=BAND, linewidth=0)
 
 
-def _key_of_marks(curves: Sequence[ResponseCurve], finer: Sequence[ResponseCurve] = ()) -> list[Artist]:
-    marks = [("o", "peak")]
+def _key_of_marks(drawn: Responses) -> list[Artist]:
+    curves, marks = drawn.curves, [("o", "peak")]
     if any(len(sweep(curve.frequency, True).jumps) for curve in curves):
         marks.append((">", "jump, sweep up"))
     if any(len(sweep(curve.frequency, False).jumps) for curve in curves):
@@ -100,6 +141,8 @@ def _key_of_marks(curves: Sequence[ResponseCurve], finer: Sequence[ResponseCurve
     key: list[Artist] = [Line2D([], [], marker=mark, linestyle="", color=GREY, label=label) for mark, label in marks]
     if not all(curve.complete for curve in curves):
         key.append(Patch(facecolor="none", edgecolor=GREY, hatch=HATCH, label="not followed"))
-    if finer:
-        key.append(Line2D([], [], color=GREY, linewidth=0.6, label="more harmonics, and the band to them"))
+    if drawn.finer:
+        key.append(Patch(facecolor=GREY, alpha=2 * BAND, label="band: change with more harmonics"))
+    if drawn.alone is not None:
+        key.append(Line2D([], [], color=GREY, linewidth=1.1, label=ALONE))
     return key

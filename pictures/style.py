@@ -1,5 +1,7 @@
-"""How all pictures look: one palette that the colour-blind can tell apart, one set of sizes, units on every axis."""
+"""How all pictures look: what pictures/updamp.mplstyle says, and over it the style file of the user's own."""
 
+import hashlib
+import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
@@ -7,52 +9,60 @@ from pathlib import Path
 from typing import Any, Final
 
 import matplotlib as mpl
-from matplotlib import colormaps
+from matplotlib import colormaps, rc_params_from_file
 from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from PIL import Image
 
-# Okabe and Ito (2008)
-BLUE, ORANGE, GREEN, VERMILLION, SKY, YELLOW = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#56B4E9", "#F0E442"
-GREY, LIGHT_GREY, INK = "#8A8F98", "#DADDE2", "#22262E"
+OWN_STYLE: Final = "UPDAMP_STYLE"  # in the environment: a matplotlib style file
+FORMATS: Final = (".svg", ".pdf")  # written beside every PNG, for documents and papers
+COLOURS = 160
+_STYLE = Path(__file__).with_name("updamp.mplstyle")
+_DATES: dict[str, Any] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}  # none: equal results, equal files
+
+
+def _read() -> Any:
+    """raises: ValueError where the user's own file is missing"""
+    found: dict[Any, Any] = dict(rc_params_from_file(_STYLE, use_default_template=False))
+    if own := os.environ.get(OWN_STYLE, ""):
+        if not Path(own).is_file():
+            raise ValueError(f"{OWN_STYLE}={own}: there is no such file; it is to be a matplotlib style file")
+        found.update(rc_params_from_file(own, use_default_template=False))
+    return found
+
+
+_RC = _read()
+
+
+def _categories(count: int) -> Sequence[str]:
+    """So many colours, from the beginning again where the style has fewer."""
+    there = [to_hex(one["color"]) for one in _RC["axes.prop_cycle"]]
+    return [there[i % len(there)] for i in range(count)]
+
+
+BLUE, ORANGE, GREEN, VERMILLION, SKY, YELLOW = _categories(6)
+GREY, LIGHT_GREY, INK = (to_hex(_RC[name]) for name in ("axes.edgecolor", "grid.color", "text.color"))
 LEFT_FACE, RIGHT_FACE = BLUE, ORANGE
 STEEL, DARK_STEEL = "#C3C8D0", "#7D8592"
-SEQUENTIAL: Final = "cividis"
-DPI = 110
-COLOURS = 160
+SEQUENTIAL: Final[str] = _RC["image.cmap"]
 
-_RC: Any = {
-    "font.family": "DejaVu Sans",
-    "font.size": 9.5,
-    "axes.titlesize": 10.5,
-    "axes.titleweight": "bold",
-    "axes.titlelocation": "left",
-    "axes.labelcolor": INK,
-    "axes.edgecolor": GREY,
-    "axes.linewidth": 0.8,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "grid.color": LIGHT_GREY,
-    "grid.linewidth": 0.6,
-    "text.color": INK,
-    "xtick.color": INK,
-    "ytick.color": INK,
-    "lines.linewidth": 1.6,
-    "legend.frameon": False,
-    "figure.facecolor": "white",
-    "figure.constrained_layout.use": True,
-}
+
+def style_key() -> str:
+    """Hash of how pictures look: those of another style are drawn again."""
+    return hashlib.sha256(repr(sorted(_RC.items(), key=lambda item: item[0])).encode()).hexdigest()
 
 
 @contextmanager
 def figure(path: Path, width: float, height: float) -> Iterator[Figure]:
-    """A figure of so many inches, saved to `path` as PNG when what is inside has drawn it."""
+    """A figure of so many inches, saved to `path` as PNG, and beside it as SVG and PDF, when what is inside has drawn
+    it."""
     with mpl.rc_context(_RC):
         drawing = Figure(figsize=(width, height))
         yield drawing
         write_png(Image.open(BytesIO(_png(drawing))).convert("RGB"), path)
+        for ending in FORMATS:
+            drawing.savefig(path.with_suffix(ending), metadata=_DATES[ending[1:]])
 
 
 class NotebookFigure(Figure):
@@ -77,7 +87,7 @@ def notebook_figure(
 
 def _png(drawing: Figure) -> bytes:
     buffer = BytesIO()
-    drawing.savefig(buffer, dpi=DPI, format="png")
+    drawing.savefig(buffer, dpi=_RC["savefig.dpi"], format="png")
     return buffer.getvalue()
 
 

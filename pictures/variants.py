@@ -10,8 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FixedLocator, NullLocator
 
 from updamp.hbm.continuation.response_curve import ResponseCurve
-from updamp.pictures.branch_lines import draw_branch
-from updamp.pictures.response import hatch_gaps
+from updamp.pictures.branch_lines import draw_branch, hatch_gaps
 from updamp.pictures.style import BLUE, GREEN, GREY, INK, ORANGE, SKY, VERMILLION, figure, shades
 
 MM = 1e3  # m/N to mm/N
@@ -55,7 +54,7 @@ def variant_responses(
         ax = drawing.subplots()
         for (label, drawn), colour, width in zip(curves.items(), palette, widths, strict=True):
             curve, (frequency, peak) = drawn.curve, drawn.peak
-            draw_branch(ax, curve, MM * np.abs(curve.receptance(point)), colour, None, linewidth=float(width))
+            draw_branch(ax, curve, point, colour, None, linewidth=float(width))
             ax.plot([], [], color=colour, label=label if curve.complete else f"{label}, not complete")
             ax.plot(frequency, MM * peak, "o", color=colour, markeredgecolor="white", markersize=5)
             if not curve.complete:

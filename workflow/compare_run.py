@@ -10,7 +10,7 @@ import numpy as np
 from rich.console import Console
 
 from updamp.comparison.compare import CompareOptions, compare
-from updamp.comparison.comparison import COMPARISON_JSON, Comparison, FeatureComparison
+from updamp.comparison.comparison import COMPARISON_JSON, Comparison, CurvePair, FeatureComparison
 from updamp.comparison.findings.stated_values import WITHOUT_DAMPER, compare_features, needed
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.prediction.branch_tasks import Branches, InTurn, Report, by_processes
@@ -20,6 +20,7 @@ from updamp.measurement.load import load_measurement
 from updamp.measurement.measurement import Measurement
 from updamp.model.build import modal_before_effects, rig_before_effects
 from updamp.model.rig_files import is_modal, load_modal, load_rig
+from updamp.pictures.curves import comparison_picture
 from updamp.report.page import write_report
 from updamp.rig.questions import questions
 from updamp.rig.rig import Rig
@@ -28,6 +29,7 @@ from updamp.workflow.history import record_comparison
 from updamp.workflow.measured_against_model import measured_against_model, unknown_modes
 from updamp.workflow.output_folder import STATE, check_folder
 from updamp.workflow.progress import Display
+from updamp.workflow.response_files import matlab_name
 from updamp.workflow.run import Run
 from updamp.workflow.run_options import RunOptions
 
@@ -85,6 +87,7 @@ def run_compare(
         files.out.mkdir(parents=True, exist_ok=True)
         COMPARISON_JSON.write(files.comparison, comparison)
         write_report(comparison, files.report, pictures_of(files.out))
+        write_pictures(comparison, files.out)
         record_comparison(files.rig, tuple(one.effect.name for one in inputs.rig_effects), comparison)
         display.done("files", f"{files.comparison}, {files.report}")
     return comparison, fit
@@ -247,6 +250,16 @@ def provenance_of(files: CompareFiles, inputs: ComparisonInputs, preset: str) ->
         "updamp": version("updamp"),
         **hashes,
     }
+
+
+def write_pictures(comparison: Comparison, folder: Path) -> None:
+    """Model over measurement, a picture a mode, for documents: compared_OOP.png, .svg and .pdf"""
+    modes: dict[str, list[CurvePair]] = {}
+    for pair in comparison.curves:
+        modes.setdefault(pair.mode, []).append(pair)
+    for mode, pairs in modes.items():
+        path = folder / "pictures" / f"compared_{matlab_name(mode)}.png"
+        comparison_picture(path, f"{mode}: model and test", pairs)
 
 
 def pictures_of(folder: Path) -> dict[str, bytes]:

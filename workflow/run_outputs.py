@@ -18,9 +18,9 @@ from updamp.workflow.accuracy_summary import numerical_error
 from updamp.workflow.adaptive_curves import ChosenHarmonics, chosen_file
 from updamp.workflow.output_folder import results_of_other_states
 from updamp.workflow.products import Products, Stored, stored
+from updamp.workflow.response_files import FORMATS, write_responses
 from updamp.workflow.run import Run
 from updamp.workflow.run_pictures import by_mode, curve_keys, pictures, stability_keys
-from updamp.workflow.summary import write_responses
 
 # Files made from stage products for people and other programs: made again only when their sources have changed.
 
@@ -41,16 +41,24 @@ class Outputs:
             self._states = dict(content.pop(STATES, {}))
             self._keys = dict(content)
 
-    def make(self, name: str, sources: Iterable[str], version: int, write: Callable[[Path], object]) -> bool:
+    def make(
+        self,
+        name: str,
+        sources: Iterable[str],
+        version: int,
+        write: Callable[[Path], object],
+        beside: Sequence[str] = (),
+    ) -> bool:
         """Let `write` make folder/name, unless it is there and was made from the same sources by the same version.
 
         sources: keys of the stage products that go in, or anything else that does, as text
+        beside: endings of what `write` makes beside it, such as ".svg"
         returns: whether it was made
         """
         path = self.folder / name
         self._current.add(name)
         key = hashlib.sha256(json.dumps([version, *sources]).encode()).hexdigest()
-        if self._keys.get(name) == key and path.exists():
+        if self._keys.get(name) == key and all(one.exists() for one in (path, *_with(path, beside))):
             if self._states.get(name) != self.state:
                 self._states[name] = self.state
                 self._remember()
@@ -68,7 +76,8 @@ class Outputs:
             if name not in self._current and self._states.get(name, self.state) != self.state
         ]  # fmt: skip
         for name in older:
-            (self.folder / name).unlink(missing_ok=True)
+            for path in (self.folder / name, *_with(self.folder / name, BESIDE)):
+                path.unlink(missing_ok=True)
             del self._keys[name], self._states[name]
         if older:
             self._remember()
@@ -78,8 +87,13 @@ class Outputs:
         write_whole(self.record, json.dumps({**self._keys, STATES: self._states}, indent=1).encode())
 
 
+def _with(path: Path, endings: Iterable[str]) -> list[Path]:
+    return [path.with_suffix(ending) for ending in endings]
+
+
+BESIDE = (".svg", ".pdf", ".uff", ".mat")  # what is made beside a file and goes with it
 STATES = "states"  # among the names of outputs, which all have an ending
-CSV_VERSION, PICTURE_VERSION, VTU_VERSION = 2, 3, 1  # to be raised when a file of the same products looks different
+CSV_VERSION, PICTURE_VERSION, VTU_VERSION = 3, 4, 1  # to be raised when a file of the same products looks different
 
 
 def write_outputs(run: Run, products: Products) -> tuple[tuple[str, ...], str]:
@@ -88,10 +102,10 @@ def write_outputs(run: Run, products: Products) -> tuple[tuple[str, ...], str]:
     outputs = Outputs(run.options.folder, run.options.folder / "stages" / "outputs.json", _state(run))
     made = [*_meshes(outputs, products), *_tables(outputs, products)]
     try:
-        for name, sources, draw in pictures(run, products):
-            run.display.update("pictures", 0.0, name)
-            if outputs.make(name, sources, PICTURE_VERSION, draw):
-                made.append(name)
+        for one in pictures(run, products):
+            run.display.update("pictures", 0.0, one.name)
+            if outputs.make(one.name, one.sources, PICTURE_VERSION, one.draw, one.beside):
+                made.append(one.name)
     except RenderingError as error:
         return tuple(made), str(error)
     finally:
@@ -128,7 +142,7 @@ def _tables(outputs: Outputs, products: Products) -> list[str]:
         ) -> None:
             write_responses(path, curves, stability)
 
-        if outputs.make(name, keys, CSV_VERSION, write):
+        if outputs.make(name, keys, CSV_VERSION, write, FORMATS):
             made.append(name)
     return made
 

@@ -1,7 +1,7 @@
 """Pictures of a run: what each is made of, and what draws it."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -22,12 +22,14 @@ from updamp.model.force_loops import ForceLoop, loop_of_contact
 from updamp.pictures import bodies, faces, force_loops, kinematics, response
 from updamp.pictures.modes import ModeShape, animation, panel
 from updamp.pictures.resonance import resonance_against_force
+from updamp.pictures.style import FORMATS, style_key
 from updamp.pictures.variants import PeakPoint
 from updamp.workflow.products import Products
 from updamp.workflow.run import Run
 
 Integers = NDArray[np.int64]
 
+FROM = 0.95  # of the free blade's first frequency: where the picture without damper begins
 BLADE_SHAPES = 4  # of the free blade, beside the two coupled ones
 
 
@@ -49,7 +51,20 @@ def stability_keys(products: Products, mode: str) -> list[str]:
 
 # --- pictures: file, what it is made of, what draws it. Those by matplotlib first: they need no system libraries ---
 
-Picture = tuple[str, Sequence[str], Callable[[Path], None]]
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """name: of the file; sources: what it is made of; beside: endings of further formats that `draw` writes"""
+
+    name: str
+    sources: Sequence[str]
+    draw: Callable[[Path], None]
+    beside: Sequence[str] = ()
+
+
+def plot(name: str, sources: Sequence[str], draw: Callable[[Path], None]) -> Picture:
+    """By matplotlib, as the style says"""
+    return Picture(f"pictures/{name}.png", [*sources, style_key()], draw, FORMATS)
 
 
 def pictures(run: Run, products: Products) -> list[Picture]:
@@ -61,16 +76,16 @@ def _plots(run: Run, products: Products) -> list[Picture]:
     contacts, rest = products.mesh.product.contacts, products.static_contact
     if rest is not None:
         draw = partial(faces.pressure, contacts=contacts, rest=rest.product)
-        drawn.append(("pictures/pressure.png", [rest.stamp.key], draw))
+        drawn.append(plot("pressure", [rest.stamp.key], draw))
     modes = by_mode(products)
     for mode, curves in modes.items():
         drawn += _of_mode(run, products, mode, curves)
     if modes:
-        lowest = {mode: min(curves, key=lambda curve: curve.force) for mode, curves in modes.items()}
-        places = {mode: (curve, peak_place(run, curve)) for mode, curve in lowest.items()}
+        ends = [lowest_and_highest(curves) for curves in modes.values()]
+        places = [(curve, peak_place(run, curve)) for curves in ends for curve in curves]
         keys = [key for mode in modes for key in curve_keys(products, mode)]
         draw_motion = partial(kinematics.damper_kinematics, rig=run.rig, curves=places)
-        drawn.append(("pictures/damper_motion.png", keys, draw_motion))
+        drawn.append(plot("damper_motion", keys, draw_motion))
     return drawn
 
 
@@ -80,11 +95,13 @@ def _of_mode(run: Run, products: Products, mode: str, curves: Sequence[ResponseC
     followed = next((entry for entry in products.resonances if entry.product.mode == mode), None)
 
     def draw_responses(path: Path) -> None:
-        others = [curve.product for curve in finer]
-        response.frequency_responses(path, mode, curves, point, others, products.stability_of(mode))
+        others, alone = [curve.product for curve in finer], blades_alone(run, products, curves)
+        drawn = response.Responses(mode, point, curves, others, products.stability_of(mode), alone)
+        response.frequency_responses(path, drawn)
 
     def draw_states(path: Path) -> None:
-        faces.contact_states(path, products.mesh.product.contacts, mode, states_at_peaks(run, products, curves))
+        states = states_at_peaks(run, products, curves)
+        faces.contact_states(path, run.rig, products.mesh.product.contacts, mode, states)
 
     def draw_loops(path: Path) -> None:
         curve = max(curves, key=lambda one: one.force)
@@ -97,23 +114,23 @@ def _of_mode(run: Run, products: Products, mode: str, curves: Sequence[ResponseC
 
     sources = [point, *keys, *(curve.stamp.key for curve in finer), *stability_keys(products, mode)]
     return [
-        (f"pictures/frf_{mode}.png", sources, draw_responses),
-        (f"pictures/contact_states_{mode}.png", [point, *keys], draw_states),
-        (f"pictures/force_loops_{mode}.png", [point, *keys], draw_loops),
-        (f"pictures/resonance_{mode}.png", [point, *keys, followed.stamp.key if followed else ""], draw_resonance),
+        plot(f"frf_{mode}", sources, draw_responses),
+        plot(f"contact_states_{mode}", [point, *keys], draw_states),
+        plot(f"force_loops_{mode}", [point, *keys], draw_loops),
+        plot(f"resonance_{mode}", [point, *keys, followed.stamp.key if followed else ""], draw_resonance),
     ]
 
 
 def _renderings(products: Products) -> list[Picture]:
     mesh = products.mesh
     drawn: list[Picture] = [
-        ("pictures/mesh.png", [mesh.stamp.key], lambda path: bodies.mesh(path, mesh.product)),
+        Picture("pictures/mesh.png", [mesh.stamp.key], lambda path: bodies.mesh(path, mesh.product)),
     ]
     if products.finite_elements is not None:
         keys = [entry.stamp.key for entry in (products.finite_elements, products.coupled_check) if entry is not None]
-        drawn.append(("pictures/modes.png", keys, lambda path: panel(path, mode_shapes(products))))
+        drawn.append(Picture("pictures/modes.png", keys, lambda path: panel(path, mode_shapes(products))))
         first = 1 if products.coupled_check is not None else 0  # IP where the coupled modes are known
-        drawn.append(("pictures/mode.gif", keys, lambda path: animation(path, mode_shapes(products)[first])))
+        drawn.append(Picture("pictures/mode.gif", keys, lambda path: animation(path, mode_shapes(products)[first])))
     return drawn
 
 
@@ -135,6 +152,27 @@ def mode_shapes(products: Products) -> tuple[ModeShape, ...]:
             ModeShape(f"free blade, mode {i + 1}: {blade.blade_frequencies[i]:.1f} Hz", ((mesh.blade, shape),))
         )
     return tuple(shapes)
+
+
+def lowest_and_highest(curves: Sequence[ResponseCurve]) -> list[ResponseCurve]:
+    """Of the force levels: where the contacts hardly slip, and where they do most; one where there is one."""
+    ordered = sorted(curves, key=lambda curve: curve.force)
+    return [ordered[0], *ordered[1:][-1:]]
+
+
+def blades_alone(run: Run, products: Products, curves: Sequence[ResponseCurve]) -> response.LinearResponse:
+    """The response without damper, which is linear, from below the free blade's first resonance to the curves' end."""
+    assert products.finite_elements is not None, "a curve has a reduced model"
+    model = nonlinear_model(run, products)
+    free, first = model.free, float(products.finite_elements.product.blade_frequencies[0])
+    ends = [float(f) for curve in curves for f in (curve.frequency.min(), curve.frequency.max())]
+    low, high = min(*ends, FROM * first), max(ends)
+    spread = first * np.sinh(np.linspace(-8, 8, 161)) / np.sinh(8) * (1 - FROM)  # closest at the resonance
+    frequency = np.unique(np.concatenate([np.linspace(low, high, 200), first + spread]))
+    frequency = frequency[(frequency >= low) & (frequency <= high)]
+    row, column = (np.array([free.row(name)]) for name in (run.response_point, model.excitation))
+    receptance = [free.receptance(2 * np.pi * float(f), row, column)[0, 0] for f in frequency]
+    return response.LinearResponse(frequency, np.array(receptance))
 
 
 def peak_place(run: Run, curve: ResponseCurve) -> int:

@@ -1,6 +1,5 @@
 """What a run found, in numbers: summary.json, the table on the terminal, frequency responses as tidy CSV."""
 
-import csv
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -21,10 +20,9 @@ from updamp.hbm.stability.branch_stability import BranchStability
 from updamp.parallel.whole_file import write_whole
 from updamp.workflow.accuracy_summary import error_cells
 from updamp.workflow.adaptive_curves import ChosenHarmonics
-from updamp.workflow.stability_summary import stability_entry, words
+from updamp.workflow.stability_summary import stability_entry
 
 LEAST_WIDTH = {"force N": 5, "peak mm/N": 7, "at Hz": 6, "error %": 6, "error Hz": 6}  # numbers are not cut off
-CSV_POINTS = ("tip.", "corner_")  # what is written of a curve: the places the lasers look at
 
 
 def mesh_entry(mesh: RigMesh) -> dict[str, Any]:
@@ -165,29 +163,6 @@ def union_length(intervals: Sequence[tuple[float, float]]) -> float:
 
 def write_summary(path: Path, summary: Mapping[str, Any]) -> None:
     write_whole(path, (json.dumps(summary, indent=2) + "\n").encode())
-
-
-def write_responses(
-    path: Path, curves: Sequence[ResponseCurve], stability: Mapping[float, BranchStability] | None = None
-) -> None:
-    """Tidy CSV, one line a point, place and harmonic; amplitudes X_k = Xc_k - i Xs_k in metres.
-
-    stability: by force, as far as it is known
-    """
-    with path.open("w", newline="", encoding="utf-8") as file:
-        lines = csv.writer(file)
-        lines.writerow(["mode", "force_N", "frequency_Hz", "point", "harmonic", "real_m", "imag_m", "stability"])
-        for curve in sorted(curves, key=lambda c: c.force):
-            frequency = [f"{f:.9g}" for f in curve.frequency]
-            stable = words(curve, (stability or {}).get(curve.force))
-            for point in (p for p in curve.points if any(part in p for part in CSV_POINTS)):
-                for k in curve.orders:
-                    amplitude = curve.amplitude(point, k)
-                    start = (curve.mode, f"{curve.force:g}")
-                    lines.writerows(
-                        (*start, f, point, k, f"{x.real:.9g}", f"{x.imag:.9g}", state)
-                        for f, x, state in zip(frequency, amplitude, stable, strict=True)
-                    )
 
 
 def curves_table(entries: Sequence[Mapping[str, Any]]) -> Table:

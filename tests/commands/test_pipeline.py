@@ -50,6 +50,24 @@ PICTURES = ("mesh.png", "modes.png", "mode.gif", "pressure.png", "frf_OOP.png", 
             "contact_states_OOP.png", "contact_states_IP.png", "force_loops_OOP.png", "force_loops_IP.png",
             "resonance_OOP.png", "resonance_IP.png")  # fmt: skip
 
+RENDERED = ("mesh.png", "modes.png", "mode.gif")
+COARSE = """[mesh.small]
+width = 6
+face = 2
+platform_outer = 1
+platform_inner = 1
+platform_height = 2
+stem_thickness = 1
+stem_below_excitation = 2
+stem_below_platform = 1
+stem_above_platform = 5
+stem_top = 1
+damper_across = 2
+damper_apex = 1
+damper_base = 1
+contact_elements = 24
+"""  # what a run writes does not depend on the mesh; its resonances are OOP 450 Hz and IP 439 Hz
+
 
 def run_command(*arguments):
     return CliRunner().invoke(app, [str(argument) for argument in arguments])
@@ -58,14 +76,13 @@ def run_command(*arguments):
 def short_study(folder, oop, ip):
     """The reference rig with narrow windows at a force that leaves the contacts stuck."""
     text = RIG.read_text(encoding="utf-8")
-    head, rest = text.split("[study]")
-    mesh = rest[rest.index("[mesh.small]") :]
+    head, _ = text.split("[study]")
     study = (
         f'[study]\nforce_levels = ["0.01 N"]\n[study.modes.OOP]\nwindow = ["{oop[0]} Hz", "{oop[1]} Hz"]\n'
         f'[study.modes.IP]\nwindow = ["{ip[0]} Hz", "{ip[1]} Hz"]\n'
     )
     path = folder / "short.toml"
-    path.write_text(f"{head}{study}\n{mesh}", encoding="utf-8")
+    path.write_text(f"{head}{study}\n{COARSE}", encoding="utf-8")
     return path
 
 
@@ -73,7 +90,7 @@ def short_study(folder, oop, ip):
 def finished(tmp_path_factory):
     """A finished run: its rig file, its folder, what it printed."""
     folder = tmp_path_factory.mktemp("run")
-    rig = short_study(folder, (433, 451), (420, 436))
+    rig = short_study(folder, (441, 459), (431, 447))
     result = run_command("run", rig, "--mesh", "small", "--out", folder / "out", "--jobs", 2, "--no-accuracy")
     assert result.exit_code == 0, result.output
     return rig, folder / "out", result.output
@@ -302,13 +319,14 @@ def test_without_the_libraries_for_rendering_the_rest_is_made(finished, tmp_path
     assert result.exit_code == 1
     assert "apt-get install libnowhere7" in result.output
     drawn = {path.name for path in (tmp_path / "out" / "pictures").iterdir()}
-    assert drawn == set(PICTURES) - {"mesh.png", "modes.png", "mode.gif"}
+    plots = [Path(name) for name in PICTURES if name not in RENDERED]
+    assert drawn == {plot.with_suffix(ending).name for plot in plots for ending in (".png", ".svg", ".pdf")}
 
 
 def test_an_interruption_is_survived(finished, tmp_path):
     """Ctrl-C in the middle of a curve of a real process: the partial file stays and the way on is shown."""
     _, out, _ = finished
-    rig = short_study(tmp_path, (380, 480), (250, 431))
+    rig = short_study(tmp_path, (392, 492), (250, 443))
     shutil.copytree(out, tmp_path / "out")
     command = [
         sys.executable,

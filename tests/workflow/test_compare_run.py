@@ -82,6 +82,8 @@ def test_it_writes_numbers_and_a_page_and_says_what_it_found(measurement: Path, 
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "Beam" in page
     assert "http" not in page.split("<script", 1)[0].replace("http-equiv", "")
+    pictures = {path.name for path in (tmp_path / "out" / "pictures").iterdir()}
+    assert pictures == {f"compared_first_bending.{ending}" for ending in ("png", "svg", "pdf")}
 
 
 def test_bad_input_ends_in_a_sentence(measurement: Path, tmp_path: Path) -> None:

@@ -33,6 +33,20 @@ def test_what_is_of_an_older_state_and_not_made_again_is_removed(tmp_path: Path)
     assert outputs(tmp_path, "0.6").remove_older() == ("OOP.png", "mesh.png")
 
 
+def test_what_is_made_beside_a_file_goes_and_comes_with_it(tmp_path: Path) -> None:
+    def both(path: Path) -> None:
+        write(path)
+        write(path.with_suffix(".svg"))
+
+    first = outputs(tmp_path, "0.6")
+    assert first.make("OOP.png", ["a"], 1, both, (".svg",))
+    assert not first.make("OOP.png", ["a"], 1, both, (".svg",))
+    (tmp_path / "OOP.svg").unlink()
+    assert first.make("OOP.png", ["a"], 1, both, (".svg",)), "one of the two is missing"
+    assert outputs(tmp_path, "0.4").remove_older() == ("OOP.png",)
+    assert names(tmp_path) == set()
+
+
 def test_a_part_of_the_same_study_leaves_the_rest(tmp_path: Path) -> None:
     for name in ("OOP.png", "IP.png"):
         outputs(tmp_path, "0.6").make(name, ["a"], 1, write)
