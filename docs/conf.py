@@ -7,9 +7,11 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "tools"))
 
+from write_examples import write_examples  # noqa: E402
 from write_reference import write_reference  # noqa: E402
 
 write_reference(Path(__file__).parent / "reference" / "generated")
+write_examples(Path(__file__).parent / "tutorial" / "generated")  # runs them: 20 s
 
 project, author = "updamp", "updamp contributors"
 version = release = version_of("updamp")

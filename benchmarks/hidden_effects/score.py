@@ -1,6 +1,7 @@
-"""Open the seals: verdicts against the truth, into results.json, a picture and the tables of docs/hidden_effects.md.
+"""Open the seals: verdicts against the truth, into results.json, a picture and tables: goals into
+docs/hidden_effects.md, every case into NOTES.md beside this file.
 
-.venv/bin/python benchmarks/hidden_effects/score.py [--folder FOLDER] [--results FILE] [--docs FILE] [--keep]
+.venv/bin/python benchmarks/hidden_effects/score.py [--folder FOLDER] [--results FILE] [--docs FILE] [--notes FILE]
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,11 +15,13 @@ from updamp.benchmarks.hidden_effects.confusion import confusion, draw
 from updamp.benchmarks.hidden_effects.goals import Goal, carried_over, gains, identification, median_seconds, speed
 from updamp.benchmarks.hidden_effects.layout import HERE, Layout, read, write_whole
 from updamp.benchmarks.hidden_effects.scored_case import SCORE, VISIBILITY, ScoredCase, scored
-from updamp.benchmarks.hidden_effects.tables import document, goal_table
+from updamp.benchmarks.hidden_effects.tables import all_cases, document, goal_table
 from updamp.comparison.json_document import decode, encode
 
 DOCS = HERE.parents[1] / "docs" / "hidden_effects.md"
-BEGIN, END = "<!-- results: score.py -->", "<!-- end of results -->"
+NOTES = HERE / "NOTES.md"
+RESULTS = "<!-- results: score.py -->", "<!-- end of results -->"
+CASES = "<!-- cases: score.py -->", "<!-- end of cases -->"
 
 
 def score_all(layout: Layout) -> tuple[list[ScoredCase], list[str]]:
@@ -73,18 +76,20 @@ def results(cases: Sequence[ScoredCase], missing: Sequence[str]) -> dict[str, An
     }
 
 
-def put_into(page: str, tables: str) -> str:
+def put_into(page: str, tables: str, marks: tuple[str, str] = RESULTS) -> str:
     """The page with what stands between its marks replaced. raises: ValueError for a page without them"""
-    if page.count(BEGIN) != 1 or page.count(END) != 1 or page.index(BEGIN) > page.index(END):
-        raise ValueError(f"the page needs a line '{BEGIN}' and, after it, a line '{END}': the tables go between them")
-    before, _, rest = page.partition(BEGIN)
-    return f"{before}{BEGIN}\n{tables}\n{END}{rest.partition(END)[2]}"
+    begin, end = marks
+    if page.count(begin) != 1 or page.count(end) != 1 or page.index(begin) > page.index(end):
+        raise ValueError(f"the page needs a line '{begin}' and, after it, a line '{end}': the tables go between them")
+    before, _, rest = page.partition(begin)
+    return f"{before}{begin}\n{tables}\n{end}{rest.partition(end)[2]}"
 
 
 def main(
     folder: Annotated[Path, typer.Option(help="with truth/, expected/ and verdicts/")] = Layout().folder,
     out: Annotated[Path, typer.Option("--results", help="every case and the counts")] = HERE / "results.json",
     docs: Annotated[Path, typer.Option(help="page whose tables are written anew; the picture goes beside it")] = DOCS,
+    notes: Annotated[Path, typer.Option(help="page whose tables of every case are written anew")] = NOTES,
     keep: Annotated[
         bool, typer.Option("--keep", help="cases of the results there are that have no verdict now")
     ] = False,
@@ -98,14 +103,18 @@ def main(
         raise typer.Exit(1)
     write_whole(out, results(cases, missing))
     tables = document(cases, all_goals(cases), len(cases) + len(missing))
-    try:
-        page = put_into(docs.read_text(encoding="utf-8"), tables)
-    except ValueError as error:
-        raise typer.BadParameter(f"{docs}: {error}", param_hint="--docs") from None
-    docs.write_text(page, encoding="utf-8")
+    for path, option, text, marks in (
+        (docs, "--docs", tables, RESULTS),
+        (notes, "--notes", all_cases(cases), CASES),
+    ):
+        try:
+            page = put_into(path.read_text(encoding="utf-8"), text, marks)
+        except ValueError as error:
+            raise typer.BadParameter(f"{path}: {error}", param_hint=option) from None
+        path.write_text(page, encoding="utf-8")
     draw(confusion(cases), docs.with_suffix(".png"))
     typer.echo(goal_table(all_goals(cases)))
-    typer.echo(f"{out}, {docs}, {docs.with_suffix('.png')}")
+    typer.echo(f"{out}, {docs}, {notes}, {docs.with_suffix('.png')}")
 
 
 if __name__ == "__main__":

@@ -31,7 +31,7 @@ from updamp.workflow.compare_run import sentences
 USED = tuple(
     f"case_{n:03d}" for n in (17, 20, 28, 33, 35, 58, 67, 70, 94, 87, 29, 8, 84, 21, 75, 95, 3, 14)
 )  # fmt: skip
-DOCS = HERE.parents[1] / "docs" / "comparison.md"
+DOCS = HERE / "NOTES.md"
 BEGIN, END = "<!-- sentences: sentences.py -->", "<!-- end of sentences -->"
 
 

@@ -1,4 +1,4 @@
-"""The results as markdown, for docs/hidden_effects.md."""
+"""The results as markdown: goals for docs/hidden_effects.md, every case for NOTES.md beside this file."""
 
 from collections.abc import Sequence
 from math import isfinite
@@ -16,11 +16,17 @@ _STRENGTHS = ("strong", "medium", "weak", "")
 def document(cases: Sequence[ScoredCase], goals: Sequence[Goal], planned: int) -> str:
     """Everything between the marks of the page."""
     parts = [f"{len(cases)} of {planned} cases are scored.", goal_table(goals), ablation_table(cases)]
+    return "\n\n".join(part for part in parts if part)
+
+
+def all_cases(cases: Sequence[ScoredCase]) -> str:
+    """Everything between the marks of the notes."""
+    parts = []
     for kind, title in KINDS.items():
         of_kind = [c for c in cases if c.kind == kind]
         if of_kind:
             parts += [f"### {title}", case_table(of_kind)]
-    return "\n\n".join(part for part in parts if part)
+    return "\n\n".join(parts)
 
 
 def goal_table(goals: Sequence[Goal]) -> str:

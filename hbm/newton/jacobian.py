@@ -2,8 +2,8 @@
 
 With S the rows where the tangent T is not zero: J^-1 r = r - G y with y + T G y = T r and y zero outside S. How y is
 found depends on how many rows are active: directly for few, by Krylov iteration for many, and where factors of a point
-nearby are at hand (docs/harmonic_balance.md has the measurements). Only where the structure has no residual flexibility
-are its modes the smaller system.
+nearby are at hand (measurements: benchmarks/harmonic_balance/NOTES.md). Only where the structure has no residual
+flexibility are its modes the smaller system.
 """
 
 from dataclasses import dataclass

@@ -204,21 +204,29 @@ def test_ablations_from_the_sidecar_and_from_the_provenance(all_right: Layout) -
         score_all(all_right)
 
 
+def empty_notes(folder: Path) -> Path:
+    path = folder / "notes.md"
+    path.write_text("\n".join(score.CASES))
+    return path
+
+
 def test_command_writes_results_picture_and_page(all_right: Layout, tmp_path: Path) -> None:
     page, out = tmp_path / "page.md", tmp_path / "results.json"
-    page.write_text(f"# Page\n\nabove\n{score.BEGIN}\nwhat was there\n{score.END}\nbelow\n")
+    page.write_text("# Page\n\nabove\n" + "\nwhat was there\n".join(score.RESULTS) + "\nbelow\n")
+    notes = empty_notes(tmp_path)
     write_whole(all_right.verdict("case_001") / "ablations.json", {"no U": {"verdict": "unknown"}})
     layout_without = all_right.verdict("case_002") / "run.json"
     layout_without.unlink()
-    score.main(all_right.folder, out, page)
+    score.main(all_right.folder, out, page, notes)
     text = page.read_text()
     assert text.startswith("# Page\n\nabove\n")
     assert text.endswith("\nbelow\n")
     assert "what was there" not in text
     assert "98 of 99 cases are scored" in text
     assert "| without a part of the method | whole | no U |" in text
-    rows = [line for line in text.splitlines() if line.startswith("| 0")]
+    rows = [line for line in notes.read_text().splitlines() if line.startswith("| 0")]
     assert len(rows) == 98
+    assert not any(line.startswith("| 0") for line in text.splitlines()), "the page has the goals alone"
     results = json.loads(out.read_text())
     assert len(results["cases"]) == 98
     assert results["without a verdict"] == ["case_002"]
@@ -230,16 +238,17 @@ def test_command_writes_results_picture_and_page(all_right: Layout, tmp_path: Pa
 
 def test_earlier_results_are_kept_beside_new_verdicts(all_right: Layout, tmp_path: Path) -> None:
     page, out = tmp_path / "page.md", tmp_path / "results.json"
-    page.write_text(f"{score.BEGIN}\n{score.END}\n")
+    page.write_text("\n".join(score.RESULTS))
+    notes = empty_notes(tmp_path)
     again, lost = of_kind("single")[:2]
     (all_right.verdict("case_099") / "run.json").unlink()
-    score.main(all_right.folder, out, page)
+    score.main(all_right.folder, out, page, notes)
     before = json.loads(out.read_text())
     for path in all_right.truth("*").parent.glob("case_*.json"):
         path.unlink() if path.stem not in (again.name, lost.name) else None
     (all_right.verdict(lost.name) / "run.json").unlink()
     replaced(all_right, again, verdict(Called("unknown")))
-    score.main(all_right.folder, out, page, keep=True)
+    score.main(all_right.folder, out, page, notes, keep=True)
     after = json.loads(out.read_text())
     assert after["without a verdict"] == before["without a verdict"] == ["case_099"]
     changed = [a["case"] for a, b in zip(after["cases"], before["cases"], strict=True) if a != b]
