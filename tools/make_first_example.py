@@ -11,7 +11,7 @@ from pathlib import Path
 
 from updamp.benchmarks.virtual_rig.laboratory import hidden
 from updamp.benchmarks.virtual_rig.measurement import make_measurement
-from updamp.benchmarks.virtual_rig.plan import PlannedRun, TestPlan
+from updamp.examples.hidden_effect import MESH, PLAN, PRESET
 from updamp.model.rig_files import load_rig
 
 ROOT = Path(__file__).parents[1]
@@ -29,23 +29,7 @@ CHANGES = {
     '["405 Hz", "428 Hz"]': '["390 Hz", "410 Hz"]',
     '["2 N", "4 N", "5 N", "8 N", "16 N", "32 N"]     # IP: 2, 5, 8; OOP: 4, 16, 32': '["2 N", "5 N"]',
 }
-SMALL = """[mesh.small]
-width = 4
-face = 2
-platform_outer = 1
-platform_inner = 1
-platform_height = 2
-stem_thickness = 1
-stem_below_excitation = 2
-stem_below_platform = 1
-stem_above_platform = 4
-stem_top = 1
-damper_across = 2
-damper_apex = 1
-damper_base = 1
-contact_elements = 16
-"""
-PLAN = TestPlan(tuple(PlannedRun(*run) for run in (("IP", 2.0), ("IP", 5.0), ("OOP", 4.0), ("OOP", 16.0))), 2, 24)
+SMALL = MESH.strip().replace(f"[mesh.{PRESET}]", "[mesh.small]") + "\n"
 
 
 def rig_text() -> str:

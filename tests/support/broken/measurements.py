@@ -10,12 +10,13 @@ import scipy.io
 from rich.console import Console
 from support.broken.outcome import Broken, Told, call
 from support.measured_oscillator import FREQUENCY, TOML, recorded
+from support.one_sweep import RESONANCE, sweep_of_beam
 
 from updamp.measurement.load import load_measurement
 from updamp.measurement.readers.hdf5 import write_hdf5
 from updamp.measurement.readers.long_csv import write_long_csv
 from updamp.measurement.readers.uff import write_uff58
-from updamp.measurement.recorded import RecordedChannel, RecordedSweep
+from updamp.measurement.recorded import RecordedSweep
 from updamp.workflow.compare_run import CompareFiles, comparison_inputs
 from updamp.workflow.progress import Display
 
@@ -166,61 +167,6 @@ DATA = [
 
 # --- units that do not fit the model: recognised by their factor, said first, as a question ---
 
-BEAM = """
-title = "Beam"
-rig = "brake_reuss"
-damper_load = "0 N"
-excitation = "beam.drive.x"
-
-[channels.force]
-point = "beam.drive"
-direction = "x"
-quantity = "force"
-unit = "N"
-amplitude = "peak"
-
-[channels.sensor]
-point = "beam.drive"
-direction = "x"
-quantity = "{quantity}"
-unit = "{unit}"
-amplitude = "peak"
-
-[[runs]]
-name = "low"
-mode = "first bending"
-file = "sweep.csv"
-sweep = "up"
-held = "force"
-level = "1 N"
-repeat = 1
-"""
-_W0, _ETA, _MASS = 2 * np.pi * 80.38, 0.0031, 2.0  # of rigs/brake_reuss.toml
-
-
-def beam(
-    folder: Path,
-    quantity: str = "velocity",
-    unit: str = "m/s",
-    factor: complex = 1.0,
-    frequency: Callable[[np.ndarray], np.ndarray] = lambda f: f,
-    points: int = 41,
-) -> Path:
-    """A sweep of the beam that the rig file describes, response times the factor, as seen with other frequencies."""
-    rng = np.random.default_rng(0)
-    f = np.linspace(79.6, 81.2, points)
-    w = 2 * np.pi * f
-    x = 1 / (_MASS * (_W0**2 * (1 + 1j * _ETA) - w**2))
-    x = x * (1 + 0.005 / np.sqrt(2) * (rng.standard_normal(points) + 1j * rng.standard_normal(points)))
-    sort = {"displacement": 0, "velocity": 1, "acceleration": 2}[quantity]
-    channels = {
-        "force": RecordedChannel(np.ones((1, points), complex)),
-        "sensor": RecordedChannel((x * (1j * w) ** sort * factor)[None]),
-    }
-    write_long_csv(folder / "sweep.csv", [RecordedSweep("low", 1, "up", frequency(f), channels)])
-    (folder / "measurement.toml").write_text(BEAM.format(quantity=quantity, unit=unit), encoding="utf-8")
-    return folder / "measurement.toml"
-
 
 def compared(measurement: Path, rig: Path = RIGS / "brake_reuss.toml") -> Told:
     """All that `updamp compare` says before it fits anything."""
@@ -235,12 +181,12 @@ def compared(measurement: Path, rig: Path = RIGS / "brake_reuss.toml") -> Told:
 
 
 def units(name: str, *words: str, **how: object) -> Broken:
-    return Broken(f"units: {name}", words, lambda folder: compared(beam(folder, **how)))  # type: ignore[arg-type]
+    return Broken(f"units: {name}", words, lambda folder: compared(sweep_of_beam(folder, **how)))  # type: ignore[arg-type]
 
 
 def mixed_up(old: str, new: str, name: str, *words: str) -> Broken:
     def made(folder: Path) -> Told:
-        path = beam(folder)
+        path = sweep_of_beam(folder)
         text = path.read_text(encoding="utf-8")
         assert old in text
         path.write_text(text.replace(old, new, 1), encoding="utf-8")
@@ -258,7 +204,7 @@ UNITS = [
     units("RMS said to be peak", "sensor", "1.41", "rms", "?", factor=1 / np.sqrt(2)),
     units("peak to peak said to be peak", "sensor", "2", "peak_to_peak", "?", factor=2),
     units("velocity over w said to be displacement", "sensor", "quantity", "?", quantity="displacement", unit="m",
-          factor=_W0),
+          factor=RESONANCE),
     units("2 pi", "sensor", "6.28", "?", factor=2 * np.pi),
     units("kHz said to be Hz", "0.08", "kHz", "Hz", "?", frequency=lambda f: f / 1e3),
     units("mHz said to be Hz", "8.036e+04", "Hz", "?", frequency=lambda f: f * 1e3),
@@ -273,7 +219,7 @@ UNITS = [
 
 def _sound(folder: Path) -> Told:
     """A measurement that fits is asked nothing."""
-    told = compared(beam(folder))
+    told = compared(sweep_of_beam(folder))
     return replace(told, refused=told.refused or "?" in told.said)
 
 
