@@ -61,6 +61,7 @@ def figure(path: Path, width: float, height: float) -> Iterator[Figure]:
         drawing = Figure(figsize=(width, height))
         yield drawing
         write_png(Image.open(BytesIO(_png(drawing))).convert("RGB"), path)
+        drawing.set_layout_engine("none")  # everything stays where the PNG has it: laid out once, not three times
         for ending in FORMATS:
             drawing.savefig(path.with_suffix(ending), metadata=_DATES[ending[1:]])
 
