@@ -141,6 +141,8 @@ def comparison_of(
         assumptions=measurement.stated,
         provenance={**(provenance or {}), "calibration": fitted.message, "lack of fit": f"{lack_of_fit(fitted):.3g}"},
         level_unit=plan.conditions[0].unit,
+        response_unit=measurement.units[0],
+        force_unit=measurement.units[1],
     )
 
 
@@ -178,7 +180,8 @@ def _point_residuals(fitted: Fit, plan: Plan, names: Mapping[str, str]) -> list[
         left = m.difference / (o.noise * fitted.compared.scatter.noise)
         for j, (point, _) in enumerate(condition.sensors):
             amplitude, phase = left[:, 1 + 2 * j], left[:, 2 + 2 * j]
-            size = np.hypot(amplitude, phase) / np.sqrt(2)
+            known = 1 + np.isfinite(o.noise[:, 2 + 2 * j])
+            size = np.hypot(amplitude, phase) / np.sqrt(known)
             found += [
                 PointResidual(
                     condition.name, condition.mode, condition.level, o.repeat, names[point], *map(float, values)

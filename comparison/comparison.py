@@ -32,12 +32,14 @@ class Finding:
 
 @dataclass(frozen=True, eq=False)
 class MeasuredCurve:
-    """One repeat of a run at one channel. frequency: (n,) [Hz]; receptance: (n,) [m/N]; force: (n,) [N]"""
+    """One repeat of a run at one channel. frequency: (n,) [Hz]; receptance: (n,) [m/N]; force: (n,) [N]
+    has_phase: whether a phase was recorded; if not, that of `receptance` means nothing"""
 
     repeat: int
     frequency: Floats
     receptance: Complex
     force: Floats
+    has_phase: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +143,8 @@ class Comparison:
     """chi2_before, chi2_after: chi-square, weighted sums of squares; values: number of real values; parameters: fitted
 
     adequate: whether nothing stands out of the scatter; provenance: what made it (rig, hashes, versions), in words
-    level_unit: of every `level`: "N", or SI unit of the response that was held
+    level_unit: of every `level`: that of the force, or SI unit of the response that was held
+    response_unit, force_unit: "m" and "N", or what stands for them where channels are not calibrated
     contact_states: for each curve's name "OOP 17 N": share of contacts stuck, slipping, separating, open at the peak
     """
 
@@ -163,6 +166,8 @@ class Comparison:
     assumptions: tuple[str, ...]
     provenance: Mapping[str, str]
     level_unit: str = "N"
+    response_unit: str = "m"
+    force_unit: str = "N"
 
 
 # `comparison.json`, every number kept to the last digit: the fields of `Comparison` by their names, and `schema`;

@@ -49,7 +49,9 @@ def _curve_pair(
     curve = model_curve(after, sensor)
     at_measured = [_on_sweep(curve, m.frequency) for m in measured]
     z, y = np.concatenate([m.receptance for m in measured]), np.concatenate(at_measured)
-    of_all_sensors = _all_sensors(plan, test, after)
+    all_z, all_y = _all_sensors(plan, test, after)
+    if not all(m.has_phase for m in measured):  # then how alike amplitudes are
+        z, y, all_z, all_y = (np.abs(part) + 0j for part in (z, y, all_z, all_y))
     point, k = condition.sensors[sensor]
     return CurvePair(
         run=condition.name,
@@ -62,8 +64,8 @@ def _curve_pair(
         before=model_curve(before, sensor),
         after=curve,
         frac=frac(z, y),
-        csac=csac(*of_all_sensors),
-        csf=csf(*of_all_sensors),
+        csac=csac(all_z, all_y),
+        csf=csf(all_z, all_y),
     )
 
 
@@ -72,7 +74,11 @@ def _measured_curves(plan: Plan, test: int, sensor: int) -> tuple[MeasuredCurve,
     force = plan.conditions[test].force
     return tuple(
         MeasuredCurve(
-            o.repeat, o.frequency, receptance_of(o.observed, o.log_force, force, sensor), force * np.exp(o.log_force)
+            o.repeat,
+            o.frequency,
+            receptance_of(o.observed, o.log_force, force, sensor),
+            force * np.exp(o.log_force),
+            o.has_phase(sensor),
         )
         for o in plan.observations
         if o.test == test

@@ -19,8 +19,8 @@ class Criteria:
     promising: share of the misfit left by a short refit from where on the full one is done before others are tried
     delta_bic: by which an effect has to improve the information criterion, the misfit that is left taken as noise
     gain: share by which the error on held-out runs has to fall
-    calibration: prior deviations of a nuisance parameter from the rig file's value, from where on that is said first
-        and nothing is named or called adequate: one in 370 is as far off by chance
+    calibration: prior deviations of a nuisance parameter, drift or gain from what is stated, from where on that is said
+        first and nothing is named or called adequate: one in 370 is as far off by chance
     at_bound: distance from a bound, as a share of its range, within which a parameter stands at it
     as_good: an effect explains the data as well as the best one where its mean squared misfit is no more than this
         share above the best

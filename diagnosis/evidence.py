@@ -25,7 +25,8 @@ class Trial:
     delta_bic: from the model with one effect less (of a pair: the better one of its two)
     held_out: weighted residual RMS on runs that the fit never saw, nan where there are none or it is not full
     at_bound: parameter at the bound of what is physical, "" if none; full: whether the fit was left to settle
-    farthest: the nuisance parameter that stands farthest from the rig file's value; deviations: how many of its prior
+    farthest: what stands farthest from where it was stated to be (`baseline.farthest_off`); deviations: how many of its
+        prior ones
     parameters: of its effects; if_repeatable: had other repeatabilities been stated, none where repeats tell
     """
 

@@ -5,12 +5,14 @@ from importlib.metadata import entry_points
 from types import MappingProxyType
 
 from updamp.effects import (
+    amplifier_drift,
     asymmetric_preload,
     blade_cubic_stiffness,
     blade_mistuning,
     clamp_flexibility,
     contact_viscosity,
     edge_gap,
+    feed_through,
     friction_gradient,
     joint_cubic,
     joint_microslip,
@@ -18,9 +20,11 @@ from updamp.effects import (
     joint_viscoelastic,
     joint_viscous,
     material_damping,
+    phase_lag,
     pressure_crown,
     pressure_dependent_stiffness,
     pressure_slope,
+    sensor_gain,
     shaker_attachment,
     static_dynamic_coupling,
     sub_patch_microslip,
@@ -73,13 +77,23 @@ JOINTS: Mapping[str, Effect] = MappingProxyType(
 )
 
 
+# Faults of the measurement, of any rig.
+FAULTS: Mapping[str, Effect] = MappingProxyType(
+    {
+        effect.name: effect
+        for effect in (phase_lag.EFFECT, feed_through.EFFECT, sensor_gain.EFFECT, amplifier_drift.EFFECT)
+    }
+)
+OWN: Mapping[str, Effect] = MappingProxyType({**CATALOGUE, **JOINTS, **FAULTS})
+
+
 def catalogue() -> Mapping[str, Effect]:
-    """The catalogue, the effects of joints, and those that installed packages offer under the entry point group
+    """updamp's own effects, and those that installed packages offer under the entry point group
     "updamp.effects": each names a module that defines EFFECT, or the effect itself.
 
     raises: EffectError for an entry point that cannot be loaded, is no effect or has a name that is taken
     """
-    found = {**CATALOGUE, **JOINTS}
+    found = dict(OWN)
     for point in entry_points(group=GROUP):
         origin = f'entry point "{point.name}" ({point.value}) of {GROUP}'
         try:

@@ -16,7 +16,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from updamp.effects.catalogue import CATALOGUE, JOINTS, catalogue
+from updamp.effects.catalogue import OWN, catalogue
 from updamp.effects.effect import Effect, EffectParameter
 from updamp.effects.rig_model import RigModel
 from updamp.effects.user_effect import EffectError, effect_from_file
@@ -96,7 +96,7 @@ def code_of(effect: Effect, file: Path | None) -> str:
     """
     if file is not None:
         return hashlib.sha256(file.read_bytes()).hexdigest()
-    if effect is {**CATALOGUE, **JOINTS}.get(effect.name):
+    if effect is OWN.get(effect.name):
         return ""
     module = inspect.getmodule(effect.apply)
     source = module.__file__ if module is not None else None

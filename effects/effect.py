@@ -43,6 +43,7 @@ class Effect:
         `contacts`; all of them leave the rest alone, so that effects can be stacked.
     finite_step: the effect cannot be differentiated at its null value; its signature is taken from a step to the
         typical value
+    of_measurement: whether it is a fault of the measurement: of `reading` alone, not of what moves
     """
 
     name: str
@@ -50,6 +51,12 @@ class Effect:
     parameters: tuple[EffectParameter, ...]
     apply: Callable[[RigModel, Values], RigModel]
     finite_step: bool = False
+    of_measurement: bool = False
+
+    @property
+    def in_words(self) -> str:
+        """Its sentence, with what kind of a cause it is."""
+        return f"fault of the measurement: {self.sentence}" if self.of_measurement else self.sentence
 
     @property
     def has_two_signs(self) -> bool:

@@ -11,12 +11,13 @@ def apply(model: RigModel, values: Values) -> RigModel:
     return with_joint_element(model, "cubic spring", CubicSpring(), coefficient=values["coefficient"])
 
 
+# Bounds: three quarters of the modal stiffness at 0.1 mm. Beyond that no one harmonic describes a motion.
 EFFECT = Effect(
     "joint_cubic",
     "the structure gets stiffer (or softer) with the square of the amplitude, without loss",
     (
         EffectParameter(
-            "coefficient", 0.0, -1e13, 1e13, 1e11, "N/m^3",
+            "coefficient", 0.0, -5e13, 5e13, 1e11, "N/m^3",
             "0.15 % of a modal stiffness of 5e5 N/m at 0.1 mm", grows_with=(1, -2, 0),
         ),
     ),

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.effects.reading import Reading
 from updamp.geometry.contact_elements import ContactElements, across_mid_width
 from updamp.hbm.contact.law import ContactLaw
 from updamp.hbm.contact.modified.modified_law import with_entries
@@ -52,6 +53,7 @@ class RigModel:
     identified: whether the modes were identified in a test rather than computed: modal masses are known roughly then
     stated_pressure: mean over the contacts at rest, as the rig file has it, whatever calibration and effects do to it
         [Pa]; None where that is not known
+    reading: what is read of the motion, in comparisons with measurements
     """
 
     components: LinearModel
@@ -67,6 +69,7 @@ class RigModel:
     places: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     identified: bool = False
     stated_pressure: float | None = None
+    reading: Reading = field(default_factory=Reading)
     by_pull: tuple[str, ...] = ()
 
     @cached_property

@@ -8,7 +8,7 @@ import numpy as np
 
 from updamp.measurement.measurement import MeasuredRun, MeasurementError, near
 from updamp.measurement.measurement_file import ChannelTable, MeasurementFile, RunTable, level_in_si
-from updamp.measurement.quantities import AMPLITUDES, QUANTITIES, si_factor, to_displacement
+from updamp.measurement.quantities import AMPLITUDES, QUANTITIES, to_displacement
 from updamp.measurement.recorded import Complex, Floats, RecordedChannel, RecordedSweep
 from updamp.measurement.sweep_checks import (
     check_channel,
@@ -19,7 +19,6 @@ from updamp.measurement.sweep_checks import (
     check_statements,
     in_order_of_the_sweep,
 )
-from updamp.rig.fields import Quantity
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +42,9 @@ def measured_run(
     upwards, reverse, notes = in_order_of_the_sweep(where, sweep, run.sweep or sweep.sweep)
     order = slice(None, None, -1 if reverse else 1)
     names = [name for name in run.channels or tuple(file.channels) if name != file.force_channel]
-    recorded = {name: _recorded(where, file, sweep, name) for name in (file.force_channel, *names)}
+    recorded = {name: _recorded(where, file, sweep, name) for name in names}
+    recorded[file.force_channel], unrecorded = _recorded_force(where, file, run, sweep)
+    notes += unrecorded
     notes += _checked(where, file, sweep, recorded)
     raw_force, force = _force(where, file, recorded[file.force_channel], sweep.frequency)
     harmonics, kept = _common_harmonics(where, file, recorded)
@@ -70,6 +71,7 @@ def measured_run(
         noise=_noise(where, converted, order),
         level_unit=QUANTITIES[file.channels[run.held_channel].quantity].si if run.held_channel else "N",
         held_channel=run.held_channel or "",
+        without_phase=tuple(name for name in names if file.channels[name].phase == "none"),
     )
     return measured, [*notes, *level_notes]
 
@@ -82,7 +84,11 @@ def _checked(
     for name, channel in recorded.items():
         here, table = f"{where} channel '{name}'", file.channels[name]
         check_channel(here, channel, sweep.frequency)
-        notes += check_statements(here, channel, table.quantity, table.unit, table.direction)
+        if table.uncalibrated:
+            stands_for = f"1 {table.unit} stands for 1 {QUANTITIES[table.quantity].si}"
+            notes.append(f"{here} is not calibrated: {stands_for}, and results are in {table.unit}")
+        else:
+            notes += check_statements(here, channel, table.quantity, table.unit, table.direction)
     return notes
 
 
@@ -98,6 +104,18 @@ def _recorded(where: str, file: MeasurementFile, sweep: RecordedSweep, name: str
     )
 
 
+def _recorded_force(
+    where: str, file: MeasurementFile, run: RunTable, sweep: RecordedSweep
+) -> tuple[RecordedChannel, list[str]]:
+    """As in the file, or the run's level where it was not recorded; and what was taken for granted."""
+    table = file.channels[file.force_channel]
+    if table.recorded:
+        return _recorded(where, file, sweep, file.force_channel), []
+    level = (level_in_si(file, run) or 0.0) / _factor(table)
+    amplitude = np.full((1, len(sweep.frequency)), level, dtype=complex)
+    return RecordedChannel(amplitude), [f"{where}: the force was not recorded; the level is taken at every frequency"]
+
+
 def _force(where: str, file: MeasurementFile, channel: RecordedChannel, frequency: Floats) -> tuple[Complex, Complex]:
     """Its first harmonic as read, and in N along the model's axis."""
     raw = _turned(file, channel.amplitude[channel.harmonics.index(1)])
@@ -109,7 +127,7 @@ def _force(where: str, file: MeasurementFile, channel: RecordedChannel, frequenc
 def _factor(table: ChannelTable, sort: str | None = None) -> float:
     """From the reading to a peak value in SI, positive along the model's axis."""
     peak = AMPLITUDES[sort or table.amplitude or "peak"]
-    return si_factor(table.unit, table.quantity) * peak * (-1.0 if table.negative else 1.0)
+    return table.si_factor * peak * (-1.0 if table.negative else 1.0)
 
 
 def _turned(file: MeasurementFile, amplitude: Complex) -> Complex:
@@ -157,9 +175,7 @@ def _converted(
     derivatives = QUANTITIES[table.quantity].derivatives or 0
     noise: Floats | None = None
     if table.noise is not None:
-        kind = QUANTITIES[table.quantity]
-        peak = AMPLITUDES[table.amplitude or "peak"]
-        noise = Quantity(kind.si, kind.example).to_si(table.noise) * peak / at**derivatives
+        noise = table.to_si(table.noise) * AMPLITUDES[table.amplitude or "peak"] / at**derivatives
     elif channel.noise is not None:
         noise = channel.noise[rows] * size * np.abs(factor) / at**derivatives
     return Converted(amplitude * factor, displacement, noise)
@@ -175,7 +191,7 @@ def _check_power(
 ) -> None:
     """Where the sensor is that moves with the force."""
     for name, channel in converted.items():
-        if file.channels[name].model_point == file.excitation:
+        if file.channels[name].model_point == file.excitation and file.channels[name].phase is None:
             check_power(f"{where} channel '{name}'", channel.displacement[harmonics.index(1)], force, w)
 
 

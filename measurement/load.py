@@ -26,7 +26,7 @@ from updamp.measurement.measurement_file import (
     with_defaults,
 )
 from updamp.measurement.readers.registry import reader_of, usable_file
-from updamp.measurement.recorded import RecordedSweep
+from updamp.measurement.recorded import RecordedSweep, one_way
 from updamp.measurement.stated_features import is_feature_file, read_features
 
 FEW_REPEATS = 3  # assemblies; with fewer the scatter between them is hardly known
@@ -79,7 +79,8 @@ class _Files:
         options = validated(toml, run.options, reader.options, f"{where}.options.")
         key = (str(data), reader.name, options.model_dump_json(), *labels)
         if key not in self.sweeps:
-            self.sweeps[key] = reader.read(data, labels, options)
+            recorded = reader.read(data, labels, options)
+            self.sweeps[key] = tuple(part for sweep in recorded for part in one_way(sweep))
             self.hash(data)
         return self.sweeps[key]
 
@@ -107,6 +108,7 @@ def _with_runs(path: Path, file: MeasurementFile, files: _Files) -> Measurement:
         repeatability=file.repeatability or 0.0,
         drift=file.frequency_drift or DRIFT,
         gain=file.gain_error or GAIN,
+        units=_own_units(file),
     )
 
 
@@ -139,6 +141,14 @@ def _runs(path: Path, file: MeasurementFile, files: _Files) -> tuple[tuple[Measu
                 note = f"{data}: channels {', '.join(sweep.others)} are not in measurement.toml and not used"
                 assumptions.append((run.name, note))
     return tuple(runs), _merged(assumptions)
+
+
+def _own_units(file: MeasurementFile) -> tuple[str, str]:
+    """Of responses and force: "m" and "N", and what stands for them where a channel is not calibrated."""
+    sensors = [channel for name, channel in file.channels.items() if name != file.force_channel]
+    force = file.channels[file.force_channel]
+    responses = dict.fromkeys(c.unit if c.uncalibrated else "m" for c in sensors)
+    return " or ".join(responses), force.unit if force.uncalibrated else "N"
 
 
 def _merged(assumptions: Sequence[tuple[str, str]]) -> list[str]:

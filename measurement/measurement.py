@@ -43,6 +43,7 @@ class MeasuredRun:
     response: (n_channels, n_harmonics, n) displacement [m]
     noise: (n_channels, n_harmonics, n) stated or estimated standard deviation of its real or imaginary part [m], or
         None where nothing is known of it
+    without_phase: channels of which amplitudes alone were recorded: phases in `response` mean nothing
     """
 
     name: str
@@ -59,6 +60,7 @@ class MeasuredRun:
     noise: Floats | None = None
     level_unit: str = "N"
     held_channel: str = ""
+    without_phase: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return len(self.frequency)
@@ -104,6 +106,7 @@ class Measurement:
     repeatability: relative standard deviation of a response from test to test as stated, 0 where the repeats tell
     questions: what is hardly meant as it is stated, found when it was held against a model; `stated` has them first
     drift: relative standard deviation of the resonance from run to run of one assembly; gain: of a sensor's gain
+    units: those that responses and force are in where a channel is not calibrated, such as ("V", "N")
     """
 
     title: str
@@ -118,6 +121,7 @@ class Measurement:
     questions: tuple[str, ...] = ()
     drift: float = DRIFT
     gain: float = GAIN
+    units: tuple[str, str] = ("m", "N")
 
     @property
     def stated(self) -> tuple[str, ...]:

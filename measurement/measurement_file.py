@@ -46,6 +46,10 @@ class ChannelTable(InputTable):
     amplitude: "peak", "rms" or "peak_to_peak"
     phase_of: quantity whose phase the file states, where it is not the one of the amplitude
     noise: standard deviation of the real or imaginary part of the reading, in the unit and the sort of its amplitude
+    phase: "none" where amplitudes alone were recorded
+    recorded: false for a force that was not: it is taken to be the run's level, at every frequency
+    uncalibrated: the reading is proportional to the quantity, in a unit that may be any (a strain gauge in "V"); one of
+        it stands for one of the quantity's SI unit, in the rig file's modal masses too
     """
 
     quantity: QuantityName
@@ -56,18 +60,38 @@ class ChannelTable(InputTable):
     amplitude: Annotated[str, AfterValidator(_known_amplitude), Field(examples=["rms"])] | None = None
     phase_of: QuantityName | None = None
     noise: Annotated[str, Field(examples=["0.2 um/s"])] | None = None
+    phase: Literal["none"] | None = None
+    recorded: Annotated[bool, Field(strict=True, examples=[False])] = True
+    uncalibrated: Annotated[bool, Field(strict=True, examples=[True])] = False
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        si_factor(self.unit, self.quantity)
+        _ = self.si_factor
         if self.noise is not None:
             try:
-                Quantity(QUANTITIES[self.quantity].si, f"0.2 {self.unit}", above=0).to_si(self.noise)
+                self.to_si(self.noise)
             except ValueError as error:
                 raise ValueError(f'noise = "{self.noise}": {error}') from None
         if self.phase_of is not None and "force" in (self.quantity, self.phase_of) and self.quantity != self.phase_of:
             raise ValueError(f'phase_of = "{self.phase_of}": a force has the phase of a force only; leave the key out')
+        if not self.recorded and self.quantity != "force":
+            raise ValueError("recorded = false: holds for the force alone, which is then the run's level")
         return self
+
+    @property
+    def si_factor(self) -> float:
+        """One of its unit in SI. raises: ValueError for a unit that does not measure the quantity"""
+        return 1.0 if self.uncalibrated else si_factor(self.unit, self.quantity)
+
+    def to_si(self, text: str) -> float:
+        """A number with a unit, in SI. raises: ValueError saying what would be allowed"""
+        kind = QUANTITIES[self.quantity]
+        if not self.uncalibrated:
+            return Quantity(kind.si, kind.example, above=0).to_si(text)
+        number, _, unit = text.strip().partition(" ")
+        if unit.strip() != self.unit:
+            raise ValueError(f'the channel is uncalibrated: state it in its own unit, such as "1.5 {self.unit}"')
+        return Quantity("N", "1.5 N", above=0).to_si(f"{number} N")
 
     @property
     def negative(self) -> bool:
@@ -198,6 +222,8 @@ def _run_problems(file: MeasurementFile) -> list[str]:
             for name in names:
                 if name is not None and name not in file.channels:
                     lines.append(f'{here}.{key} = "{name}": no such channel; {near(name, file.channels)}')
+        if not file.channels[file.force_channel].recorded and (run.held != "force" or run.level is None):
+            lines.append(f'{here}.held: the force was not recorded, so it is the level: held = "force" and level')
         if not any(line.startswith(f"{here}.held") for line in lines):
             lines += _level_problems(file, run, here)
         other = first.setdefault(run.name, run)
@@ -226,8 +252,7 @@ def level_in_si(file: MeasurementFile, run: RunTable) -> float | None:
     """[N], or SI of the channel held; None where nothing is stated. raises: ValueError where unit or number is wrong"""
     if run.level is None:
         return None
-    quantity = QUANTITIES[file.channels[run.held_channel].quantity if run.held_channel else "force"]
-    return Quantity(quantity.si, quantity.example, above=0).to_si(run.level)
+    return file.channels[run.held_channel or file.force_channel].to_si(run.level)
 
 
 def read_measurement_table(path: Path) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """What a data file holds, before anything is converted: its own units, signs, names and peak or RMS values."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,3 +54,23 @@ class RecordedSweep:
     channels: Mapping[str, RecordedChannel]
     others: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+
+
+def one_way(sweep: RecordedSweep) -> tuple[RecordedSweep, ...]:
+    """The sweep; as one up and one down where the file does not tell them apart and the frequency turns round once,
+    with the point where it does in the first of them."""
+    steps = np.sign(np.diff(sweep.frequency))
+    turns = np.flatnonzero(steps[1:] != steps[:-1]) + 1
+    if sweep.sweep or len(turns) != 1:
+        return (sweep,)
+    end = int(turns[0]) + 1
+    directions = ("up", "down") if steps[0] > 0 else ("down", "up")
+    return tuple(_part(sweep, rows, d) for rows, d in zip((slice(end), slice(end, None)), directions, strict=True))
+
+
+def _part(sweep: RecordedSweep, rows: slice, direction: str) -> RecordedSweep:
+    channels = {
+        name: replace(c, amplitude=c.amplitude[:, rows], noise=None if c.noise is None else c.noise[:, rows])
+        for name, c in sweep.channels.items()
+    }
+    return replace(sweep, sweep=direction, frequency=sweep.frequency[rows], channels=channels)

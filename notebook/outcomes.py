@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from updamp.comparison.comparison import Comparison
 from updamp.diagnosis.verdict import Candidate, Verdict
 from updamp.report.markup import number, paragraph, percent, table, with_unit
+from updamp.report.units import drawn_units
 
 if TYPE_CHECKING:
     from updamp.pictures.style import NotebookFigure
@@ -48,7 +49,7 @@ class ComparisonResult:
         return before, after
 
     def plot(self) -> "NotebookFigure":
-        """Every run at every channel: measured, model as given, calibrated [mm/N]. Shows itself in a notebook.
+        """Every run at every channel: measured, model as given, calibrated. Shows itself in a notebook.
 
         raises: ValueError where no curve was measured
         """
@@ -56,7 +57,7 @@ class ComparisonResult:
             raise ValueError("the measurement states features only and has no curve to draw: see `comparison.features`")
         from updamp.pictures.curves import comparison_figure  # on call: matplotlib takes 0.5 s to load
 
-        return comparison_figure(self.comparison.curves)
+        return comparison_figure(self.comparison.curves, drawn_units(self.comparison).receptance)
 
     def __repr__(self) -> str:
         before, after = self.error

@@ -64,21 +64,26 @@ def resonance_figure(curve: ResonanceCurve) -> NotebookFigure:
     return drawing
 
 
-def comparison_figure(pairs: Sequence[CurvePair]) -> NotebookFigure:
-    """Size of the receptance in every run at every channel: measured, model as given, model calibrated."""
+def comparison_figure(pairs: Sequence[CurvePair], unit: tuple[str, float] = ("mm/N", MM)) -> NotebookFigure:
+    """Size of the receptance in every run at every channel: measured, model as given, model calibrated.
+
+    unit: and what numbers in m/N are multiplied by
+    """
     columns, rows = _grid(len(pairs))
     with notebook_figure(5.0 * columns, 2.8 * rows, rows, columns) as (drawing, axes):
-        _draw_pairs(axes, pairs)
+        _draw_pairs(axes, pairs, unit)
         _legend(axes[0])
     return drawing
 
 
-def comparison_picture(path: Path, title: str, pairs: Sequence[CurvePair]) -> None:
+def comparison_picture(
+    path: Path, title: str, pairs: Sequence[CurvePair], unit: tuple[str, float] = ("mm/N", MM)
+) -> None:
     """The same as a file, the key below."""
     columns, rows = _grid(len(pairs))
     with figure(path, 5.0 * columns, 2.6 * rows + 0.8) as drawing:
         axes = list(drawing.subplots(rows, columns, squeeze=False).ravel())
-        _draw_pairs(axes, pairs)
+        _draw_pairs(axes, pairs, unit)
         drawing.suptitle(title, fontweight="bold", x=0.01, ha="left")
         drawing.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
 
@@ -89,18 +94,19 @@ def _grid(count: int) -> tuple[int, int]:
     return columns, -(-count // columns)
 
 
-def _draw_pairs(axes: Sequence[Axes], pairs: Sequence[CurvePair]) -> None:
+def _draw_pairs(axes: Sequence[Axes], pairs: Sequence[CurvePair], unit: tuple[str, float]) -> None:
+    name, factor = unit
     for ax, pair in zip(axes, pairs, strict=False):
         if len(pair.band):
             frequency, low, high = pair.band.T
-            ax.fill_between(frequency, MM * low, MM * high, color=BLUE, alpha=0.15, linewidth=0)
+            ax.fill_between(frequency, factor * low, factor * high, color=BLUE, alpha=0.15, linewidth=0)
         for one in pair.measured:
-            ax.plot(one.frequency, MM * np.abs(one.receptance), ".", color=GREY, markersize=4)
+            ax.plot(one.frequency, factor * np.abs(one.receptance), ".", color=GREY, markersize=4)
         for curve, colour in ((pair.before, VERMILLION), (pair.after, BLUE)):
-            ax.plot(curve.frequency, MM * np.abs(curve.receptance), color=colour, linewidth=1.2)
+            ax.plot(curve.frequency, factor * np.abs(curve.receptance), color=colour, linewidth=1.2)
         ax.set_title(f"{pair.run}, {pair.channel}")
         ax.set_xlabel("frequency [Hz]")
-        ax.set_ylabel("receptance [mm/N]")
+        ax.set_ylabel(f"receptance [{name}]")
         ax.set_ylim(bottom=0)
     for ax in axes[len(pairs) :]:
         ax.set_visible(False)

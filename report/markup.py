@@ -4,6 +4,8 @@ import math
 from collections.abc import Iterable, Sequence
 from html import escape
 
+from updamp.comparison.comparison import Comparison
+
 # Colours that the colour-blind can tell apart: Okabe and Ito (2008), "Color Universal Design".
 
 BLUE, VERMILLION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
@@ -115,9 +117,9 @@ def level_name(level: float, unit: str = "N") -> str:
     return f"{float(f'{level:.3g}'):g} {escape(pretty(unit))}"
 
 
-def level_word(unit: str) -> str:
-    """What a level in this unit is called."""
-    return "force level" if unit == "N" else "response level"
+def level_word(comparison: Comparison) -> str:
+    """What its levels are called."""
+    return "force level" if comparison.level_unit == comparison.force_unit else "response level"
 
 
 def _exact(text: str, value: float) -> str:

@@ -16,6 +16,7 @@ from updamp.report.document import POLICY, asset
 from updamp.report.markup import FOR_SCRIPTS, level_word, pretty
 from updamp.report.registry import SECTIONS
 from updamp.report.section import Content, Report, ReportSection
+from updamp.report.units import drawn_units
 
 # Of numbers on the page, so that a report stays small: 430.0001 Hz and 430.0002 Hz stay apart, as curves of 0.01 %
 # bandwidth need it.
@@ -52,7 +53,7 @@ def build_page(report: Report, sections: Sequence[ReportSection]) -> str:
     """HTML of the `sections` that have something to show, in their order"""
     rendered = [(section, content) for section in sections if (content := section.render(report)) is not None]
     title = escape(report.comparison.title)
-    data = _page_data(rendered, report.comparison.level_unit)
+    data = _page_data(rendered, report.comparison)
     return "\n".join(
         (
             '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">',
@@ -87,11 +88,13 @@ def _section_html(section: ReportSection, content: Content) -> str:
     )
 
 
-def _page_data(rendered: Sequence[tuple[ReportSection, Content]], unit: str) -> str:
+def _page_data(rendered: Sequence[tuple[ReportSection, Content]], comparison: Comparison) -> str:
+    drawn = drawn_units(comparison)
     return script_json(
         {
             "palette": FOR_SCRIPTS,
-            "level": {"unit": pretty(unit), "word": level_word(unit)},
+            "level": {"unit": pretty(comparison.level_unit), "word": level_word(comparison)},
+            "units": {"displacement": drawn.displacement[0], "receptance": drawn.receptance[0]},
             "figures": {name: figure for _, content in rendered for name, figure in content.figures.items()},
             "sections": {section.identifier: content.data for section, content in rendered if content.data},
         }

@@ -30,7 +30,8 @@ def phases_of(curves: Sequence[CurvePair]) -> tuple[CurvePhases, ...]:
     for curve in curves:
         measured = []
         for each in curve.measured:
-            phase = unwrapped_phase(each.receptance, np.argsort(each.frequency, kind="stable"))
+            known = each.receptance if each.has_phase else np.full(len(each.frequency), np.nan + 0j)
+            phase = unwrapped_phase(known, np.argsort(each.frequency, kind="stable"))
             phase = phase - turns(_middle(phase) - np.nan_to_num(middles[curve.mode, curve.channel]))
             if np.isnan(middles[curve.mode, curve.channel]):
                 middles[curve.mode, curve.channel] = _middle(phase)

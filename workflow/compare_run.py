@@ -22,6 +22,7 @@ from updamp.model.build import modal_before_effects, rig_before_effects
 from updamp.model.rig_files import is_modal, load_modal, load_rig
 from updamp.pictures.curves import comparison_picture
 from updamp.report.page import write_report
+from updamp.report.units import drawn_units
 from updamp.rig.questions import questions
 from updamp.rig.rig import Rig
 from updamp.workflow import stages
@@ -259,7 +260,7 @@ def write_pictures(comparison: Comparison, folder: Path) -> None:
         modes.setdefault(pair.mode, []).append(pair)
     for mode, pairs in modes.items():
         path = folder / "pictures" / f"compared_{matlab_name(mode)}.png"
-        comparison_picture(path, f"{mode}: model and test", pairs)
+        comparison_picture(path, f"{mode}: model and test", pairs, drawn_units(comparison).receptance)
 
 
 def pictures_of(folder: Path) -> dict[str, bytes]:

@@ -185,10 +185,10 @@ def _baseline(
 
 
 def _forces(found: SearchResult, decision: Decision) -> tuple[MissingForce, ...]:
-    if decision.outcome == "adequate":
-        return ()
-    fitted = found.baseline.fitted
-    return missing_forces(fitted.compared, fitted.parametrisation, found.baseline.train_plan)
+    fitted, plan = found.baseline.fitted, found.baseline.train_plan
+    if decision.outcome == "adequate" or not plan.has_phases:
+        return ()  # a force has a direction
+    return missing_forces(fitted.compared, fitted.parametrisation, plan)
 
 
 def _next_measurements(

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from updamp.comparison.comparison import Backbone, Finding
 from updamp.comparison.findings.findings import DAMPING, FREQUENCY, Direction, Misfit, findings
-from updamp.comparison.fit.compared import fails_grossly
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Plan
 from updamp.model.calibration import LOSS_FACTOR
@@ -33,17 +32,16 @@ def linear_findings(
 
     measured, model: as for `gross_misfits`
     """
-    if not _too_large(fit, first_order):
+    if not _too_large(first_order):
         return findings(fit, plan, first_order)
     gains = [m for m in first_order if m.direction.quantity not in (FREQUENCY, DAMPING)]
     read = gross_misfits(fit, plan, measured, model)
     return (*damping_growth(fit, plan, measured, model), *findings(fit, plan, (*read, *gains)))
 
 
-def _too_large(fit: Fit, first_order: Sequence[Misfit]) -> bool:
-    gross = fails_grossly(fit.parametrisation, fit.compared.chi2, fit.compared.values)
+def _too_large(first_order: Sequence[Misfit]) -> bool:
     dampings = [m.relative for m in first_order if m.direction.quantity == DAMPING]
-    return gross or any(abs(np.log1p(relative)) > _FIRST_ORDER for relative in dampings)
+    return any(abs(np.log1p(relative)) > _FIRST_ORDER for relative in dampings)
 
 
 def gross_misfits(fit: Fit, plan: Plan, measured: Sequence[Backbone], model: Sequence[Backbone]) -> tuple[Misfit, ...]:

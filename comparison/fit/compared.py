@@ -1,5 +1,5 @@
-"""The model at given parameters against all runs: chi-square, the misfit that models are compared by, and how much the
-noise is inflated where a model fails."""
+"""The model at given parameters against all runs: chi-square, what a fit lowers, and the misfit that models are
+compared by."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.comparison.fit.failing_model import inflation, unlikelihood
 from updamp.comparison.fit.matching import Matched, match
 from updamp.comparison.fit.observations import Observations, Plan
 from updamp.comparison.fit.scatter import (
@@ -14,8 +15,8 @@ from updamp.comparison.fit.scatter import (
     Offsets,
     Scatter,
     assembly,
-    chi2_at,
     offsets_of,
+    parts_of_chi2,
     split,
     whitened,
 )
@@ -26,12 +27,6 @@ from updamp.hbm.continuation.continuation import ContinuationOptions
 
 Floats = NDArray[np.float64]
 Sensors = Sequence[Sequence[tuple[str, int]]]
-# Mean squared misfit from where on the model fails grossly: by ten times the scatter on average.
-GROSS = 100.0
-# Mean squared misfit up to which it is weighed as it is; beyond it a model fails badly.
-TOLERATED = 3.0
-# Points along a curve that count as one for what a model lacks: its misfit there is the same.
-AS_MANY = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,8 +34,8 @@ class Compared:
     """The model at u against all runs, the scatter given.
 
     branches: one a condition; matched: one a run; assemblies: one a repeat; offsets: by repeat
-    chi2: with the offsets' share
-    values: number of real values compared
+    left: of each assembly the sum of squares in deviations of the sensors, without the offsets' share; of_offsets: that
+    values: number of real values compared; as_many: points that count as one for what the model lacks
     """
 
     u: Floats
@@ -49,7 +44,21 @@ class Compared:
     assemblies: tuple[Assembly, ...]
     offsets: Mapping[int, Offsets]
     scatter: Scatter
-    chi2: float
+    left: tuple[float, ...]
+    of_offsets: float
+    as_many: float
+
+    @property
+    def chi2(self) -> float:
+        """With the offsets' share, the noise as the scatter has it."""
+        return sum(self.left) + self.of_offsets
+
+    def with_scatter(self, scatter: Scatter) -> "Compared":
+        """Weighed by another one, the offsets as they are."""
+        parts = [parts_of_chi2(a, scatter) for a in self.assemblies]
+        return replace(
+            self, scatter=scatter, left=tuple(left for left, _ in parts), of_offsets=sum(o for _, o in parts)
+        )
 
     @property
     def values(self) -> int:
@@ -60,9 +69,37 @@ class Compared:
         """Chi-square over the number of measured values, 1 where the scatter is all there is."""
         return self.chi2 / self.values
 
-    def equations(self) -> tuple[Floats, Floats]:
-        """Whitened residual (n,) and its derivative by the parameters (n, p), negative: residual = columns du."""
-        pairs = [whitened(a, self.scatter) for a in self.assemblies]
+    @property
+    def unlikelihood(self) -> float:
+        """Minus twice the logarithm of the probability of data and offsets (`failing_model.py`)."""
+        return self.of_offsets + sum(unlikelihood(*each, self.as_many) for each in self._left)
+
+    @property
+    def inflation(self) -> float:
+        """Factor on the noise for what the model lacks, over all assemblies (RMS)."""
+        squares = [len(a.residual) * f**2 for a, f in zip(self.assemblies, self._factors, strict=True)]
+        return float(np.sqrt(sum(squares) / self.values))
+
+    @property
+    def _left(self) -> list[tuple[float, int]]:
+        return [(left, len(a.residual)) for left, a in zip(self.left, self.assemblies, strict=True)]
+
+    @property
+    def _factors(self) -> list[float]:
+        return [inflation(*each, self.as_many) for each in self._left]
+
+    @property
+    def weighed(self) -> float:
+        """Chi-square as it counts beside priors."""
+        return self.chi2 / self.inflation**2
+
+    def equations(self, of_sensors: bool = False) -> tuple[Floats, Floats]:
+        """Whitened residual (n,) and its derivative by the parameters (n, p), negative: residual = columns du.
+
+        of_sensors: by the sensors' noise alone, however far the model fails; else what it lacks counts as noise
+        """
+        factors = [1.0 for _ in self.assemblies] if of_sensors else self._factors
+        pairs = [whitened(a, self.scatter.inflated(f)) for a, f in zip(self.assemblies, factors, strict=True)]
         return np.concatenate([r for r, _ in pairs]), np.concatenate([c for _, c in pairs])
 
 
@@ -115,7 +152,7 @@ def compare_at(
             known = (start or {}).get(runs[0].repeat, Offsets(np.zeros(n), {}, {}))
             offsets = known if b is None else split(b, runs, sensors, n)
             matched, equations = _assembled(parametrisation, u, plan, runs, branches, offsets, width)
-            return _OfRepeat(tuple(matched), equations, offsets, chi2_at(equations, scatter))
+            return _OfRepeat(tuple(matched), equations, offsets, *parts_of_chi2(equations, scatter), plan.as_many)
 
         parts.append(_with_best_offsets(assembled, scatter, (first, *[of_scatter] * (rounds - 1))))
     return Compared(
@@ -125,7 +162,9 @@ def compare_at(
         tuple(part.assembly for part in parts),
         dict(zip(plan.repeats, (part.offsets for part in parts), strict=True)),
         scatter,
-        sum(part.chi2 for part in parts),
+        tuple(part.left for part in parts),
+        sum(part.of_offsets for part in parts),
+        plan.as_many,
     )
 
 
@@ -134,33 +173,42 @@ class _OfRepeat:
     matched: tuple[Matched, ...]
     assembly: Assembly
     offsets: Offsets
-    chi2: float
+    left: float
+    of_offsets: float
+    as_many: float
+
+    @property
+    def unlikelihood(self) -> float:
+        return unlikelihood(self.left, len(self.assembly.residual), self.as_many) + self.of_offsets
+
+    def ahead(self, scatter: Scatter) -> Floats:
+        """The offsets that are likeliest to first order."""
+        factor = inflation(self.left, len(self.assembly.residual), self.as_many)
+        return offsets_of(self.assembly, scatter.inflated(factor))[0]
 
 
 def _with_best_offsets(
     assembled: Callable[[Floats | None, Floats], _OfRepeat], scatter: Scatter, widths: Sequence[Floats]
 ) -> _OfRepeat:
-    """Gauss-Newton in the offsets. Near a jump a shift of the frequency may put points on the other side of it, far off
-    what first order says: a step that does not lower chi2 is halved.
+    """Gauss-Newton in the offsets, at first as if the model lacked nothing: where that explains a misfit the model does
+    not fail, and with the noise inflated by the misfit first order would not lead there. Near a jump a shift of the
+    frequency may put points on the other side of it, far off what first order says: a step that does not make them
+    likelier is halved.
 
     assembled: from offsets, None for the first ones, and the width that points are matched with; widths: of each round
     """
     best = assembled(None, widths[0])
     ahead, _ = offsets_of(best.assembly, scatter)
-    for width in widths[1:]:
+    for tries, width in enumerate(widths[1:]):
         tried = assembled(ahead, width)
-        if tried.chi2 <= best.chi2:
+        if tried.unlikelihood <= best.unlikelihood:
             best = tried
-            ahead, _ = offsets_of(best.assembly, scatter)
+            ahead = best.ahead(scatter)
+        elif tries == 0:
+            ahead = best.ahead(scatter)
         else:
             ahead = (ahead + best.assembly.offsets) / 2
     return best
-
-
-def fails_grossly(parametrisation: Parametrisation, chi2: float, values: int) -> bool:
-    """Whether a model without contacts is off by ten times the scatter on average. One with contacts has other
-    damping than the material's to calibrate, and is only that far off before it is calibrated."""
-    return parametrisation.base.contacts is None and chi2 > GROSS * values
 
 
 def _assembled(
@@ -201,23 +249,5 @@ def misfit(parametrisation: Parametrisation, compared: Compared) -> float:
 
 
 def objective(parametrisation: Parametrisation, compared: Compared) -> float:
-    """What a fit lowers: chi2 and the priors' share."""
-    return compared.chi2 + float(np.sum((compared.u / parametrisation.deviation) ** 2))
-
-
-def noise_inflation(parametrisation: Parametrisation, compared: Compared) -> float:
-    """Factor on the noise where a model fails.
-
-    What is missing in a model is wrong all along a curve in the same way. Weighed as if every point were independent, a
-    large misfit would outweigh whatever is known of the parameters, and they would go wherever they lessen it a little.
-    """
-    if parametrisation.base.contacts is None:
-        return 1.0
-    return max(
-        1.0, min(compared.mean_squared_misfit / TOLERATED, float(np.sqrt(AS_MANY * compared.mean_squared_misfit)))
-    )
-
-
-def with_inflated_noise(scatter: Scatter, factor: float) -> Scatter:
-    """With so many times the noise."""
-    return replace(scatter, noise=factor * scatter.noise)
+    """What a fit lowers: chi2 and the priors' share where the model does not fail (`failing_model.py`)."""
+    return compared.unlikelihood + float(np.sum((compared.u / parametrisation.deviation) ** 2))

@@ -14,19 +14,13 @@ from numpy.typing import NDArray
 from updamp.comparison.fit.compared import (
     Compared,
     compare_at,
-    fails_grossly,
-    noise_inflation,
     objective,
     predict_branches,
     reweighed,
-    with_inflated_noise,
 )
 from updamp.comparison.fit.linear_fit import fit_within
 from updamp.comparison.fit.observations import Plan
-from updamp.comparison.fit.scatter import (
-    Scatter,
-    learn,
-)
+from updamp.comparison.fit.scatter import MOST_NOISE, Scatter, learn
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
@@ -118,8 +112,8 @@ def fit(
     for _ in range(options.rounds):
         ahead = _round(parametrisation, plan, best, scatter, prior, reach)
         here = reweighed(parametrisation, plan, best, ahead.scatter)
-        now = objective(parametrisation, here)
-        if now - objective(parametrisation, ahead) < max(options.tolerance, options.share * now):
+        gain = objective(parametrisation, here) - objective(parametrisation, ahead)
+        if gain < max(options.tolerance, options.share * here.weighed):
             # what is still to be gained is, to first order: two standard deviations at most, no need for solving anew
             return _result(parametrisation, _weighed(parametrisation, plan, ahead, scatter, prior), True, "settled")
         common = predict_branches(parametrisation, ahead.u, plan, best.branches, branches_of)
@@ -156,17 +150,20 @@ def prior_scatter(parametrisation: Parametrisation, plan: Plan) -> Scatter:
 def _rises(parametrisation: Parametrisation, before: Compared, after: Compared) -> bool:
     """Whether chi-square rises by more than it may in a step."""
     rise = objective(parametrisation, after) - objective(parametrisation, before)
-    return rise > (_DIGITS if parametrisation.base.contacts is None else _ROUGH) * before.chi2
+    return rise > (_DIGITS if parametrisation.base.contacts is None else _ROUGH) * before.weighed
 
 
 def _round(
     parametrisation: Parametrisation, plan: Plan, best: Compared, scatter: Scatter | None, prior: Scatter, reach: float
 ) -> Compared:
-    """One round, weighed by noise inflated as far as the model fails."""
-    given = scatter or replace(best.scatter, noise=prior.noise)
-    inflation = noise_inflation(parametrisation, reweighed(parametrisation, plan, best, given))
-    about = best if inflation == 1 else reweighed(parametrisation, plan, best, with_inflated_noise(given, inflation))
-    return _fit_linear(parametrisation, plan, about, scatter, with_inflated_noise(prior, inflation), reach)
+    """One round. Where the scatter is learnt, a misfit beyond what noise can be is none of it."""
+    if scatter is not None:
+        return _fit_linear(parametrisation, plan, best, scatter, prior, reach)
+    most = reweighed(parametrisation, plan, best, replace(best.scatter, noise=MOST_NOISE * prior.noise))
+    if (factor := most.inflation) == 1:
+        return _fit_linear(parametrisation, plan, best, None, prior, reach)
+    weighed = reweighed(parametrisation, plan, best, replace(best.scatter, noise=factor * prior.noise))
+    return _fit_linear(parametrisation, plan, weighed, None, prior.inflated(factor), reach)
 
 
 def _weighed(
@@ -195,7 +192,7 @@ def _fit_linear(
     for _ in range(3):
         before, now = now, fit_within(parametrisation, plan, now, lower, upper)
         if scatter is None:
-            now = replace(now, scatter=learn(now.assemblies, prior))
+            now = now.with_scatter(learn(now.assemblies, prior))
         if np.max(np.abs(now.u - before.u) / limits) < 0.01:
             break
     return now
@@ -203,9 +200,6 @@ def _fit_linear(
 
 def _covariance(parametrisation: Parametrisation, compared: Compared) -> Floats:
     _, columns = compared.equations()
-    # where the model fails grossly, with the noise that its misfit asks for (R. T. Birge, Phys. Rev. 40 (1932) 207)
-    if fails_grossly(parametrisation, compared.chi2, compared.values):
-        columns = columns / np.sqrt(compared.mean_squared_misfit)
     information = columns.T @ columns + np.diag(1 / parametrisation.deviation**2)
     return np.asarray(np.linalg.pinv(information), dtype=np.float64)
 

@@ -4,7 +4,9 @@ Beside a jump a measured point has nothing near it on the model's curve at its f
 by several widths no derivative leads there. So frequency counts as one more quantity that was measured (errors in all
 variables), at first with a standard deviation of a good part of the measured range: then curves are compared as shapes
 in frequency, amplitude and phase, which meet whatever their jumps. It falls from stage to stage to the instrument's
-(a homotopy). The last stage alone decides.
+(a homotopy). Until the last stage the model is taken to lack nothing: with the noise inflated by its misfit, priors
+would hold it where it fails, and a misfit that grows hardly counts, so there are many places to get stuck at. The last
+stage alone decides, with what the model lacks as noise.
 """
 
 from collections.abc import Sequence
@@ -85,10 +87,10 @@ def _range(run: Observations) -> float:
 
 
 def _widened(plan: Plan, width: float) -> Plan:
-    """With frequencies known to a share of the range that their run was measured in."""
+    """With frequencies known to a share of the range that their run was measured in, every point counting."""
     runs = []
     for run in plan.observations:
         noise = run.noise.copy()
         noise[:, 0] = np.hypot(noise[:, 0], width * _range(run))
         runs.append(replace(run, noise=noise))
-    return replace(plan, observations=tuple(runs))
+    return replace(plan, observations=tuple(runs), as_many=0.0)

@@ -38,7 +38,7 @@ def fit_within(parametrisation: Parametrisation, plan: Plan, about: Compared, lo
         if ahead is None:
             break
         here = ahead
-        if now - objective(parametrisation, here) < _SETTLED * now:
+        if now - objective(parametrisation, here) < _SETTLED * here.weighed:
             break
     return here
 

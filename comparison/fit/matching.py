@@ -27,7 +27,8 @@ class Matched:
     """One run against the branch.
 
     place: (n,) along the branch; difference: (n, m) measured less model there, phases to the nearest turn
-    residual: (n, m - 1) across the branch, in standard deviations of sensors and numerics
+    residual: (n, m - 1) across the branch, in standard deviations of sensors and numerics; fewer where phases are not
+        known
     by_parameter: (n, m - 1, p) what a unit of each parameter takes from it; by_observation: (n, m - 1, m) likewise a
         unit of each observation, such as a drift of frequency (0) or a sensor's gain
     """
@@ -151,7 +152,12 @@ def _across(run: Observations, place: Floats, difference: Floats, model: Observe
 def across(along: Floats, noise: Floats) -> Floats:
     """(n, m - 1, m) what takes changes of observations to those across the branch, in standard deviations.
 
-    along: (n, m) direction of the branch; noise: (n, m) standard deviations
+    along: (n, m) direction of the branch; noise: (n, m) standard deviations, infinite all along for what was not
+        observed: then there is one value less for each
     """
-    basis = np.linalg.qr((along / noise)[:, :, None], mode="complete")[0][:, :, 1:]
-    return np.asarray(basis.transpose(0, 2, 1) / noise[:, None, :])
+    known = np.flatnonzero(np.isfinite(noise).all(axis=0))
+    seen = noise[:, known]
+    basis = np.linalg.qr((along[:, known] / seen)[:, :, None], mode="complete")[0][:, :, 1:]
+    found = np.zeros((len(noise), basis.shape[2], noise.shape[1]))
+    found[:, :, known] = basis.transpose(0, 2, 1) / seen[:, None, :]
+    return found

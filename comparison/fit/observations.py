@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.comparison.fit.failing_model import AS_MANY
 from updamp.comparison.prediction.run_condition import DERIVATIVES, HeldResponse, RunCondition
 from updamp.measurement.measurement import DRIFT, GAIN, MeasuredRun, Measurement
 
@@ -24,7 +25,8 @@ class Observations:
     """One run of one repeat.
 
     test: place of its condition; repeat: number of the assembly
-    observed: (n, 1 + 2 n_sensors) as in PredictedBranch; noise: like it, standard deviations of the sensors alone
+    observed: (n, 1 + 2 n_sensors) as in PredictedBranch; noise: like it, standard deviations of the sensors alone,
+        infinite where no phase was recorded
     log_force: (n,) logarithm of the measured force over the condition's; log_level: (n,) of the measured response over
         the one to be held, None where the force was set
     """
@@ -40,6 +42,10 @@ class Observations:
     def __len__(self) -> int:
         return len(self.observed)
 
+    def has_phase(self, sensor: int) -> bool:
+        """Whether a phase was recorded; sensor: its place in the condition"""
+        return bool(np.isfinite(self.noise[:, 2 + 2 * sensor]).all())
+
     @property
     def frequency(self) -> Floats:
         """(n,) [Hz]"""
@@ -51,6 +57,7 @@ class Plan:
     """conditions: the tests; observations: all runs and repeats of them
     drift, gain: relative standard deviations as stated (`Measurement`), before repeats have been looked at
     repeatability: as stated, 0 where repeats tell; the observations' noise has it
+    as_many: points that count as one for what a model lacks (`failing_model.py`), 0 for one that lacks nothing
     """
 
     conditions: tuple[RunCondition, ...]
@@ -58,10 +65,16 @@ class Plan:
     drift: float = DRIFT
     gain: float = GAIN
     repeatability: float = 0.0
+    as_many: float = AS_MANY
 
     @property
     def repeats(self) -> tuple[int, ...]:
         return tuple(sorted({o.repeat for o in self.observations}))
+
+    @property
+    def has_phases(self) -> bool:
+        """Of every sensor in every run."""
+        return all(np.isfinite(o.noise).all() for o in self.observations)
 
     @property
     def largest_amplitude(self) -> float:
@@ -100,7 +113,7 @@ def plan_of(measurement: Measurement, harmonics: Sequence[int] = (1,)) -> Plan:
         observations = _pooled(observations, conditions)
     observations = [_no_better_than(o, measurement.repeatability) for o in observations]
     if len({c.unit for c in conditions}) > 1:  # forces are the one thing that all of them have
-        conditions = [replace(c, held=None, unit="N") for c in conditions]
+        conditions = [replace(c, held=None, unit=measurement.units[1]) for c in conditions]
     stated = measurement.drift, measurement.gain, measurement.repeatability
     return Plan(tuple(conditions), tuple(observations), *stated)
 
@@ -111,7 +124,7 @@ def _condition(measurement: Measurement, runs: Sequence[MeasuredRun], harmonics:
     orders = [k for k in harmonics if all(k in run.harmonics for run in runs)]
     force = float(np.median(np.concatenate([np.abs(run.force) for run in runs])))
     low, high = min(run.frequency.min() for run in runs), max(run.frequency.max() for run in runs)
-    held, unit = (first.level, first.level_unit) if first.held == "response" else (None, "N")
+    held, unit = (first.level, first.level_unit) if first.held == "response" else (None, measurement.units[1])
     sensors = tuple((measurement.channel(c).point, k) for c in common for k in orders)
     window, control = (float(low), float(high)), _control(measurement, first)
     return RunCondition(first.name, first.mode, force, first.upwards, window, sensors, held, unit, control)
@@ -133,7 +146,8 @@ def _observations(run: MeasuredRun, test: int, condition: RunCondition, measurem
         amplitude = run.amplitude(points[point], k) / turn**k
         deviation = _deviation(run, points[point], k)
         columns += [np.log(np.abs(amplitude)), np.unwrap(np.angle(amplitude))]
-        noise += [deviation, deviation]
+        unknown = points[point] in run.without_phase
+        noise += [deviation, np.full(len(run), np.inf) if unknown else deviation]
     log_force = np.log(np.abs(run.force) / condition.force)
     level = None
     if condition.control is not None:

@@ -6,7 +6,7 @@ parameters, a drift of frequency for each run and a gain for each sensor.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.linalg
@@ -24,6 +24,8 @@ DRIFT, GAIN, NOISE = "frequency drift", "sensor gain", "sensor noise"
 _UNSURE, _UNSURE_NOISE = 0.5, 0.3
 # No further from the guess than this many deviations: what would need more is a misfit, and no scatter.
 _FURTHEST = 2.0
+# Times the stated noise that can be learnt.
+MOST_NOISE = float(np.exp(_FURTHEST * _UNSURE_NOISE))
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,10 @@ class Scatter:
 
     def as_numbers(self) -> dict[str, float]:
         return {**self.parameters, DRIFT: self.drift, GAIN: self.gain, NOISE: self.noise}
+
+    def inflated(self, factor: float) -> "Scatter":
+        """With so many times the noise."""
+        return replace(self, noise=factor * self.noise)
 
     @staticmethod
     def of(numbers: Mapping[str, float]) -> "Scatter":
@@ -187,10 +193,15 @@ def offsets_of(a: Assembly, scatter: Scatter) -> tuple[Floats, float]:
     return b, chi2
 
 
-def chi2_at(a: Assembly, scatter: Scatter) -> float:
-    """With the offsets about which the equations were made, and their share."""
-    left, of_noise = a.residual - a.random @ a.offsets, a.offsets / a.deviations(scatter)
-    return float(left @ left + of_noise @ of_noise) / scatter.noise**2
+def parts_of_chi2(a: Assembly, scatter: Scatter) -> tuple[float, float]:
+    """What is left with the offsets about which the equations were made, and the offsets' own share."""
+    left, share = a.residual - a.random @ a.offsets, standing(a, scatter)
+    return float(left @ left) / scatter.noise**2, float(share @ share)
+
+
+def standing(a: Assembly, scatter: Scatter) -> Floats:
+    """(q,) how many of their standard deviations the offsets are."""
+    return a.offsets / (a.deviations(scatter) * scatter.noise)
 
 
 def whitened(a: Assembly, scatter: Scatter) -> tuple[Floats, Floats]:

@@ -5,12 +5,13 @@ tangents nor iterations; the Jacobian that solved the point turns their differen
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.effects.reading import Reading
 from updamp.hbm.continuation.branch import BranchPoint
 from updamp.hbm.newton.many_right_sides import apply_tangents, solve_many
 from updamp.hbm.newton.structure_response import Loads, respond
@@ -31,6 +32,7 @@ class Change:
     system: the changed one; step: of the parameter, from where the point stands
     opposite: that changed by the negative step. The structure's response is as curved as its resonance is narrow: a
         difference to one side would be off by half of step over loss factor, squared
+    reading: of the changed model; a point's motion has no part in it
     contacts_alone: whether the linear structure is that of the point
     added: points of elements that the changed system has in addition, which exert nothing where the point stands but
         for the step
@@ -41,6 +43,7 @@ class Change:
     contacts_alone: bool = False
     added: tuple[str, ...] = ()
     opposite: NonlinearSystem | None = None
+    reading: Reading = field(default_factory=Reading)
 
 
 @dataclass(frozen=True, eq=False)

@@ -65,10 +65,10 @@ def change_to(model: RigModel, changed: RigModel, step: float) -> Change:
     """step: of the parameter between the two; the changed one may have further elements, after those of the model"""
     points = tuple(point for e in changed.elements[len(model.elements) :] for point in e.points)
     if not _same_structure(model, changed):
-        return Change(_system_of(changed, model), step, added=points)
+        return Change(_system_of(changed, model), step, added=points, reading=changed.reading)
     # the same object: what was worked out for it holds
     system = NonlinearSystem(model.system.free, changed.groups, changed.harmonics, changed.time_samples)
-    return Change(system, step, contacts_alone=True)
+    return Change(system, step, contacts_alone=True, reading=changed.reading)
 
 
 def _system_of(changed: RigModel, model: RigModel) -> NonlinearSystem:

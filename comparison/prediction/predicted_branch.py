@@ -20,6 +20,7 @@ from updamp.comparison.prediction.model_at import ModelAt, model_at
 from updamp.comparison.prediction.numerical_error import NumericalError
 from updamp.comparison.prediction.observed_point import ObservedPoint, Observer, light
 from updamp.comparison.prediction.parameters import Parametrisation
+from updamp.comparison.prediction.readings import as_read
 from updamp.comparison.prediction.run_condition import RunCondition
 from updamp.comparison.prediction.swept_points import BranchFromFarEnd, swept_points
 from updamp.hbm.continuation.branch import BranchPoint
@@ -175,11 +176,15 @@ def observe(
     if condition.control is not None:
         return _observe_held(there, condition, points, stopped, further)
     look = Observer(there, condition, further)
-    return _of_observed(there, condition, [look(point) for point in points], stopped, len(further))
+    return _of_observed(there, condition, [look(point) for point in points], stopped, further)
 
 
 def _of_observed(
-    there: ModelAt, condition: RunCondition, observed: Sequence[ObservedPoint], stopped: str, further: int = 0
+    there: ModelAt,
+    condition: RunCondition,
+    observed: Sequence[ObservedPoint],
+    stopped: str,
+    further: Sequence[Change] = (),
 ) -> PredictedBranch:
     state, along, slopes = (np.array([getattr(o, part) for o in observed]) for part in ("state", "along", "slopes"))
     by_parameter = tuple(o.x_by_parameter for o in observed), np.array([o.w_by_parameter for o in observed])
@@ -196,7 +201,7 @@ def _observe_held(
     state, slopes = np.array([s.state for s in each]), np.array([s.slopes for s in each])
     along = direction * np.array([s.along for s in each])
     nothing = tuple(np.zeros(0) for _ in points), np.zeros((len(points), 0))
-    return _branch(there, condition, light(points), stopped, (state, along, slopes), nothing, False, len(further))
+    return _branch(there, condition, light(points), stopped, (state, along, slopes), nothing, False, further)
 
 
 def _branch(
@@ -207,10 +212,10 @@ def _branch(
     observed: tuple[Floats, Floats, Floats],
     by_parameter: tuple[tuple[Floats, ...], Floats],
     proportional: bool,
-    further: int,
+    further: Sequence[Change],
 ) -> PredictedBranch:
-    """observed: state, its derivative along the branch, and slopes; further: how many of the parameters are new"""
-    state, along, slopes = observed
+    """observed: state, its derivative along the branch, and slopes; further: changes by parameters that are new"""
+    state, along, slopes = as_read(observed, there.model.reading, (*there.changes, *further), condition)
     length = _length(along, state, condition)
     chords = _length(np.diff(state, axis=0), (state[1:] + state[:-1]) / 2, condition)
     visited = np.zeros(len(points), dtype=bool)
@@ -218,7 +223,7 @@ def _branch(
     place = np.concatenate([[0.0], np.cumsum(chords)])
     branch = PredictedBranch(
         condition,
-        np.append(there.u[: there.parametrisation.n_of_model], np.zeros(further)),
+        np.append(there.u[: there.parametrisation.n_of_model], np.zeros(len(further))),
         tuple(points),
         place,
         state,

@@ -111,13 +111,17 @@ def error_of(fitted: Fit, plan: Plan, branches_of: Branches = in_turn) -> float:
     return float(np.sqrt(compared.mean_squared_misfit))
 
 
-def farthest_nuisance(fitted: Fit) -> tuple[str, float]:
-    """Name of the nuisance parameter that stands farthest from the rig file's value, in prior deviations, and by how
-    many."""
-    p, n = fitted.parametrisation, len(fitted.parametrisation.nuisances)
-    off = fitted.u[:n] / p.deviation[:n]
-    farthest = int(np.argmax(np.abs(off)))
-    return p.nuisances[farthest].name, float(off[farthest])
+def farthest_off(fitted: Fit) -> tuple[str, float]:
+    """What stands farthest from where it was stated to be, in prior deviations, and by how many: a nuisance parameter,
+    or the drift of a run or the gain of a sensor in one of the assemblies."""
+    p, scatter = fitted.parametrisation, fitted.compared.scatter
+    off = {n.name: float(u / n.deviation) for n, u in zip(p.nuisances, fitted.u, strict=False)}
+    for offsets in fitted.compared.offsets.values():
+        drifts = {f"the resonance of run '{run}'": b / scatter.drift for run, b in offsets.drift.items()}
+        gains = {f"the gain of the sensor at {point}": b / scatter.gain for (point, _), b in offsets.gain.items()}
+        for name, b in (drifts | gains).items():
+            off[name] = max(off.get(name, 0.0), b, key=abs)
+    return max(off.items(), key=lambda named: abs(named[1]))
 
 
 def held_out_runs(plan: Plan, runs: Sequence[str] | None, modes: Sequence[str]) -> tuple[str, ...] | None:

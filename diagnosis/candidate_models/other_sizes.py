@@ -53,7 +53,6 @@ def _sized(found: Fit, effects: tuple[Effect, ...], size: float, others: Floats)
 
 
 def as_likely(fitted: Fit, best: Fit) -> bool:
-    """Whether the data do not tell one from the other; both of one parametrisation, the misfit that is left taken as
-    noise"""
+    """Whether the data do not tell one from the other; both of one parametrisation"""
     further = objective(fitted.parametrisation, fitted.compared) - objective(best.parametrisation, best.compared)
-    return further < _WITHIN * max(1.0, best.compared.mean_squared_misfit)
+    return further < _WITHIN

@@ -7,14 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.fit.compared import (
-    AS_MANY,
-    TOLERATED,
     Compared,
     compare_at,
     misfit,
     objective,
     predict_branches,
 )
+from updamp.comparison.fit.failing_model import AS_MANY, TOLERATED
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
 from updamp.comparison.fit.fit_from_far import LAST, fit_from_far
 from updamp.comparison.fit.observations import Plan

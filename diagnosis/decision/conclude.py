@@ -12,7 +12,7 @@ from updamp.comparison.fit.repeat_scatter import scatter_of_repeats
 from updamp.diagnosis.candidate_models.baseline import unseen
 from updamp.diagnosis.candidate_models.refit import Refit
 from updamp.diagnosis.criteria import Criteria
-from updamp.diagnosis.decision.decide import Decision, reason_against
+from updamp.diagnosis.decision.decide import Decision, far_off, reason_against
 from updamp.diagnosis.decision.signature_curves import signatures
 from updamp.diagnosis.decision.verdict_strip import strip
 from updamp.diagnosis.evidence import EffectScore, Trial
@@ -50,7 +50,7 @@ def conclude(
     candidates = _candidates(found, decision, criteria)
     return Verdict(
         verdict=decision.outcome,
-        sentence=sentence(decision, found, candidates),
+        sentence=sentence(decision, found, candidates, criteria),
         effects=decision.effects,
         group=decision.group,
         candidates=candidates,
@@ -84,13 +84,13 @@ def _candidate(
     if trial is None or fitted is None:
         reason = _not_fitted(tested, criteria)
         return Candidate(
-            effect.name, effect.sentence, tested.score, tested.visibility, tested.drop, nan, nan, nan, (), False, reason
+            effect.name, effect.in_words, tested.score, tested.visibility, tested.drop, nan, nan, nan, (), False, reason
         )
     reason = reason_against(trial, found.evidence, criteria)
     gain = 1 - trial.held_out / found.evidence.held_out if found.evidence.held_out > 0 else nan
     return Candidate(
         effect.name,
-        effect.sentence,
+        effect.in_words,
         tested.score,
         tested.visibility,
         tested.drop,
@@ -128,10 +128,9 @@ def _intervals(fitted: Fit, effect: Effect) -> list[tuple[float, float]]:
     """Of one minimum, for every parameter."""
     p, moved = fitted.parametrisation, moved_by_numerics(fitted)
     place, values = p.columns(effect.name).start, p.values(fitted.u)[effect.name]
-    # where the model leaves more than the scatter, intervals are wider by as much (Birge 1932)
-    excess, found = max(1.0, fitted.compared.mean_squared_misfit), []
+    found = []
     for i, q in enumerate(effect.parameters):
-        deviation = np.hypot(fitted.given_numerics[place + i] * np.sqrt(excess), moved[place + i])
+        deviation = np.hypot(fitted.given_numerics[place + i], moved[place + i])
         half = _95 * float(deviation) * abs(q.typical - q.null)
         found.append((values[q.name] - half, values[q.name] + half))
     return found
@@ -165,7 +164,7 @@ def _confounding(found: SearchResult, criteria: Criteria) -> Confounding:
     return Confounding(names, cosines(found.scored), criteria.cosine, tuple(dict.fromkeys(groups)))
 
 
-def sentence(decision: Decision, found: SearchResult, candidates: Sequence[Candidate]) -> str:
+def sentence(decision: Decision, found: SearchResult, candidates: Sequence[Candidate], criteria: Criteria) -> str:
     """The verdict in plain words."""
     sentences = {c.name: c.sentence for c in candidates}
     before, trial = float(np.sqrt(found.evidence.excess)), decision.trial
@@ -176,11 +175,11 @@ def sentence(decision: Decision, found: SearchResult, candidates: Sequence[Candi
     if decision.outcome == "unknown":
         return (
             f"something is missing that the catalogue does not have: the model is off by {before:.1f} times "
-            f"{_scatter(found)}, and no effect explains it{_closest(found)}"
+            f"{_scatter(found)}, and no effect explains it{_closest(found, criteria)}"
         )
     if decision.outcome == "undecidable":
         found_so = "" if trial is None else f"; {' and '.join(trial.effects)} would explain the data with it"
-        return f"{decision.reason}{found_so}. Check what it stands for in the rig file before anything is named"
+        return f"{decision.reason}{found_so}. Check it, and what the files state of it, before anything is named"
     assert trial is not None, "an effect has been chosen by its fit"
     fall = f"the error falls from {before:.1f} to {trial.excess**0.5:.2f} times {_scatter(found)}"
     if np.isfinite(trial.held_out):
@@ -201,14 +200,15 @@ def _unseen(found: SearchResult) -> str:
     return ", and no effect predicts better what the fit has not seen"
 
 
-def _closest(found: SearchResult) -> str:
-    """What was tried and left least, with what it predicted of held-out runs."""
+def _closest(found: SearchResult, criteria: Criteria) -> str:
+    """What was tried and left least, with what it predicted of held-out runs, and what it asks of the calibration that
+    nobody would believe."""
     tried = [t for t in (*found.evidence.trials, *found.evidence.pairs) if t.full]
     best = sorted(tried, key=lambda t: t.excess)[:_CLOSEST]
-    said = [f"{' and '.join(t.effects)} leave{'s' if len(t.effects) == 1 else ''} {_left(t)}" for t in best]
+    said = [f"{' and '.join(t.effects)} leave{'s' if len(t.effects) == 1 else ''} {_left(t, criteria)}" for t in best]
     return f". Closest: {'; '.join(said)}" if said else ""
 
 
-def _left(trial: Trial) -> str:
+def _left(trial: Trial, criteria: Criteria) -> str:
     held_out = f" ({trial.held_out:.1f} on held-out runs)" if np.isfinite(trial.held_out) else ""
-    return f"{trial.excess**0.5:.1f} times{held_out}"
+    return f"{trial.excess**0.5:.1f} times{held_out}{' with ' + off if (off := far_off(trial, criteria)) else ''}"

@@ -22,13 +22,20 @@ class Decision:
 
 
 def decide(evidence: Evidence, criteria: Criteria) -> Decision:
-    """A verdict that rests on a calibration that nobody would believe is none."""
+    """A verdict that rests on a calibration, or on offsets of single runs, that nobody would believe is none."""
     decision = _by_misfit(evidence, criteria)
     rests_on = evidence if decision.trial is None else decision.trial
-    if decision.outcome == "unknown" or abs(rests_on.deviations) < criteria.calibration:
+    off = far_off(rests_on, criteria)
+    if decision.outcome == "unknown" or not off:
         return decision
-    off = f"{rests_on.farthest} stands {abs(rests_on.deviations):.1f} prior deviations from the rig file's value"
     return Decision("undecidable", (), (), decision.trial, f"calibration first: {off}")
+
+
+def far_off(fitted: Evidence | Trial, criteria: Criteria) -> str:
+    """What a fit asks for that nobody would believe, "" if nothing."""
+    if abs(fitted.deviations) < criteria.calibration:
+        return ""
+    return f"{fitted.farthest} {abs(fitted.deviations):.1f} deviations from what is stated"
 
 
 def _by_misfit(evidence: Evidence, criteria: Criteria) -> Decision:

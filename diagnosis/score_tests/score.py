@@ -13,7 +13,6 @@ import scipy.linalg
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
-from updamp.comparison.fit.compared import Compared, noise_inflation, with_inflated_noise
 from updamp.diagnosis.score_tests.signature import Extended
 from updamp.effects.effect import Effect
 
@@ -45,17 +44,17 @@ class Score:
 
 def scores(extended: Extended) -> tuple[Score, ...]:
     """Of all further effects, the largest drop first."""
-    weighed, factor = with_noise_of_misfit(extended)
-    found = _scores(extended, weighed)
+    factor = _of_misfit(extended)
     # what the nuisance parameters can imitate is a matter of the sensors, not of what the model lacks
-    visible = {s.effect.name: s.visibility for s in (found if factor == 1 else _scores(extended, extended.compared))}
+    visible = {s.effect.name: s.visibility for s in _scores(extended, of_sensors=True)}
+    found = _scores(extended, of_sensors=False)
     scaled = (replace(s, drop=factor * s.drop, visibility=visible[s.effect.name]) for s in found)
     return tuple(sorted(scaled, key=lambda s: -s.drop))
 
 
-def _scores(extended: Extended, compared: Compared) -> list[Score]:
-    residual, columns = compared.equations()
-    p = extended.parametrisation
+def _scores(extended: Extended, of_sensors: bool) -> list[Score]:
+    compared, p = extended.compared, extended.parametrisation
+    residual, columns = compared.equations(of_sensors)
     of_effects = np.zeros(len(p), dtype=bool)
     for effect in extended.effects:
         of_effects[p.columns(effect.name)] = True
@@ -74,13 +73,10 @@ def _scores(extended: Extended, compared: Compared) -> list[Score]:
     return found
 
 
-def with_noise_of_misfit(extended: Extended) -> tuple[Compared, float]:
-    """Weighed as in a fit, or nuisance parameters could imitate any effect; and the factor that brings its chi2 to what
-    it is with the noise that the misfit asks for (R. T. Birge, Phys. Rev. 40 (1932) 207)."""
-    compared = extended.compared
-    inflation = noise_inflation(extended.parametrisation, compared)
-    weighed = replace(compared, scatter=with_inflated_noise(compared.scatter, inflation))
-    return weighed, inflation**2 / max(1.0, compared.mean_squared_misfit)
+def _of_misfit(extended: Extended) -> float:
+    """What brings chi2 weighed as in a fit (else nuisance parameters could imitate any effect) to what it is with the
+    noise that the misfit asks for (R. T. Birge, Phys. Rev. 40 (1932) 207)."""
+    return extended.compared.inflation**2 / max(1.0, extended.compared.mean_squared_misfit)
 
 
 def _score(

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.prediction.branch_tasks import BranchesBy
-from updamp.diagnosis.candidate_models.baseline import Baseline, error_of, farthest_nuisance
+from updamp.diagnosis.candidate_models.baseline import Baseline, error_of, farthest_off
 from updamp.diagnosis.candidate_models.candidate_fits import FitContext, Progress
 from updamp.diagnosis.candidate_models.fit_tasks import FitRunner, fit_here, with_branches
 from updamp.diagnosis.candidate_models.if_repeatable import if_repeatable
@@ -77,7 +77,7 @@ def search(
         tuple(sorted((r.trial for r in singles.values()), key=lambda t: t.excess)),
         tuple(sorted((r.trial for r in pairs.values()), key=lambda t: t.excess)),
         _alike(scored, criteria),
-        *farthest_nuisance(base),
+        *farthest_off(base),
         if_repeatable(base, start, BranchesBy(workers)),
         base.compared.values,
     )

@@ -4,9 +4,9 @@
   const {selection, palette} = updamp;
   const {measured, model} = updamp.data.backbones;
   const PANELS = [
-    {x: "amplitude", y: "frequency", across: "displacement amplitude [µm]", up: "resonance frequency [Hz]"},
-    {x: "amplitude", y: "damping", across: "displacement amplitude [µm]", up: "loss factor [–]"},
-    {x: "level", y: "receptance", across: `${updamp.levelUnit === "N" ? "force" : updamp.levelWord} [${updamp.levelUnit}]`, up: "peak receptance [mm/N]"},
+    {x: "amplitude", y: "frequency", across: `displacement amplitude [${updamp.units.displacement}]`, up: "resonance frequency [Hz]"},
+    {x: "amplitude", y: "damping", across: `displacement amplitude [${updamp.units.displacement}]`, up: "loss factor [–]"},
+    {x: "level", y: "receptance", across: `${updamp.levelWord === "force level" ? "force" : updamp.levelWord} [${updamp.levelUnit}]`, up: `peak receptance [${updamp.units.receptance}]`},
   ];
   const WIDTH = 0.25; // of all; between them are the labels of the next
   const axis = (letter, i) => letter + (i === 0 ? "" : i + 1);

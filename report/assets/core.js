@@ -85,5 +85,6 @@ const updamp = (() => {
     unique: values => [...new Set(values)],
     digits: (value, count) => String(Number(value.toPrecision(count))),
     levelName: level => `${Number(level.toPrecision(3))} ${page.level.unit}`, levelUnit: page.level.unit, levelWord: page.level.word,
+    units: page.units,
   };
 })();

@@ -6,7 +6,7 @@
   const option = id => document.getElementById(id).checked;
 
   // A value of "a" (amplitude) or "p" (phase) goes to the upper or lower axes.
-  const PARTS = [{key: "a", axis: "y", unit: "mm/N", format: ".4g"}, {key: "p", axis: "y2", unit: "°", format: ".1f"}];
+  const PARTS = [{key: "a", axis: "y", unit: updamp.units.receptance, format: ".4g"}, {key: "p", axis: "y2", unit: "°", format: ".1f"}];
 
   function line(branch, key, keep) {
     return branch[key].map((value, i) => (keep(branch.visited, i) ? value : null));
@@ -99,7 +99,7 @@
     const traces = tracesOf(shown);
     updamp.draw("response", traces, {
       xaxis: {title: {text: "frequency [Hz]"}, range: rangeOf(shown), anchor: "y2"},
-      yaxis: {title: {text: "receptance [mm/N]"}, domain: [0.36, 1], type: log ? "log" : "linear",
+      yaxis: {title: {text: `receptance [${updamp.units.receptance}]`}, domain: [0.36, 1], type: log ? "log" : "linear",
         rangemode: log ? "normal" : "tozero", tickformat: "~g",
         ...(log ? {dtick: "D2"} : {})},
       yaxis2: {title: {text: "phase [°]"}, domain: [0, 0.29], tick0: 0, dtick: 90, range: phaseRange(traces)},

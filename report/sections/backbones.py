@@ -5,6 +5,7 @@ from typing import Any
 from updamp.comparison.comparison import Backbone
 from updamp.report.markup import figure_element
 from updamp.report.section import Content, Report, ReportSection
+from updamp.report.units import DrawnUnits, drawn_units
 
 
 def render(report: Report) -> Content | None:
@@ -19,20 +20,21 @@ def render(report: Report) -> Content | None:
         "Points: measured, one symbol a repeat; line: calibrated model.",
         380,
     )
-    data = {"measured": [_columns(each) for each in measured], "model": [_columns(each) for each in model]}
+    both = {"measured": measured, "model": model}
+    data = {name: [_columns(each, drawn_units(report.comparison)) for each in some] for name, some in both.items()}
     return Content(html, data=data, scripts=("selection.js", "backbones.js"))
 
 
-def _columns(backbone: Backbone) -> dict[str, Any]:
+def _columns(backbone: Backbone, drawn: DrawnUnits) -> dict[str, Any]:
     return {
         "mode": backbone.mode,
         "channel": backbone.channel,
         "level": backbone.level,
         "repeat": backbone.repeat,
-        "amplitude": 1e6 * backbone.amplitude,
+        "amplitude": drawn.displacement[1] * backbone.amplitude,
         "frequency": backbone.frequency,
         "damping": backbone.damping,
-        "receptance": 1e3 * backbone.receptance,
+        "receptance": drawn.receptance[1] * backbone.receptance,
     }
 
 

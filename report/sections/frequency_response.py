@@ -10,9 +10,9 @@ from updamp.comparison.comparison import Comparison, CurvePair, MeasuredCurve, M
 from updamp.report.markup import figure_element
 from updamp.report.phases import CurvePhases, phases_of
 from updamp.report.section import Content, Report, ReportSection
+from updamp.report.units import drawn_units
 
 Floats = NDArray[np.float64]
-MM = 1e3  # m/N to mm/N
 
 CONTROLS = """<form class="controls" id="curve-controls" autocomplete="off">
 <label>Mode <select id="select-mode"></select></label>
@@ -38,8 +38,9 @@ def render(report: Report) -> Content | None:
         '<span class="screen">Zoom by dragging, double click for all.</span>',
         500,
     )
+    _, factor = drawn_units(report.comparison).receptance
     data = {
-        "curves": [_curve_data(*each) for each in zip(curves, phases_of(curves), strict=True)],
+        "curves": [_curve_data(*each, factor) for each in zip(curves, phases_of(curves), strict=True)],
         "start": _worst(report.comparison),
     }
     return Content(CONTROLS + plot, data=data, scripts=("selection.js", "response.js"))
@@ -54,7 +55,7 @@ def _worst(comparison: Comparison) -> int:
     return int(np.argmax(mean))
 
 
-def _curve_data(curve: CurvePair, phases: CurvePhases) -> dict[str, Any]:
+def _curve_data(curve: CurvePair, phases: CurvePhases, factor: float) -> dict[str, Any]:
     band = curve.band
     return {
         "run": curve.run,
@@ -63,22 +64,22 @@ def _curve_data(curve: CurvePair, phases: CurvePhases) -> dict[str, Any]:
         "up": curve.upwards,
         "channel": curve.channel,
         "measured": [
-            {"repeat": each.repeat, **_polar(each, phase)}
+            {"repeat": each.repeat, **_polar(each, phase, factor)}
             for each, phase in zip(curve.measured, phases.measured, strict=True)
         ],
-        "band": {"f": band[:, 0], "lower": MM * band[:, 1], "upper": MM * band[:, 2]},
-        "before": _branch(curve.before, phases.before),
-        "after": _branch(curve.after, phases.after),
+        "band": {"f": band[:, 0], "lower": factor * band[:, 1], "upper": factor * band[:, 2]},
+        "before": _branch(curve.before, phases.before, factor),
+        "after": _branch(curve.after, phases.after, factor),
     }
 
 
-def _branch(branch: ModelCurve, phase: Floats) -> dict[str, Any]:
-    return {**_polar(branch, phase), "visited": branch.visited.astype(int)}
+def _branch(branch: ModelCurve, phase: Floats, factor: float) -> dict[str, Any]:
+    return {**_polar(branch, phase, factor), "visited": branch.visited.astype(int)}
 
 
-def _polar(curve: MeasuredCurve | ModelCurve, phase: Floats) -> dict[str, Any]:
-    """f [Hz], a [mm/N], p [degrees]"""
-    return {"f": curve.frequency, "a": MM * np.abs(curve.receptance), "p": phase}
+def _polar(curve: MeasuredCurve | ModelCurve, phase: Floats, factor: float) -> dict[str, Any]:
+    """f [Hz], a (`drawn_units`), p [degrees]; factor: on m/N"""
+    return {"f": curve.frequency, "a": factor * np.abs(curve.receptance), "p": phase}
 
 
 SECTION = ReportSection("response", "Frequency response", render, "Response")

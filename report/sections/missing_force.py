@@ -8,12 +8,13 @@ import numpy as np
 from updamp.diagnosis.verdict import MissingForce
 from updamp.report.markup import LEVELS, figure_element, level_name
 from updamp.report.section import Content, Report, ReportSection
+from updamp.report.units import DrawnUnits, drawn_units
 
 TEXT = """<p>The measured motion put into the model leaves a force over. Here it is per displacement and per velocity:
 constant stiffness is a spring, one that grows with the square of amplitude a cubic spring; constant damping is viscous,
 damping that grows with amplitude quadratic, damping that falls with 1/amplitude dry friction. Bars: 95 %
 interval.</p>"""
-PANELS = (("stiffness", "missing stiffness [N/m]", (0.0, 0.43)), ("damping", "missing damping [N s/m]", (0.57, 1.0)))
+PANELS = (("stiffness", 0.0, 0.43), ("damping", 0.57, 1.0))
 
 
 def render(report: Report) -> Content | None:
@@ -26,39 +27,40 @@ def render(report: Report) -> Content | None:
         "Missing stiffness and missing damping against displacement amplitude, one colour a mode. "
         + " ".join(f"{force.mode}: {force.reading}." for force in forces),
     )
-    unit = report.comparison.level_unit
-    traces = [trace for k, force in enumerate(forces) for trace in _traces(force, LEVELS[k % len(LEVELS)], unit)]
-    return Content(f"{TEXT}<ul>{readings}</ul>{plot}", {"missing-force": {"data": traces, "layout": _layout()}})
+    unit, drawn = report.comparison.level_unit, drawn_units(report.comparison)
+    traces = [trace for k, force in enumerate(forces) for trace in _traces(force, LEVELS[k % len(LEVELS)], unit, drawn)]
+    return Content(f"{TEXT}<ul>{readings}</ul>{plot}", {"missing-force": {"data": traces, "layout": _layout(drawn)}})
 
 
-def _traces(force: MissingForce, colour: str, level_unit: str) -> list[dict[str, Any]]:
-    order = np.argsort(force.amplitude)
+def _traces(force: MissingForce, colour: str, level_unit: str, drawn: DrawnUnits) -> list[dict[str, Any]]:
+    order, (across, factor) = np.argsort(force.amplitude), drawn.displacement
     columns = (
-        (force.stiffness, force.stiffness_deviation, "", "N/m"),
-        (force.damping, force.damping_deviation, "2", "N s/m"),
+        (force.stiffness, force.stiffness_deviation, "", drawn.stiffness),
+        (force.damping, force.damping_deviation, "2", drawn.damping),
     )
     return [
         {
-            "type": "scatter", "mode": "markers", "x": 1e6 * force.amplitude[order], "y": value[order],
+            "type": "scatter", "mode": "markers", "x": factor * force.amplitude[order], "y": value[order],
             "error_y": {"type": "data", "array": 1.96 * deviation[order], "thickness": 1, "width": 3},
             "xaxis": f"x{axis}", "yaxis": f"y{axis}", "name": force.mode, "legendgroup": force.mode,
             "showlegend": not axis, "marker": {"color": colour, "size": 7},
             "customdata": [level_name(level, level_unit) for level in force.level[order]],
-            "hovertemplate": f"{force.mode}, %{{customdata}}<br>%{{x:.3g}} µm: %{{y:.4g}} {unit}<extra></extra>",
+            "hovertemplate": f"{force.mode}, %{{customdata}}<br>%{{x:.3g}} {across}: %{{y:.4g}} {unit}<extra></extra>",
         }
         for value, deviation, axis, unit in columns
     ]  # fmt: skip
 
 
-def _layout() -> dict[str, Any]:
+def _layout(drawn: DrawnUnits) -> dict[str, Any]:
+    across = {"text": f"displacement amplitude [{drawn.displacement[0]}]"}
     layout: dict[str, Any] = {"legend": {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom"}}
-    for axis, (_, title, domain) in zip(("", "2"), PANELS, strict=True):
+    for axis, unit, (what, *domain) in zip(("", "2"), (drawn.stiffness, drawn.damping), PANELS, strict=True):
         layout[f"xaxis{axis}"] = {
-            "title": {"text": "displacement amplitude [µm]"}, "type": "log", "tickformat": "~g", "domain": domain,
-            "anchor": f"y{axis}",
+            "title": across, "type": "log", "tickformat": "~g", "domain": domain, "anchor": f"y{axis}",
         }  # fmt: skip
         layout[f"yaxis{axis}"] = {
-            "title": {"text": title}, "anchor": f"x{axis}", "zeroline": True, "zerolinecolor": "#8a8f98",
+            "title": {"text": f"missing {what} [{unit}]"}, "anchor": f"x{axis}",
+            "zeroline": True, "zerolinecolor": "#8a8f98",
         }  # fmt: skip
     return layout
 

@@ -15,7 +15,7 @@ def render(report: Report) -> Content:
     kind = "good" if comparison.adequate else "bad"
     html = f'<p class="verdict {kind}">{escape(verdict_sentence(comparison))}</p>'
     if comparison.findings:
-        html += _findings([_finding(finding, comparison.level_unit) for finding in comparison.findings])
+        html += _findings([_finding(finding, comparison) for finding in comparison.findings])
     return Content(html + _cards(comparison))
 
 
@@ -40,10 +40,12 @@ def verdict_sentence(comparison: Comparison) -> str:
     return f"The model does not describe the measurement: {things} out of the scatter."
 
 
-def _finding(finding: Finding, unit: str) -> str:
+def _finding(finding: Finding, comparison: Comparison) -> str:
     where = [
         finding.mode or "all modes",
-        level_name(finding.level, unit) if finding.level is not None else f"all {level_word(unit)}s",
+        level_name(finding.level, comparison.level_unit)
+        if finding.level is not None
+        else f"all {level_word(comparison)}s",
     ]
     where += [finding.channel] if finding.channel else []
     tags = "".join(f'<span class="tag">{escape(tag)}</span>' for tag in (finding.quantity, *where))

@@ -8,6 +8,7 @@ import numpy as np
 from updamp.comparison.comparison import Comparison
 from updamp.report.markup import figure_element, level_word
 from updamp.report.section import Content, Report, ReportSection
+from updamp.report.units import drawn_units
 
 INTRODUCTION = """<p>Positive: measured above the model, or ahead of it in phase. Shown for the mode, channel and sweep
 chosen above, {level}s in colours; the grey strip holds 95 % of the points of an adequate model.</p>"""
@@ -17,7 +18,7 @@ def render(report: Report) -> Content | None:
     points = _points(report.comparison)
     if not points:
         return None
-    level = level_word(report.comparison.level_unit)
+    level = level_word(report.comparison)
     html = INTRODUCTION.format(level=level) + figure_element(
         "residual-amplitude",
         "Residual of amplitude and of phase in standard deviations against the displacement amplitude, coloured by "
@@ -28,10 +29,11 @@ def render(report: Report) -> Content | None:
 
 
 def _points(comparison: Comparison) -> list[dict[str, Any]]:
-    """Of each run at each channel: x displacement [µm], amplitude and phase [standard deviations], f [Hz]"""
+    """Of each run at each channel: x displacement (`drawn_units`), amplitude and phase [standard deviations], f [Hz]"""
     found: dict[tuple[str, str], list[tuple[float, ...]]] = defaultdict(list)
+    factor = drawn_units(comparison).displacement[1]
     measured = {
-        (curve.run, curve.channel, each.repeat): (each.frequency, 1e6 * np.abs(each.receptance) * each.force)
+        (curve.run, curve.channel, each.repeat): (each.frequency, factor * np.abs(each.receptance) * each.force)
         for curve in comparison.curves
         for each in curve.measured
     }

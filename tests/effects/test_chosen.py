@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from updamp.effects import catalogue as module
-from updamp.effects.catalogue import CATALOGUE, JOINTS, catalogue
+from updamp.effects.catalogue import CATALOGUE, FAULTS, JOINTS, catalogue
 from updamp.effects.chosen import chosen_effects, with_effects
 from updamp.effects.user_effect import EffectError, effect_from_file
 from updamp.rig.errors import RigError
@@ -159,7 +159,7 @@ def test_installed_packages_add_effects(monkeypatch):
         monkeypatch.setattr(module, "entry_points", lambda group: [Installed(name, value, group)])
 
     offer("rounded", "good")
-    assert [*catalogue()] == [*CATALOGUE, *JOINTS, "rounded"]
+    assert [*catalogue()] == [*CATALOGUE, *JOINTS, *FAULTS, "rounded"]
     offer("edge_gap", "good")
     with pytest.raises(EffectError, match='there is an effect "edge_gap" already; rename it'):
         catalogue()

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from updamp.effects.catalogue import CATALOGUE, JOINTS
+from updamp.effects.catalogue import CATALOGUE, OWN
 from updamp.effects.sized import sized
 from updamp.model.build import modal_before_effects
 from updamp.model.rig_files import load_modal
@@ -30,6 +30,7 @@ def smaller():
         ("joint_quadratic", 0, FORCE / (LENGTH * FREQUENCY) ** 2),
         ("joint_microslip", 0, FORCE / LENGTH),
         ("joint_microslip", 1, 1.0),
+        ("feed_through", 0, LENGTH / FORCE),
         ("joint_viscous", 0, FORCE / LENGTH / FREQUENCY),
         ("joint_viscoelastic", 0, FORCE / LENGTH),
         ("joint_viscoelastic", 1, 1 / FREQUENCY),
@@ -37,7 +38,7 @@ def smaller():
 )
 def test_sizes_and_bounds_change_as_the_units_do(effect: str, parameter: int, factor: float) -> None:
     """factor: of the parameter's own dimension"""
-    before, after = (sized(JOINTS[effect], m, a).parameters[parameter] for m, a in ((BEAM, 2e-4), (smaller(), 2e-7)))
+    before, after = (sized(OWN[effect], m, a).parameters[parameter] for m, a in ((BEAM, 2e-4), (smaller(), 2e-7)))
     for value in ("typical", "lower", "upper"):
         assert getattr(after, value) == pytest.approx(factor * getattr(before, value))
 

@@ -102,6 +102,24 @@ def test_curves_in_the_page_are_those_compared(comparison: Comparison, page: str
             assert np.abs(np.diff(values["p"])).max() < 180  # no curve is cut in two
 
 
+def test_volts_are_shown_as_volts_and_phases_that_nobody_recorded_not_at_all(comparison: Comparison) -> None:
+    silent = tuple(
+        replace(curve, measured=tuple(replace(m, has_phase=False) for m in curve.measured))
+        for curve in comparison.curves
+    )
+    own = replace(comparison, curves=silent, response_unit="V", force_unit="A", level_unit="A")
+    data = data_of(build_page(Report(own, synthetic_verdict(comparison), {}), SECTIONS))
+    assert data["units"] == {"displacement": "V", "receptance": "V/A"}
+    assert data["level"] == {"unit": "A", "word": "force level"}
+    shown, curve = data["sections"]["response"]["curves"][0], comparison.curves[0]
+    np.testing.assert_allclose(shown["measured"][0]["a"], np.abs(curve.measured[0].receptance), rtol=1e-6)
+    assert set(shown["measured"][0]["p"]) == {None}
+    assert None not in shown["after"]["p"]
+    figure = str(data["figures"]["missing-force"])
+    assert "missing stiffness [A/V]" in figure
+    assert "µm" not in figure
+
+
 def test_cells_of_the_map_hold_every_residual_once(comparison: Comparison, page: str) -> None:
     maps = data_of(page)["sections"]["misfit"]["maps"]
     cells = [cell for each in maps for row in each["cells"] for cell in row if cell]

@@ -4,10 +4,12 @@ from pathlib import Path
 
 import pytest
 
+from updamp.comparison.fit.compared import objective
+from updamp.comparison.fit.fit_from_far import LAST
 from updamp.comparison.fit.observations import plan_of
 from updamp.diagnosis.candidate_models.baseline import baseline
 from updamp.diagnosis.criteria import Criteria
-from updamp.diagnosis.decision.conclude import conclude
+from updamp.diagnosis.decision.conclude import conclude, parameters
 from updamp.diagnosis.decision.decide import decide
 from updamp.diagnosis.selection.search import SearchResult, search
 from updamp.diagnosis.verdict import Verdict
@@ -38,22 +40,31 @@ def verdict(found: SearchResult) -> Verdict:
     return conclude(found, decide(found.evidence, Criteria()), Criteria(), {"beam.drive.x": "accelerometer"})
 
 
-def test_microslip_is_named_beside_a_stiffening(verdict: Verdict) -> None:
-    assert verdict.verdict == "identified"
-    assert set(verdict.effects) == {"joint_microslip", "joint_cubic"}
+PAIR = ("joint_microslip", "joint_cubic")
 
 
-def test_error_falls_on_runs_that_no_fit_has_seen(verdict: Verdict) -> None:
-    """In units of the repeatability of 6.5 %, drift from run to run held at 1e-4."""
-    assert verdict.error.before > 3
-    assert verdict.error.held_out_before > 3
-    assert verdict.error.after < 1.1
-    assert verdict.error.held_out_after < 1.45
+def test_nothing_is_named_at_the_stated_repeatability(found: SearchResult, verdict: Verdict) -> None:
+    """6.5 %, drift from run to run held at 1e-4. The closest pair asks for runs that are farther off, which is said."""
+    assert verdict.verdict == "unknown"
+    assert verdict.sentence.index("Closest: joint_microslip and joint_cubic leave") > 0
+    trials = {t.effects: t for t in found.evidence.pairs}
+    assert abs(trials[PAIR].deviations) > 3
+    assert "the resonance of run '" in trials[PAIR].farthest
+    assert "deviations from what is stated" in verdict.sentence
 
 
-def test_other_effects_are_worse_or_cannot_be_seen(found: SearchResult, verdict: Verdict) -> None:
+def test_error_falls_on_runs_that_no_fit_has_seen(found: SearchResult) -> None:
+    before, pair = found.evidence, next(t for t in found.evidence.pairs if t.effects == PAIR)
+    assert before.excess**0.5 > 3.5
+    assert before.held_out > 4
+    assert pair.excess**0.5 < 1.1
+    assert pair.held_out < 2.1
+
+
+def test_other_effects_are_worse_or_cannot_be_seen(found: SearchResult) -> None:
     trials = {t.effects: t for t in (*found.evidence.trials, *found.evidence.pairs)}
-    pair = trials[verdict.effects]
+    pair = trials[PAIR]
+    print({n: (t.excess**0.5, t.held_out, t.farthest, t.deviations) for n, t in trials.items()})
     assert trials["joint_quadratic",].excess > 1.8 * pair.excess
     assert trials["joint_quadratic",].held_out > 1.3 * pair.held_out
     assert trials["joint_microslip",].excess > 4 * pair.excess
@@ -64,18 +75,22 @@ def test_other_effects_are_worse_or_cannot_be_seen(found: SearchResult, verdict:
 
 
 def test_no_fit_ends_worse_than_the_model_that_it_contains(found: SearchResult) -> None:
-    trials = {t.effects: t for t in (*found.evidence.trials, *found.evidence.pairs)}
-    for names, trial in trials.items():
-        assert trial.excess < found.evidence.excess + 0.01
-        assert all(trial.excess < trials[name,].excess + 0.01 for name in names)
+    """By what a fit lowers, to within what its last stage takes for settled."""
+    value = {names: objective(r.fitted.parametrisation, r.fitted.compared) for names, r in found.refits.items()}
+    base = found.baseline.fitted
+    for names, reached in value.items():
+        assert reached < objective(base.parametrisation, base.compared) + LAST.tolerance
+        assert len(names) == 1 or all(reached < value[name,] + LAST.tolerance for name in names)
 
 
-def test_microslips_parameters(verdict: Verdict) -> None:
-    """Damping grows with the amplitude to the power 1.25; joints in the literature had 0.1 to 1."""
-    (microslip,) = (c for c in verdict.candidates if c.name == "joint_microslip")
-    values = {p.name: p for p in microslip.parameters}
-    assert 2000 < values["stiffness_lost"].value < 3000
-    assert -0.1 < values["exponent"].lower < values["exponent"].value < 0.4
+def test_microslips_parameters(found: SearchResult) -> None:
+    """Damping grows with the amplitude to the power 1 + chi; joints in the literature had 0.1 to 1."""
+    refit = found.refits[PAIR]
+    microslip = next(e for e in refit.effects if e.name == "joint_microslip")
+    lost, exponent = parameters(refit, microslip)
+    print(lost, exponent)
+    assert 2000 < lost.value < 3000
+    assert exponent.lower < exponent.value < 0.6
 
 
 def test_effects_of_contacts_are_refused(found: SearchResult) -> None:

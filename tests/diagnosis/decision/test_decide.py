@@ -94,7 +94,7 @@ def test_a_calibration_that_nobody_would_believe_is_said_first():
     far = {"farthest": "preload", "deviations": -3.4}
     decision = decide(replace(EVIDENCE, trials=(replace(RIGHT, **far),)), Criteria())
     assert (decision.outcome, decision.effects) == ("undecidable", ())
-    assert decision.reason == "calibration first: preload stands 3.4 prior deviations from the rig file's value"
+    assert decision.reason == "calibration first: preload 3.4 deviations from what is stated"
     assert outcome(trials=(replace(RIGHT, farthest="preload", deviations=2.9),)) == ("identified", ("right",))
     # without an effect to name, that of the model without any counts; where nothing explains the data, none
     assert outcome(trials=(), excess=1.1, **far) == ("undecidable", ())

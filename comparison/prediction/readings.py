@@ -1,0 +1,52 @@
+"""A branch as it is read: motion through what the measurement makes of it (`effects/reading.py`)."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.comparison.prediction.derivatives import Change
+from updamp.comparison.prediction.held_branch import pairs
+from updamp.comparison.prediction.run_condition import RunCondition
+from updamp.effects.reading import Reading
+
+Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Moving = tuple[Floats, Floats, Floats]
+
+
+def as_read(moving: Moving, reading: Reading, changes: Sequence[Change], condition: RunCondition) -> Moving:
+    """State (n, m), its derivative along the branch (n, m) and slopes (n, p + 1, m), as `PredictedBranch` has them.
+
+    moving: those of the motion; changes: of the p parameters, each with the reading that it leads to
+    """
+    if reading == Reading() and all(change.reading == reading for change in changes):
+        return moving
+    state, along, slopes = moving
+    log_f, x, force = state[:, 0], amplitudes(state), condition.force
+    share, by_log_f = _share(log_f, condition)
+    y, factor = reading.of(x, share, force), reading.by_displacement(share)
+    of_frequency = factor * x * reading.trend * by_log_f
+    read_slopes = factor[:, None] * amplitudes(slopes) + of_frequency[:, None] * slopes[:, :, :1]
+    for j, change in enumerate(changes):
+        read_slopes[:, j] += (change.reading.of(x, share, force) - y) / change.step
+    if condition.control is None:  # else responses are those over the force
+        read_slopes[:, -1] += reading.background * force
+    read_along = factor * amplitudes(along) + of_frequency * along[:, :1]
+    return (
+        np.column_stack([log_f, pairs(y)]),
+        np.column_stack([along[:, 0], pairs(read_along)]),
+        np.concatenate([slopes[:, :, :1], pairs(read_slopes)], axis=2),
+    )
+
+
+def amplitudes(values: Floats) -> Complex:
+    """(..., n_sensors) of (..., 1 + 2 n_sensors)"""
+    return np.asarray(values[..., 1::2] + 1j * values[..., 2::2])
+
+
+def _share(log_f: Floats, condition: RunCondition) -> tuple[Floats, float]:
+    """(n,) of the sweep that is done, and its derivative by the logarithm of the frequency."""
+    low, high = np.log(condition.window)
+    rate = 1 / (high - low)
+    return ((log_f - low) * rate, rate) if condition.upwards else ((high - log_f) * rate, -rate)

@@ -1,0 +1,36 @@
+"""What is read of a motion: where the measurement is at fault, something else than the motion.
+
+    y = (1 + gain) exp(-i lag) exp(trend s) x + background F
+
+x the displacement, F the force, s from 0 at the start of a sweep to 1 at its end.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class Reading:
+    """Of all sensors alike. factor: on the displacement; trend: of the logarithm of the amplitude over a sweep;
+    background: proportional to the force [m/N]"""
+
+    factor: complex = 1.0 + 0j
+    trend: float = 0.0
+    background: complex = 0j
+
+    def turned(self, factor: complex) -> "Reading":
+        """With a further factor on what it reads of the displacement."""
+        return replace(self, factor=self.factor * factor)
+
+    def of(self, displacement: Complex, share: Floats, force: float) -> Complex:
+        """(..., n_sensors) from displacements like it [m]; share: (...) of the sweep that is done; force [N]"""
+        return displacement * self.by_displacement(share) + self.background * force
+
+    def by_displacement(self, share: Floats) -> Complex:
+        """(..., 1)"""
+        return np.asarray(self.factor * np.exp(self.trend * share))[..., None]

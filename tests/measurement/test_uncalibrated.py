@@ -1,0 +1,114 @@
+"""Tests of which amplitudes alone are known, in volts, with a force that was not recorded."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from updamp.comparison.fit.observations import plan_of
+from updamp.measurement.load import load_measurement
+from updamp.measurement.measurement import MeasurementError
+
+ROOT = Path(__file__).parents[2]
+DATA = ROOT.parent / "shared" / "data" / "beams"
+TEXT = """
+title = "gauge"
+rig = "beam"
+damper_load = "0 N"
+excitation = "beam.gauge.x"
+repeatability = 0.03
+
+[channels.shaker]
+quantity = "force"
+recorded = false
+uncalibrated = true
+point = "beam.gauge"
+direction = "x"
+unit = "A"
+
+[channels.gauge]
+quantity = "displacement"
+phase = "none"
+uncalibrated = true
+point = "beam.gauge"
+direction = "x"
+unit = "V"
+
+[run_defaults]
+mode = "first"
+file = "sweep.csv"
+reader = "csv_columns"
+options = { frequency = "f" }
+held = "force"
+level = "1.5 A"
+
+[[runs]]
+name = "up"
+sweep = "up"
+
+[[runs]]
+name = "down"
+sweep = "down"
+"""
+FREQUENCY = (40.0, 41.0, 42.0, 41.5, 40.5)
+
+
+def written(folder: Path, old: str = "", new: str = "") -> Path:
+    assert old in TEXT
+    rows = [f"{f},{2e-5 * f}" for f in FREQUENCY]
+    (folder / "sweep.csv").write_text("\n".join(["f,gauge", *rows]))
+    path = folder / "measurement.toml"
+    path.write_text(TEXT.replace(old, new) if old else TEXT)
+    return path
+
+
+def test_amplitudes_are_taken_as_they_stand(tmp_path: Path) -> None:
+    measurement = load_measurement(written(tmp_path), ["beam.gauge.x"], rig="beam")
+    up, down = measurement.runs
+    assert measurement.units == ("V", "A")
+    np.testing.assert_array_equal(up.force, 1.5)
+    np.testing.assert_allclose(np.abs(up.amplitude("gauge")), 2e-5 * up.frequency, rtol=1e-12)
+    # one series, up and back: the turning point belongs to the way up
+    np.testing.assert_array_equal(up.frequency, FREQUENCY[:3])
+    np.testing.assert_array_equal(down.frequency, FREQUENCY[3:])
+    assert (up.upwards, down.upwards) == (True, False)
+    said = " ".join(measurement.assumptions)
+    assert "1 V stands for 1 m" in said
+    assert "the force was not recorded" in said
+
+
+def test_phases_count_for_nothing(tmp_path: Path) -> None:
+    plan = plan_of(load_measurement(written(tmp_path)))
+    assert not plan.has_phases
+    for run in plan.observations:
+        assert np.isinf(run.noise[:, 2]).all()
+        assert np.isfinite(run.noise[:, :2]).all()
+    assert plan.conditions[0].level_name == "1.5 A"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('level = "1.5 A"', 'level = "1.5 N"', r'level = "1\.5 N": the channel is uncalibrated.*"1\.5 A"'),
+        ('held = "force"\nlevel = "1.5 A"', 'held = "nothing"', r"held: the force was not recorded"),
+        ('phase = "none"', "recorded = false", r"recorded = false: holds for the force alone"),
+        ('phase = "none"\nuncalibrated = true', "", r"needs a unit of the kind m"),
+        ('sweep = "down"', "", r"has sweeps up and down"),
+    ],
+)
+def test_what_cannot_be_is_said(tmp_path: Path, old: str, new: str, said: str) -> None:
+    with pytest.raises(MeasurementError, match=said):
+        load_measurement(written(tmp_path, old, new))
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason=f"{DATA} is missing: measured data are kept beside the checkout")
+def test_the_beams_are_read_as_their_readme_has_them() -> None:
+    clamped, magnets = (
+        load_measurement(ROOT / "rigs" / f"beam_{name}_measurement.toml", ["beam.gauge.x"], rig=f"beam_{name}")
+        for name in ("clamped", "magnets")
+    )
+    for measurement, frequencies in ((clamped, [45.96, 45.74, 45.56]), (magnets, [38.4, 39.15, 40.8, 42.3])):
+        runs = [run for run in measurement.runs if run.upwards]
+        peaks = [run.frequency[np.argmax(np.abs(run.amplitude("gauge")))] for run in runs]
+        np.testing.assert_allclose(peaks, frequencies, atol=0.005)
+    assert [len(run) for run in magnets.runs] == [81, 79, 81, 79, 106, 100, 121, 119]
