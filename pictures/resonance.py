@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 
 from updamp.hbm.resonance.resonance_curve import ResonanceCurve
 from updamp.pictures.style import BLUE, VERMILLION, figure
-from updamp.pictures.variants import PeakPoint, force_axis
+from updamp.pictures.variants import PeakPoint, force_axis, from_zero
 
 MM = 1e3  # m/N to mm/N
 
@@ -30,11 +30,12 @@ def resonance_against_force(path: Path, mode: str, followed: ResonanceCurve | No
                 ax.plot(one.force, at, "o", color=VERMILLION, markerfacecolor=fill, markersize=6)
         axes[0].plot([], [], "o", color=VERMILLION, label="peaks of response curves")
         axes[0].set(ylabel="peak receptance [mm/N]", title=f"{mode}: resonance against force")
-        axes[0].set_ylim(bottom=0)
+        from_zero(axes[0])
         axes[1].set(ylabel="frequency [Hz]")
         axes[1].ticklabel_format(axis="y", useOffset=False)
         axes[2].set(ylabel="loss factor [%]")
-        axes[2].set_ylim(bottom=0)
+        if axes[2].lines:
+            from_zero(axes[2])
         for ax in axes:
             force_axis(ax, sorted({one.force for one in peaks}))
         drawing.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)

@@ -91,7 +91,7 @@ def peaks_against_force(path: Path, title: str, peaks: Mapping[str, Sequence[Pea
             _points(receptance, ordered, [MM * one.receptance for one in ordered], colour, label)
             _points(frequency, ordered, [one.frequency for one in ordered], colour, label)
         receptance.set(ylabel="peak receptance [mm/N]", title=title)
-        receptance.set_ylim(bottom=0)
+        from_zero(receptance)
         frequency.set(ylabel="frequency of the peak [Hz]", title="its frequency")
         frequency.ticklabel_format(axis="y", useOffset=False)
         forces = sorted({one.force for points in peaks.values() for one in points})
@@ -104,6 +104,11 @@ def _points(ax: Axes, points: Sequence[PeakPoint], values: Sequence[float], colo
     ax.plot([one.force for one in points], values, color=colour, label=label)
     for one, value in zip(points, values, strict=True):
         ax.plot(one.force, value, "o", color=colour, markerfacecolor=colour if one.complete else "white", markersize=5)
+
+
+def from_zero(ax: Axes) -> None:
+    """The scale begins at zero and ends above what is drawn, however flat that is."""
+    ax.set_ylim(0.0, 1.08 * float(ax.dataLim.ymax))
 
 
 def force_axis(ax: Axes, forces: Sequence[float]) -> None:

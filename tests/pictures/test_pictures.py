@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 from support.curves import softening_curve
 
@@ -18,7 +19,7 @@ from updamp.geometry.rig_mesh import mirrored_mesh
 from updamp.hbm.newton.observe import ContactState
 from updamp.hbm.stability.branch_stability import BranchStability, State
 from updamp.model.rig_files import load_rig
-from updamp.pictures import bodies, branch_lines, faces, kinematics, modes, response, scene, style
+from updamp.pictures import bodies, branch_lines, faces, kinematics, modes, response, scene, style, variants
 from updamp.pictures.style import BLUE, GREY, LIGHT_GREY, ORANGE, VERMILLION, YELLOW
 
 RIG = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
@@ -243,3 +244,12 @@ def test_missing_system_libraries_are_named_before_anything_crashes(tmp_path, ri
     with pytest.raises(scene.RenderingError, match=r"libnowhere\.so\.7 missing; apt-get install libnowhere7 \(Debian"):
         bodies.mesh(tmp_path / "mesh.png", rig_mesh)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_flat_line_is_not_at_the_edge_of_the_picture():
+    ax = Figure().subplots()
+    ax.plot([1, 2], [3.0, 3.0])
+    ax.set_ylim(bottom=0)
+    assert ax.get_ylim()[1] < 1.06 * 3, "what matplotlib does by itself"
+    variants.from_zero(ax)
+    assert ax.get_ylim() == pytest.approx((0, 1.08 * 3))
