@@ -31,6 +31,13 @@ class Reading:
         """(..., n_sensors) from displacements like it [m]; share: (...) of the sweep that is done; force [N]"""
         return displacement * self.by_displacement(share) + self.background * force
 
+    def difference(self, other: "Reading", displacement: Complex, share: Floats, force: float) -> Complex:
+        """(..., n_sensors) from what this one reads to what another one nearby does, to first order: a lag has none in
+        the amplitude."""
+        logarithm = np.log(other.factor / self.factor) + (other.trend - self.trend) * share
+        read = displacement * self.by_displacement(share) * np.asarray(logarithm)[..., None]
+        return np.asarray(read + (other.background - self.background) * force)
+
     def by_displacement(self, share: Floats) -> Complex:
         """(..., 1)"""
         return np.asarray(self.factor * np.exp(self.trend * share))[..., None]

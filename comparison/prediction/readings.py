@@ -29,7 +29,7 @@ def as_read(moving: Moving, reading: Reading, changes: Sequence[Change], conditi
     of_frequency = factor * x * reading.trend * by_log_f
     read_slopes = factor[:, None] * amplitudes(slopes) + of_frequency[:, None] * slopes[:, :, :1]
     for j, change in enumerate(changes):
-        read_slopes[:, j] += (change.reading.of(x, share, force) - y) / change.step
+        read_slopes[:, j] += reading.difference(change.reading, x, share, force) / change.step
     if condition.control is None:  # else responses are those over the force
         read_slopes[:, -1] += reading.background * force
     read_along = factor * amplitudes(along) + of_frequency * along[:, :1]

@@ -17,6 +17,8 @@ from updamp.diagnosis.score_tests.signature import Extended
 from updamp.effects.effect import Effect
 
 Floats = NDArray[np.float64]
+# Of an effect of typical size in all data together, in standard deviations.
+_ROUND_OFF = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +84,7 @@ def _of_misfit(extended: Extended) -> float:
 def _score(
     effect: Effect, raw: Floats, own: Floats, left: Floats, rows: Floats, bounds: tuple[Floats, Floats]
 ) -> Score:
-    if not np.any(own):
+    if np.linalg.norm(raw) < _ROUND_OFF:  # as a lag where no phase was recorded
         return Score(effect, 0.0, np.zeros(raw.shape[1]), 0.0, 0.0, np.zeros(len(left)))
     size = np.linalg.norm(own, axis=0)
     used = size > 1e-9 * size.max()  # a finite step moves one parameter only

@@ -110,6 +110,15 @@ def test_slopes_are_those_of_branches_traced_anew(beam: RigModel, name: str, con
         np.testing.assert_allclose(difference / step, slope[:, 1:], atol=2e-3 * np.abs(slope[:, 1:]).max())
 
 
+def test_a_lag_is_nothing_in_amplitudes(beam: RigModel) -> None:
+    """But for round-off, 1e-16 over a step of 1e-5: to first order, as a finite step would not have it."""
+    found = branch(beam, "phase_lag", 0.0, UP)
+    (lag,) = range(*parametrised(beam, "phase_lag").columns("phase_lag").indices(99))
+    slopes = found.observed.slopes[:, lag]
+    np.testing.assert_allclose(slopes[:, 2], -0.1, rtol=1e-9)
+    assert np.abs(slopes[:, :2]).max() < 1e-10
+
+
 def value_at(branch: PredictedBranch, log_f: np.ndarray) -> np.ndarray:
     """Logarithm of amplitude and phase at frequencies of a branch that does not turn."""
     dense = np.linspace(branch.place[0], branch.place[-1], 40_000)
