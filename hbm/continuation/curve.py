@@ -23,6 +23,10 @@ from updamp.hbm.problem.system import NonlinearSystem
 
 __all__ = ["CurveRequest", "trace"]
 
+# Growth after which a curve that is being traced is copied again, as a share of its points: n points one by one would
+# be n^2 / 2 of them.
+_COPIED = 0.01
+
 
 def trace(
     system: NonlinearSystem, request: CurveRequest, resume_from: ResponseCurve | None = None
@@ -30,6 +34,7 @@ def trace(
     """The curve so far, after every point; the last one handed out is `complete` or says why it `stopped`.
 
     Of a problem that is its own mirror image half is solved (hbm/problem/mirror.py), and `active` counts its rows.
+    Beyond a hundred points a curve is handed out again until it has grown by a hundredth: it is copied as a whole.
 
     resume_from: an interrupted curve of the same system and request; only what follows it is solved
     raises: nothing; a branch that cannot go on ends the curve with its sentence in `stopped`
@@ -42,8 +47,12 @@ def trace(
     excitation = replace(request.excitation, row=row - system.free.n_relative + half.free.n_relative)
     if resume_from is not None and len(resume_from):
         resume_from = replace(resume_from, displacement=mirror.halved(resume_from.displacement))
+    shown = whole = None
     for curve in _traced(half, replace(request, excitation=excitation), resume_from):
-        yield replace(curve, displacement=mirror.whole(curve.displacement)) if len(curve) else curve
+        if whole is None or curve is not shown:
+            shown = curve
+            whole = replace(curve, displacement=mirror.whole(curve.displacement)) if len(curve) else curve
+        yield whole
 
 
 def _traced(
@@ -57,15 +66,24 @@ def _traced(
     earlier = resume_from if resume_from is not None and len(resume_from) >= 2 else None
     first = _segment(system, request, request.upwards, started, earlier)
     pieces = Pieces(first, _segment(system, request, not request.upwards, started))
-    while first.active and len(first.records) < request.assembly.from_one_end:
-        if pieces.advance(first):
-            yield first.records.curve()
-    yield from _from_both_ends(request, pieces)
-    yield from _from_further_starts(system, request, pieces, started)
+    shown = first.records.curve()
+    for _ in _advances(system, request, pieces, started):
+        if not len(shown) <= len(first.records) < (1 + _COPIED) * len(shown):
+            shown = first.records.curve()
+        yield shown
     yield _finished(system, request, pieces)
 
 
-def _from_both_ends(request: CurveRequest, pieces: Pieces) -> Iterator[ResponseCurve]:
+def _advances(system: NonlinearSystem, request: CurveRequest, pieces: Pieces, started: float) -> Iterator[None]:
+    """Until nothing more is to be traced: after every point of any segment."""
+    while pieces.first.active and len(pieces.first.records) < request.assembly.from_one_end:
+        if pieces.advance(pieces.first):
+            yield
+    yield from _from_both_ends(request, pieces)
+    yield from _from_further_starts(system, request, pieces, started)
+
+
+def _from_both_ends(request: CurveRequest, pieces: Pieces) -> Iterator[None]:
     """Both segments in turn, until they meet or have ended, or for long after they have covered the window."""
     both, left = (pieces.first, pieces.second), request.assembly.connecting
     while not pieces.connected and left > 0 and any(segment.active for segment in both):
@@ -75,7 +93,7 @@ def _from_both_ends(request: CurveRequest, pieces: Pieces) -> Iterator[ResponseC
                     continue
                 # points up to where a segment turns back are not counted: that is as far as a sweep goes
                 left -= segment.last is not segment.furthest and _covered(pieces)
-                yield pieces.first.records.curve()
+                yield
 
 
 def _covered(pieces: Pieces) -> bool:
@@ -86,7 +104,7 @@ def _covered(pieces: Pieces) -> bool:
 
 def _from_further_starts(
     system: NonlinearSystem, request: CurveRequest, pieces: Pieces, started: float
-) -> Iterator[ResponseCurve]:
+) -> Iterator[None]:
     """Segments from starts between the open ends, in both directions, until the ends of the window are connected."""
     for _ in range(request.assembly.most_starts):
         ends = [end.traced for end in pieces.open_ends() if end.traced is not None]
@@ -98,15 +116,14 @@ def _from_further_starts(
         for _ in range(request.assembly.connecting):
             for segment in pair:
                 if segment.active and not pieces.connected and pieces.advance(segment):
-                    yield pieces.first.records.curve()
+                    yield
 
 
 def _finished(system: NonlinearSystem, request: CurveRequest, pieces: Pieces) -> ResponseCurve:
     parts = [(part.segment.records, part.backwards, part.gap) for part in pieces.parts()]
     curve = put_together(pieces.first.records, parts)
     why = shortcoming(curve, request.window, request.assembly.limits)
-    for _ in range(0 if why else request.assembly.points_at_top):
-        curve = with_peak_solved(system, request, curve)
+    curve = curve if why else with_peak_solved(system, request, curve)
     ends = "; ".join(segment.end_sentence for segment in pieces.open_ends())
     return replace(curve, complete=not why, stopped=f"{why}. {ends}" if why else "")
 
