@@ -14,7 +14,8 @@ import numpy as np
 from updamp.hbm.continuation.branch import BranchPoint, branch_point
 from updamp.hbm.continuation.completeness import shortcoming
 from updamp.hbm.continuation.continuation import continue_branch
-from updamp.hbm.continuation.curve_records import CurveRequest, Records, put_together, with_peak_solved
+from updamp.hbm.continuation.curve_records import CurveRequest, Records, put_together
+from updamp.hbm.continuation.extremes import with_extremes_solved
 from updamp.hbm.continuation.pieces import BranchSegment, Pieces
 from updamp.hbm.continuation.predictor_corrector import CONNECTED
 from updamp.hbm.continuation.response_curve import ResponseCurve
@@ -123,7 +124,7 @@ def _finished(system: NonlinearSystem, request: CurveRequest, pieces: Pieces) ->
     parts = [(part.segment.records, part.backwards, part.gap) for part in pieces.parts()]
     curve = put_together(pieces.first.records, parts)
     why = shortcoming(curve, request.window, request.assembly.limits)
-    curve = curve if why else with_peak_solved(system, request, curve)
+    curve = curve if why else with_extremes_solved(system, request, curve)
     ends = "; ".join(segment.end_sentence for segment in pieces.open_ends())
     return replace(curve, complete=not why, stopped=f"{why}. {ends}" if why else "")
 

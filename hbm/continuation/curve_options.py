@@ -18,10 +18,11 @@ class CurveOptions:
     start_lengths: beyond an open end, in units of arc, at which starts are looked for; start_shares: and at fixed
         frequencies so far ahead of it, as shares of the window
     same_start: starts closer than this are the same one [arc]: below the shortest step on the far side of a kink
-    points_at_top: at most so many are solved at the top of the peak, each where a spline through those before it
-        expects the top. Beside a sharp fold it takes ten; elsewhere a point is there after one or two
-    at_top: how far the top of a peak may lie from where a spline expects it [arc]: half an ordinary step
-    there: how close to the top a point is at it, as a share of the length of the points about it: the height beside a
+    points_at_extreme: at most so many are solved at the top of the peak and at a fold where a sweep jumps, each where a
+        spline through those before it expects it. Beside a sharp fold it takes ten; elsewhere a point is there after
+        one or two
+    at_extreme: how far the extreme may lie from where the spline expects it [arc]: half an ordinary step
+    there: how close to it a point is at it, as a share of the length of the points about it: the height beside a
         smooth top is off by the square of it
     limits: of the gaps in a complete curve
     """
@@ -32,7 +33,7 @@ class CurveOptions:
     start_lengths: tuple[float, ...] = (0.03, 0.1, 0.2, 0.4)
     start_shares: tuple[float, ...] = (0.0025, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32)
     same_start: float = 1e-4
-    points_at_top: int = 20
-    at_top: float = 0.1
+    points_at_extreme: int = 20
+    at_extreme: float = 0.1
     there: float = 1e-4
     limits: CompletenessLimits = field(default_factory=CompletenessLimits)

@@ -6,15 +6,12 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
-from updamp.hbm.continuation.branch import BranchPoint, point_at
+from updamp.hbm.continuation.branch import BranchPoint
 from updamp.hbm.continuation.curve_options import CurveOptions
 from updamp.hbm.continuation.predictor_corrector import ContinuationOptions
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.newton import observe
-from updamp.hbm.newton.metric import Metric
-from updamp.hbm.newton.newton import Arc, solve
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 
@@ -92,45 +89,6 @@ class Records:
             stopped=stopped,
             seconds=self.seconds,
         )
-
-
-def with_peak_solved(system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve) -> ResponseCurve:
-    """With solved points up to the top of the largest first harmonic at the first observed point: read between points a
-    step of arc apart, the height of a sharp peak depends on where they happen to lie, by 0.1 to 0.2 % (IP at 9.6 and
-    17 N, benchmarks/reproducibility.py)."""
-    for _ in range(request.assembly.points_at_top):
-        before, curve = curve, _with_point_at_top(system, request, curve)
-        if curve is before:
-            break
-    return curve
-
-
-def _with_point_at_top(system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve) -> ResponseCurve:
-    """With one more, where the points about the largest one say that the top is; the same curve where one is there."""
-    top = curve.top(request.points[0])
-    if top is None or curve.after_gap[top[0]].any():
-        return curve
-    near, length, at = top
-    if np.abs(length - at).min() < request.assembly.there * length[-1]:  # a point is there already
-        return curve
-    places = np.column_stack([curve.displacement[near].reshape(len(length), -1), 2 * np.pi * curve.frequency[near]])
-    spline = CubicSpline(length, places)
-    (*x, w), (*dx, dw) = spline(at), spline(at, 1)
-    shape, scale_w = curve.displacement.shape[1:], request.options.scale_w(request.window)
-    start, direction = np.reshape(x, shape), (np.reshape(dx, shape), float(dw))
-    metric = Metric.at(start, system.harmonics, scale_w)
-    plane = Arc(start, float(w), direction, metric)
-    solution = solve(system, request.excitation, start, float(w), request.options.newton, plane)
-    after = near.start + int(np.searchsorted(length, at))
-    if not solution.converged:
-        return curve
-    point = point_at(solution, request.excitation, scale_w, direction, 0.0)
-    if metric.length((point.x - start, point.w - w)) > request.assembly.at_top:  # it has gone to another branch
-        return curve
-    added = Records(system, request, 0.0)
-    added.add(point)
-    columns = {name: np.insert(getattr(curve, name), after, added.columns[name][0], axis=0) for name in COLUMNS}
-    return replace(curve, **columns)
 
 
 def put_together(first: Records, parts: Sequence[tuple[Records, bool, bool]]) -> ResponseCurve:

@@ -15,6 +15,17 @@ Complex = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, eq=False)
+class Extreme:
+    """Of a quantity along a branch. near: the points about it; length: of these along the branch; at: the length at
+    which the extreme is expected, and its value there"""
+
+    near: slice
+    length: Floats
+    at: float
+    value: float
+
+
+@dataclass(frozen=True, eq=False)
 class ResponseCurve:
     """A branch at constant force, its points in the order in which continuation met them.
 
@@ -86,27 +97,26 @@ class ResponseCurve:
         """
         size = np.abs(self.receptance(point))
         i = int(np.argmax(size))
-        top = self.top(point)
-        if top is None:
+        top = self.extreme(size, i, point)
+        if top is None or top.value < size[i]:
             return float(self.frequency[i]), float(size[i])
-        near, length, at = top
-        frequency, height = CubicSpline(length, np.column_stack([self.frequency[near], size[near]]))(at)
-        return (float(frequency), float(height)) if height >= size[i] else (float(self.frequency[i]), float(size[i]))
+        return float(CubicSpline(top.length, self.frequency[top.near])(top.at)), top.value
 
-    def top(self, point: str) -> tuple[slice, Floats, float] | None:
-        """Points about the largest first harmonic, their lengths along the branch, and the length at which a cubic
-        spline through them is highest; None for fewer than four points, or where two of them are the same."""
-        receptance = self.receptance(point)
-        size = np.abs(receptance)
-        i = int(np.argmax(size))
-        near = slice(max(i - 3, 0), i + 4)
-        f, z = self.frequency[near], receptance[near]
+    def extreme(self, values: Floats, place: int, point: str) -> Extreme | None:
+        """Where a cubic spline through the points about one of them is highest, over the length of the branch as seen
+        at a named point: within the points beside it. None for fewer than four points, or where two are the same.
+
+        values: (n,) of which the largest is sought, such as the frequency at a fold
+        """
+        near = slice(max(place - 3, 0), place + 4)
+        f, z = self.frequency[near], self.receptance(point)[near]
         if len(f) < 4:
             return None
-        width = max(float(np.ptp(f)), np.finfo(float).tiny)
-        length = np.concatenate([[0.0], np.cumsum(np.hypot(np.abs(np.diff(z)) / size[i], np.diff(f) / width))])
+        width, size = max(float(np.ptp(f)), np.finfo(float).tiny), np.abs(z[place - near.start])
+        length = np.concatenate([[0.0], np.cumsum(np.hypot(np.abs(np.diff(z)) / size, np.diff(f) / width))])
         if (np.diff(length) <= 0).any():  # a point met twice
             return None
-        spline = CubicSpline(length, size[near])
-        ends = (length[max(i - near.start - 1, 0)], length[min(i - near.start + 1, len(f) - 1)])
-        return near, length, float(minimize_scalar(lambda t: -float(spline(t)), bounds=ends).x)
+        spline = CubicSpline(length, values[near])
+        ends = (length[max(place - near.start - 1, 0)], length[min(place - near.start + 1, len(f) - 1)])
+        at = float(minimize_scalar(lambda t: -float(spline(t)), bounds=ends).x)
+        return Extreme(near, length, at, float(spline(at)))

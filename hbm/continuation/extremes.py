@@ -1,0 +1,92 @@
+"""Solved points at what is read off a curve: the top of its peak, and the folds at which slow sweeps jump.
+
+Between points a step of arc apart an extreme depends on where they happen to lie: the height of a sharp peak by 0.1 to
+0.2 % (IP at 9.6 and 17 N of the reference rig, benchmarks/reproducibility.py).
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from updamp.hbm.continuation.branch import point_at
+from updamp.hbm.continuation.curve_records import COLUMNS, CurveRequest, Records
+from updamp.hbm.continuation.response_curve import Extreme, ResponseCurve
+from updamp.hbm.continuation.sweeps import sweep
+from updamp.hbm.newton.metric import Metric
+from updamp.hbm.newton.newton import Arc, solve
+from updamp.hbm.problem.system import NonlinearSystem
+
+Floats = NDArray[np.float64]
+
+
+def with_extremes_solved(system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve) -> ResponseCurve:
+    """The curve with further points, at the top of the largest first harmonic at the first observed point and at the
+    last frequency before each jump of a slow sweep."""
+    for upwards in (True, False):
+        for jump in range(len(sweep(curve.frequency, upwards).jumps)):
+            curve = _with_fold_solved(system, request, curve, upwards, jump)
+    # last, as the height is read from a spline through the points about it, those of a fold among them
+    for _ in range(request.assembly.points_at_extreme):
+        before, curve = curve, _with_point_at(system, request, curve, _highest(request, curve))
+        if curve is before:
+            break
+    return curve
+
+
+def _highest(request: CurveRequest, curve: ResponseCurve) -> Extreme | None:
+    """The expected top that is highest; of several maxima of about the same height, not the one that happens to have
+    the largest point: over a step of arc the amplitude changes by a share of at most that size."""
+    size = np.abs(curve.receptance(request.points[0]))
+    inner = 1 + np.flatnonzero((size[1:-1] >= size[:-2]) & (size[1:-1] >= size[2:]))
+    high = inner[size[inner] * (1 + request.options.largest_step) >= size.max()]
+    tops = [top for place in high if (top := curve.extreme(size, int(place), request.points[0])) is not None]
+    return max(tops, key=lambda top: top.value, default=None)
+
+
+def _with_fold_solved(
+    system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, upwards: bool, jump: int
+) -> ResponseCurve:
+    sign = 1.0 if upwards else -1.0
+    for _ in range(request.assembly.points_at_extreme):
+        swept = sweep(curve.frequency, upwards)
+        if jump >= len(swept.jumps):  # the fold before it reaches beyond this one
+            return curve
+        place = int(swept.visited[swept.jump_after[jump]])
+        extreme = curve.extreme(sign * curve.frequency, place, request.points[0])
+        before, curve = curve, _with_point_at(system, request, curve, extreme)
+        if curve is before:
+            break
+    return curve
+
+
+def _with_point_at(
+    system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, extreme: Extreme | None
+) -> ResponseCurve:
+    """With one more solved point, where the points about an extreme say that it is; the same curve where one is there,
+    or none is found."""
+    if extreme is None:
+        return curve
+    near, length, at = extreme.near, extreme.length, extreme.at
+    there = np.abs(length - at).min() < request.assembly.there * length[-1]
+    if there or curve.after_gap[near][1:].any():
+        return curve
+    places = np.column_stack([curve.displacement[near].reshape(len(length), -1), 2 * np.pi * curve.frequency[near]])
+    spline = CubicSpline(length, places)
+    (*x, w), (*dx, dw) = spline(at), spline(at, 1)
+    shape, scale_w = curve.displacement.shape[1:], request.options.scale_w(request.window)
+    start, direction = np.reshape(x, shape), (np.reshape(dx, shape), float(dw))
+    metric = Metric.at(start, system.harmonics, scale_w)
+    plane = Arc(start, float(w), direction, metric)
+    solution = solve(system, request.excitation, start, float(w), request.options.newton, plane)
+    if not solution.converged:
+        return curve
+    point = point_at(solution, request.excitation, scale_w, direction, 0.0)
+    if metric.length((point.x - start, point.w - w)) > request.assembly.at_extreme:  # it has gone to another branch
+        return curve
+    added = Records(system, request, 0.0)
+    added.add(point)
+    after = near.start + int(np.searchsorted(length, at))
+    columns = {name: np.insert(getattr(curve, name), after, added.columns[name][0], axis=0) for name in COLUMNS}
+    return replace(curve, **columns)
