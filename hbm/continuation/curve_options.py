@@ -22,8 +22,8 @@ class CurveOptions:
         spline through those before it expects it. Beside a sharp fold it takes ten; elsewhere a point is there after
         one or two
     at_extreme: how far the extreme may lie from where the spline expects it [arc]: half an ordinary step
-    there: how close to it a point is at it, as a share of the length of the points about it: the height beside a
-        smooth top is off by the square of it
+    there: how close to it a point is at it, as a share of the length of the points about it: what is read is off by the
+        square of it beside a smooth extreme; on a flank that ends in a kink 1e-3 were 0.3 % of the height
     limits: of the gaps in a complete curve
     """
 
