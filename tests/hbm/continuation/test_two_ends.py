@@ -10,7 +10,7 @@ from updamp.hbm.contact.springs import CubicParameters, CubicSpring
 from updamp.hbm.continuation import curve as curve_module
 from updamp.hbm.continuation.continuation import ContinuationOptions, continue_branch
 from updamp.hbm.continuation.curve import CurveRequest, trace
-from updamp.hbm.continuation.curve_options import CurveOptions
+from updamp.hbm.continuation.curve_records import CurveOptions
 from updamp.hbm.continuation.sweeps import sweep, turning_points
 from updamp.hbm.problem.elements import ElementGroup
 from updamp.hbm.problem.system import Excitation
