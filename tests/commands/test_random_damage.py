@@ -13,9 +13,10 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from support.broken.measurements import POINTS, WRITERS, beam
+from support.broken.measurements import POINTS, WRITERS
 from support.broken.rig_files import MODAL, REFERENCE
 from support.measured_oscillator import TOML, recorded
+from support.one_sweep import sweep_of_beam
 
 from updamp.measurement.load import load_measurement
 from updamp.measurement.measurement import Measurement, MeasurementError
@@ -202,4 +203,4 @@ def test_what_the_damage_is_done_to_is_sound(tmp_path: Path) -> None:
         path.write_text(TOML.replace("data.csv", f"data{ending}"), encoding="utf-8")
         assert sound_measurement(path) is not None
     assert load_any(Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml")
-    assert beam(tmp_path).is_file()
+    assert sweep_of_beam(tmp_path).is_file()
