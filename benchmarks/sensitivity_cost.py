@@ -4,10 +4,12 @@ from updamp.parallel.resources import one_thread
 
 one_thread()  # before numpy is loaded
 
+import json
 import time
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 import typer
@@ -107,7 +109,24 @@ def median_time(solution: Solution, work: Callable[[Solution], object]) -> float
     return float(np.median(seconds))
 
 
-def report(name: str, system: NonlinearSystem) -> None:
+@dataclass(frozen=True)
+class SensitivityCost:
+    """Of 20 parameters at the point of most slip. seconds, point_s, median_point_s: processor time of the derivatives,
+    of that point and of the branch's median point"""
+
+    problem: str
+    active_rows: int
+    solver: str
+    seconds: float
+    point_s: float
+    median_point_s: float
+
+    @property
+    def share_of_point(self) -> float:
+        return self.seconds / self.point_s
+
+
+def measured(name: str, system: NonlinearSystem) -> SensitivityCost:
     excitation = Excitation(system.free.row("excitation"), FORCE)
     point, solve_s, median_s = busiest(system, excitation)
     held = FixedPhase.at(point.solution.equation, excitation, system.free.row("tip"))
@@ -115,23 +134,33 @@ def report(name: str, system: NonlinearSystem) -> None:
     seconds = median_time(point.solution, lambda s: sensitivities(s, excitation, parameters, held, ("tip",)))
     jacobian = point.solution.jacobian
     assert jacobian is not None, "a converged solution carries its Jacobian"
-    print(
-        f"{name:42s} {jacobian.n_active:4d} active rows, {type(jacobian.forces).__name__:13s} "
-        f"{1e3 * seconds:7.1f} ms; the point {1e3 * solve_s:7.1f} ms ({100 * seconds / solve_s:.1f} %), "
-        f"median point {1e3 * median_s:.1f} ms ({100 * seconds / median_s:.1f} %)"
-    )
+    return SensitivityCost(name, jacobian.n_active, type(jacobian.forces).__name__, seconds, solve_s, median_s)
 
 
-def main() -> None:
-    """Measure and print: of the problems of other codes that are beside the checkout."""
-    print(f"{len(twenty(load('c_model_20.npz')))} parameters at fixed phase, at the point of most slip, {FORCE:g} N")
+def costs() -> Iterator[SensitivityCost]:
     for name, title in (("c_model_20.npz", "20 contacts"), ("c_model_146.npz", "146 contacts")):
         system = load(name)
         if system is None:
             print(f"{title}: {name} is not beside the checkout")
             continue
-        report(title, system)
-        report(f"{title}, residual flexibility (synthetic)", with_residual(system))
+        yield measured(title, system)
+        yield measured(f"{title}, residual flexibility (synthetic)", with_residual(system))
+
+
+def main(out: Annotated[Path | None, typer.Option(help="JSON file to write, which bench.py takes up")] = None) -> None:
+    """Measure and print: of the problems of other codes that are beside the checkout."""
+    print(f"{len(twenty(load('c_model_20.npz')))} parameters at fixed phase, at the point of most slip, {FORCE:g} N")
+    found = []
+    for cost in costs():
+        found.append(cost)
+        print(
+            f"{cost.problem:42s} {cost.active_rows:4d} active rows, {cost.solver:13s} "
+            f"{1e3 * cost.seconds:7.1f} ms; the point {1e3 * cost.point_s:7.1f} ms ({cost.share_of_point:.1%}), "
+            f"median point {1e3 * cost.median_point_s:.1f} ms ({cost.seconds / cost.median_point_s:.1%})"
+        )
+    if out is not None:
+        shares = {cost.problem: cost.share_of_point for cost in found}
+        out.write_text(json.dumps({"share_of_point": shares, "measured": [asdict(c) for c in found]}, indent=1) + "\n")
 
 
 if __name__ == "__main__":

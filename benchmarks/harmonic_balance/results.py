@@ -24,13 +24,14 @@ PACKAGES = ("updamp", "numpy", "scipy", "jax", "jaxlib")
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """None where it was not measured: `rig` and `ten` want a run's folder, `stress` the file of the stress grid."""
+    """None where it was not measured: `rig` and `ten` want a run's folder, `stress` and `sensitivities` their files."""
 
     problem: Costs
     rig: CurveCost | None
     ten: AllCurves | None
     grown: Growth
     stress: dict[str, Any] | None
+    sensitivities: dict[str, Any] | None = None
 
     def as_json(self) -> dict[str, Any]:
         rig = asdict(self.rig) if self.rig is not None else {"point_s": None}
@@ -43,6 +44,7 @@ class Results:
                 "ten_curves": asdict(self.ten) if self.ten is not None else None,
             },
             "stress": self.stress or {"within_pull": None, "beyond_pull": None},
+            "sensitivities": self.sensitivities or {"share_of_point": None},
             "growth": asdict(self.grown),
             "peers": {name: {"evaluation_s": e, "point_s": p} for name, (e, p) in PEERS.items()},
             "machine": {"processor": _processor(), "cores": os.cpu_count(), "load_average": os.getloadavg()},
