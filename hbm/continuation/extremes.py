@@ -4,7 +4,9 @@ Between points a step of arc apart an extreme depends on where they happen to li
 0.2 % (IP at 9.6 and 17 N of the reference rig, benchmarks/reproducibility.py).
 """
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,10 +28,20 @@ def with_extremes_solved(system: NonlinearSystem, request: CurveRequest, curve: 
     last frequency before each jump of a slow sweep."""
     for upwards in (True, False):
         for jump in range(len(sweep(curve.frequency, upwards).jumps)):
-            curve = _with_fold_solved(system, request, curve, upwards, jump)
+            curve = _with_solved(system, request, curve, partial(_fold, request, upwards, jump))
     # last, as the height is read from a spline through the points about it, those of a fold among them
+    return _with_solved(system, request, curve, partial(_highest, request))
+
+
+def _with_solved(
+    system: NonlinearSystem,
+    request: CurveRequest,
+    curve: ResponseCurve,
+    expected: Callable[[ResponseCurve], Extreme | None],
+) -> ResponseCurve:
+    """With points added where the extreme is expected, until one is there."""
     for _ in range(request.assembly.points_at_extreme):
-        before, curve = curve, _with_point_at(system, request, curve, _highest(request, curve))
+        before, curve = curve, _with_point_at(system, request, curve, expected(curve))
         if curve is before:
             break
     return curve
@@ -45,20 +57,14 @@ def _highest(request: CurveRequest, curve: ResponseCurve) -> Extreme | None:
     return max(tops, key=lambda top: top.value, default=None)
 
 
-def _with_fold_solved(
-    system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, upwards: bool, jump: int
-) -> ResponseCurve:
-    sign = 1.0 if upwards else -1.0
-    for _ in range(request.assembly.points_at_extreme):
-        swept = sweep(curve.frequency, upwards)
-        if jump >= len(swept.jumps):  # the fold before it reaches beyond this one
-            return curve
-        place = int(swept.visited[swept.jump_after[jump]])
-        extreme = curve.extreme(sign * curve.frequency, place, request.points[0])
-        before, curve = curve, _with_point_at(system, request, curve, extreme)
-        if curve is before:
-            break
-    return curve
+def _fold(request: CurveRequest, upwards: bool, jump: int, curve: ResponseCurve) -> Extreme | None:
+    """The last frequency before a jump, by its number; None where there are fewer: the fold before it reaches beyond
+    this one."""
+    swept = sweep(curve.frequency, upwards)
+    if jump >= len(swept.jumps):
+        return None
+    place = int(swept.visited[swept.jump_after[jump]])
+    return curve.extreme(curve.frequency if upwards else -curve.frequency, place, request.points[0])
 
 
 def _with_point_at(
