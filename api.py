@@ -26,9 +26,9 @@ from updamp.effects.effect import Effect, EffectParameter
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.compilation_cache import keep_compiled
 from updamp.hbm.continuation.continuation import ContinuationOptions
-from updamp.hbm.continuation.curve import CurveRequest, trace
+from updamp.hbm.continuation.curve import CurveRequest, whole_curve
 from updamp.hbm.resonance.conditions import MaximumResonance, PhaseResonance, ResonanceCondition
-from updamp.hbm.resonance.resonance_curve import ResonanceRequest, trace_resonance
+from updamp.hbm.resonance.resonance_curve import ResonanceRequest, whole_resonance
 from updamp.hbm.resonance.resonance_steps import ResonanceOptions
 from updamp.measurement.load import load_measurement
 from updamp.measurement.measurement import Measurement, MeasurementError
@@ -105,7 +105,7 @@ def response_curve(
     request = CurveRequest(
         name, model.parts.excited_by(_force(force)), frequencies, every, upwards, options or ContinuationOptions()
     )
-    *_, curve = trace(model.system, request)
+    curve = whole_curve(model.system, request)
     return Curve(curve, reported)
 
 
@@ -132,7 +132,7 @@ def resonance(
     request = ResonanceRequest(
         name, model.parts.excitation, observed, frequencies, wanted, condition or MaximumResonance(), options
     )
-    *_, curve = trace_resonance(model.system, request)
+    curve = whole_resonance(model.system, request)
     return Resonance(curve)
 
 

@@ -20,7 +20,7 @@ from updamp.fem.reduced_model import ReducedModel
 from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.fem.static_contact.static_contact import static_contact
 from updamp.geometry.build_mesh import build_mesh
-from updamp.hbm.continuation.curve import CurveRequest, trace
+from updamp.hbm.continuation.curve import CurveRequest, whole_curve
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.harmonics import Harmonics
 from updamp.model.build import rig_model
@@ -43,8 +43,7 @@ def coupled(rig: Rig, run: Path | None) -> RigModel:
 
 def curve(model: RigModel, rig: Rig, mode: str, force: float) -> ResponseCurve:
     request = CurveRequest(mode, model.excited_by(force), rig.study.modes[mode].window, (tip(rig),))
-    *_, traced = trace(model.system, request)
-    return traced
+    return whole_curve(model.system, request)
 
 
 def tip(rig: Rig) -> str:

@@ -27,7 +27,7 @@ from updamp.fem.reduced_model import ReducedComponent, ReducedModel
 from updamp.fem.static_contact.static_contact import static_contact
 from updamp.geometry.build_mesh import build_mesh
 from updamp.hbm.compilation_cache import keep_compiled
-from updamp.hbm.continuation.curve import CurveRequest, trace
+from updamp.hbm.continuation.curve import CurveRequest, whole_curve
 from updamp.hbm.continuation.sweeps import sweep
 from updamp.hbm.resonance.quadrature import quadrature_resonances
 from updamp.model.build import rig_model
@@ -84,7 +84,7 @@ def with_round_off(reduced: ReducedModel, seed: int) -> ReducedModel:
 def read(name: str, rig: Rig, reduced: ReducedModel, mode: str, force: float, upwards: bool) -> Reading:
     model, tip = rig_model(reduced, static_contact(reduced, rig), rig), f"blade_{rig.excitation.blade}.tip.x"
     request = CurveRequest(mode, model.excited_by(force), rig.study.modes[mode].window, (tip,), upwards)
-    *_, curve = trace(model.system, request)
+    curve = whole_curve(model.system, request)
     frequency, peak = curve.peak(tip)
     jumps = [tuple(sweep(curve.frequency, way).jumps) if curve.complete else () for way in (True, False)]
     resonances = tuple(sorted(r.frequency for r in quadrature_resonances(curve, tip)))

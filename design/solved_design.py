@@ -12,7 +12,7 @@ from updamp.design.solved_peak import CURVE, RESONANCE_ONLY, PeakRequest, Solved
 from updamp.design.tracked_modes import ModeReference, TrackedMode, tracked_mode
 from updamp.effects.rig_model import RigModel
 from updamp.fem.static_contact.rest_state import StaticContact
-from updamp.hbm.continuation.curve import CurveRequest, trace
+from updamp.hbm.continuation.curve import CurveRequest, whole_curve
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.model.build import modal_model, rig_model
 from updamp.model.rig_files import load_any
@@ -107,8 +107,7 @@ class SolvedDesign:
         wanted = {p.force for p in self.given.peaks if (p.mode, p.point) == (mode, point) and p.by != CURVE}
 
         def follow() -> tuple[dict[float, SolvedPeak], str]:
-            window = self.mode(mode).window
-            return followed_peaks(self.model, mode, point or self.observed, window, sorted(wanted))
+            return followed_peaks(self.model, mode, point or self.observed, self.mode(mode), sorted(wanted))
 
         return self._once(("followed", mode, point), follow)
 
@@ -136,8 +135,7 @@ class SolvedDesign:
         if isinstance(self.rig, ModalRig):
             points = tuple(p for p in self.model.system.free.points if ".excitation." not in p)
             request = CurveRequest(mode, self.model.excited_by(force), self.mode(mode).window, points)
-            *_, curve = trace(self.model.system, request)
-            return curve
+            return whole_curve(self.model.system, request)
         return self._stages(self._moved(mode, self.mode(mode).window)).curve(mode, force)
 
     def _stages(self, rig: Rig) -> SharedStages:

@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.design.errors import UnknownResponseError
+from updamp.design.tracked_modes import TrackedMode
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.resonance.conditions import MaximumResonance
-from updamp.hbm.resonance.resonance_curve import ResonanceCurve, ResonanceRequest, trace_resonance
+from updamp.hbm.resonance.resonance_curve import ResonanceCurve, ResonanceRequest, whole_resonance
 
 RESONANCE, RESONANCE_ONLY, CURVE = "resonance", "resonance_only", "curve"
 
@@ -41,15 +42,19 @@ class SolvedPeak:
 
 
 def followed_peaks(
-    model: RigModel, mode: str, point: str, window: tuple[float, float], forces: Sequence[float]
+    model: RigModel, mode: str, point: str, stuck: TrackedMode, forces: Sequence[float]
 ) -> tuple[dict[float, SolvedPeak], str]:
     """Peaks at the forces [N, rising] that the resonance reaches, and why it stopped before the last ("" where not).
 
+    stuck: the mode where it lies now; another one in its window is not taken for it
     Following begins at a hundredth of the first force, where the structure is all but linear.
     """
-    request = ResonanceRequest(mode, model.excitation, point, window, (forces[0] / 100, *forces), MaximumResonance())
+    request = ResonanceRequest(
+        mode, model.excitation, point, stuck.window, (forces[0] / 100, *forces), MaximumResonance(),
+        mode_frequency=stuck.frequency,
+    )  # fmt: skip
     try:
-        *_, whole = trace_resonance(model.system, request)
+        whole = whole_resonance(model.system, request)
     except ValueError as error:  # no stuck mode in the window
         return {}, str(error)
     if not len(whole):

@@ -7,7 +7,7 @@ import numpy as np
 from updamp.hbm.contact.jenkins import Jenkins, JenkinsParameters
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring, UnilateralParameters, UnilateralSpring
 from updamp.hbm.continuation.continuation import ContinuationOptions
-from updamp.hbm.continuation.curve import CurveRequest, trace
+from updamp.hbm.continuation.curve import CurveRequest, whole_curve
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.problem.elements import ElementGroup
 from updamp.hbm.problem.linear_model import from_matrices
@@ -27,6 +27,6 @@ window, options = (0.5 / (2 * np.pi), 2 / (2 * np.pi)), ContinuationOptions(larg
 request = CurveRequest("chain", Excitation(linear.row("q2"), 1.0), window, tuple(points), options=options)
 
 if __name__ == "__main__":
-    *_, curve = trace(system, request)
+    curve = whole_curve(system, request)
     for point in points:
         print(f"{point}: largest first harmonic %.4g m/N at %.4g Hz" % curve.peak(point)[::-1])

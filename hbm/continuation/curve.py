@@ -6,6 +6,7 @@ in both directions (hbm/continuation/pieces.py).
 """
 
 import time
+from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -22,7 +23,7 @@ from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.continuation.starts import starts
 from updamp.hbm.problem.system import NonlinearSystem
 
-__all__ = ["CurveRequest", "trace"]
+__all__ = ["CurveRequest", "trace", "whole_curve"]
 
 # Growth after which a curve that is being traced is copied again, as a share of its points: n points one by one would
 # be n^2 / 2 of them.
@@ -54,6 +55,12 @@ def trace(
             shown = curve
             whole = replace(curve, displacement=mirror.whole(curve.displacement)) if len(curve) else curve
         yield whole
+
+
+def whole_curve(system: NonlinearSystem, request: CurveRequest) -> ResponseCurve:
+    """What `trace` ends with; nothing else of it is kept."""
+    (whole,) = deque(trace(system, request), maxlen=1)
+    return whole
 
 
 def _traced(

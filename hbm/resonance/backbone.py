@@ -5,6 +5,7 @@ damper that lets go) is followed round. The metric is relative, as in hbm/contin
 moves in ln F only, so that a step is about the logarithm of the force ratio from point to point.
 """
 
+from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -62,14 +63,16 @@ def first_resonance(
     window: tuple[float, float],
     force: float,
     options: ResonanceOptions | None = None,
+    mode_frequency: float | None = None,
 ) -> ResonanceSolution:
     """The resonance at one force [N]: from the stuck structure's peak in `window` [Hz], by way of smaller forces where
     that is too far.
 
+    mode_frequency: [Hz] of the stuck mode, see `linear_peak`
     raises: ResonanceStoppedError; ValueError where no stuck mode lies in the window or the force is not positive
     """
     options, log_force = options or ResonanceOptions(), _log_force(force)
-    peak = linear_peak(problem, window, log_force)
+    peak = linear_peak(problem, window, log_force, mode_frequency)
     condition = condition.facing(peak.phase)
     lowest = log_force + np.log(options.lowest_start)
     while True:
@@ -83,7 +86,7 @@ def first_resonance(
         raise ResonanceStoppedError(start, Status.STALLED if start.converged else start.status)
     if log_force == _log_force(force):
         return start
-    *_, last = _follow(problem, condition, start, [_log_force(force)], options.scale_w(window), options)
+    (last,) = deque(_follow(problem, condition, start, [_log_force(force)], options.scale_w(window), options), maxlen=1)
     if not last.asked_for:
         raise ResonanceStoppedError(last.solution, Status.STALLED)
     return last.solution
@@ -96,11 +99,13 @@ def follow_resonance(
     forces: Sequence[float],
     options: ResonanceOptions | None = None,
     start: ResonanceState | None = None,
+    mode_frequency: float | None = None,
 ) -> Iterator[ResonancePoint]:
     """Resonances from the first of `forces` to the last [N], rising or falling, each of them met exactly.
 
     window: [Hz] where the stuck structure's resonance lies; its width scales the metric
     start: a resonance near the first force, such as the peak of a response curve; default: `first_resonance`
+    mode_frequency: [Hz] of the stuck mode to begin with, see `linear_peak`
 
     raises: ResonanceStoppedError where the step would fall below its floor or no beginning is found;
     ValueError for no force, or forces that do not all rise or fall
@@ -111,9 +116,9 @@ def follow_resonance(
         raise ValueError(
             f"forces = {list(forces)}: give one, or several that rise, or fall, from the first to the last"
         )
-    condition = condition.facing((start or linear_peak(problem, window, log_forces[0])).phase)
+    condition = condition.facing((start or linear_peak(problem, window, log_forces[0], mode_frequency)).phase)
     if start is None:
-        first = first_resonance(problem, condition, window, forces[0], options)
+        first = first_resonance(problem, condition, window, forces[0], options, mode_frequency)
     else:
         first = _resonance_near(problem, condition, replace(start, log_force=log_forces[0]), options)
         if not first.converged:

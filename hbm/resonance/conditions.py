@@ -151,9 +151,12 @@ class _PhaseBracket:
         return proposed
 
 
-def linear_peak(problem: ResonanceProblem, window: tuple[float, float], log_force: float) -> ResonanceState:
-    """The largest response of the stuck structure in `window` [Hz]: where following a resonance begins.
+def linear_peak(
+    problem: ResonanceProblem, window: tuple[float, float], log_force: float, mode_frequency: float | None = None
+) -> ResonanceState:
+    """The stuck structure's response at its resonance in `window` [Hz]: where following a resonance begins.
 
+    mode_frequency: [Hz], the stuck mode next to it is taken; by default the one that responds most
     raises: ValueError where no mode of the stuck structure lies in the window
     """
     stuck = problem.system.stuck
@@ -166,7 +169,10 @@ def linear_peak(problem: ResonanceProblem, window: tuple[float, float], log_forc
         rows = np.array([problem.observed, problem.excited])
         return complex(stuck.receptance(w, slice(rows[0], rows[0] + 1), slice(rows[1], rows[1] + 1))[0, 0])
 
-    mode = max(inside, key=lambda w: abs(receptance(w)))
+    if mode_frequency is None:
+        mode = max(inside, key=lambda w: abs(receptance(w)))
+    else:
+        mode = min(inside, key=lambda w: abs(w - 2 * np.pi * mode_frequency))
     damping = stuck.modal_dynamic_stiffness(mode).imag.diagonal()[np.argmin(abs(stuck.omega_squared - mode**2))]
     width = max(damping / mode, 1e-6 * mode)  # between the half-power points
     w = minimize_scalar(

@@ -1,6 +1,7 @@
 """What following a resonance hands on: peak receptance, frequency and damping against force and amplitude."""
 
 import time
+from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
@@ -28,7 +29,7 @@ class ResonanceRequest:
     """What to follow: one mode's resonance, as observed at `point`, under a force at `excited`, both named.
 
     window: [Hz] where it lies while stuck; forces: [N], met exactly, from the first to the last
-    start: see `follow_resonance`
+    start, mode_frequency: see `follow_resonance`
     """
 
     mode: str
@@ -39,6 +40,7 @@ class ResonanceRequest:
     condition: ResonanceCondition
     options: ResonanceOptions | None = None
     start: ResonanceState | None = None
+    mode_frequency: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +137,9 @@ def trace_resonance(system: NonlinearSystem, request: ResonanceRequest) -> Itera
         head = (request.mode, request.point, system.harmonics.orders)
         return ResonanceCurve(*head, **columns, complete=complete, stopped=stopped, seconds=seconds)
 
-    points = follow_resonance(problem, request.condition, request.window, request.forces, request.options, start)
+    points = follow_resonance(
+        problem, request.condition, request.window, request.forces, request.options, start, request.mode_frequency
+    )
     try:
         for point in points:
             row = _row(solved, point)
@@ -148,6 +152,12 @@ def trace_resonance(system: NonlinearSystem, request: ResonanceRequest) -> Itera
     reached = bool(rows[-1]["asked_for"]) and np.isclose(rows[-1]["force"], request.forces[-1])
     turned = "the resonance turned back in force, or max_points were used up, before the last force was reached"
     yield curve(complete=bool(reached), stopped="" if reached else turned)
+
+
+def whole_resonance(system: NonlinearSystem, request: ResonanceRequest) -> ResonanceCurve:
+    """What `trace_resonance` ends with; nothing else of it is kept. raises: as `trace_resonance`"""
+    (whole,) = deque(trace_resonance(system, request), maxlen=1)
+    return whole
 
 
 def _row(system: NonlinearSystem, point: ResonancePoint) -> dict[str, Any]:

@@ -1,5 +1,6 @@
 """Peaks followed in force: against response curves, closed forms, and each other."""
 
+import weakref
 from dataclasses import replace
 from itertools import pairwise
 
@@ -15,6 +16,7 @@ from updamp.hbm.continuation.curve import CurveRequest, trace
 from updamp.hbm.newton.newton import NewtonOptions
 from updamp.hbm.problem.elements import ElementGroup
 from updamp.hbm.problem.system import Excitation
+from updamp.hbm.resonance import resonance_curve
 from updamp.hbm.resonance.backbone import (
     ResonanceOptions,
     ResonanceStoppedError,
@@ -25,7 +27,7 @@ from updamp.hbm.resonance.backbone import (
 from updamp.hbm.resonance.conditions import MaximumResonance, PhaseResonance, linear_peak
 from updamp.hbm.resonance.equivalent_damping import half_power
 from updamp.hbm.resonance.resonance import ResonanceProblem, at_phase, constant_force_plane
-from updamp.hbm.resonance.resonance_curve import ResonanceRequest, trace_resonance
+from updamp.hbm.resonance.resonance_curve import ResonanceRequest, trace_resonance, whole_resonance
 
 FINE = ContinuationOptions(first_step=0.02, largest_step=0.05)
 FORCES = (0.1, 20.0, 40.0, 80.0, 200.0)
@@ -53,6 +55,37 @@ def duffing():
 
 def _problem(system, excited="excitation", observed="tip"):
     return ResonanceProblem(system, system.free.row(excited), system.free.row(observed))
+
+
+def test_the_mode_that_is_asked_for_is_followed_where_another_one_responds_more(blades):
+    modes = blades.stuck.frequencies[:2]
+    both = (0.9 * modes[0], 1.1 * modes[1])
+    problem = _problem(blades)
+    begun = [linear_peak(problem, both, 0.0, mode).w / (2 * np.pi) for mode in modes]
+    np.testing.assert_allclose(begun, modes, rtol=1e-3)
+    request = ResonanceRequest("1", "excitation", "tip", both, (1e-3, 1e-2), MaximumResonance())
+    for mode in modes:
+        curve = whole_resonance(blades, replace(request, mode_frequency=mode))
+        np.testing.assert_allclose(curve.frequency, mode, rtol=1e-3)
+
+
+def test_what_a_resonance_ends_with_is_all_that_is_kept(blades, monkeypatch):
+    alive, most = weakref.WeakSet(), 0
+
+    class State:
+        pass
+
+    def states(*_):
+        nonlocal most
+        for _ in range(10):
+            state = State()
+            alive.add(state)
+            most = max(most, len(alive))
+            yield state
+
+    monkeypatch.setattr(resonance_curve, "trace_resonance", states)
+    whole_resonance(blades, ResonanceRequest("1", "excitation", "tip", WINDOW, (1.0,), MaximumResonance()))
+    assert most <= 3
 
 
 def test_all_forces_are_met_and_every_point_is_converged(peaks):
