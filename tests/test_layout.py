@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import tomllib
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
@@ -20,7 +21,8 @@ IMPORT_ON_CALL = {
     "commands/shared.py": "likewise",
     "fem/solvers/cholmod.py": "optional library",
     "fem/solvers/pardiso.py": "library that loads MKL and may be missing",
-    "hbm/contact/jenkins_box.py": "numba, where something is solved",
+    "hbm/contact/iwan.py": "numba, where something is solved",
+    "hbm/contact/jenkins_box.py": "likewise",
     "hbm/contact/jenkins_box_sampled.py": "likewise",
     "model/rig_files.py": "JAX, which most rig files do not need",
     "notebook/curve.py": "matplotlib, where a picture is asked for",
@@ -52,6 +54,7 @@ def test_folders_with_code_are_packages() -> None:
     assert [str(place) for place in places if not (place / "__init__.py").exists()] == []
 
 
+@cache
 def modules() -> dict[str, ast.Module]:
     folders = [name.removeprefix("updamp.").replace(".", "/") for name in packages_on_disk()]
     files = [*ROOT.glob("*.py"), *(path for folder in folders for path in (ROOT / folder).glob("*.py"))]

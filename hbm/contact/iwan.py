@@ -21,6 +21,8 @@ import jax
 import jax.numpy as jnp
 
 from updamp.hbm.contact.friction import last_cycle
+from updamp.hbm.contact.law import CompiledForces
+from updamp.hbm.harmonics import Harmonics
 
 # At which the stiffness lost is stated [m].
 REFERENCE_DISPLACEMENT = 1e-4
@@ -63,6 +65,11 @@ class IwanMicroslip:
 
         position = last_cycle(step, jnp.zeros(_SLIDERS), displacement[:, 0], self.cycles)
         return -integral * position[:, None]
+
+    def compiled(self, harmonics: Harmonics, n_time: int) -> CompiledForces:
+        from updamp.hbm.contact.compiled.iwan_forces import iwan_forces
+
+        return iwan_forces(self.cycles, _SLIDERS, REFERENCE_DISPLACEMENT, harmonics, n_time)
 
     def reference_stiffness(self, parameters: IwanParameters) -> jax.Array:
         return jnp.zeros(1)

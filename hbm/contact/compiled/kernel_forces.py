@@ -1,0 +1,54 @@
+"""A law's compiled functions as `law.CompiledForces`: what Python hands to them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.hbm.contact.compiled.tables import growing
+
+Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Integers = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class KernelForces:
+    """evaluate, perturbed, areas: compiled functions (numbers, displacement, parameters, *arguments, ...); what they
+    write comes last, and the last of the arguments are the tables
+
+    own: gives parameters in arrays of one kind, whatever they were: numba compiles once for each kind, and read-only
+        ones are another
+    """
+
+    evaluate: Callable[..., None]
+    perturbed: Callable[..., None]
+    areas: Callable[..., None]
+    own: Callable[[Any], Any]
+    arguments: tuple[Any, ...]
+
+    def write_forces(self, numbers: Integers, displacement: Floats, parameters: Any, force: Floats) -> None:
+        of_one = displacement.shape[1:]
+        self.write_with_tangents(numbers, displacement, parameters, force, np.empty((0, *of_one, *of_one)))
+
+    def write_with_tangents(
+        self, numbers: Integers, displacement: Floats, parameters: Any, force: Floats, tangent: Floats
+    ) -> None:
+        self.evaluate(numbers, _own(displacement), self.own(parameters), *self.arguments, force, tangent)
+
+    def write_perturbed_tangents(
+        self, numbers: Integers, displacement: Floats, parameters: Any, growth: complex, tangent: Complex
+    ) -> None:
+        grown = growing(self.arguments[-1], growth)
+        self.perturbed(numbers, _own(displacement), self.own(parameters), *self.arguments, grown, tangent)
+
+    def loop_areas(self, numbers: Integers, displacement: Floats, parameters: Any) -> Floats:
+        areas = np.empty(len(numbers))
+        self.areas(numbers, _own(displacement), self.own(parameters), *self.arguments, areas)
+        return areas
+
+
+def _own(displacement: Floats) -> Floats:
+    return np.require(displacement, np.float64, ["C", "W"])
