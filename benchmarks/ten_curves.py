@@ -26,8 +26,9 @@ import tomlkit
 import typer
 
 from updamp.comparison.prediction.parameters import Parametrisation
-from updamp.comparison.prediction.predicted_branch import PredictedBranch, trace_branch
+from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.comparison.prediction.run_condition import RunCondition
+from updamp.comparison.prediction.traced_branch import trace_branch
 from updamp.hbm.compilation_cache import keep_compiled
 from updamp.model.build import rig_before_effects
 from updamp.model.calibration import nuisances

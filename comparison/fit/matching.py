@@ -9,15 +9,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import PPoly
 
 from updamp.comparison.fit.observations import Observations
 from updamp.comparison.prediction.numerical_error import to_nearest_turn
-from updamp.comparison.prediction.predicted_branch import Observed, PredictedBranch
+from updamp.comparison.prediction.predicted_branch import Observed, PredictedBranch, logarithms, of_force
 
 Floats = NDArray[np.float64]
 
-# Places tried between two neighbouring points of the branch.
-_BETWEEN = 8
 # How often the place is looked for again, four times as finely.
 _LOOKS = 4
 
@@ -56,16 +55,10 @@ def match(
     """
     shift, spread = np.append(u - branch.u, 0.0), np.append(spread, 0.0)
     run = replace(run, observed=run.observed - correction)
-    place = _nearest(_moved_as_a_whole(branch, shift), run, _weights(branch, run, spread))
+    place = _nearest(_Moved.of(branch, shift, run), _weights(branch, run, spread))
     observed = branch.at(place)
     difference = _difference(run, observed, shift)
     return _across(run, place, difference, observed, np.hypot(run.noise, branch.rough_at(place)))
-
-
-def _moved_as_a_whole(branch: PredictedBranch, shift: Floats) -> PredictedBranch:
-    """With one parameter in place of all, a unit of which is the whole shift: places are tried by the hundred."""
-    whole = np.einsum("npm,p->nm", branch.slopes, shift)
-    return replace(branch, slopes=np.stack([whole, branch.slopes[:, -1]], axis=1))
 
 
 def _difference(run: Observations, model: Observed, shift: Floats) -> Floats:
@@ -79,13 +72,18 @@ def by_drive(run: Observations, slopes: Floats) -> Floats:
 
     slopes: (n, ..., p + 1, m) of the branch where the points are, or (1, ..., p + 1, m)
     """
-    drive = slopes[..., -1, :]
-    each = (len(run), *(1 for _ in drive.shape[1:]))
+    of_slope, everywhere = _drive(run)
+    each = (len(run), *(1 for _ in slopes.shape[1:-2]))
+    return np.asarray(slopes[..., -1, :] * of_slope.reshape(*each, 1) + everywhere.reshape(*each, -1))
+
+
+def _drive(run: Observations) -> tuple[Floats, Floats]:
+    """(n,) what the branch's last slope is to be taken times, and (n, m) what is the same all along the branch."""
     if run.log_level is None:
-        return np.asarray(drive * run.log_force.reshape(each))
+        return run.log_force, np.zeros_like(run.observed)
     # with the response held amplitudes are those over the force
-    amplitudes = np.append(0.0, np.tile([1.0, 0.0], (drive.shape[-1] - 1) // 2))
-    return np.asarray(drive * run.log_level.reshape(each) + amplitudes * run.log_force.reshape(each))
+    amplitudes = np.append(0.0, np.tile([1.0, 0.0], run.observed.shape[1] // 2))
+    return run.log_level, run.log_force[:, None] * amplitudes
 
 
 def _weights(branch: PredictedBranch, run: Observations, spread: Floats) -> Floats:
@@ -97,42 +95,59 @@ def _weights(branch: PredictedBranch, run: Observations, spread: Floats) -> Floa
     return np.asarray(1 / np.sqrt(noise**2 + np.median(of_parameters, axis=0)))
 
 
-def _distance(moved: PredictedBranch, run: Observations, tried: Floats, weights: Floats) -> Floats:
-    """(n, k) squared, of every point of the run from the places tried for it (n or 1, k)."""
-    model = moved.at(tried)
-    predicted = model.value + model.slopes[..., 0, :]
-    difference = to_nearest_turn(run.observed[:, None] - predicted - by_drive(run, model.slopes))
-    return np.asarray(np.sum((weights * difference) ** 2, axis=2))
+@dataclass(frozen=True, eq=False)
+class _Moved:
+    """A run and the branch moved to first order, for places that are tried by the thousand.
+
+    seen: (n, m) observed, less what measured force and level do to it everywhere; of_drive: (n,) what the slope by the
+        force, or by the level held, is taken times besides; None where they are the condition's
+    curves: of the state along the branch, of its change by the whole shift, and by a unit of the force or level
+    """
+
+    branch: PredictedBranch
+    seen: Floats
+    of_drive: Floats | None
+    curves: PPoly
+
+    @staticmethod
+    def of(branch: PredictedBranch, shift: Floats, run: Observations) -> "_Moved":
+        of_drive, everywhere = _drive(run)
+        curve, slopes = branch.curves
+        whole = np.einsum("kipm,p->kim", slopes.c, shift)
+        curves = PPoly.construct_fast(np.stack([curve.c, whole, slopes.c[:, :, -1]], axis=2), branch.place)
+        return _Moved(branch, run.observed - everywhere, of_drive if of_drive.any() else None, curves)
+
+    def distance(self, tried: Floats, weights: Floats) -> Floats:
+        """(n, k) squared, of every point of the run from the places tried for it (n or 1, k); one kind of observation
+        after the other, since arrays whose last axis has the few of them take several times as long."""
+        found = self.curves(tried)
+        value, change = logarithms(found[..., 0, :], found[..., 1:, :])
+        drive = of_force(change.shape[-1]) if self.branch.proportional else change[..., 1, :]
+        value += change[..., 0, :]
+        total = np.zeros((len(self.seen), tried.shape[1]))
+        for j in np.flatnonzero(weights):
+            off = self.seen[:, j, None] - value[..., j]
+            if self.of_drive is not None:
+                off -= self.of_drive[:, None] * drive[..., j]
+            if j and j % 2 == 0:  # a phase, to the nearest turn
+                off -= 2 * np.pi * np.round(off / (2 * np.pi))
+            off *= weights[j]
+            total += np.square(off, out=off)
+        return total
 
 
-def _nearest(branch: PredictedBranch, run: Observations, weights: Floats) -> Floats:
+def _nearest(moved: _Moved, weights: Floats) -> Floats:
     """(n,) the best of many places on the parts that the sweep visits, then finer and finer looks around it; a
-    gradient would go astray where contacts begin to slip. branch: moved as a whole"""
-    tried, widths = _visited_places(branch)
-    best = np.argmin(_distance(branch, run, tried[None], weights), axis=1)
+    gradient would go astray where contacts begin to slip."""
+    tried, widths = moved.branch.swept_places
+    best = np.argmin(moved.distance(tried[None], weights), axis=1)
     place, width = tried[best], widths[best]
     for _ in range(_LOOKS):
         around = place[:, None] + width[:, None] * np.linspace(-1, 1, 9)
-        around = np.clip(around, branch.place[0], branch.place[-1])
-        closest = np.argmin(_distance(branch, run, around, weights), axis=1)
+        around = np.clip(around, moved.branch.place[0], moved.branch.place[-1])
+        closest = np.argmin(moved.distance(around, weights), axis=1)
         place, width = np.take_along_axis(around, closest[:, None], axis=1)[:, 0], width / 4
     return place
-
-
-def _visited_places(branch: PredictedBranch) -> tuple[Floats, Floats]:
-    """(k,) places that the sweep comes by, up to a fold and from where it lands, and half of the distance to the next:
-    where the frequency is beyond all before. A fold lies between two points, which move as parameters do."""
-    followed = np.array([not point.after_gap for point in branch.points[1:]], dtype=bool)
-    near = np.flatnonzero((branch.visited[:-1] | branch.visited[1:]) & followed)
-    share = (np.arange(_BETWEEN) + 0.5) / _BETWEEN
-    length = np.diff(branch.place)[near]
-    tried = (branch.place[near][:, None] + length[:, None] * share).ravel()
-    widths = np.repeat(length / _BETWEEN, _BETWEEN)
-    if (branch.frequency[-1] > branch.frequency[0]) != branch.condition.upwards:
-        tried, widths = tried[::-1], widths[::-1]
-    frequency = branch.at(tried).value[:, 0] * (1.0 if branch.condition.upwards else -1.0)
-    ahead = frequency >= np.maximum.accumulate(frequency)
-    return tried[ahead], widths[ahead]
 
 
 def _across(run: Observations, place: Floats, difference: Floats, model: Observed, noise: Floats) -> Matched:

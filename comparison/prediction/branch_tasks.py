@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from updamp.comparison.prediction.moved_branch import move_branch
 from updamp.comparison.prediction.parameters import Parametrisation
-from updamp.comparison.prediction.predicted_branch import PredictedBranch, trace_branch
+from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.comparison.prediction.run_condition import RunCondition
+from updamp.comparison.prediction.traced_branch import trace_branch
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions
 from updamp.parallel.processes import processes
 from updamp.parallel.workers import Elsewhere, LongestFirst, WorkerLostError, Workers

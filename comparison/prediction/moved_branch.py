@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 from updamp.comparison.prediction.model_at import ModelAt, model_at
 from updamp.comparison.prediction.parameters import Parametrisation
-from updamp.comparison.prediction.predicted_branch import PredictedBranch, observe_swept
+from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.comparison.prediction.run_condition import RunCondition
+from updamp.comparison.prediction.traced_branch import observe_swept
 from updamp.hbm.continuation.branch import BranchPoint, other_way_round, point_after, point_at
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions, continue_branch
 from updamp.hbm.newton.metric import Move

@@ -6,31 +6,22 @@ not, at turning points, and where it changes by multiples, at resonance. The pat
 parameters (`with_patterns`); after a fit they are given the sizes that it has found (`at_sizes`).
 """
 
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
+from scipy.interpolate import CubicHermiteSpline, PchipInterpolator, PPoly
 
-from updamp.comparison.prediction.derivatives import Change
-from updamp.comparison.prediction.held_branch import HeldPoint, held_state, pairs, trace_held
-from updamp.comparison.prediction.model_at import ModelAt, model_at
+from updamp.comparison.prediction.held_branch import pairs
 from updamp.comparison.prediction.numerical_error import NumericalError
-from updamp.comparison.prediction.observed_point import ObservedPoint, Observer, light
-from updamp.comparison.prediction.parameters import Parametrisation
-from updamp.comparison.prediction.readings import as_read
 from updamp.comparison.prediction.run_condition import RunCondition
-from updamp.comparison.prediction.swept_points import BranchFromFarEnd, swept_points
 from updamp.hbm.continuation.branch import BranchPoint
-from updamp.hbm.continuation.continuation import ContinuationOptions, continue_branch
-from updamp.hbm.continuation.sweeps import sweep
 
 Floats = NDArray[np.float64]
 
-# To what share of the largest amplitude a response has to be proportional to the force.
-_LINEAR = 1e-6
+# Places tried between two neighbouring points, for what was measured.
+_BETWEEN = 8
 # Amplitude that is as good as none [m]
 _NONE = 1e-20
 
@@ -68,12 +59,9 @@ class PredictedBranch:
     rough: Floats | None = None
 
     @cached_property
-    def _curve(self) -> CubicHermiteSpline:
-        return CubicHermiteSpline(self.place, self.state, self.along)
-
-    @cached_property
-    def _slopes(self) -> PchipInterpolator:
-        return PchipInterpolator(self.place, self.slopes)
+    def curves(self) -> tuple[PPoly, PPoly]:
+        """The state and the slopes along the branch."""
+        return CubicHermiteSpline(self.place, self.state, self.along), PchipInterpolator(self.place, self.slopes)
 
     @cached_property
     def observed(self) -> "Observed":
@@ -82,21 +70,28 @@ class PredictedBranch:
 
     def at(self, place: Floats) -> "Observed":
         """What is observed at places along the branch."""
-        state, along = self._curve(place), self._curve(place, 1)
-        amplitude = state[..., 1::2] + 1j * state[..., 2::2]
-        # as long as all contacts stick there is no higher harmonic at all
-        amplitude = np.where(np.abs(amplitude) < _NONE, _NONE, amplitude)
-
-        def relative(change: Floats) -> Floats:
-            """Of the logarithms of frequency and amplitudes."""
-            ratio = (change[..., 1::2] + 1j * change[..., 2::2]) / amplitude[..., None, :]
-            return np.concatenate([change[..., :1], pairs(np.asarray(ratio))], axis=-1)
-
-        value = np.concatenate([state[..., :1], pairs(np.log(amplitude))], axis=-1)
-        slopes = relative(self._slopes(place))
+        curve, slopes_at = self.curves
+        changes = np.concatenate([curve(place, 1)[..., None, :], slopes_at(place)], axis=-2)
+        value, change = logarithms(curve(place), changes)
         if self.proportional:
-            slopes[..., -1, :] = np.append(0.0, np.tile([1.0, 0.0], amplitude.shape[-1]))
-        return Observed(value, relative(along[..., None, :])[..., 0, :], slopes)
+            change[..., -1, :] = of_force(change.shape[-1])
+        return Observed(value, change[..., 0, :], change[..., 1:, :])
+
+    @cached_property
+    def swept_places(self) -> tuple[Floats, Floats]:
+        """(k,) places that the sweep comes by, up to a fold and from where it lands, and half of the distance to the
+        next: where the frequency is beyond all before. A fold lies between two points, which move as parameters do."""
+        followed = np.array([not point.after_gap for point in self.points[1:]], dtype=bool)
+        near = np.flatnonzero((self.visited[:-1] | self.visited[1:]) & followed)
+        share = (np.arange(_BETWEEN) + 0.5) / _BETWEEN
+        length = np.diff(self.place)[near]
+        tried = (self.place[near][:, None] + length[:, None] * share).ravel()
+        widths = np.repeat(length / _BETWEEN, _BETWEEN)
+        if (self.frequency[-1] > self.frequency[0]) != self.condition.upwards:
+            tried, widths = tried[::-1], widths[::-1]
+        frequency = self.curves[0](tried)[:, 0] * (1.0 if self.condition.upwards else -1.0)
+        ahead = frequency >= np.maximum.accumulate(frequency)
+        return tried[ahead], widths[ahead]
 
     def rough_at(self, place: Floats) -> Floats:
         """(..., 1 + 2 n_sensors)"""
@@ -122,6 +117,27 @@ class PredictedBranch:
         return self.state[:, 1::2] + 1j * self.state[:, 2::2]
 
 
+def logarithms(state: Floats, change: Floats) -> tuple[Floats, Floats]:
+    """Of states (..., m) what is observed, and of changes (..., k, m) of the states how that changes."""
+    amplitude = state[..., 1::2] + 1j * state[..., 2::2]
+    # as long as all contacts stick there is no higher harmonic at all
+    amplitude[np.abs(amplitude) < _NONE] = _NONE
+    ratio = (change[..., 1::2] + 1j * change[..., 2::2]) / amplitude[..., None, :]
+    return _joined(state[..., 0], np.log(amplitude)), _joined(change[..., 0], np.asarray(ratio))
+
+
+def _joined(first: Floats, amplitudes: NDArray[np.complex128]) -> Floats:
+    """(...) and (..., n_sensors) -> (..., m)"""
+    values = np.empty((*first.shape, 1 + 2 * amplitudes.shape[-1]))
+    values[..., 0], values[..., 1::2], values[..., 2::2] = first, amplitudes.real, amplitudes.imag
+    return values
+
+
+def of_force(m: int) -> Floats:
+    """(m,) what a unit of the force's logarithm does where amplitudes are proportional to the force."""
+    return np.append(0.0, np.tile([1.0, 0.0], (m - 1) // 2))
+
+
 @dataclass(frozen=True, eq=False)
 class Observed:
     """At places along a branch. value: (..., m) logarithm of frequency, then of every amplitude and its phase;
@@ -130,111 +146,6 @@ class Observed:
     value: Floats
     along: Floats
     slopes: Floats
-
-
-def trace_branch(
-    parametrisation: Parametrisation, u: Floats, condition: RunCondition, options: ContinuationOptions | None = None
-) -> PredictedBranch:
-    """Follow the branch through the measured window by continuation, and keep what the test's sweep sees of it.
-
-    raises: BranchStoppedError where not even its first point is found
-    """
-    there = model_at(parametrisation, u)
-    if condition.control is not None:
-        return observe(there, condition, *trace_held(there, condition))
-    system, excitation = there.model.system, there.model.excited_by(condition.force)
-    low, high = condition.wider
-
-    def follow(upwards: bool) -> Iterable[BranchPoint]:
-        return continue_branch(system, excitation, (low, high), options, upwards)
-
-    far_end = BranchFromFarEnd(lambda: follow(not condition.upwards), 2 * np.pi * (high - low))
-    return observe_swept(there, condition, follow(condition.upwards), far_end=far_end)
-
-
-def observe_swept(
-    there: ModelAt,
-    condition: RunCondition,
-    points: Iterable[BranchPoint],
-    stopped: str = "",
-    far_end: BranchFromFarEnd | None = None,
-) -> PredictedBranch:
-    """What a sweep sees of solved points, with margins.
-
-    stopped: why they end inside the window, if known beforehand; far_end: where to look for what a sweep jumps to
-
-    raises: BranchStoppedError where the points end with it before there are enough of them
-    """
-    observed, reason = swept_points(points, condition.upwards, Observer(there, condition), far_end)
-    return _of_observed(there, condition, observed, stopped or reason)
-
-
-def observe(
-    there: ModelAt, condition: RunCondition, points: Sequence[BranchPoint], stopped: str, further: Sequence[Change] = ()
-) -> PredictedBranch:
-    """Solved points as a branch; further: changes by parameters that the model does not have yet, after its own."""
-    if condition.control is not None:
-        return _observe_held(there, condition, points, stopped, further)
-    look = Observer(there, condition, further)
-    return _of_observed(there, condition, [look(point) for point in points], stopped, further)
-
-
-def _of_observed(
-    there: ModelAt,
-    condition: RunCondition,
-    observed: Sequence[ObservedPoint],
-    stopped: str,
-    further: Sequence[Change] = (),
-) -> PredictedBranch:
-    state, along, slopes = (np.array([getattr(o, part) for o in observed]) for part in ("state", "along", "slopes"))
-    by_parameter = tuple(o.x_by_parameter for o in observed), np.array([o.w_by_parameter for o in observed])
-    proportional = _is_proportional(state, along, slopes[:, -1])
-    points = [o.point for o in observed]
-    return _branch(there, condition, points, stopped, (state, along, slopes), by_parameter, proportional, further)
-
-
-def _observe_held(
-    there: ModelAt, condition: RunCondition, points: Sequence[BranchPoint], stopped: str, further: Sequence[Change]
-) -> PredictedBranch:
-    each = [held_state(there, condition, p, further) for p in points if isinstance(p, HeldPoint)]
-    direction = 1.0 if condition.upwards else -1.0
-    state, slopes = np.array([s.state for s in each]), np.array([s.slopes for s in each])
-    along = direction * np.array([s.along for s in each])
-    nothing = tuple(np.zeros(0) for _ in points), np.zeros((len(points), 0))
-    return _branch(there, condition, light(points), stopped, (state, along, slopes), nothing, False, further)
-
-
-def _branch(
-    there: ModelAt,
-    condition: RunCondition,
-    points: Sequence[BranchPoint],
-    stopped: str,
-    observed: tuple[Floats, Floats, Floats],
-    by_parameter: tuple[tuple[Floats, ...], Floats],
-    proportional: bool,
-    further: Sequence[Change],
-) -> PredictedBranch:
-    """observed: state, its derivative along the branch, and slopes; further: changes by parameters that are new"""
-    state, along, slopes = as_read(observed, there.model.reading, (*there.changes, *further), condition)
-    length = _length(along, state, condition)
-    chords = _length(np.diff(state, axis=0), (state[1:] + state[:-1]) / 2, condition)
-    visited = np.zeros(len(points), dtype=bool)
-    visited[sweep(np.exp(state[:, 0]), condition.upwards).visited] = True
-    place = np.concatenate([[0.0], np.cumsum(chords)])
-    branch = PredictedBranch(
-        condition,
-        np.append(there.u[: there.parametrisation.n_of_model], np.zeros(len(further))),
-        tuple(points),
-        place,
-        state,
-        along / length[:, None],
-        slopes,
-        *by_parameter,
-        visited,
-        stopped,
-        proportional,
-    )
-    return with_patterns(branch, there.parametrisation.numerics)
 
 
 def with_patterns(branch: PredictedBranch, numerics: NumericalError) -> PredictedBranch:
@@ -265,27 +176,11 @@ def _turned(change: Floats, turn: NDArray[np.complex128]) -> Floats:
     return np.concatenate([change[..., :1], pairs(amplitude)], axis=-1)
 
 
-def _is_proportional(state: Floats, along: Floats, by_force: Floats) -> bool:
-    """Whether the slopes by the force's logarithm, moved along the branch to the same frequency, are the amplitudes."""
-    if np.any(along[:, 0] == 0):
-        return False
-    held = by_force - by_force[:, :1] / along[:, :1] * along
-    return bool(np.allclose(held[:, 1:], state[:, 1:], rtol=0, atol=_LINEAR * np.abs(state[:, 1:]).max()))
-
-
 def of_state(patterns: Floats, state: Floats) -> Floats:
     """Changes of the logarithms (n, k, m) as those of the state."""
     amplitude = state[:, None, 1::2] + 1j * state[:, None, 2::2]
     change = (patterns[..., 1::2] + 1j * patterns[..., 2::2]) * amplitude
     return np.concatenate([patterns[..., :1], pairs(change)], axis=-1)
-
-
-def _length(change: Floats, state: Floats, condition: RunCondition) -> Floats:
-    """(n,) of changes of the state: amplitudes relative to all of them, and the whole window in frequency as much as
-    half a turn of phase."""
-    of_frequency = np.pi * change[:, 0] / np.log(condition.wider[1] / condition.wider[0])
-    of_amplitude = np.linalg.norm(change[:, 1:], axis=1) / np.linalg.norm(state[:, 1:], axis=1)
-    return np.asarray(np.hypot(of_frequency, of_amplitude))
 
 
 def at_sizes(branch: PredictedBranch, u: Floats) -> PredictedBranch:

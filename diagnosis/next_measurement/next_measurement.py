@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.numerical_error import NumericalError
-from updamp.comparison.prediction.predicted_branch import trace_branch
+from updamp.comparison.prediction.traced_branch import trace_branch
 from updamp.diagnosis.candidate_models.fit_tasks import without_branches
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.decision.decide import Decision

@@ -14,7 +14,8 @@ from updamp.comparison.prediction.derivatives import Change
 from updamp.comparison.prediction.model_at import ModelAt, change_of_effect
 from updamp.comparison.prediction.observed_point import with_matrices
 from updamp.comparison.prediction.parameters import Parametrisation
-from updamp.comparison.prediction.predicted_branch import PredictedBranch, observe, of_state
+from updamp.comparison.prediction.predicted_branch import PredictedBranch, of_state
+from updamp.comparison.prediction.traced_branch import observe
 from updamp.diagnosis.candidate_models.refit import coarse_enough
 from updamp.diagnosis.score_tests.finite_steps import steps_along
 from updamp.effects.effect import Effect

@@ -8,8 +8,9 @@ import pytest
 
 from updamp.comparison.fit.observations import plan_of
 from updamp.comparison.prediction.parameters import Parametrisation
-from updamp.comparison.prediction.predicted_branch import PredictedBranch, trace_branch
+from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.comparison.prediction.run_condition import HeldResponse, RunCondition
+from updamp.comparison.prediction.traced_branch import trace_branch
 from updamp.diagnosis.candidate_models.baseline import baseline
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.decision.conclude import conclude

@@ -9,8 +9,9 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 
 from updamp.comparison.prediction.parameters import Parametrisation
-from updamp.comparison.prediction.predicted_branch import PredictedBranch, trace_branch
+from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.comparison.prediction.run_condition import HeldResponse, RunCondition
+from updamp.comparison.prediction.traced_branch import trace_branch
 from updamp.effects.catalogue import CATALOGUE, JOINTS
 from updamp.effects.rig_model import RigModel
 from updamp.model.build import modal_model

@@ -5,8 +5,8 @@ import numpy as np
 
 from updamp.comparison.fit.observations import Observations, Plan
 from updamp.comparison.prediction.parameters import Parametrisation
-from updamp.comparison.prediction.predicted_branch import trace_branch
 from updamp.comparison.prediction.run_condition import RunCondition
+from updamp.comparison.prediction.traced_branch import trace_branch
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.contact.jenkins_box import JenkinsBox

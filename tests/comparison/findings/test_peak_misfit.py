@@ -16,7 +16,8 @@ from updamp.comparison.fit.compared import compare_at
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Observations, Plan
 from updamp.comparison.fit.scatter import Scatter
-from updamp.comparison.prediction.predicted_branch import PredictedBranch, trace_branch
+from updamp.comparison.prediction.predicted_branch import PredictedBranch
+from updamp.comparison.prediction.traced_branch import trace_branch
 
 WINDOW = (41.2, 43.2)
 CONDITIONS = (

@@ -11,7 +11,7 @@ from updamp.comparison.fit.compared import compare_at, predict_branches
 from updamp.comparison.fit.fit import Fit, fit
 from updamp.comparison.fit.observations import Plan, roughness
 from updamp.comparison.fit.scatter import Scatter
-from updamp.comparison.prediction.predicted_branch import trace_branch
+from updamp.comparison.prediction.traced_branch import trace_branch
 
 CONDITIONS = (condition(10.0), condition(40.0), condition(80.0, upwards=False))
 SCATTER = np.array([n.scatter for n in NUISANCES])

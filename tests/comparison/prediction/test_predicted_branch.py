@@ -6,7 +6,8 @@ from support.small_model import SENSORS, condition, parametrisation
 
 from updamp.comparison.prediction.moved_branch import move_branch
 from updamp.comparison.prediction.numerical_error import NumericalError
-from updamp.comparison.prediction.predicted_branch import at_sizes, trace_branch, with_patterns
+from updamp.comparison.prediction.predicted_branch import at_sizes, with_patterns
+from updamp.comparison.prediction.traced_branch import trace_branch
 from updamp.hbm.newton.newton import Arc, solve
 from updamp.hbm.newton.observe import response
 

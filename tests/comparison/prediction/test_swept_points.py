@@ -10,9 +10,10 @@ import pytest
 from updamp.comparison.prediction.model_at import ModelAt
 from updamp.comparison.prediction.moved_branch import move_branch
 from updamp.comparison.prediction.parameters import Parametrisation
-from updamp.comparison.prediction.predicted_branch import PredictedBranch, observe, observe_swept, trace_branch
+from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.comparison.prediction.run_condition import RunCondition
 from updamp.comparison.prediction.swept_points import BranchFromFarEnd, swept_points
+from updamp.comparison.prediction.traced_branch import observe, observe_swept, trace_branch
 from updamp.effects.catalogue import JOINTS
 from updamp.hbm.continuation.continuation import BranchStoppedError, continue_branch
 from updamp.hbm.newton.newton import Status

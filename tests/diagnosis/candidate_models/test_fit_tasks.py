@@ -12,7 +12,7 @@ from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.prediction.model_at import ModelAt
 from updamp.comparison.prediction.observed_point import with_matrices
-from updamp.comparison.prediction.predicted_branch import observe
+from updamp.comparison.prediction.traced_branch import observe
 from updamp.diagnosis.candidate_models.fit_tasks import with_branches, without_branches
 
 U = np.array([0.0, 0.1, 0.05, 0.0])

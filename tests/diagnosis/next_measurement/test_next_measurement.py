@@ -12,7 +12,7 @@ from support.small_model import condition, small_model, synthetic_plan
 from updamp.comparison.fit.compared import compare_at, predict_branches
 from updamp.comparison.fit.fit import fit
 from updamp.comparison.prediction.parameters import Parametrisation
-from updamp.comparison.prediction.predicted_branch import trace_branch
+from updamp.comparison.prediction.traced_branch import trace_branch
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.decision.decide import Decision
 from updamp.diagnosis.evidence import Evidence, Trial

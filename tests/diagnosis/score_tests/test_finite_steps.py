@@ -8,7 +8,7 @@ from support.small_model import condition, parametrisation
 
 from updamp.comparison.fit import numerical_gate
 from updamp.comparison.prediction.model_at import ModelAt
-from updamp.comparison.prediction.predicted_branch import trace_branch
+from updamp.comparison.prediction.traced_branch import trace_branch
 from updamp.diagnosis.score_tests import finite_steps
 from updamp.diagnosis.score_tests.finite_steps import steps_along
 from updamp.effects.effect import Effect, EffectParameter

@@ -1,0 +1,145 @@
+"""Solved points of one test as a branch in what is observed: followed by continuation, or given."""
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.comparison.prediction.derivatives import Change
+from updamp.comparison.prediction.held_branch import HeldPoint, held_state, trace_held
+from updamp.comparison.prediction.model_at import ModelAt, model_at
+from updamp.comparison.prediction.observed_point import ObservedPoint, Observer, light
+from updamp.comparison.prediction.parameters import Parametrisation
+from updamp.comparison.prediction.predicted_branch import PredictedBranch, with_patterns
+from updamp.comparison.prediction.readings import as_read
+from updamp.comparison.prediction.run_condition import RunCondition
+from updamp.comparison.prediction.swept_points import BranchFromFarEnd, swept_points
+from updamp.hbm.continuation.branch import BranchPoint
+from updamp.hbm.continuation.continuation import ContinuationOptions, continue_branch
+from updamp.hbm.continuation.sweeps import sweep
+
+Floats = NDArray[np.float64]
+
+# To what share of the largest amplitude a response has to be proportional to the force.
+_LINEAR = 1e-6
+
+
+def trace_branch(
+    parametrisation: Parametrisation, u: Floats, condition: RunCondition, options: ContinuationOptions | None = None
+) -> PredictedBranch:
+    """Follow the branch through the measured window by continuation, and keep what the test's sweep sees of it.
+
+    raises: BranchStoppedError where not even its first point is found
+    """
+    there = model_at(parametrisation, u)
+    if condition.control is not None:
+        return observe(there, condition, *trace_held(there, condition))
+    system, excitation = there.model.system, there.model.excited_by(condition.force)
+    low, high = condition.wider
+
+    def follow(upwards: bool) -> Iterable[BranchPoint]:
+        return continue_branch(system, excitation, (low, high), options, upwards)
+
+    far_end = BranchFromFarEnd(lambda: follow(not condition.upwards), 2 * np.pi * (high - low))
+    return observe_swept(there, condition, follow(condition.upwards), far_end=far_end)
+
+
+def observe_swept(
+    there: ModelAt,
+    condition: RunCondition,
+    points: Iterable[BranchPoint],
+    stopped: str = "",
+    far_end: BranchFromFarEnd | None = None,
+) -> PredictedBranch:
+    """What a sweep sees of solved points, with margins.
+
+    stopped: why they end inside the window, if known beforehand; far_end: where to look for what a sweep jumps to
+
+    raises: BranchStoppedError where the points end with it before there are enough of them
+    """
+    observed, reason = swept_points(points, condition.upwards, Observer(there, condition), far_end)
+    return _of_observed(there, condition, observed, stopped or reason)
+
+
+def observe(
+    there: ModelAt, condition: RunCondition, points: Sequence[BranchPoint], stopped: str, further: Sequence[Change] = ()
+) -> PredictedBranch:
+    """Solved points as a branch; further: changes by parameters that the model does not have yet, after its own."""
+    if condition.control is not None:
+        return _observe_held(there, condition, points, stopped, further)
+    look = Observer(there, condition, further)
+    return _of_observed(there, condition, [look(point) for point in points], stopped, further)
+
+
+def _of_observed(
+    there: ModelAt,
+    condition: RunCondition,
+    observed: Sequence[ObservedPoint],
+    stopped: str,
+    further: Sequence[Change] = (),
+) -> PredictedBranch:
+    state, along, slopes = (np.array([getattr(o, part) for o in observed]) for part in ("state", "along", "slopes"))
+    by_parameter = tuple(o.x_by_parameter for o in observed), np.array([o.w_by_parameter for o in observed])
+    proportional = _is_proportional(state, along, slopes[:, -1])
+    points = [o.point for o in observed]
+    return _branch(there, condition, points, stopped, (state, along, slopes), by_parameter, proportional, further)
+
+
+def _observe_held(
+    there: ModelAt, condition: RunCondition, points: Sequence[BranchPoint], stopped: str, further: Sequence[Change]
+) -> PredictedBranch:
+    each = [held_state(there, condition, p, further) for p in points if isinstance(p, HeldPoint)]
+    direction = 1.0 if condition.upwards else -1.0
+    state, slopes = np.array([s.state for s in each]), np.array([s.slopes for s in each])
+    along = direction * np.array([s.along for s in each])
+    nothing = tuple(np.zeros(0) for _ in points), np.zeros((len(points), 0))
+    return _branch(there, condition, light(points), stopped, (state, along, slopes), nothing, False, further)
+
+
+def _branch(
+    there: ModelAt,
+    condition: RunCondition,
+    points: Sequence[BranchPoint],
+    stopped: str,
+    observed: tuple[Floats, Floats, Floats],
+    by_parameter: tuple[tuple[Floats, ...], Floats],
+    proportional: bool,
+    further: Sequence[Change],
+) -> PredictedBranch:
+    """observed: state, its derivative along the branch, and slopes; further: changes by parameters that are new"""
+    state, along, slopes = as_read(observed, there.model.reading, (*there.changes, *further), condition)
+    length = _length(along, state, condition)
+    chords = _length(np.diff(state, axis=0), (state[1:] + state[:-1]) / 2, condition)
+    visited = np.zeros(len(points), dtype=bool)
+    visited[sweep(np.exp(state[:, 0]), condition.upwards).visited] = True
+    place = np.concatenate([[0.0], np.cumsum(chords)])
+    branch = PredictedBranch(
+        condition,
+        np.append(there.u[: there.parametrisation.n_of_model], np.zeros(len(further))),
+        tuple(points),
+        place,
+        state,
+        along / length[:, None],
+        slopes,
+        *by_parameter,
+        visited,
+        stopped,
+        proportional,
+    )
+    return with_patterns(branch, there.parametrisation.numerics)
+
+
+def _is_proportional(state: Floats, along: Floats, by_force: Floats) -> bool:
+    """Whether the slopes by the force's logarithm, moved along the branch to the same frequency, are the amplitudes."""
+    if np.any(along[:, 0] == 0):
+        return False
+    held = by_force - by_force[:, :1] / along[:, :1] * along
+    return bool(np.allclose(held[:, 1:], state[:, 1:], rtol=0, atol=_LINEAR * np.abs(state[:, 1:]).max()))
+
+
+def _length(change: Floats, state: Floats, condition: RunCondition) -> Floats:
+    """(n,) of changes of the state: amplitudes relative to all of them, and the whole window in frequency as much as
+    half a turn of phase."""
+    of_frequency = np.pi * change[:, 0] / np.log(condition.wider[1] / condition.wider[0])
+    of_amplitude = np.linalg.norm(change[:, 1:], axis=1) / np.linalg.norm(state[:, 1:], axis=1)
+    return np.asarray(np.hypot(of_frequency, of_amplitude))
