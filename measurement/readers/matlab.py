@@ -1,4 +1,4 @@
-"""MATLAB files: up to v7.2 through scipy, v7.3 (which is HDF5) through h5py."""
+"""MATLAB files: of versions 5 to 7.2 (`matlab5.py`), and of 7.3, which is HDF5, through h5py."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -6,10 +6,10 @@ from typing import Annotated, Any, Literal
 
 import h5py
 import numpy as np
-import scipy.io
 from pydantic import Field
 
 from updamp.measurement.measurement import MeasurementError, near
+from updamp.measurement.readers import matlab5
 from updamp.measurement.readers.registry import register, usable_file
 from updamp.measurement.recorded import Complex, RecordedChannel, RecordedSweep, complex_of
 from updamp.parallel.whole_file import DAMAGED_HDF5
@@ -63,17 +63,15 @@ def _amplitude(path: Path, label: str, value: Complex, options: MatlabOptions, n
 
 def _up_to_72(path: Path, wanted: tuple[str, ...]) -> tuple[dict[str, Any], tuple[str, ...]]:
     try:
-        sizes = {name: shape for name, shape, _ in scipy.io.whosmat(path)}
-        for name, shape in sizes.items():
-            _check_size(path, name, int(np.prod(shape, dtype=float)))
-        needed = sorted({name.split(".")[0] for name in wanted} & set(sizes))
-        content = scipy.io.loadmat(path, variable_names=needed, squeeze_me=False, struct_as_record=True)
-    except MeasurementError:
-        raise
-    except Exception as error:  # scipy's reader raises whatever garbage makes it stumble over
+        elements = matlab5.variables(path)
+        for name, element in elements.items():
+            _check_size(path, name, matlab5.head(element).size)
+        needed = {name.split(".")[0] for name in wanted} & set(elements)
+        content = {name: matlab5.whole(elements[name]) for name in needed}
+        found = {name: value for name in wanted if (value := _numeric(path, name, content, _field)) is not None}
+    except matlab5.DamagedFileError as error:
         raise MeasurementError(f"{path}: damaged or no MATLAB file ({error}); save it again from MATLAB") from None
-    found = {name: value for name in wanted if (value := _numeric(path, name, content, _field)) is not None}
-    return found, tuple(sizes)
+    return found, tuple(elements)
 
 
 def _version_73(path: Path, wanted: tuple[str, ...]) -> tuple[dict[str, Any], tuple[str, ...]]:
@@ -88,10 +86,7 @@ def _version_73(path: Path, wanted: tuple[str, ...]) -> tuple[dict[str, Any], tu
 
 
 def _field(holder: Any, name: str) -> Any:
-    if isinstance(holder, Mapping):
-        return holder.get(name)
-    names = getattr(holder, "dtype", np.dtype(float)).names or ()
-    return holder[name].flat[0] if name in names and holder.size == 1 else None
+    return holder.get(name) if isinstance(holder, Mapping) else holder.field(name)
 
 
 def _member(holder: Any, name: str) -> Any:
@@ -105,6 +100,9 @@ def _numeric(path: Path, name: str, holder: Any, step: Callable[[Any, str], Any]
         value = step(value, part)
         if value is None:
             return None
+    if isinstance(value, matlab5.MatlabArray):
+        _check_size(path, name, value.size)
+        value = value.numbers()
     if isinstance(value, h5py.Dataset):
         _check_size(path, name, value.size)
         value = value[()].T  # MATLAB stores columns first
