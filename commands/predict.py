@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.text import Text
 
 from updamp.commands.shared import INCOMPLETE, Debug, Jobs, Mesh, RigFile, clean_errors, interruptible
-from updamp.parallel.resources import Meter, usual_workers
+from updamp.parallel.resources import Meter, one_thread_for_numpy, usual_workers
 from updamp.workflow import stages
 
 # What a command needs is imported when it is called: JAX, scikit-fem, matplotlib and pydantic take 1 to 3 s each to
@@ -52,6 +52,7 @@ def run(
     it stopped, in the middle of a curve too.
     """
     with clean_errors(debug), interruptible():
+        one_thread_for_numpy()
         from updamp.model.rig_files import is_modal, load_any, load_rig
 
         forces, last = tuple(_force(text) for text in force or ()), _stage(until)
@@ -85,6 +86,7 @@ def run(
 
 def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
     """Whether every curve crossed its window and every picture was drawn."""
+    from updamp.hbm.compilation_cache import keep_compiled
     from updamp.rig.questions import questions
     from updamp.workflow.progress import Display
     from updamp.workflow.run import Run
@@ -92,6 +94,7 @@ def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
     from updamp.workflow.stability_summary import doubtful_peaks
     from updamp.workflow.summary import curves_table, write_summary
 
+    keep_compiled()  # what pictures evaluate the contact law for
     console = Console()
     with Display(console) as display:
         this = Run(rig, options, display)

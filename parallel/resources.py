@@ -110,6 +110,12 @@ def one_thread() -> None:
         os.environ.setdefault(name, value)
 
 
+def one_thread_for_numpy() -> None:
+    """Where a solver has threads of its own (`fem/solvers/`), if the user has not set it otherwise: numpy's would wait
+    for work by turning in circles on the cores that the solver's want. Nothing once numpy is loaded."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+
 @contextmanager
 def environment(values: Mapping[str, str]) -> Iterator[None]:
     """Environment variables for the processes started inside."""

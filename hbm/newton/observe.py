@@ -4,13 +4,12 @@ work of the excitation, loss by friction, loss in the material.
 
 from enum import IntEnum
 
-import jax
 import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.contact.law import SEPARATED, SLIP, FrictionLaw
 from updamp.hbm.newton.equation import Equation
-from updamp.hbm.problem.elements import loop_areas, over_period, samples
+from updamp.hbm.problem.elements import ElementGroup, loop_areas, over_period
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 Floats = NDArray[np.float64]
@@ -64,10 +63,11 @@ def force_loop(
     first = 0
     for group in system.groups:
         if element < first + len(group.rows):
-            i = element - first
-            motion, velocity = samples(x[group.rows[i]], w, system.harmonics, time_samples)
-            parameters = jax.tree.map(lambda p, i=i: p[i], group.parameters)
-            return np.asarray(motion), np.asarray(group.law.force(motion, velocity, parameters))
+            one = slice(element - first, element - first + 1)
+            parameters = type(group.values)(*(value[one] for value in group.values))
+            alone = ElementGroup(group.law, parameters, group.rows[one])
+            motion, force = over_period(alone, group.law.force, x[alone.rows], w, system.harmonics, time_samples)
+            return motion[0], force[0]
         first += len(group.rows)
     raise IndexError(f"element {element}: the system has {first}, numbered from 0")
 
