@@ -89,7 +89,7 @@ STATIC_CONTACT = Stage(
 )
 CURVE = Stage(
     name="curve",
-    version=9,
+    version=10,
     sections=(
         "damper_model",
         "material.loss_factor",

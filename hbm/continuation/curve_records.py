@@ -30,9 +30,8 @@ class CurveOptions:
         frequencies so far ahead of it, as shares of the window
     same_start: starts closer than this are the same one [arc]: below the shortest step on the far side of a kink
     points_at_extreme: at most so many are solved at the top of the peak and at a fold where a sweep jumps, each where a
-        spline through those before it expects it. Beside a sharp fold it takes ten; elsewhere a point is there after
-        one or two
-    at_extreme: how far the extreme may lie from where the spline expects it [arc]: half an ordinary step
+        spline through those before it expects it, on the plane across the chord between its neighbours. Beside a sharp
+        fold it takes ten; elsewhere a point is there after one or two
     there: how close to it a point is at it, as a share of the length of the points about it: what is read is off by the
         square of it beside a smooth extreme; on a flank that ends in a kink 1e-3 were 0.3 % of the height
     limits: of the gaps in a complete curve
@@ -45,7 +44,6 @@ class CurveOptions:
     start_shares: tuple[float, ...] = (0.0025, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32)
     same_start: float = 1e-4
     points_at_extreme: int = 20
-    at_extreme: float = 0.1
     there: float = 1e-4
     limits: CompletenessLimits = field(default_factory=CompletenessLimits)
 

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from updamp.hbm.continuation.branch import point_at
+from updamp.hbm.continuation.branch import BranchPoint, point_at
 from updamp.hbm.continuation.curve_records import COLUMNS, CurveRequest, Records
 from updamp.hbm.continuation.response_curve import Extreme, ResponseCurve
 from updamp.hbm.continuation.sweeps import sweep
-from updamp.hbm.newton.metric import Metric
+from updamp.hbm.newton.metric import Metric, Move
 from updamp.hbm.newton.newton import Arc, solve
 from updamp.hbm.problem.system import NonlinearSystem
 
@@ -78,21 +78,36 @@ def _with_point_at(
     there = np.abs(length - at).min() < request.assembly.there * length[-1]
     if there or curve.after_gap[near][1:].any():
         return curve
-    places = np.column_stack([curve.displacement[near].reshape(len(length), -1), 2 * np.pi * curve.frequency[near]])
-    spline = CubicSpline(length, places)
-    (*x, w), (*dx, dw) = spline(at), spline(at, 1)
-    shape, scale_w = curve.displacement.shape[1:], request.options.scale_w(request.window)
-    start, direction = np.reshape(x, shape), (np.reshape(dx, shape), float(dw))
-    metric = Metric.at(start, system.harmonics, scale_w)
-    plane = Arc(start, float(w), direction, metric)
-    solution = solve(system, request.excitation, start, float(w), request.options.newton, plane)
-    if not solution.converged:
-        return curve
-    point = point_at(solution, request.excitation, scale_w, direction, 0.0)
-    if metric.length((point.x - start, point.w - w)) > request.assembly.at_extreme:  # it has gone to another branch
+    point = _between(system, request, curve, extreme)
+    if point is None:
         return curve
     added = Records(system, request, 0.0)
     added.add(point)
     after = near.start + int(np.searchsorted(length, at))
     columns = {name: np.insert(getattr(curve, name), after, added.columns[name][0], axis=0) for name in COLUMNS}
     return replace(curve, **columns)
+
+
+def _between(
+    system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, extreme: Extreme
+) -> BranchPoint | None:
+    """The solution about the extreme, on the plane across the chord between the points on both sides of it: so it
+    lies between them, beside kinks too, where the spline that it starts from goes astray. None where there is none
+    within the chord's length of the chord: that is another branch."""
+    near, length, at = extreme.near, extreme.length, extreme.at
+    places = np.column_stack([curve.displacement[near].reshape(len(length), -1), 2 * np.pi * curve.frequency[near]])
+    after, scale_w = int(np.searchsorted(length, at)), request.options.scale_w(request.window)
+
+    def move(place: Floats) -> Move:
+        return np.reshape(place[:-1], curve.displacement.shape[1:]), float(place[-1])
+
+    a, b = places[after - 1 : after + 1]
+    share = (at - length[after - 1]) / (length[after] - length[after - 1])
+    on_chord, start = move(a + share * (b - a)), move(CubicSpline(length, places)(at))
+    metric = Metric.at(on_chord[0], system.harmonics, scale_w)
+    chord = metric.length(move(b - a))
+    dx, dw = move((b - a) / chord)
+    solution = solve(system, request.excitation, *start, request.options.newton, Arc(*on_chord, (dx, dw), metric))
+    if not solution.converged or metric.length((solution.x - on_chord[0], solution.w - on_chord[1])) > chord:
+        return None
+    return point_at(solution, request.excitation, scale_w, (dx, dw), 0.0)

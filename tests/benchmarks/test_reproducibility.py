@@ -6,12 +6,15 @@ import json
 import os
 import subprocess
 import sys
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
+import numpy as np
 import pytest
 
 from updamp.benchmarks.reproducibility import CURVES, RIG, Reading, read, readings, small_model
+from updamp.benchmarks.stress import StressCase, system_of
 from updamp.fem.static_contact.static_contact import static_contact
+from updamp.hbm.continuation.curve import whole_curve
 from updamp.hbm.resonance.conditions import MaximumResonance
 from updamp.hbm.resonance.resonance_curve import ResonanceRequest, trace_resonance
 from updamp.model.build import rig_model
@@ -47,6 +50,19 @@ def test_direction_and_round_off_change_nothing_that_is_read_from_a_curve(rig, r
     assert first.complete
     for other in others:
         assert_same(other, first)
+
+
+def test_a_peak_at_a_kink_is_the_same_from_both_ends(reduced):
+    """Of the stress grid (2026-11-23): the top was looked for beyond the points beside it, and read 6 % too high."""
+    case = StressCase("IP", force_N=9.025, mu=0.3697, kt_N_per_mm3=1308.0, kn_N_per_mm3=4.31e6, pull_N=425.8)
+    system, request = system_of(case, reduced)
+    curves = [whole_curve(system, replace(request, upwards=upwards)) for upwards in (True, False)]
+    assert all(curve.complete for curve in curves)
+    (frequency, peak), (other_frequency, other_peak) = (curve.peak(request.points[0]) for curve in curves)
+    assert other_peak == pytest.approx(peak, rel=PEAK)
+    assert other_frequency == pytest.approx(frequency, abs=FREQUENCY)
+    for curve in curves:
+        assert np.abs(curve.receptance(request.points[0])).max() == pytest.approx(peak, rel=PEAK)
 
 
 def test_neither_do_two_threads(rig, reduced):
