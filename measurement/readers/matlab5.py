@@ -62,7 +62,11 @@ class MatlabArray:
         if self.kind not in _NUMERIC:
             return None
         real, *imaginary = (self._numbers_in(e) for e in _first(2 if self.is_complex else 1, self.content))
-        return np.asarray(real + 1j * imaginary[0]) if imaginary else real
+        if not imaginary:
+            return real
+        value = np.empty(real.shape, np.result_type(real, 1j))
+        value.real, value.imag = real, imaginary[0]  # 1j * inf is not a number
+        return value
 
     def field(self, name: str) -> "MatlabArray | None":
         """Of a structure of one element. raises: DamagedFileError"""
