@@ -117,7 +117,7 @@ RESONANCE = Stage(
     optional=CURVE.optional,
 )
 
-STABILITY = Stage(name="stability", version=2, sections=(), after=(CURVE,), choices=("force",))
+STABILITY = Stage(name="stability", version=3, sections=(), after=(CURVE,), choices=("force",))
 
 # Only where a run says how accurate it is.
 FINER_POINTS = Stage(name="finer_points", version=1, sections=(), after=(CURVE,), choices=("force",))

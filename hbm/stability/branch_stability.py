@@ -29,7 +29,6 @@ Integers = NDArray[np.int64]
 SHARE = 6  # at most one of so many of the curve's points is computed,
 COST = 1 / 3  # and none once so much of the time that the curve took is spent,
 LEAST = 8  # but so many in any case
-UNTOLD = 4  # worth of a point that is not known, where one told by its neighbours has 1
 NOT_COMPUTED = "not computed: the curve's share of points was used up elsewhere"
 DIFFERENT = "between two points that differ, with none computed between them"
 
@@ -177,24 +176,25 @@ def _next_places(parts: tuple[Part, ...], known: dict[int, Judgement], peak: int
         wanted = [(*entry, part) for part in parts for entry in _worth(part, known)]
         if not wanted:
             return
-        _, place, part = max(wanted, key=lambda entry: entry[:2])
+        *_, place, part = max(wanted, key=lambda entry: entry[:3])
         yield part, place
 
 
-def _worth(part: Part, known: dict[int, Judgement]) -> Iterator[tuple[int, int]]:
-    """(worth, place): so many points are not known without it; those that two equal neighbours tell count less."""
+def _worth(part: Part, known: dict[int, Judgement]) -> Iterator[tuple[bool, int, int]]:
+    """(untold, points, place): so many points are not known without it; those that two equal neighbours tell come
+    after all others."""
     inside = _inside(part, known)
     if not inside:
-        yield UNTOLD * (part.last - part.start + 1), (part.start + part.last) // 2
+        yield True, part.last - part.start + 1, (part.start + part.last) // 2
         return
     if _unstable_throughout(part, known):
         return
     for end, nearest in ((part.start, inside[0]), (part.last, inside[-1])):
         if end != nearest:
-            yield UNTOLD * abs(end - nearest), end
+            yield True, abs(end - nearest), end
     for a, b in pairwise(inside):
         if b - a > 1:
-            yield (b - a) * (UNTOLD if known[a].state != known[b].state else 1), (a + b) // 2
+            yield known[a].state != known[b].state, b - a, (a + b) // 2
 
 
 def _inside(part: Part, known: dict[int, Judgement]) -> list[int]:
