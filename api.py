@@ -105,8 +105,7 @@ def response_curve(
     request = CurveRequest(
         name, model.parts.excited_by(_force(force)), frequencies, every, upwards, options or ContinuationOptions()
     )
-    curve = whole_curve(model.system, request)
-    return Curve(curve, reported)
+    return Curve(whole_curve(model.system, request), reported)
 
 
 def resonance(
@@ -132,8 +131,7 @@ def resonance(
     request = ResonanceRequest(
         name, model.parts.excitation, observed, frequencies, wanted, condition or MaximumResonance(), options
     )
-    curve = whole_resonance(model.system, request)
-    return Resonance(curve)
+    return Resonance(whole_resonance(model.system, request))
 
 
 # The three below import on call: reports and pictures (plotly, matplotlib) take a second to load, and an effect's file,

@@ -29,7 +29,7 @@ from updamp.fem.finite_element_model import finite_element_model
 from updamp.fem.static_contact.static_contact import static_contact
 from updamp.geometry.build_mesh import build_mesh
 from updamp.hbm.compilation_cache import keep_compiled
-from updamp.hbm.continuation.curve import CurveRequest, trace
+from updamp.hbm.continuation.curve import CurveRequest, whole_curve
 from updamp.model.build import RigModel, rig_model
 from updamp.model.rig_files import load_rig
 from updamp.rig.rig import Rig
@@ -69,7 +69,7 @@ def converging(rig: Rig, mesh: str, elements: Sequence[int]) -> Iterator[MeshPoi
         for mode, force in CURVES:
             started = time.process_time()
             request = CurveRequest(mode, model.excited_by(force), rig.study.modes[mode].window, (tip,))
-            *_, curve = trace(model.system, request)
+            curve = whole_curve(model.system, request)
             frequency, peak = curve.peak(tip)
             seconds = round(time.process_time() - started, 1)
             yield MeshPoint(count, mode, force, curve.complete, len(curve), 1e3 * peak, frequency, seconds)

@@ -74,16 +74,15 @@ def _with_point_at(
     or none is found."""
     if extreme is None:
         return curve
-    near, length, at = extreme.near, extreme.length, extreme.at
-    there = np.abs(length - at).min() < request.assembly.there * length[-1]
-    if there or curve.after_gap[near][1:].any():
+    there = np.abs(extreme.length - extreme.at).min() < request.assembly.there * extreme.length[-1]
+    if there or curve.after_gap[extreme.near][1:].any():
         return curve
     point = _between(system, request, curve, extreme)
     if point is None:
         return curve
     added = Records(system, request, 0.0)
     added.add(point)
-    after = near.start + int(np.searchsorted(length, at))
+    after = extreme.near.start + extreme.after
     columns = {name: np.insert(getattr(curve, name), after, added.columns[name][0], axis=0) for name in COLUMNS}
     return replace(curve, **columns)
 
@@ -96,7 +95,7 @@ def _between(
     within the chord's length of the chord: that is another branch."""
     near, length, at = extreme.near, extreme.length, extreme.at
     places = np.column_stack([curve.displacement[near].reshape(len(length), -1), 2 * np.pi * curve.frequency[near]])
-    after, scale_w = int(np.searchsorted(length, at)), request.options.scale_w(request.window)
+    after, scale_w = extreme.after, request.options.scale_w(request.window)
 
     def move(place: Floats) -> Move:
         return np.reshape(place[:-1], curve.displacement.shape[1:]), float(place[-1])

@@ -24,6 +24,11 @@ class Extreme:
     at: float
     value: float
 
+    @property
+    def after(self) -> int:
+        """Number among the points about it of the first one beyond it."""
+        return int(np.searchsorted(self.length, self.at))
+
 
 @dataclass(frozen=True, eq=False)
 class ResponseCurve:

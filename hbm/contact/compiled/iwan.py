@@ -98,8 +98,9 @@ def loop_areas(
         sample(displacement[e, 0], tables.synthesis, u)
         reached, at = _reached(u, p.nearness[e] / reference)
         _march(u, reached, p.exponent[e], at, cycles, n_sliders, tables.shares, 1.0, position, nothing)
+        integral = _integral(p.lost[e], p.exponent[e], reached, reference)
         for t in range(n + 1):
-            force[t] = -_integral(p.lost[e], p.exponent[e], reached, reference) * position[t % n]
+            force[t] = -integral * position[t % n]
         areas[i] = loop_area(u, force)
 
 
