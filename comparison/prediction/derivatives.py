@@ -23,6 +23,7 @@ Integers = NDArray[np.int64]
 # Of the equations for the derivatives: next to a turning point, where the Jacobian is nearly singular, no more is
 # to be had, and a fit does not need more.
 _TOLERANCE = 1e-5
+_ALL = slice(None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,21 +90,20 @@ def moves(point: BranchPoint, excitation: Excitation, changes: Sequence[Change],
     system = receptance.system
     here = _Here(receptance, equation.departure.value, equation.departure.frequency_derivative, excitation, rows)
     differences = [here.difference(change, x) for change in changes]
-    lift = receptance.excitation(excitation)
-    dr = np.stack([*(d[0] for d in differences), -lift, equation.frequency_derivative(excitation), 0 * x], axis=2)
+    n, by_w = len(x), here.by_frequency()
+    dr = np.stack([*(d[0] for d in differences), -here.lift[:n], -by_w[:n], 0 * x], axis=2)
     dx = np.zeros_like(dr)
     dx[..., :-1] = solve_many(jacobian, equation.departure, -dr[..., :-1], _TOLERANCE)
     dx[..., -1] = point.tangent_x
     forces = Loads.none(receptance, dx.shape[2])
-    forces.forces[: len(x)] = -apply_tangents(system, equation.departure, dx)
+    forces.forces[:n] = -apply_tangents(system, equation.departure, dx)
     dy = respond(receptance, forces).at(rows)
-    by_w = here.by_frequency()
     for j, difference in enumerate(differences):
         dy[..., j] += difference[1]
-    dy[..., -3] += receptance.excitation(excitation, rows)
-    dy[..., -2] += by_w
-    dy[..., -1] += by_w * point.tangent_w
-    return Moves(here.observed, dy, dx)
+    dy[..., -3] += here.lift[rows]
+    dy[..., -2] += by_w[rows]
+    dy[..., -1] += by_w[rows] * point.tangent_w
+    return Moves(here.motion[rows], dy, dx)
 
 
 def derivatives(point: BranchPoint, excitation: Excitation, changes: Sequence[Change], rows: Integers) -> Derivatives:
@@ -139,10 +139,6 @@ def _held(observed: Floats, dy: Floats, w_along: float, w: float) -> Floats:
     return np.asarray(-w * (along[:-1] @ by_parameter) / (along @ shift))
 
 
-def _observed(receptance: Receptance, excitation: Excitation, departure: Floats, rows: Integers) -> Floats:
-    return receptance.excitation(excitation, rows) - receptance.apply(departure, rows)
-
-
 @dataclass(frozen=True, eq=False)
 class _Here:
     """A solved point; departure: of its elements (n_relative, n_coefficients), departure_rate: its derivative by the
@@ -155,48 +151,50 @@ class _Here:
     rows: Integers
 
     @cached_property
-    def observed(self) -> Floats:
-        return _observed(self.receptance, self.excitation, self.departure, self.rows)
+    def lift(self) -> Floats:
+        """(n_rows, n_coefficients) motion of all rows under the excitation alone, all elements stuck"""
+        return self.receptance.excitation(self.excitation, _ALL)
+
+    @cached_property
+    def motion(self) -> Floats:
+        """(n_rows, n_coefficients) of all rows; of the relative ones as the structure answers the elements' forces"""
+        return self.lift - self.receptance.apply(self.departure, _ALL)
 
     def difference(self, change: Change, x: Floats) -> tuple[Floats, Floats]:
         """Of the residual and of the observed motion at the same x, over the step."""
-        system, w = change.system, self.receptance.w
-        if change.opposite is not None:
-            ahead, behind = (
-                self.difference(replace(change, system=s, opposite=None), x) for s in (system, change.opposite)
-            )
-            return (ahead[0] - behind[0]) / 2, (ahead[1] - behind[1]) / 2
         if change.contacts_alone:
-            # the residual as the point's own system has it: with its springs the structure stays the same
-            reference = self.receptance.system.reference_stiffness[:, None]
-            moved = (system.element_forces(x, w) - reference * x - self.departure) / change.step
-            return self.receptance.apply(moved), -self.receptance.apply(moved, self.rows)
-        receptance, n, rows = Receptance(system, w), len(x), self.rows + len(change.added)
+            return self._of_contacts(change.system, x, change.step)
+        if change.opposite is None:
+            return self._to_one_side(change.system, change, x)
+        ahead, behind = (self._to_one_side(system, change, x) for system in (change.system, change.opposite))
+        return (ahead[0] - behind[0]) / 2, (ahead[1] - behind[1]) / 2
+
+    def _of_contacts(self, system: NonlinearSystem, x: Floats, step: float) -> tuple[Floats, Floats]:
+        """The residual as the point's own system has it: with its springs the structure stays the same."""
+        stiffer = system.reference_stiffness - self.receptance.system.reference_stiffness
+        g = system.departure_value(x, self.receptance.w, self._known)
+        moved = self.receptance.apply((g - self.departure + stiffer[:, None] * x) / step, _ALL)
+        return moved[: len(x)], -moved[self.rows]
+
+    def _to_one_side(self, system: NonlinearSystem, change: Change, x: Floats) -> tuple[Floats, Floats]:
+        n, rows, further = len(x), self.rows, len(change.added)
+        receptance = Receptance(system, self.receptance.w)
         all_x = np.concatenate([x, self._motion_of(change.added)]) if change.added else x
-        g = self.departure if self._same_elements(system) else system.departure_value(all_x, w)
-        excitation = replace(self.excitation, row=self.excitation.row + len(change.added))
-        residual = all_x - receptance.excitation(excitation) + receptance.apply(g)
-        motion = _observed(receptance, excitation, g, rows)
-        return (residual[:n] - self._residual(x)) / change.step, (motion - self.observed) / change.step
+        g = system.departure_value(all_x, receptance.w, self._known)
+        excitation = replace(self.excitation, row=self.excitation.row + further) if further else self.excitation
+        motion = receptance.excitation(excitation, _ALL) - receptance.apply(g, _ALL)
+        return (self.motion[:n] - motion[:n]) / change.step, (motion[rows + further] - self.motion[rows]) / change.step
 
     def _motion_of(self, points: Sequence[str]) -> Floats:
         """(n_points, n_coefficients)"""
-        rows = np.array([self.receptance.system.free.row(point) for point in points])
-        return _observed(self.receptance, self.excitation, self.departure, rows)
+        return self.motion[[self.receptance.system.free.row(point) for point in points]]
 
     def by_frequency(self) -> Floats:
-        """Of the observed motion at held relative displacements."""
-        receptance, rows = self.receptance, self.rows
-        return (
-            receptance.excitation_rate(self.excitation, rows)
-            - receptance.apply_rate(self.departure, rows)
-            - receptance.apply(self.departure_rate, rows)
-        )
+        """(n_rows, n_coefficients) of the motion at held relative displacements."""
+        receptance = self.receptance
+        rate = receptance.excitation_rate(self.excitation, _ALL) - receptance.apply_rate(self.departure, _ALL)
+        return rate - receptance.apply(self.departure_rate, _ALL) if self.departure_rate.any() else rate
 
-    def _residual(self, x: Floats) -> Floats:
-        return x - self.receptance.excitation(self.excitation) + self.receptance.apply(self.departure)
-
-    def _same_elements(self, other: NonlinearSystem) -> bool:
-        own = self.receptance.system
-        same = len(other.groups) == len(own.groups) and other.harmonics == own.harmonics
-        return same and all(a is b for a, b in zip(other.groups, own.groups, strict=True))
+    @property
+    def _known(self) -> tuple[NonlinearSystem, Floats]:
+        return self.receptance.system, self.departure

@@ -67,15 +67,18 @@ def change_to(model: RigModel, changed: RigModel, step: float) -> Change:
     if not _same_structure(model, changed):
         return Change(_system_of(changed, model), step, added=points, reading=changed.reading)
     # the same object: what was worked out for it holds
-    system = NonlinearSystem(model.system.free, changed.groups, changed.harmonics, changed.time_samples)
+    system = NonlinearSystem(model.system.free, _groups(changed, model), changed.harmonics, changed.time_samples)
     return Change(system, step, contacts_alone=True, reading=changed.reading)
 
 
 def _system_of(changed: RigModel, model: RigModel) -> NonlinearSystem:
-    """With the model's own groups of elements where they have not changed: what was evaluated for them holds."""
+    return NonlinearSystem(changed.free, _groups(changed, model), changed.harmonics, changed.time_samples)
+
+
+def _groups(changed: RigModel, model: RigModel) -> tuple[ElementGroup, ...]:
+    """The model's own groups of elements where they have not changed: what was evaluated for them holds."""
     own = (*model.groups, *changed.groups[len(model.groups) :])
-    groups = tuple(a if _equal_groups(a, b) else b for a, b in zip(own, changed.groups, strict=True))
-    return NonlinearSystem(changed.free, groups, changed.harmonics, changed.time_samples)
+    return tuple(a if _equal_groups(a, b) else b for a, b in zip(own, changed.groups, strict=True))
 
 
 def change_of_effect(model: RigModel, effect: Effect, parameter: EffectParameter) -> Change:

@@ -269,6 +269,7 @@ def _seeds(law: ContactLaw, harmonics: Harmonics) -> jax.Array:
     return jnp.concatenate([pattern[:, None] * unit[:, None] for pattern in patterns])
 
 
+@lru_cache(maxsize=64)
 def _n_seeds(law: ContactLaw, harmonics: Harmonics) -> int:
     decoupled = len(decoupled_directions_of(law))
     return (law.directions - decoupled + (decoupled > 0)) * harmonics.n_coefficients
