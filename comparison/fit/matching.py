@@ -17,8 +17,8 @@ from updamp.comparison.prediction.predicted_branch import Observed, PredictedBra
 
 Floats = NDArray[np.float64]
 
-# How often the place is looked for again, four times as finely.
-_LOOKS = 4
+# How often the place is looked for again, four times as finely, and where, in widths.
+_LOOKS, _AROUND = 4, np.linspace(-1, 1, 9)
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +101,8 @@ class _Moved:
 
     seen: (n, m) observed, less what measured force and level do to it everywhere; of_drive: (n,) what the slope by the
         force, or by the level held, is taken times besides; None where they are the condition's
-    curves: of the state along the branch, of its change by the whole shift, and by a unit of the force or level
+    curves: of the state along the branch, of its change by the whole shift, and, where that is asked for, by a unit of
+        the force or level
     """
 
     branch: PredictedBranch
@@ -114,7 +115,8 @@ class _Moved:
         of_drive, everywhere = _drive(run)
         curve, slopes = branch.curves
         whole = np.einsum("kipm,p->kim", slopes.c, shift)
-        curves = PPoly.construct_fast(np.stack([curve.c, whole, slopes.c[:, :, -1]], axis=2), branch.place)
+        of_unit = [slopes.c[:, :, -1]] if of_drive.any() and not branch.proportional else []
+        curves = PPoly.construct_fast(np.stack([curve.c, whole, *of_unit], axis=2), branch.place)
         return _Moved(branch, run.observed - everywhere, of_drive if of_drive.any() else None, curves)
 
     def distance(self, tried: Floats, weights: Floats) -> Floats:
@@ -122,7 +124,8 @@ class _Moved:
         after the other, since arrays whose last axis has the few of them take several times as long."""
         found = self.curves(tried)
         value, change = logarithms(found[..., 0, :], found[..., 1:, :])
-        drive = of_force(change.shape[-1]) if self.branch.proportional else change[..., 1, :]
+        # of amplitudes proportional to the force without a curve
+        drive = change[..., 1, :] if change.shape[-2] > 1 else of_force(change.shape[-1])
         value += change[..., 0, :]
         total = np.zeros((len(self.seen), tried.shape[1]))
         for j in np.flatnonzero(weights):
@@ -141,12 +144,12 @@ def _nearest(moved: _Moved, weights: Floats) -> Floats:
     gradient would go astray where contacts begin to slip."""
     tried, widths = moved.branch.swept_places
     best = np.argmin(moved.distance(tried[None], weights), axis=1)
-    place, width = tried[best], widths[best]
+    place, width, each = tried[best], widths[best], np.arange(len(best))
     for _ in range(_LOOKS):
-        around = place[:, None] + width[:, None] * np.linspace(-1, 1, 9)
+        around = place[:, None] + width[:, None] * _AROUND
         around = np.clip(around, moved.branch.place[0], moved.branch.place[-1])
         closest = np.argmin(moved.distance(around, weights), axis=1)
-        place, width = np.take_along_axis(around, closest[:, None], axis=1)[:, 0], width / 4
+        place, width = around[each, closest], width / 4
     return place
 
 

@@ -119,17 +119,22 @@ class PredictedBranch:
 
 def logarithms(state: Floats, change: Floats) -> tuple[Floats, Floats]:
     """Of states (..., m) what is observed, and of changes (..., k, m) of the states how that changes."""
-    amplitude = state[..., 1::2] + 1j * state[..., 2::2]
+    amplitude = _amplitudes(state)
     # as long as all contacts stick there is no higher harmonic at all
     amplitude[np.abs(amplitude) < _NONE] = _NONE
-    ratio = (change[..., 1::2] + 1j * change[..., 2::2]) / amplitude[..., None, :]
-    return _joined(state[..., 0], np.log(amplitude)), _joined(change[..., 0], np.asarray(ratio))
+    ratio = _amplitudes(change) / amplitude[..., None, :]
+    return _joined(state[..., 0], np.log(amplitude)), _joined(change[..., 0], ratio)
+
+
+def _amplitudes(state: Floats) -> NDArray[np.complex128]:
+    """(..., m) -> (..., n_sensors), a copy"""
+    return state[..., 1:].copy().view(np.complex128)
 
 
 def _joined(first: Floats, amplitudes: NDArray[np.complex128]) -> Floats:
     """(...) and (..., n_sensors) -> (..., m)"""
     values = np.empty((*first.shape, 1 + 2 * amplitudes.shape[-1]))
-    values[..., 0], values[..., 1::2], values[..., 2::2] = first, amplitudes.real, amplitudes.imag
+    values[..., 0], values[..., 1:] = first, amplitudes.view(np.float64)
     return values
 
 
