@@ -142,9 +142,8 @@ def _march(
 
     shares, last_period: of the perturbation, as in `GrowingTables`
     """
-    n = len(position)
+    n, by_reached = len(position), np.zeros(len(position))
     position[:] = 0.0
-    by_reached = np.zeros(n)
     for i in range(n_sliders):
         share = ((i + 0.5) / n_sliders) ** (1 / (1 + exponent))
         limit, stands, source, side = share * reached, 0.0, n, 0.0
@@ -162,10 +161,16 @@ def _march(
                     size = size_of_change(source > t, last_period) / n_sliders
                     for a in range(columns.shape[1]):
                         columns[source, a] += size * shares[t, a]
-    if at < 0 or not len(columns):
-        return
-    sign = 1.0 if u[at] > 0 else -1.0
-    for t in range(n):
-        size = sign * size_of_change(at > t, last_period) * (by_reached[t] + position[t] * (1 + exponent) / reached)
+    if at >= 0 and len(columns):
+        by_reached += position * (1 + exponent) / reached
+        _add_by_reached(by_reached, at, 1.0 if u[at] > 0 else -1.0, shares, last_period, columns)
+
+
+@inner
+def _add_by_reached(by_reached: Any, at: int, sign: float, shares: Any, last_period: Any, columns: Any) -> None:
+    """What the sample at the largest displacement does to all of the period; by_reached: (n_time,) of the mean position
+    and of the integral; sign: of that displacement"""
+    for t in range(len(by_reached)):
+        size = sign * size_of_change(at > t, last_period) * by_reached[t]
         for a in range(columns.shape[1]):
             columns[at, a] += size * shares[t, a]
