@@ -55,8 +55,10 @@ class Corrector:
         if not solution.converged:
             return None, solution
         point = point_after(last, solution, self.excitation)
+        off = last.metric.length((solution.x - arc.x0, solution.w - arc.w0))
         if (
             self.options.counts(point.step, step)
+            and self.options.as_predicted(off, point.step)
             and on_same_branch(last, point, traced.limits)
             and not traced.contains(point)
         ):

@@ -123,34 +123,4 @@ def on_same_branch(last: BranchPoint, point: BranchPoint, limits: BranchLimits) 
     cosine = point.metric.product(point.tangent, move) / point.metric.length(move)
     before, after = last.orientation, point.orientation
     kept = before is None or after is None or before == after
-    ahead = cosine > limits.ahead if kept else point.step < limits.bifurcation and cosine > limits.straight
-    return ahead and (point.step < limits.bifurcation or _tangents_account_for(last, point))
-
-
-def _tangents_account_for(last: BranchPoint, point: BranchPoint) -> bool:
-    """Whether the tangents at both points account for the move: else it ended on another branch.
-
-    Between them the branch turns once at most, smoothly or in a kink, so that the move differs from the mean of the
-    tangents by half their difference at most. Asked of mean position, vibration and frequency each.
-    """
-    length, metric = point.step, last.metric
-    unit = metric.length(point.tangent)
-    (move_x, move_w), (x0, w0) = last.move_to(point), last.tangent
-    x1, w1 = point.tangent_x / unit, point.tangent_w / unit
-    off = (move_x / length - (x0 + x1) / 2, move_w / length - (w0 + w1) / 2)
-    turn = (x1 - x0, w1 - w0)
-    sizes = [_sizes(move, last) for move in (off, turn, (x0, w0), (x1, w1))]
-    floors = (0.02 / metric.weights.max(), 0.02, 0.02)  # of a mean position that hardly moves: against the vibration
-    return all(o <= 0.8 * t + 0.25 * max(a, b) + floor for o, t, a, b, floor in zip(*sizes, floors, strict=True))
-
-
-def _sizes(move: Move, last: BranchPoint) -> tuple[float, float, float]:
-    """Of the mean position [m], of the vibration and of the frequency, as the metric at the last point has them."""
-    (dx, dw), metric = move, last.metric
-    harmonics = last.solution.equation.receptance.system.harmonics
-    vibration = metric.weights * dx
-    mean = 0.0
-    if 0 in harmonics.orders:
-        mean = float(np.linalg.norm(dx[:, harmonics.slices[0]]))
-        vibration[:, harmonics.slices[0]] = 0.0
-    return mean, float(np.linalg.norm(vibration)), abs(dw) / metric.scale_w
+    return cosine > limits.ahead if kept else point.step < limits.bifurcation and cosine > limits.straight

@@ -21,6 +21,11 @@ class StepLengths:
     moved: least and largest distance from the last point at which a solution counts, as shares of the step: on a curve
         that bends evenly the plane across the tangent is met at a little more than the step; what lies elsewhere is
         another branch
+    off_predicted: a solution no further off the predicted place than this share of the step is on the branch, what lies
+        further off may be another one: branches lie close to each other where many contacts change their states, and
+        nothing at both ends of a long step tells them apart (angle between predictor and curve: Allgower and Georg
+        1990, Numerical Continuation Methods, section 6.1). The table in benchmarks/harmonic_balance/NOTES.md set it
+    sharp_turns: in steps up to this length the branch may turn by any angle: in a kink
     bend_within, bend_cosine: the predictor is bent by the change of the tangent from the point before, but for steps
         longer than so many times the one that the change is from, and where the tangents' cosine is below this:
         across a kink the change tells nothing
@@ -36,6 +41,8 @@ class StepLengths:
     most_growth: float = 2.0
     frequency_scale: float = 0.5
     moved: tuple[float, float] = (0.5, 1.6)
+    off_predicted: float = 0.2
+    sharp_turns: float = 2e-3
     bend_within: float = 4.0
     bend_cosine: float = 0.9
 
@@ -49,6 +56,8 @@ class StepLengths:
             raise ValueError(f"frequency_scale = {self.frequency_scale}: it must be positive")
         if self.most_growth < 1:
             raise ValueError(f"most_growth = {self.most_growth}: at least 1")
+        if not 0 < self.off_predicted < 1:
+            raise ValueError(f"off_predicted = {self.off_predicted}: a share between 0 and 1")
         if not 0 < self.moved[0] < 1 < self.moved[1]:
             raise ValueError(f"moved = {self.moved}: one share below 1 and one above it are needed")
 
@@ -75,6 +84,10 @@ class StepLengths:
     def counts(self, moved: float, step: float) -> bool:
         """Whether a solution so far from the last point is the one that the step was to lead to."""
         return self.moved[0] * step < moved < self.moved[1] * step
+
+    def as_predicted(self, off: float, moved: float) -> bool:
+        """Whether a solution this far off the predicted place, and from the last point, is on the branch."""
+        return moved < self.sharp_turns or off <= self.off_predicted * moved
 
     def bent(self, step: float, before: float, cosine: float) -> bool:
         """Whether the change of the tangent along the step before, and the cosine between both, say how the branch

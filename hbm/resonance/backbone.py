@@ -18,6 +18,7 @@ from updamp.hbm.resonance.resonance import (
     ResonanceProblem,
     ResonanceSolution,
     ResonanceState,
+    constant_force_plane,
 )
 from updamp.hbm.resonance.resonance_predictor import (
     BranchOfResonances,
@@ -149,6 +150,10 @@ def _follow(
     options: ResonanceOptions,
 ) -> Iterator[ResonancePoint]:
     upwards, metric = log_forces[-1] > first.state.log_force, RelativeMetric(scale_w)
+    # a maximum has a phase of its own, and what is followed is the response at one phase
+    first = condition.solve(problem, first.state, constant_force_plane(first.state), options.newton)
+    if not first.converged:
+        raise ResonanceStoppedError(first, first.status)
     branch = BranchOfResonances.from_force(metric, first, 1.0 if upwards else -1.0)
     steps, step = ResonanceSteps(problem, condition, branch, options), options.first_step
     followed = [FollowedResonance(first, branch.tangent(first.linearised, first.state), 0.0)]

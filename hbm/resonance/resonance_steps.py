@@ -111,7 +111,8 @@ class ResonanceSteps:
         if not solution.converged:
             return None, solution
         moved = metric.distance(last.state, solution.state)
-        if not self.options.counts(moved, step):
+        off = metric.distance(guess, solution.state)
+        if not (self.options.counts(moved, step) and self.options.as_predicted(off, moved)):
             return None, solution
         tangent = self.branch.tangent(solution.linearised, solution.state)
         way = difference(solution.state, last.state, 1 / moved)

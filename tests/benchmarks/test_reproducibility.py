@@ -52,9 +52,14 @@ def test_direction_and_round_off_change_nothing_that_is_read_from_a_curve(rig, r
         assert_same(other, first)
 
 
-def test_a_peak_at_a_kink_is_the_same_from_both_ends(reduced):
-    """Of the stress grid (2026-11-23): the top was looked for beyond the points beside it, and read 6 % too high."""
-    case = StressCase("IP", force_N=9.025, mu=0.3697, kt_N_per_mm3=1308.0, kn_N_per_mm3=4.31e6, pull_N=425.8)
+# Both of the stress grid. The first was read 6 % too high where the top was looked for beyond the points beside it.
+# The second was 2 % higher downwards, where a long step had ended on another branch.
+AT_A_KINK = StressCase("IP", force_N=9.025, mu=0.3697, kt_N_per_mm3=1308.0, kn_N_per_mm3=4.31e6, pull_N=425.8)
+BESIDE_ANOTHER = StressCase("IP", force_N=28.37, mu=0.6177, kt_N_per_mm3=5.259e4, kn_N_per_mm3=1.007e4, pull_N=2386.0)
+
+
+@pytest.mark.parametrize("case", [AT_A_KINK, BESIDE_ANOTHER], ids=["at a kink", "beside another branch"])
+def test_a_false_peak_is_mended(reduced, case):
     system, request = system_of(case, reduced)
     curves = [whole_curve(system, replace(request, upwards=upwards)) for upwards in (True, False)]
     assert all(curve.complete for curve in curves)

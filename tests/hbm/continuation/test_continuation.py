@@ -1,6 +1,7 @@
 """Branches: through folds, energy balance, resume, sweeps."""
 
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 import pytest
@@ -10,7 +11,9 @@ from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
 from updamp.hbm.continuation import curve as curve_module
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions, continue_branch
+from updamp.hbm.continuation.corrector import Corrector
 from updamp.hbm.continuation.curve import CurveRequest, trace
+from updamp.hbm.continuation.retracing import TracedBranch
 from updamp.hbm.continuation.sweeps import sweep, turning_points
 from updamp.hbm.newton.newton import NewtonOptions, Status
 from updamp.hbm.problem.elements import ElementGroup
@@ -53,6 +56,18 @@ def test_sweeps_jump_where_the_branch_turns(duffing):
     size = np.abs(curve.amplitude("mass"))
     assert size[up.visited].max() == size.max()
     assert size[down.visited].max() < 0.8 * size.max()
+
+
+def test_a_solution_far_off_the_predicted_place_is_refused(duffing):
+    """A long step may end on another branch; one as short as a kink may turn anywhere."""
+    system, request, _ = duffing
+    first = [*islice(continue_branch(system, request.excitation, request.window), 6)]
+    for off, step, taken in ((0.2, 0.1, True), (1e-9, 0.1, False), (1e-9, 1e-3, True)):
+        options = ContinuationOptions(off_predicted=off)
+        corrector = Corrector(system, request.excitation, options, options.scale_w(request.window))
+        point, solution = corrector.step(TracedBranch.through(first), step)
+        assert (point is not None) == taken
+        assert solution.converged == taken
 
 
 def test_a_branch_without_folds_is_seen_whole():
