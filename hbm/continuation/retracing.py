@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.continuation.branch import BranchPoint
-from updamp.hbm.newton.metric import Metric, Move
+from updamp.hbm.newton.metric import Metric
 
 Floats = NDArray[np.float64]
 
