@@ -91,7 +91,7 @@ def finished(tmp_path_factory):
     """A finished run: its rig file, its folder, what it printed."""
     folder = tmp_path_factory.mktemp("run")
     rig = short_study(folder, (441, 459), (431, 447))
-    result = run_command("run", rig, "--mesh", "small", "--out", folder / "out", "--jobs", 2, "--no-accuracy")
+    result = run_command("run", rig, "--mesh", "small", "--out", folder / "out", "--jobs", 1, "--no-accuracy")
     assert result.exit_code == 0, result.output
     return rig, folder / "out", result.output
 

@@ -63,7 +63,7 @@ def test_a_fit_that_leaves_a_misfit_of_its_mesh_explains_the_data_once_that_is_k
     monkeypatch.setattr(numerical_gate, "nuisances", lambda _: NUISANCES)
     truth = Parametrisation(apply(FINE, {"size": 1.0}), NUISANCES)
     conditions = tuple(condition(f) for f in (10.0, 60.0))
-    plan, _ = synthetic_plan(truth, np.zeros(4), conditions, np.array([1e-4, 0.02, 0.02, 0.01]), seed=7, repeats=2)
+    plan, _ = synthetic_plan(truth, np.zeros(4), conditions, np.array([1e-4, 0.02, 0.02, 0.01]), seed=7)
     starts = Starts((np.ones(1),), ())
     start = baseline(small_model(), (), plan, {"fine": FINE})
     found = refit(start.fitted, plan, (SPRING,), starts, Criteria(), full=True)
