@@ -28,7 +28,7 @@ from updamp.fem.static_contact.static_contact import static_contact
 from updamp.geometry.build_mesh import build_mesh
 from updamp.hbm.compilation_cache import keep_compiled
 from updamp.hbm.continuation.curve import CurveRequest, whole_curve
-from updamp.hbm.continuation.sweeps import sweep
+from updamp.hbm.continuation.sweeps import swept
 from updamp.hbm.resonance.quadrature import quadrature_resonances
 from updamp.model.build import rig_model
 from updamp.model.rig_files import load_rig
@@ -86,7 +86,7 @@ def read(name: str, rig: Rig, reduced: ReducedModel, mode: str, force: float, up
     request = CurveRequest(mode, model.excited_by(force), rig.study.modes[mode].window, (tip,), upwards)
     curve = whole_curve(model.system, request)
     frequency, peak = curve.peak(tip)
-    jumps = [tuple(sweep(curve.frequency, way).jumps) if curve.complete else () for way in (True, False)]
+    jumps = [tuple(swept(curve, way).jumps) if curve.complete else () for way in (True, False)]
     resonances = tuple(sorted(r.frequency for r in quadrature_resonances(curve, tip)))
     return Reading(name, curve.complete, len(curve), peak, frequency, jumps[0], jumps[1], resonances)
 

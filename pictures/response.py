@@ -14,7 +14,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from updamp.hbm.continuation.response_curve import ResponseCurve
-from updamp.hbm.continuation.sweeps import sweep
+from updamp.hbm.continuation.sweeps import swept
 from updamp.hbm.stability.branch_stability import BranchStability
 from updamp.pictures.branch_lines import HATCH, draw_branch, hatch_gaps, key_of_stability
 from updamp.pictures.smooth_branch import smooth_branch
@@ -100,9 +100,9 @@ def _level(ax: Axes, drawn: Responses, curve: ResponseCurve, colour: Any, width:
     ax.plot(frequency, MM * peak, "o", color=colour, markeredgecolor="white", markersize=6, zorder=3)
     size = MM * np.abs(curve.receptance(drawn.point))
     for upwards, marker in ((True, ">"), (False, "<")) if curve.complete else ():
-        swept = sweep(curve.frequency, upwards)
-        for place in swept.jump_after:
-            start, end = swept.visited[place], swept.visited[place + 1]
+        seen = swept(curve, upwards)
+        for place in seen.jump_after:
+            start, end = seen.visited[place], seen.visited[place + 1]
             at = curve.frequency[start]
             ax.plot([at, at], [size[start], size[end]], ":", color=colour, linewidth=1.1)
             ax.plot(
@@ -134,9 +134,9 @@ def _band(ax: Axes, curve: ResponseCurve, finer: ResponseCurve, point: str, colo
 
 def _key_of_marks(drawn: Responses) -> list[Artist]:
     curves, marks = drawn.curves, [("o", "peak")]
-    if any(len(sweep(curve.frequency, True).jumps) for curve in curves):
+    if any(len(swept(curve, True).jumps) for curve in curves):
         marks.append((">", "jump, sweep up"))
-    if any(len(sweep(curve.frequency, False).jumps) for curve in curves):
+    if any(len(swept(curve, False).jumps) for curve in curves):
         marks.append(("<", "jump, sweep down"))
     key: list[Artist] = [Line2D([], [], marker=mark, linestyle="", color=GREY, label=label) for mark, label in marks]
     if not all(curve.complete for curve in curves):

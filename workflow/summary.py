@@ -13,7 +13,7 @@ from updamp.fem.finite_element_model import CoupledCheck, FiniteElementResult
 from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.geometry.rig_mesh import RigMesh
 from updamp.hbm.continuation.response_curve import ResponseCurve
-from updamp.hbm.continuation.sweeps import sweep
+from updamp.hbm.continuation.sweeps import swept
 from updamp.hbm.resonance.quadrature import quadrature_resonances
 from updamp.hbm.resonance.resonance_curve import ResonanceCurve
 from updamp.hbm.stability.branch_stability import BranchStability
@@ -149,7 +149,7 @@ def energy_balance_error(curve: ResponseCurve) -> float:
 
 def jumps(curve: ResponseCurve, upwards: bool) -> list[float]:
     """Frequencies at which a slow sweep jumps [Hz]; none are known of a branch that was not followed throughout."""
-    return sweep(curve.frequency, upwards).jumps.tolist() if curve.complete else []
+    return swept(curve, upwards).jumps.tolist() if curve.complete else []
 
 
 def union_length(intervals: Sequence[tuple[float, float]]) -> float:

@@ -8,7 +8,7 @@ from updamp.design.errors import UnknownResponseError
 from updamp.design.responses.response import Response, response
 from updamp.design.solved_design import SolvedDesign
 from updamp.design.solved_peak import require_complete
-from updamp.hbm.continuation.sweeps import sweep
+from updamp.hbm.continuation.sweeps import swept
 from updamp.rig.rig import Force
 
 
@@ -23,7 +23,7 @@ class _OfSweep(Response):
         """[Hz] in the order of the sweep"""
         curve = design.curve(self.mode, self.force)
         require_complete(curve)
-        found: list[float] = sweep(curve.frequency, upwards=self.sweep == "up").jumps.tolist()
+        found: list[float] = swept(curve, upwards=self.sweep == "up").jumps.tolist()
         return found
 
     def modes(self) -> tuple[str, ...]:

@@ -17,8 +17,9 @@ class CompletenessLimits:
 
     window: width, as a share of the window
     half_width: width, as a share of the resonance's half-width (half of the width at the height of 1 / sqrt(2))
-    change: of the response across it, relative. Across a tenth of its half-width a linear resonance changes by a tenth
-        at most: for 1 / (1 + i s), s in half-widths, |d ln H / ds| <= 1
+    change: of the response across it, relative; across a jump too, for a sweep to show one. Across a tenth of its
+        half-width a linear resonance changes by a tenth at most: |d ln H / ds| <= 1 for 1 / (1 + i s), s in
+        half-widths
     """
 
     window: float = 0.005
@@ -38,11 +39,11 @@ def shortcoming(curve: ResponseCurve, window: tuple[float, float], limits: Compl
             return f"the window from {low:.4g} to {high:.4g} Hz is covered to {reached:.2f} Hz only"
     if abs(frequency[-1] - frequency[0]) < (high - low) / 2:
         return f"the branch turned back and left the window where it had entered, at {frequency[-1]:.2f} Hz"
-    response = np.stack([curve.amplitude(point) for point in curve.points], axis=1)
+    response = curve.amplitudes()
     width = half_width(frequency, np.abs(response[:, np.abs(response).max(axis=0).argmax()]))
     for i in np.flatnonzero(after_gap):
         apart = abs(frequency[i] - frequency[i - 1])
-        change = _change(response[i - 1], response[i])
+        change = relative_change(response[i - 1], response[i])
         if apart > allowed or apart > limits.half_width * width or change > limits.change:
             return (
                 f"the branch was not followed between {frequency[i - 1]:.2f} and {frequency[i]:.2f} Hz, where the "
@@ -60,7 +61,7 @@ def half_width(frequency: Floats, size: Floats) -> float:
     return float(np.max(np.abs(frequency[sides] - frequency[top]))) if sides else np.inf
 
 
-def _change(before: Complex, after: Complex) -> float:
+def relative_change(before: Complex, after: Complex) -> float:
     """Of the first harmonics, relative to the larger."""
     largest = max(np.linalg.norm(before), np.linalg.norm(after), np.finfo(float).tiny)
     return float(np.linalg.norm(after - before) / largest)

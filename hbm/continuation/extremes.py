@@ -15,7 +15,7 @@ from scipy.interpolate import CubicSpline
 from updamp.hbm.continuation.branch import BranchPoint, point_at
 from updamp.hbm.continuation.curve_records import COLUMNS, CurveRequest, Records
 from updamp.hbm.continuation.response_curve import Extreme, ResponseCurve
-from updamp.hbm.continuation.sweeps import sweep
+from updamp.hbm.continuation.sweeps import swept
 from updamp.hbm.newton.metric import Metric, Move
 from updamp.hbm.newton.newton import Arc, solve
 from updamp.hbm.problem.system import NonlinearSystem
@@ -27,7 +27,7 @@ def with_extremes_solved(system: NonlinearSystem, request: CurveRequest, curve: 
     """The curve with further points, at the top of the largest first harmonic at the first observed point and at the
     last frequency before each jump of a slow sweep."""
     for upwards in (True, False):
-        for jump in range(len(sweep(curve.frequency, upwards).jumps)):
+        for jump in range(len(swept(curve, upwards).jumps)):
             curve = _with_solved(system, request, curve, partial(_fold, request, upwards, jump))
     # last, as the height is read from a spline through the points about it, those of a fold among them
     return _with_solved(system, request, curve, partial(_highest, request))
@@ -60,10 +60,10 @@ def _highest(request: CurveRequest, curve: ResponseCurve) -> Extreme | None:
 def _fold(request: CurveRequest, upwards: bool, jump: int, curve: ResponseCurve) -> Extreme | None:
     """The last frequency before a jump, by its number; None where there are fewer: the fold before it reaches beyond
     this one."""
-    swept = sweep(curve.frequency, upwards)
-    if jump >= len(swept.jumps):
+    seen = swept(curve, upwards)
+    if jump >= len(seen.jumps):
         return None
-    place = int(swept.visited[swept.jump_after[jump]])
+    place = int(seen.visited[seen.jump_after[jump]])
     return curve.extreme(curve.frequency if upwards else -curve.frequency, place, request.points[0])
 
 

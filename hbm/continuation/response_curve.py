@@ -92,6 +92,10 @@ class ResponseCurve:
             raise ValueError(f"no point '{point}' on this curve; there are {', '.join(self.points)}")
         return self.harmonics.amplitude(self.response[:, self.points.index(point)], k)
 
+    def amplitudes(self) -> Complex:
+        """(n, n_points) first harmonics of all observed points [m]"""
+        return np.stack([self.amplitude(point) for point in self.points], axis=1)
+
     def receptance(self, point: str) -> Complex:
         """(n,) first harmonic over force [m/N]"""
         return self.amplitude(point) / self.force

@@ -1,12 +1,16 @@
 """What a slow sweep would see of a branch: the parts it follows and the frequencies where it jumps."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.hbm.continuation.completeness import CompletenessLimits, relative_change
+from updamp.hbm.continuation.response_curve import ResponseCurve
+
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
+Complex = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +58,26 @@ def sweep(frequency: Floats, upwards: bool) -> Sweep:
         jump_after.append(len(visited) - 1)
         start = after_jump
     return Sweep(np.array(visited), np.array(jumps), np.array(jump_after, dtype=np.int64))
+
+
+def swept(curve: ResponseCurve, upwards: bool, limits: CompletenessLimits | None = None) -> Sweep:
+    """As `sweep`, with those jumps only that show: across which the response changes by more than what counts as
+    continuous. Where contacts change their states a branch turns back by hundredths of a hertz dozens of times; which
+    of these folds are resolved depends on round-off.
+    """
+    limits = limits or CompletenessLimits()
+    seen, response = sweep(curve.frequency, upwards), curve.amplitudes()
+    show = [_change(curve.frequency, response, *seen.visited[[at, at + 1]]) > limits.change for at in seen.jump_after]
+    return replace(seen, jumps=seen.jumps[show], jump_after=seen.jump_after[show])
+
+
+def _change(frequency: Floats, response: Complex, end: int, landing: int) -> float:
+    """Of the response (n, n_points) across a jump, at the frequency at which it happens: the branch passes that
+    between the landing and the point before it, or has passed it where it has turned round since."""
+    before = landing - int(np.sign(landing - end))
+    rise, whole = frequency[end] - frequency[before], frequency[landing] - frequency[before]
+    share = rise / whole if 0 < rise * whole < whole**2 else 1.0
+    return relative_change(response[end], response[before] + share * (response[landing] - response[before]))
 
 
 def _after_jump(along: Floats, end: int) -> int | None:

@@ -6,12 +6,13 @@ needed, which sampled friction and separation do not have. For the same reason i
 where contacts change their states the place of the maximum jumps, the response at a given phase does not.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from updamp.hbm.continuation.step_lengths import StepLengths
 from updamp.hbm.newton.equation import linear_solution
 from updamp.hbm.newton.newton import NewtonOptions
 from updamp.hbm.resonance.resonance import (
@@ -24,6 +25,24 @@ from updamp.hbm.resonance.resonance import (
 )
 
 LARGEST_TURN = 0.4  # [rad] from one phase tried for the maximum to the next
+
+
+def turned(
+    problem: ResonanceProblem, solution: ResonanceSolution, turn: float, options: NewtonOptions, lengths: StepLengths
+) -> ResonanceSolution:
+    """The response at the same force with its phase turned [rad], on the same branch: by less where the solution lies
+    far off what the tangent at constant force has predicted, which may be another branch."""
+    state, line = solution.state, solution.linearised
+    while True:
+        dw = turn / line.y_by_frequency.imag if line.y_by_frequency.imag else 0.0
+        z = state.z - line.by_frequency * dw / np.exp(state.log_force)
+        guess = replace(state, z=z, w=state.w + dw, phase=state.phase + turn)
+        found = at_phase(problem, guess, constant_force_plane(guess), options)
+        off, moved = (float(np.linalg.norm(found.state.z - there.z)) for there in (guess, state))
+        size = float(np.linalg.norm(state.z))
+        if (found.converged and lengths.as_predicted(off / size, moved / size)) or abs(turn) < lengths.smallest_step:
+            return found
+        turn /= 2
 
 
 class ResonanceCondition(Protocol):
@@ -76,12 +95,14 @@ class MaximumResonance:
 
     tolerance: how near the phase comes to the maximum's [rad]; tries: phases tried at most
     followed: the phase that is followed [rad], by default that of the linear response at its maximum
+    lengths: of the moves from phase to phase
     raises: ValueError for a tolerance that is not a small angle
     """
 
     tolerance: float = 1e-3
     tries: int = 16
     followed: float | None = None
+    lengths: StepLengths = field(default_factory=StepLengths)
 
     def __post_init__(self) -> None:
         if not 1e-6 <= self.tolerance <= 0.1 or self.tries < 2:
@@ -114,8 +135,7 @@ class MaximumResonance:
             tried.add(solution.state.phase, lag)
             if abs(lag) < self.tolerance or tried.width < self.tolerance:
                 return replace(solution, iterations=iterations)
-            next_guess = replace(solution.state, phase=tried.next())
-            solution = at_phase(problem, next_guess, constant_force_plane(next_guess), options)
+            solution = turned(problem, solution, tried.next() - solution.state.phase, options, self.lengths)
             iterations = max(iterations, solution.iterations)
         return replace(largest, iterations=iterations)
 

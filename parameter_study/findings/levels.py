@@ -1,6 +1,6 @@
 """Findings about the peaks of all force levels: how they fall and shift, against the low level and against the test."""
 
-from updamp.hbm.continuation.sweeps import sweep
+from updamp.hbm.continuation.sweeps import swept
 from updamp.hbm.newton.observe import ContactState
 from updamp.parameter_study.design_numbers import design_numbers
 from updamp.parameter_study.findings.finding import Measured
@@ -64,8 +64,8 @@ def above_the_test(solved: SolvedStudy) -> Measured:
 
 
 def _jumps(solved: SolvedStudy, force: float) -> bool:
-    frequency = solved.curve(film(IP, force)).frequency
-    return any(len(sweep(frequency, upwards).jumps) for upwards in (True, False))
+    curve = solved.curve(film(IP, force))
+    return any(len(swept(curve, upwards).jumps) for upwards in (True, False))
 
 
 def _lowest_and_highest(solved: SolvedStudy, mode: str) -> tuple[Peak, Peak]:

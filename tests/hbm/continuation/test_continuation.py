@@ -1,6 +1,6 @@
 """Branches: through folds, energy balance, resume, sweeps."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import islice
 
 import numpy as np
@@ -10,11 +10,12 @@ from support.peers import blades_and_damper_system, one_degree_of_freedom, solve
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
 from updamp.hbm.continuation import curve as curve_module
+from updamp.hbm.continuation.completeness import CompletenessLimits
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions, continue_branch
 from updamp.hbm.continuation.corrector import Corrector
 from updamp.hbm.continuation.curve import CurveRequest, trace
 from updamp.hbm.continuation.retracing import TracedBranch
-from updamp.hbm.continuation.sweeps import sweep, turning_points
+from updamp.hbm.continuation.sweeps import sweep, swept, turning_points
 from updamp.hbm.newton.newton import NewtonOptions, Status
 from updamp.hbm.problem.elements import ElementGroup
 from updamp.hbm.problem.system import Excitation
@@ -56,6 +57,28 @@ def test_sweeps_jump_where_the_branch_turns(duffing):
     size = np.abs(curve.amplitude("mass"))
     assert size[up.visited].max() == size.max()
     assert size[down.visited].max() < 0.8 * size.max()
+
+
+def test_a_jump_that_changes_the_response_hardly_at_all_does_not_show(duffing):
+    """Whatever the steps: the change is taken at the frequency of the jump."""
+    _, _, curve = duffing
+    for upwards in (True, False):
+        np.testing.assert_array_equal(swept(curve, upwards).jumps, sweep(curve.frequency, upwards).jumps)
+        assert not len(swept(curve, upwards, CompletenessLimits(change=2.0)).jumps)
+    frequency = np.array([1.0, 2.0, 3.0, 2.5, 4.0, 5.0])  # turns back at 3, and passes it again a third of the way to 4
+    for size, shown in ((1.08, 0), (1.12, 1)):
+        values = np.array([1.0, 1.0, 1.0, size, size, 5.0])
+        assert len(swept(_FewPoints(frequency, values), True).jumps) == shown
+        assert len(swept(_FewPoints(frequency[::-1], values[::-1]), True).jumps) == shown
+
+
+@dataclass(frozen=True)
+class _FewPoints:
+    frequency: np.ndarray
+    size: np.ndarray
+
+    def amplitudes(self) -> np.ndarray:
+        return self.size[:, None].astype(complex)
 
 
 def test_a_solution_far_off_the_predicted_place_is_refused(duffing):
