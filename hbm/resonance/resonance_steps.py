@@ -94,9 +94,9 @@ class ResonanceSteps:
             if step <= options.smallest_step:
                 break
             step = options.shortened(step)
-        for tangent in self._tangents_beyond(last):
+        for there, tangent in self._beyond_kink(last):
             for length in options.beyond_kinks:
-                point, _ = self._corrected(last, ahead(last.state, tangent, length), tangent, length)
+                point, _ = self._corrected(last, ahead(there, tangent, length), tangent, length)
                 if point is not None:
                     return point, max(length, options.smallest_step)
         status = Status.STALLED if solution.status is Status.CONVERGED else solution.status
@@ -119,11 +119,12 @@ class ResonanceSteps:
         straight = min(metric.product(last.state, way, end) for end in (normal, tangent)) > self.options.straight
         return FollowedResonance(solution, tangent, moved) if straight else None, solution
 
-    def _tangents_beyond(self, last: FollowedResonance) -> Iterator[ResonanceState]:
-        """Of the branch as it is a little ahead, where contacts have other states."""
+    def _beyond_kink(self, last: FollowedResonance) -> Iterator[tuple[ResonanceState, ResonanceState]]:
+        """Places a little ahead, where contacts have other states, and the tangents of the branch as it is there. From
+        a place before the kink Newton's method leads back to the branch that came there."""
         for length in self.options.beyond_kinks:
             there = ahead(last.state, last.tangent, length)
             try:
-                yield self.branch.tangent(linearised_at(self.problem, there), there)
+                yield there, self.branch.tangent(linearised_at(self.problem, there), there)
             except scipy.linalg.LinAlgError:
                 continue
