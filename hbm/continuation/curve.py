@@ -114,16 +114,21 @@ def _from_further_starts(
     system: NonlinearSystem, request: CurveRequest, pieces: Pieces, started: float
 ) -> Iterator[None]:
     """Segments from starts between the open ends, in both directions, until the ends of the window are connected."""
+    left = request.assembly.from_starts
     for _ in range(request.assembly.most_starts):
         ends = [end.traced for end in pieces.open_ends() if end.traced is not None]
         start = next((point for point in starts(system, request, ends) if not pieces.knows(point)), None)
-        if start is None:
+        if start is None or not left:
             return
         pair = [_segment_from(system, request, start, upwards, started) for upwards in (True, False)]
         pieces.add(start, *pair)
-        for _ in range(request.assembly.connecting):
-            for segment in pair:
-                if segment.active and not pieces.connected and pieces.advance(segment):
+        for _ in range(min(request.assembly.connecting, left)):
+            going = [segment for segment in pair if segment.active and not pieces.connected]
+            if not going:
+                break
+            left -= 1
+            for segment in going:
+                if not pieces.connected and pieces.advance(segment):
                     yield
 
 

@@ -23,9 +23,12 @@ class CurveOptions:
     from_one_end: so many points are traced from one end alone, as many as most curves have; then from both in turn.
         A branch that goes on as it should costs no more that way; one that was lost at a kink is met from the other end
     connecting: where segments from both ends cover the window, so many points more are spent, from where they turn
-        back, on what connects them, and as many on each further start. It may be long: a hysteresis with many contacts
-        that change their states on the way between its folds
-    most_starts: of further segments, where those from both ends do not meet
+        back, on what connects them, and as many either way on each further start. It may be long: a hysteresis with
+        many contacts that change their states on the way between its folds, or a sharp resonance of nearly free blades,
+        from either side of which it comes in steps of 0.02. With 150 three curves of the stress grid ended there that
+        are complete with 600 (benchmarks/harmonic_balance/NOTES.md)
+    most_starts: of further segments, where those from both ends do not meet; from_starts: so many points either way on
+        all of them together
     start_lengths: beyond an open end, in units of arc, at which starts are looked for; start_shares: and at fixed
         frequencies so far ahead of it, as shares of the window
     same_start: starts closer than this are the same one [arc]: below the shortest step on the far side of a kink
@@ -38,8 +41,9 @@ class CurveOptions:
     """
 
     from_one_end: int = 200
-    connecting: int = 150
+    connecting: int = 600
     most_starts: int = 12
+    from_starts: int = 1800
     start_lengths: tuple[float, ...] = (0.03, 0.1, 0.2, 0.4)
     start_shares: tuple[float, ...] = (0.0025, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32)
     same_start: float = 1e-4
