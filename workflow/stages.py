@@ -111,7 +111,7 @@ CURVE = Stage(
 # A mode's resonance followed in the force, through all levels of the study; what goes into a curve goes into it.
 RESONANCE = Stage(
     name="resonance",
-    version=4,
+    version=5,
     sections=(*CURVE.sections, "excitation", "study.force_levels"),
     after=(STATIC_CONTACT,),
     optional=CURVE.optional,

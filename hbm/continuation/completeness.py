@@ -54,11 +54,18 @@ def shortcoming(curve: ResponseCurve, window: tuple[float, float], limits: Compl
 
 def half_width(frequency: Floats, size: Floats) -> float:
     """Half of the width at the height of 1 / sqrt(2) about the largest value [Hz]; along the branch, so that a
-    peak that overhangs has the width of its wider side. Infinite where neither side comes down to that height."""
+    peak that overhangs has the width of its wider side. Infinite where neither side comes down to that height.
+
+    Between the points on both sides of that height the branch is taken as straight.
+    """
     top = int(np.argmax(size))
-    below = np.flatnonzero(size < size[top] / np.sqrt(2))
-    sides = [*below[below < top][-1:], *below[below > top][:1]]
-    return float(np.max(np.abs(frequency[sides] - frequency[top]))) if sides else np.inf
+    level = size[top] / np.sqrt(2)
+    below = np.flatnonzero(size < level)
+    outside = np.array([*below[below < top][-1:], *below[below > top][:1]], dtype=int)
+    inside = outside + np.sign(top - outside)
+    share = (level - size[outside]) / (size[inside] - size[outside])
+    crossed = frequency[outside] + share * (frequency[inside] - frequency[outside])
+    return float(np.abs(crossed - frequency[top]).max()) if len(crossed) else np.inf
 
 
 def relative_change(before: Complex, after: Complex) -> float:

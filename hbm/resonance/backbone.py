@@ -149,7 +149,7 @@ def _follow(
     scale_w: float,
     options: ResonanceOptions,
 ) -> Iterator[ResonancePoint]:
-    upwards, metric = log_forces[-1] > first.state.log_force, RelativeMetric(scale_w)
+    upwards, metric = log_forces[-1] > first.state.log_force, RelativeMetric(problem.system.harmonics, scale_w)
     # a maximum has a phase of its own, and what is followed is the response at one phase
     first = condition.solve(problem, first.state, constant_force_plane(first.state), options.newton)
     if not first.converged:

@@ -50,16 +50,21 @@ class ResonanceState:
 
 @dataclass(frozen=True, eq=False)
 class Hyperplane:
-    """<normal, state - origin> = 0; phase takes no part. The metric is relative: z over size_z, w over scale_w."""
+    """<normal, state - origin> = 0; phase takes no part. As on a response curve (hbm/newton/metric.py), with ln F.
+
+    weights: (n_coefficients,) of z [N/m]; scale_w: one unit of arc [rad/s]
+    """
 
     origin: ResonanceState
     normal: ResonanceState
-    size_z: float
+    weights: Floats
     scale_w: float
 
     def product(self, dz: Floats, dw: float, dlog_force: float) -> float:
         n = self.normal
-        return float(np.vdot(n.z, dz) / self.size_z**2 + n.w * dw / self.scale_w**2 + n.log_force * dlog_force)
+        return float(
+            np.vdot(self.weights * n.z, self.weights * dz) + n.w * dw / self.scale_w**2 + n.log_force * dlog_force
+        )
 
     def offset(self, state: ResonanceState) -> float:
         o = self.origin
@@ -67,11 +72,11 @@ class Hyperplane:
 
 
 def constant_force_plane(state: ResonanceState) -> Hyperplane:
-    return Hyperplane(state, ResonanceState(np.zeros_like(state.z), 0.0, 1.0, 0.0), 1.0, 1.0)
+    return Hyperplane(state, ResonanceState(np.zeros_like(state.z), 0.0, 1.0, 0.0), np.ones(state.z.shape[1]), 1.0)
 
 
 def constant_frequency_plane(state: ResonanceState) -> Hyperplane:
-    return Hyperplane(state, ResonanceState(np.zeros_like(state.z), 1.0, 0.0, 0.0), 1.0, state.w)
+    return Hyperplane(state, ResonanceState(np.zeros_like(state.z), 1.0, 0.0, 0.0), np.ones(state.z.shape[1]), state.w)
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,18 +6,26 @@ from dataclasses import dataclass
 import numpy as np
 
 from updamp.hbm.continuation.step_lengths import StepLengths
+from updamp.hbm.harmonics import Harmonics
+from updamp.hbm.newton.metric import Floats, Metric
 from updamp.hbm.resonance.resonance import Linearised, ResonanceSolution, ResonanceState
 
 
 @dataclass(frozen=True)
 class RelativeMetric:
-    """Lengths in (z, w, ln F): z over its size, w over scale_w [rad/s]."""
+    """Lengths in (z, w, ln F): z and w as on a response curve (hbm/newton/metric.py), where the mean position hardly
+    counts; scale_w: one unit of arc [rad/s]."""
 
+    harmonics: Harmonics
     scale_w: float
 
     def product(self, here: ResonanceState, a: ResonanceState, b: ResonanceState) -> float:
-        by_size = float(np.vdot(a.z, b.z)) / size_of(here) ** 2
-        return by_size + a.w * b.w / self.scale_w**2 + a.log_force * b.log_force
+        on_curve = Metric.at(here.z, self.harmonics, self.scale_w)
+        return on_curve.product((a.z, a.w), (b.z, b.w)) + a.log_force * b.log_force
+
+    def weights(self, here: ResonanceState) -> Floats:
+        """(n_coefficients,) of z [N/m]"""
+        return Metric.at(here.z, self.harmonics, self.scale_w).weights
 
     def distance(self, here: ResonanceState, there: ResonanceState) -> float:
         move = difference(there, here, 1.0)
@@ -82,10 +90,6 @@ def predict(
     if not lengths.bent(step, last.step, metric.product(last.state, before, last.tangent)):
         return guess
     return ahead(guess, difference(last.tangent, before, 1 / last.step), step**2 / 2)
-
-
-def size_of(state: ResonanceState) -> float:
-    return max(float(np.linalg.norm(state.z)), np.finfo(float).tiny)
 
 
 def ahead(state: ResonanceState, rate: ResonanceState, step: float) -> ResonanceState:

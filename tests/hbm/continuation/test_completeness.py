@@ -202,3 +202,12 @@ def test_half_width_of_a_linear_resonance_is_that_of_its_damping():
     size = 1 / np.abs(1 - frequency**2 + 2j * ratio * frequency)
     assert half_width(frequency, size) == pytest.approx(ratio, rel=0.05)
     assert half_width(frequency[:1001], size[:1001]) == pytest.approx(ratio, rel=0.05)
+
+
+@pytest.mark.parametrize("offset", np.linspace(0, 1, 7))
+def test_half_width_does_not_depend_on_where_the_points_lie(offset):
+    """A phase of 0.2 rad from point to point, the longest step there is, and one point at the top."""
+    ratio = 0.01
+    phase = np.union1d(np.arange(-1.4, 1.4, 0.2) + 0.2 * offset, 0.0)
+    frequency = 1 + ratio * np.tan(phase)
+    assert half_width(frequency, np.cos(phase)) == pytest.approx(ratio, rel=0.02)
