@@ -161,7 +161,8 @@ def _follow(
         point, step = steps.next_point(followed, step)
         solution, last = point.solution, followed[-1].state
         for log_force in log_forces_passed(log_forces, last.log_force, solution.state.log_force):
-            at_log_force = _at_log_force(problem, condition, (followed[-1].solution, solution), log_force, options)
+            ends = followed[-1].solution, solution
+            at_log_force = _at_log_force(problem, condition, ends, log_force, metric, options)
             yield ResonancePoint(at_log_force, metric.distance(last, at_log_force.state), False, True)
             if log_force == log_forces[-1]:
                 return
@@ -186,14 +187,19 @@ def _at_log_force(
     condition: ResonanceCondition,
     ends: tuple[ResonanceSolution, ResonanceSolution],
     log_force: float,
+    metric: RelativeMetric,
     options: ResonanceOptions,
 ) -> ResonanceSolution:
-    """The resonance at exactly this force, between two that are known."""
+    """The resonance at exactly this force, between two that are known; what lies further from their chord than this is
+    long is on another branch."""
     here, there = (end.state for end in ends)
     share = (log_force - here.log_force) / (there.log_force - here.log_force)
     between = replace(ahead(here, difference(there, here, 1.0), share), log_force=log_force)
     for guess in (between, replace(there, log_force=log_force), replace(here, log_force=log_force)):
-        solution = _resonance_near(problem, condition, guess, options)
+        solution = condition.solve(problem, guess, constant_force_plane(guess), options.newton)
+        if not solution.converged or metric.distance(between, solution.state) > metric.distance(here, there):
+            continue
+        solution = _resonance_near(problem, condition, solution.state, options)
         if solution.converged:
             return solution
-    raise ResonanceStoppedError(solution, solution.status)
+    raise ResonanceStoppedError(solution, Status.STALLED if solution.converged else solution.status)
