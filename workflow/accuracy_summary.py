@@ -62,4 +62,6 @@ def error_cells(error: Mapping[str, Any] | None) -> tuple[str, str]:
 
 
 def _short(value: float) -> str:
-    return f"{value:+.2g}" if abs(value) >= NOTHING else "0"
+    """Two digits, none beyond the third decimal."""
+    short = f"{value:+.2g}" if abs(value) >= 0.01 else f"{value:+.3f}"
+    return short if abs(value) >= NOTHING and float(short) else "0"

@@ -22,7 +22,15 @@ from updamp.workflow.accuracy_summary import error_cells
 from updamp.workflow.adaptive_curves import ChosenHarmonics
 from updamp.workflow.stability_summary import stability_entry
 
-LEAST_WIDTH = {"force N": 5, "peak mm/N": 7, "at Hz": 6, "error %": 6, "error Hz": 6}  # numbers are not cut off
+LEAST_WIDTH = {
+    "force N": 5,
+    "peak mm/N": 7,
+    "at Hz": 6,
+    "error %": 6,
+    "error Hz": 6,
+    "jumps Hz": 11,
+    "": 8,
+}  # numbers are not cut off
 
 
 def mesh_entry(mesh: RigMesh) -> dict[str, Any]:
@@ -166,10 +174,18 @@ def write_summary(path: Path, summary: Mapping[str, Any]) -> None:
 
 
 def curves_table(entries: Sequence[Mapping[str, Any]]) -> Table:
-    table = Table(title="Response curves", title_justify="left", header_style="bold", box=SIMPLE_HEAD)
+    """Nothing is cut off in a terminal of 80 columns; each jump has a line of its own."""
+    table = Table(
+        title="Response curves",
+        title_justify="left",
+        header_style="bold",
+        box=SIMPLE_HEAD,
+        padding=0,
+        pad_edge=False,
+    )
     known = [entry["numerical_error"] for entry in entries if entry.get("numerical_error")]
     chosen = any(entry.get("harmonics_chosen") for entry in entries)
-    headings = ["mode", "force N", "peak mm/N", "at Hz", "jumps up Hz", "jumps down Hz", "points", "s", ""]
+    headings = ["mode", "force N", "peak mm/N", "at Hz", "jumps Hz", "points", "s", ""]
     for heading in (
         *headings[:4],
         *(("error %", "error Hz") if known else ()),
@@ -177,7 +193,10 @@ def curves_table(entries: Sequence[Mapping[str, Any]]) -> Table:
         *headings[4:],
     ):
         table.add_column(
-            heading, justify="left" if heading in ("mode", "") else "right", min_width=LEAST_WIDTH.get(heading)
+            heading.replace(" ", "\n"),
+            justify="left" if heading in ("mode", "") else "right",
+            min_width=LEAST_WIDTH.get(heading),
+            overflow="fold",
         )
     for entry in entries:
         table.add_row(
@@ -187,8 +206,7 @@ def curves_table(entries: Sequence[Mapping[str, Any]]) -> Table:
             f"{entry['peak_frequency_Hz']:.2f}" if entry["points"] else "",
             *(error_cells(entry.get("numerical_error")) if known else ()),
             *((str(entry["harmonics"][-1]),) if chosen else ()),
-            ", ".join(f"{f:.2f}" for f in entry.get("jumps_up_Hz", ())),
-            ", ".join(f"{f:.2f}" for f in entry.get("jumps_down_Hz", ())),
+            "\n".join(f"{f:.2f} {way}" for way in ("up", "down") for f in entry.get(f"jumps_{way}_Hz", ())),
             str(entry["points"]),
             f"{entry['seconds']:.0f}",
             _remark(entry),
