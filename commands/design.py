@@ -58,7 +58,7 @@ def design(
         with Display(console) as display:
             result = run_study(read, folder, jobs or read.jobs or usual_workers(), scheduler, display)
             display.done("files", ", ".join(write_outputs(result)))
-        console.print(best_table(result))
+        console.print(best_table(result, console.width))
         for note in result.method.notes if result.method else ():
             console.print(Text.assemble(("note      ", "yellow"), note), soft_wrap=True)
         console.print(f"{folder}", highlight=False, soft_wrap=True)

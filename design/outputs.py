@@ -1,5 +1,6 @@
 """Everything that a study leaves for people and other programs."""
 
+from rich.markup import escape
 from rich.table import Table
 
 from updamp.design.page.page import write_page
@@ -8,7 +9,8 @@ from updamp.design.run_study import StudyResult
 from updamp.design.study_json import write_study_json
 from updamp.design.table import problem_of, write_csv, write_parquet
 
-_SHOWN = 12  # designs on the terminal
+_SHOWN = 12  # designs on the terminal at most
+_VALUE, _BETWEEN = 9, 2  # characters of a value, and to the next one
 
 
 def write_outputs(result: StudyResult) -> tuple[str, ...]:
@@ -21,18 +23,22 @@ def write_outputs(result: StudyResult) -> tuple[str, ...]:
     return "designs.csv", "designs.parquet", "study.json", "study.html"
 
 
-def best_table(result: StudyResult) -> Table:
-    """The best designs, or the first ones where the study has no objective."""
+def best_table(result: StudyResult, width: int) -> Table:
+    """The best designs, or the first ones where the study has no objective; a column each, as many as a terminal of
+    this width [characters] holds."""
     study = result.study
     best = best_records(problem_of(study), result.records)
     title = "Best designs" if study.objectives else "Designs"
-    table = Table(title=title, title_justify="left", header_style="bold", box=None, padding=(0, 2, 0, 0))
-    names = [*((one.name, one.unit) for one in study.variables), *((one.name, one.unit) for one in study.responses)]
-    table.add_column("design", justify="right")
-    for name, unit in names:
-        table.add_column(f"{name} \\[{unit}]" if unit else name, justify="right", overflow="fold")
-    for record in (best or (() if study.objectives else result.records))[:_SHOWN]:
-        known = {**record.values, **record.responses}
-        values = [known.get(name) for name, _ in names]
-        table.add_row(str(record.number), *("not known" if v is None else f"{v:.5g}" for v in values))
+    table = Table(title=title, title_justify="left", header_style="bold", box=None, padding=(0, _BETWEEN, 0, 0))
+    units = {one.name: one.unit for one in study.variables} | {one.name: one.unit for one in study.responses}
+    names = {name: f"{name} [{unit}]" if unit else name for name, unit in units.items()}
+    room = width - max(len(name) for name in names.values()) - _BETWEEN
+    number = min(_SHOWN, max(1, room // (_VALUE + _BETWEEN)))
+    shown = (best or (() if study.objectives else result.records))[:number]
+    table.add_column("design")
+    for record in shown:
+        table.add_column(str(record.number), justify="right", min_width=_VALUE)
+    for name, heading in names.items():
+        values = [{**record.values, **record.responses}.get(name) for record in shown]
+        table.add_row(escape(heading), *("not known" if v is None else f"{v:.4g}" for v in values))
     return table

@@ -1,13 +1,15 @@
 """Methods that choose all designs beforehand."""
 
 import csv
+from io import StringIO
 
 import numpy as np
 import pytest
+from rich.console import Console
 from support.modal_study import STUDY, write_study
 from support.study_runs import run
 
-from updamp.design.outputs import write_outputs
+from updamp.design.outputs import best_table, write_outputs
 from updamp.design.table import rows
 
 METHODS = {
@@ -50,6 +52,19 @@ def test_a_design_without_a_response_is_kept_with_its_reason(folder):
     for one in result.records:
         assert (one.outcome, one.responses["second"]) == ("partly", None)
         assert "the model keeps 1 modes of beam" in one.reason
+
+
+@pytest.mark.parametrize(("width", "number"), [(80, 5), (40, 2), (10, 1), (500, 8)])
+def test_the_terminal_shows_as_many_designs_as_it_holds_without_cutting_a_number(folder, width, number):
+    result = run(write_study(folder, 'kind = "sobol"\nsamples = 8'))
+    console = Console(width=max(width, 40), record=True, file=StringIO())
+    console.print(best_table(result, width))
+    words = console.export_text().split()
+    shown = result.records[:number]
+    assert [str(one.number) for one in shown] == words[words.index("design") + 1 :][:number]
+    for one in shown:
+        assert f"{one.values['mass']:.4g}" in words
+        assert f"{one.responses['free']:.4g}" in words
 
 
 def test_the_tables_hold_what_the_records_hold(folder):
