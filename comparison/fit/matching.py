@@ -18,7 +18,7 @@ from updamp.comparison.prediction.predicted_branch import Observed, PredictedBra
 Floats = NDArray[np.float64]
 
 # How often the place is looked for again, four times as finely, and where, in widths.
-_LOOKS, _AROUND = 4, np.linspace(-1, 1, 9)
+_LOOKS, _AROUND = 5, np.linspace(-1, 1, 9)
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ from updamp.comparison.prediction.model_at import ModelAt, model_at
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.comparison.prediction.run_condition import RunCondition
-from updamp.comparison.prediction.traced_branch import observe_swept
+from updamp.comparison.prediction.traced_branch import BranchOptions, observe_swept
 from updamp.hbm.continuation.branch import BranchPoint, other_way_round, point_after, point_at
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions, continue_branch
 from updamp.hbm.newton.metric import Move
@@ -49,7 +49,7 @@ def move_branch(
     moved = _moved(there, before, excitation)
     if len(moved) < (1 - _LOST) * len(before.points):
         return None
-    steps = options or ContinuationOptions()
+    steps = options or BranchOptions()
     filled = _filled(system, excitation, moved, _STRETCHED * steps.largest_step)
     if filled is None:
         return None

@@ -1,6 +1,7 @@
 """Solved points of one test as a branch in what is observed: followed by continuation, or given."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,15 @@ Floats = NDArray[np.float64]
 _LINEAR = 1e-6
 
 
+@dataclass(frozen=True)
+class BranchOptions(ContinuationOptions):
+    """off_predicted: without a limit. Where a limit adds points about kinks chi-square changes by tens and with it
+        verdicts, in the right direction or not: docs/notes.md, Comparison
+    """
+
+    off_predicted: float = np.inf
+
+
 def trace_branch(
     parametrisation: Parametrisation, u: Floats, condition: RunCondition, options: ContinuationOptions | None = None
 ) -> PredictedBranch:
@@ -38,7 +48,7 @@ def trace_branch(
     low, high = condition.wider
 
     def follow(upwards: bool) -> Iterable[BranchPoint]:
-        return continue_branch(system, excitation, (low, high), options, upwards)
+        return continue_branch(system, excitation, (low, high), options or BranchOptions(), upwards)
 
     far_end = BranchFromFarEnd(lambda: follow(not condition.upwards), 2 * np.pi * (high - low))
     return observe_swept(there, condition, follow(condition.upwards), far_end=far_end)
