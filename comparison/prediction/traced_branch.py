@@ -28,7 +28,7 @@ _LINEAR = 1e-6
 @dataclass(frozen=True)
 class BranchOptions(ContinuationOptions):
     """off_predicted: without a limit. Where a limit adds points about kinks chi-square changes by tens and with it
-        verdicts, in the right direction or not: docs/notes.md, Comparison
+    verdicts, in the right direction or not: docs/notes.md, Comparison
     """
 
     off_predicted: float = np.inf
