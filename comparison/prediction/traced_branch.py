@@ -27,11 +27,11 @@ _LINEAR = 1e-6
 
 @dataclass(frozen=True)
 class BranchOptions(ContinuationOptions):
-    """off_predicted: without a limit. Where a limit adds points about kinks chi-square changes by tens and with it
-    verdicts, in the right direction or not: docs/notes.md, Comparison
+    """off_predicted: no further than the step is long. A closer limit adds points about kinks, by which chi-square
+    changes by tens and with it verdicts, in the right direction or not: docs/notes.md, Comparison
     """
 
-    off_predicted: float = np.inf
+    off_predicted: float = 1.0
 
 
 def trace_branch(

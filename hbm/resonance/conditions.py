@@ -14,7 +14,6 @@ from scipy.optimize import minimize_scalar
 
 from updamp.hbm.continuation.step_lengths import StepLengths
 from updamp.hbm.newton.equation import linear_solution
-from updamp.hbm.newton.metric import Metric
 from updamp.hbm.newton.newton import NewtonOptions
 from updamp.hbm.resonance.resonance import (
     Hyperplane,
@@ -34,13 +33,13 @@ def turned(
     """The response at the same force with its phase turned [rad], on the same branch: by less where the solution lies
     far off what the tangent at constant force has predicted, which may be another branch."""
     state, line = solution.state, solution.linearised
-    metric = Metric.at(state.z, problem.system.harmonics, state.w)
+    size = float(np.linalg.norm(state.z))  # the mean position counts: branches that vibrate alike differ in it
     while True:
         dw = turn / line.y_by_frequency.imag if line.y_by_frequency.imag else 0.0
         z = state.z - line.by_frequency * dw / np.exp(state.log_force)
         guess = replace(state, z=z, w=state.w + dw, phase=state.phase + turn)
         found = at_phase(problem, guess, constant_force_plane(guess), options)
-        off, moved = (metric.length((found.state.z - there.z, 0.0)) for there in (guess, state))
+        off, moved = (float(np.linalg.norm(found.state.z - there.z)) / size for there in (guess, state))
         if (found.converged and lengths.as_predicted(off, moved)) or abs(turn) < lengths.smallest_step:
             return found
         turn /= 2
