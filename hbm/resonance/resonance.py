@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from updamp.hbm.newton import observe
 from updamp.hbm.newton.equation import Equation, evaluate
 from updamp.hbm.newton.jacobian import Jacobian
+from updamp.hbm.newton.metric import Metric
 from updamp.hbm.newton.newton import NewtonOptions, Status
 from updamp.hbm.newton.tangent import apply_tangent
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
@@ -50,21 +51,15 @@ class ResonanceState:
 
 @dataclass(frozen=True, eq=False)
 class Hyperplane:
-    """<normal, state - origin> = 0; phase takes no part. As on a response curve (hbm/newton/metric.py), with ln F.
-
-    weights: (n_coefficients,) of z [N/m]; scale_w: one unit of arc [rad/s]
-    """
+    """<normal, state - origin> = 0, as on a response curve with ln F besides; phase takes no part."""
 
     origin: ResonanceState
     normal: ResonanceState
-    weights: Floats
-    scale_w: float
+    metric: Metric
 
     def product(self, dz: Floats, dw: float, dlog_force: float) -> float:
         n = self.normal
-        return float(
-            np.vdot(self.weights * n.z, self.weights * dz) + n.w * dw / self.scale_w**2 + n.log_force * dlog_force
-        )
+        return self.metric.product((n.z, n.w), (dz, dw)) + n.log_force * dlog_force
 
     def offset(self, state: ResonanceState) -> float:
         o = self.origin
@@ -72,11 +67,15 @@ class Hyperplane:
 
 
 def constant_force_plane(state: ResonanceState) -> Hyperplane:
-    return Hyperplane(state, ResonanceState(np.zeros_like(state.z), 0.0, 1.0, 0.0), np.ones(state.z.shape[1]), 1.0)
+    return _plane(state, ResonanceState(np.zeros_like(state.z), 0.0, 1.0, 0.0), 1.0)
 
 
 def constant_frequency_plane(state: ResonanceState) -> Hyperplane:
-    return Hyperplane(state, ResonanceState(np.zeros_like(state.z), 1.0, 0.0, 0.0), np.ones(state.z.shape[1]), state.w)
+    return _plane(state, ResonanceState(np.zeros_like(state.z), 1.0, 0.0, 0.0), state.w)
+
+
+def _plane(state: ResonanceState, normal: ResonanceState, scale_w: float) -> Hyperplane:
+    return Hyperplane(state, normal, Metric(np.ones(state.z.shape[1]), scale_w))
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ import numpy as np
 
 from updamp.hbm.continuation.step_lengths import StepLengths
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.newton.metric import Floats, Metric
+from updamp.hbm.newton.metric import Metric
 from updamp.hbm.resonance.resonance import Linearised, ResonanceSolution, ResonanceState
 
 
@@ -19,13 +19,11 @@ class RelativeMetric:
     harmonics: Harmonics
     scale_w: float
 
-    def product(self, here: ResonanceState, a: ResonanceState, b: ResonanceState) -> float:
-        on_curve = Metric.at(here.z, self.harmonics, self.scale_w)
-        return on_curve.product((a.z, a.w), (b.z, b.w)) + a.log_force * b.log_force
+    def on_curve(self, here: ResonanceState) -> Metric:
+        return Metric.at(here.z, self.harmonics, self.scale_w)
 
-    def weights(self, here: ResonanceState) -> Floats:
-        """(n_coefficients,) of z [N/m]"""
-        return Metric.at(here.z, self.harmonics, self.scale_w).weights
+    def product(self, here: ResonanceState, a: ResonanceState, b: ResonanceState) -> float:
+        return self.on_curve(here).product((a.z, a.w), (b.z, b.w)) + a.log_force * b.log_force
 
     def distance(self, here: ResonanceState, there: ResonanceState) -> float:
         move = difference(there, here, 1.0)

@@ -105,7 +105,7 @@ class ResonanceSteps:
         self, last: FollowedResonance, guess: ResonanceState, normal: ResonanceState, step: float
     ) -> tuple[FollowedResonance | None, ResonanceSolution]:
         metric = self.branch.metric
-        plane = Hyperplane(guess, normal, metric.weights(last.state), metric.scale_w)
+        plane = Hyperplane(guess, normal, metric.on_curve(last.state))
         solution = self.condition.solve(self.problem, guess, plane, self.options.corrector)
         if not solution.converged:
             return None, solution
