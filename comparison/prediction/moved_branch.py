@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 from updamp.comparison.prediction.model_at import ModelAt, model_at
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
+from updamp.comparison.prediction.refined import NEWTON, point_between
 from updamp.comparison.prediction.run_condition import RunCondition
-from updamp.comparison.prediction.traced_branch import BranchOptions, observe_swept
+from updamp.comparison.prediction.traced_branch import observe_swept
 from updamp.hbm.continuation.branch import BranchPoint, other_way_round, point_after, point_at
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions, continue_branch
-from updamp.hbm.newton.metric import Move
-from updamp.hbm.newton.newton import Arc, NewtonOptions, solve
+from updamp.hbm.newton.newton import Arc, solve
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 Floats = NDArray[np.float64]
@@ -25,10 +25,6 @@ _SPARE = 0.04
 _STRETCHED = 1.5
 # Share of the points that may be lost on the way.
 _LOST = 0.25
-# A point put between two others has to be nearer to both than this share of their distance.
-_BETWEEN = 0.8
-# Derivatives of a fit need no more.
-_NEWTON = NewtonOptions(tolerance=1e-7, iterations=10, patience=4)
 
 
 def move_branch(
@@ -49,7 +45,7 @@ def move_branch(
     moved = _moved(there, before, excitation)
     if len(moved) < (1 - _LOST) * len(before.points):
         return None
-    steps = options or BranchOptions()
+    steps = options or ContinuationOptions()
     filled = _filled(system, excitation, moved, _STRETCHED * steps.largest_step)
     if filled is None:
         return None
@@ -66,7 +62,8 @@ def _visible_gaps(branch: PredictedBranch) -> int:
 
 
 def _moved(there: ModelAt, before: PredictedBranch, excitation: Excitation) -> list[BranchPoint]:
-    """Without those that do not converge."""
+    """Without those that do not converge, or come to lie behind the one before: points on either side of where a
+    contact begins to slip move by different amounts."""
     moved: list[BranchPoint] = []
     gap = False
     for i, point in enumerate(before.points):
@@ -74,11 +71,15 @@ def _moved(there: ModelAt, before: PredictedBranch, excitation: Excitation) -> l
         du = there.u[:known] - before.u[:known]
         x = point.x + np.tensordot(du, before.x_by_parameter[i], axes=1)
         w = point.w + float(before.w_by_parameter[i] @ du)
-        solution = solve(there.model.system, excitation, x, w, _NEWTON, Arc(x, w, point.tangent, point.metric))
+        solution = solve(there.model.system, excitation, x, w, NEWTON, Arc(x, w, point.tangent, point.metric))
         gap = gap or point.after_gap
-        if solution.converged:
+        if not solution.converged:
+            continue
+        if gap or not moved:
             moved.append(point_at(solution, excitation, point.metric.scale_w, point.tangent, point.step, gap))
-            gap = False
+        elif moved[-1].metric.product(moved[-1].move_to(solution), moved[-1].tangent) > 0:
+            moved.append(point_after(moved[-1], solution, excitation))
+        gap = False
     return moved
 
 
@@ -94,26 +95,11 @@ def _filled(
             if following.after_gap or last.distance(following) <= longest:
                 filled.append(waiting.pop())
                 continue
-            middle = _between(system, excitation, last, following)
+            middle = point_between(system, excitation, last, following)
             if middle is None:
                 return None
             waiting.append(middle)
     return filled
-
-
-def _between(system: NonlinearSystem, excitation: Excitation, a: BranchPoint, b: BranchPoint) -> BranchPoint | None:
-    """A point half way; None where there is none that is nearer to both than they are to each other."""
-    dx, dw = a.move_to(b)
-    length = a.distance(b)
-    # Hermite's cubic through both, half way
-    x = (a.x + b.x) / 2 + length / 8 * (a.tangent_x - b.tangent_x)
-    w = (a.w + b.w) / 2 + length / 8 * (a.tangent_w - b.tangent_w)
-    direction: Move = (dx / length, dw / length)
-    solution = solve(system, excitation, x, w, _NEWTON, Arc(x, w, direction, a.metric))
-    if not solution.converged:
-        return None
-    point = point_after(a, solution, excitation)
-    return point if max(point.step, point.distance(b)) < _BETWEEN * length else None
 
 
 def _covering(

@@ -126,6 +126,14 @@ def logarithms(state: Floats, change: Floats) -> tuple[Floats, Floats]:
     return _joined(state[..., 0], np.log(amplitude)), _joined(change[..., 0], ratio)
 
 
+def length_of(change: Floats, state: Floats, condition: RunCondition) -> Floats:
+    """(n,) of changes of the state: amplitudes relative to all of them, and the whole window in frequency as much as
+    half a turn of phase."""
+    of_frequency = np.pi * change[:, 0] / np.log(condition.wider[1] / condition.wider[0])
+    of_amplitude = np.linalg.norm(change[:, 1:], axis=1) / np.linalg.norm(state[:, 1:], axis=1)
+    return np.asarray(np.hypot(of_frequency, of_amplitude))
+
+
 def _amplitudes(state: Floats) -> NDArray[np.complex128]:
     """(..., m) -> (..., n_sensors), a copy"""
     return state[..., 1:].copy().view(np.complex128)

@@ -31,6 +31,8 @@ class RunCondition:
         test is called by
     sensors: (point of the model, harmonic), in the order of the observations
     control: the response that a controller held; None where the force is what was set
+    noise: standard deviations of what is observed, as in `Observations`; a branch is interpolated as well as they ask
+        for, or as the steps have it where there are none
     """
 
     name: str
@@ -42,6 +44,7 @@ class RunCondition:
     held: float | None = None
     unit: str = "N"
     control: HeldResponse | None = None
+    noise: tuple[float, ...] = ()
 
     @property
     def level(self) -> float:

@@ -1,7 +1,6 @@
 """Solved points of one test as a branch in what is observed: followed by continuation, or given."""
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +10,9 @@ from updamp.comparison.prediction.held_branch import HeldPoint, held_state, trac
 from updamp.comparison.prediction.model_at import ModelAt, model_at
 from updamp.comparison.prediction.observed_point import ObservedPoint, Observer, light
 from updamp.comparison.prediction.parameters import Parametrisation
-from updamp.comparison.prediction.predicted_branch import PredictedBranch, with_patterns
+from updamp.comparison.prediction.predicted_branch import PredictedBranch, length_of, with_patterns
 from updamp.comparison.prediction.readings import as_read
+from updamp.comparison.prediction.refined import point_between, refined
 from updamp.comparison.prediction.run_condition import RunCondition
 from updamp.comparison.prediction.swept_points import BranchFromFarEnd, swept_points
 from updamp.hbm.continuation.branch import BranchPoint
@@ -23,15 +23,6 @@ Floats = NDArray[np.float64]
 
 # To what share of the largest amplitude a response has to be proportional to the force.
 _LINEAR = 1e-6
-
-
-@dataclass(frozen=True)
-class BranchOptions(ContinuationOptions):
-    """off_predicted: no further than the step is long. A closer limit adds points about kinks, by which chi-square
-    changes by tens and with it verdicts, in the right direction or not: docs/notes.md, Comparison
-    """
-
-    off_predicted: float = 1.0
 
 
 def trace_branch(
@@ -48,7 +39,7 @@ def trace_branch(
     low, high = condition.wider
 
     def follow(upwards: bool) -> Iterable[BranchPoint]:
-        return continue_branch(system, excitation, (low, high), options or BranchOptions(), upwards)
+        return continue_branch(system, excitation, (low, high), options or ContinuationOptions(), upwards)
 
     far_end = BranchFromFarEnd(lambda: follow(not condition.upwards), 2 * np.pi * (high - low))
     return observe_swept(there, condition, follow(condition.upwards), far_end=far_end)
@@ -67,8 +58,24 @@ def observe_swept(
 
     raises: BranchStoppedError where the points end with it before there are enough of them
     """
-    observed, reason = swept_points(points, condition.upwards, Observer(there, condition), far_end)
-    return _of_observed(there, condition, observed, stopped or reason)
+    look = Observer(there, condition)
+    observed, reason = swept_points(points, condition.upwards, look, far_end)
+    return _of_observed(
+        there, condition, refined(observed, condition, _half_way(there, condition, look)), stopped or reason
+    )
+
+
+def _half_way(
+    there: ModelAt, condition: RunCondition, look: Observer
+) -> Callable[[ObservedPoint, ObservedPoint], ObservedPoint | None]:
+    """What is solved, and seen, between two points."""
+    system, excitation = there.model.system, there.model.excited_by(condition.force)
+
+    def between(a: ObservedPoint, b: ObservedPoint) -> ObservedPoint | None:
+        point = point_between(system, excitation, a.point, b.point)
+        return None if point is None else look(point)
+
+    return between
 
 
 def observe(
@@ -118,8 +125,8 @@ def _branch(
 ) -> PredictedBranch:
     """observed: state, its derivative along the branch, and slopes; further: changes by parameters that are new"""
     state, along, slopes = as_read(observed, there.model.reading, (*there.changes, *further), condition)
-    length = _length(along, state, condition)
-    chords = _length(np.diff(state, axis=0), (state[1:] + state[:-1]) / 2, condition)
+    length = length_of(along, state, condition)
+    chords = length_of(np.diff(state, axis=0), (state[1:] + state[:-1]) / 2, condition)
     visited = np.zeros(len(points), dtype=bool)
     visited[sweep(np.exp(state[:, 0]), condition.upwards).visited] = True
     place = np.concatenate([[0.0], np.cumsum(chords)])
@@ -145,11 +152,3 @@ def _is_proportional(state: Floats, along: Floats, by_force: Floats) -> bool:
         return False
     held = by_force - by_force[:, :1] / along[:, :1] * along
     return bool(np.allclose(held[:, 1:], state[:, 1:], rtol=0, atol=_LINEAR * np.abs(state[:, 1:]).max()))
-
-
-def _length(change: Floats, state: Floats, condition: RunCondition) -> Floats:
-    """(n,) of changes of the state: amplitudes relative to all of them, and the whole window in frequency as much as
-    half a turn of phase."""
-    of_frequency = np.pi * change[:, 0] / np.log(condition.wider[1] / condition.wider[0])
-    of_amplitude = np.linalg.norm(change[:, 1:], axis=1) / np.linalg.norm(state[:, 1:], axis=1)
-    return np.asarray(np.hypot(of_frequency, of_amplitude))

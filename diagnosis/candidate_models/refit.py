@@ -19,7 +19,6 @@ from updamp.comparison.fit.fit_from_far import LAST, fit_from_far
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.scatter import Offsets
 from updamp.comparison.prediction.parameters import Parametrisation
-from updamp.comparison.prediction.traced_branch import BranchOptions
 from updamp.diagnosis.criteria import Criteria
 from updamp.effects.effect import Effect
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions
@@ -27,7 +26,7 @@ from updamp.hbm.continuation.continuation import BranchStoppedError, Continuatio
 Floats = NDArray[np.float64]
 # Share of it that a start has to bring it down to.
 _FAR = 0.1
-_COARSE = BranchOptions(largest_step=0.4)
+_COARSE = ContinuationOptions(largest_step=0.4)
 _SHORT, FULL = FitOptions(rounds=2), FitOptions(rounds=8)
 
 

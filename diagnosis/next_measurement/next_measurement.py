@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.numerical_error import NumericalError
-from updamp.comparison.prediction.traced_branch import BranchOptions, trace_branch
+from updamp.comparison.prediction.traced_branch import trace_branch
 from updamp.diagnosis.candidate_models.fit_tasks import without_branches
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.decision.decide import Decision
@@ -25,7 +25,7 @@ from updamp.diagnosis.next_measurement.candidate_runs import CandidateRun, Recor
 from updamp.diagnosis.next_measurement.separation import PredictedRun, separation
 from updamp.diagnosis.selection.search import SearchResult
 from updamp.diagnosis.verdict import NextMeasurement
-from updamp.hbm.continuation.continuation import BranchStoppedError
+from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions
 from updamp.parallel.workers import Workers, here
 
 Floats = NDArray[np.float64]
@@ -35,7 +35,7 @@ Progress = Callable[[str], None]
 DECIDES, _NOTHING = 3.0, 1.0
 # Half the usual step: between its points a branch is interpolated, and at a noise of half a per cent what that does to
 # places where contacts begin to slip would pass for a separation of five.
-_FINE = BranchOptions(largest_step=0.1)
+_FINE = ContinuationOptions(largest_step=0.1)
 # Separation by which further harmonics or sensors have to exceed that of the run without them.
 _MORE = 1.1
 # Measurements kept for every pair of explanations.

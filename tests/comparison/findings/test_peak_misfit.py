@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.small_model import FINE, NUISANCES, condition, parametrisation, synthetic_plan
+from support.small_model import NUISANCES, condition, parametrisation, synthetic_plan
 
 from updamp.comparison.findings.all_findings import all_findings
 from updamp.comparison.findings.backbone import read_resonance
@@ -33,7 +33,7 @@ NAMES = {"a.x": "a", "b.x": "b"}
 
 @pytest.fixture(scope="module")
 def branches() -> tuple[PredictedBranch, ...]:
-    return tuple(trace_branch(parametrisation(), NONE, c, FINE) for c in CONDITIONS)
+    return tuple(trace_branch(parametrisation(), NONE, c) for c in CONDITIONS)
 
 
 @pytest.fixture(scope="module")
@@ -113,7 +113,7 @@ def test_force_as_measured_is_what_the_model_is_held_at(plans, branches) -> None
 def test_a_model_without_a_peak_in_the_window_is_said_to_have_none(plans, branches) -> None:
     """Runs as if measured on the upper flank alone: there is nothing to read at that level, but at the others."""
     flank = (42.6, 43.2)
-    high = trace_branch(parametrisation(), NONE, replace(CONDITIONS[2], window=flank), FINE)
+    high = trace_branch(parametrisation(), NONE, replace(CONDITIONS[2], window=flank))
     plan = replace(plans[0], conditions=(*CONDITIONS[:2], high.condition))
     there = (*branches[:2], high)
     assert without_peak(plans[0], branches) == ()

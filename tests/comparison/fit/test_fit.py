@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.small_model import FINE, NUISANCES, condition, parametrisation, synthetic_plan
+from support.small_model import NUISANCES, condition, parametrisation, synthetic_plan
 
 from updamp.comparison.findings.findings import findings, misfits
 from updamp.comparison.fit.compared import compare_at, predict_branches
@@ -31,7 +31,7 @@ def fitted(runs):
 
 def fitted_from(plan: Plan, start: np.ndarray) -> Fit:
     p = parametrisation()
-    return fit(p, plan, start, at_start=[trace_branch(p, start, c, FINE) for c in plan.conditions])
+    return fit(p, plan, start, at_start=[trace_branch(p, start, c) for c in plan.conditions])
 
 
 def test_chi2_at_the_truth_is_that_of_the_scatter(runs):
@@ -41,7 +41,7 @@ def test_chi2_at_the_truth_is_that_of_the_scatter(runs):
     chi2 = values = 0.0
     for repeat, b in zip(plan.repeats, drawn, strict=True):
         own = replace(plan, observations=tuple(o for o in plan.observations if o.repeat == repeat))
-        branches = [trace_branch(parametrisation(), TRUTH + b, c, FINE) for c in plan.conditions]
+        branches = [trace_branch(parametrisation(), TRUTH + b, c) for c in plan.conditions]
         found = compare_at(parametrisation(), TRUTH + b, own, branches, known)
         chi2, values = chi2 + found.chi2, values + found.values
     assert values == 3 * 3 * 40 * 4

@@ -1,5 +1,7 @@
 """The branch in observed coordinates: against the linear receptance, its derivatives against differences."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from support.small_model import SENSORS, condition, parametrisation
@@ -14,7 +16,8 @@ from updamp.hbm.newton.observe import response
 
 @pytest.fixture(scope="module")
 def slipping():
-    return trace_branch(parametrisation(), np.zeros(4), condition(60.0))
+    """As it is followed, with no points between: points of branches that are moved correspond."""
+    return trace_branch(parametrisation(), np.zeros(4), replace(condition(60.0), noise=()))
 
 
 def test_a_stuck_branch_is_the_receptance_of_the_linear_model():

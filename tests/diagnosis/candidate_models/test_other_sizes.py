@@ -7,6 +7,7 @@ import pytest
 from support.small_model import NUISANCES, condition, small_model, synthetic_plan
 
 from updamp.comparison.fit import numerical_gate
+from updamp.comparison.fit.compared import objective
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.diagnosis.candidate_models.baseline import baseline
 from updamp.diagnosis.candidate_models.other_sizes import SIZE_FACTORS, as_likely, fit_from_size, have_two_signs
@@ -33,6 +34,10 @@ def effect(name, share_of):
     return Effect(
         name, "there is a spring", (parameter,), lambda model, values: spring(model, share_of(values["size"]))
     )
+
+
+def chi_square(fit):
+    return objective(fit.parametrisation, fit.compared)
 
 
 PLAIN = effect("plain", lambda size: size)
@@ -62,6 +67,8 @@ def test_the_other_minimum_is_found_is_as_likely_and_is_in_the_interval(fitted):
     other = fit_from_size(found.fitted, (TWOFOLD,), 2.0, start)
     assert other.parametrisation.values(other.u)["twofold"]["size"] == pytest.approx(ALIKE[1], rel=0.1)
     assert as_likely(other, found.fitted)
+    # one model: nothing that verdicts go by may depend on the way that led there
+    assert chi_square(other) == pytest.approx(chi_square(found.fitted), abs=0.5)
     (both,) = parameters(replace(found, also=(other,)), TWOFOLD)
     assert both.lower < ALIKE[0] < ALIKE[1] < both.upper
 
