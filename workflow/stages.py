@@ -89,7 +89,7 @@ STATIC_CONTACT = Stage(
 )
 CURVE = Stage(
     name="curve",
-    version=11,
+    version=12,
     sections=(
         "damper_model",
         "material.loss_factor",
@@ -111,7 +111,7 @@ CURVE = Stage(
 # A mode's resonance followed in the force, through all levels of the study; what goes into a curve goes into it.
 RESONANCE = Stage(
     name="resonance",
-    version=5,
+    version=6,
     sections=(*CURVE.sections, "excitation", "study.force_levels"),
     after=(STATIC_CONTACT,),
     optional=CURVE.optional,

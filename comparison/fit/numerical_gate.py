@@ -137,7 +137,7 @@ def _with_patterns(
 ) -> Parametrisation:
     """finer: finer model's name -> condition's name -> its branch, where it differs"""
     conditions = {c.name: c for c in plan.conditions}
-    coarse = {b.condition.name: with_unwrapped_phases(b.observed.value) for b in branches}
+    coarse = {b.condition.name: with_unwrapped_phases(b.evenly.value) for b in branches}
     none = {c: np.zeros_like(observed) for c, observed in coarse.items()}
     expected, rough = ({c: change.copy() for c, change in none.items()} for _ in range(2))
     names: list[str] = []
@@ -213,7 +213,7 @@ def _beyond_calibration(
     slopes = {}
     for test, branch in enumerate(branches):
         noise = np.median(np.concatenate([o.noise for o in plan.observations if o.test == test]), axis=0)
-        observed = branch.observed
+        observed = branch.evenly
         slopes[branch.condition.name] = observed.slopes[:, :n]
         basis = across(observed.along, np.broadcast_to(noise, observed.along.shape))
         columns.append(np.einsum("nrm,npm->nrp", basis, observed.slopes[:, :n]).reshape(-1, n))

@@ -22,6 +22,8 @@ Floats = NDArray[np.float64]
 
 # Places tried between two neighbouring points, for what was measured.
 _BETWEEN = 8
+# Distance of places that stand for the whole branch.
+_APART = 0.1
 # Amplitude that is as good as none [m]
 _NONE = 1e-20
 
@@ -67,6 +69,13 @@ class PredictedBranch:
     def observed(self) -> "Observed":
         """At its points"""
         return self.at(self.place)
+
+    @cached_property
+    def evenly(self) -> "Observed":
+        """At places as far apart as steps of a continuation usually are: what is taken of a branch as a whole must not
+        depend on where it has its points."""
+        number = max(int(np.ceil(self.place[-1] / _APART)), 4)
+        return self.at(np.linspace(0.0, self.place[-1], number + 1))
 
     def at(self, place: Floats) -> "Observed":
         """What is observed at places along the branch."""

@@ -1,6 +1,7 @@
 """A test as the model sees it."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 # The branch is followed beyond the measured frequencies by this share of their range.
 _BEYOND = 0.15
@@ -45,6 +46,10 @@ class RunCondition:
     unit: str = "N"
     control: HeldResponse | None = None
     noise: tuple[float, ...] = ()
+
+    def seen_by(self, sensors: Sequence[tuple[str, int]]) -> "RunCondition":
+        """The same test with other sensors, whose noise is not known."""
+        return replace(self, sensors=tuple(sensors), noise=())
 
     @property
     def level(self) -> float:

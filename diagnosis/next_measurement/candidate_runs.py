@@ -86,7 +86,7 @@ def _extreme_levels(conditions: Sequence[RunCondition]) -> tuple[RunCondition, R
 def _at_constant_force(
     like: RunCondition, conditions: Sequence[RunCondition], sensors: tuple[tuple[str, int], ...]
 ) -> RunCondition:
-    return replace(like, window=_window(conditions), sensors=sensors, held=None, unit="N", control=None)
+    return replace(like.seen_by(sensors), window=_window(conditions), held=None, unit="N", control=None)
 
 
 def _run(like: RunCondition, force: float, upwards: bool, what: str, load: float = 1.0) -> CandidateRun:
@@ -118,4 +118,4 @@ def _with_more(
         if point not in points:
             recordings.append(Recording((*usual, (point, 1)), RUN + SENSOR, f"put a sensor at {point} {where}"))
     sensors = tuple(dict.fromkeys(sensor for recording in recordings for sensor in recording.sensors))
-    return replace(again, condition=replace(again.condition, sensors=sensors), recordings=tuple(recordings))
+    return replace(again, condition=again.condition.seen_by(sensors), recordings=tuple(recordings))

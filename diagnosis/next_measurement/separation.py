@@ -170,7 +170,7 @@ def _restricted(branch: PredictedBranch, sensors: Sequence[Sensor]) -> Predicted
     columns = _columns(branch, sensors)
     return replace(
         branch,
-        condition=replace(branch.condition, sensors=tuple(sensors)),
+        condition=branch.condition.seen_by(sensors),
         state=branch.state[:, columns],
         along=branch.along[:, columns],
         slopes=branch.slopes[..., columns],
