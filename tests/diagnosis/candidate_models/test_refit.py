@@ -107,5 +107,8 @@ def test_a_fit_that_ended_at_the_wrong_sign_is_turned_round(monkeypatch):
         ("spring",)
     ]
     assert same.refit.drop < turned.refit.drop == pytest.approx(best.refit.drop)
-    p = best.refit.fitted.parametrisation
-    assert p.values(best.refit.fitted.u)["spring"]["size"] == pytest.approx(1.0, rel=0.3)
+    fitted = best.refit.fitted
+    (size,) = fitted.parametrisation.columns("spring")
+    # the coarse mesh shows half of it, which is known to within half of that: 0.55 of the size, as the fit says itself
+    assert 0.4 < fitted.uncertainty[size] < 0.7
+    assert fitted.u[size] == pytest.approx(1.0, abs=fitted.uncertainty[size])
