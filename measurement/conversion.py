@@ -50,12 +50,11 @@ def measured_run(
     harmonics, kept = _common_harmonics(where, file, recorded)
     notes += kept
     w = 2 * np.pi * sweep.frequency
-    converted = {
-        name: _converted(f"{where} channel '{name}'", file, name, recorded[name], harmonics, raw_force, w)
-        for name in names
-    }
+    given = ((name, f"{where} channel '{name}'") for name in names)
+    converted = {n: _converted(channel, file, n, recorded[n], harmonics, raw_force, w) for n, channel in given}
     _check_power(where, file, converted, harmonics, force, w)
     level, level_notes = _level(where, file, run, force, converted, harmonics)
+    unit = QUANTITIES[file.channels[run.held_channel].quantity].si if run.held_channel else "N"
     measured = MeasuredRun(
         name=run.name,
         mode=run.mode,
@@ -69,7 +68,7 @@ def measured_run(
         force=force[order],
         response=np.array([converted[name].displacement[:, order] for name in names]),
         noise=_noise(where, converted, order),
-        level_unit=QUANTITIES[file.channels[run.held_channel].quantity].si if run.held_channel else "N",
+        level_unit=unit,
         held_channel=run.held_channel or "",
         without_phase=tuple(name for name in names if file.channels[name].phase == "none"),
     )

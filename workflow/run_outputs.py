@@ -156,6 +156,26 @@ def _chosen(curve: Stored[ResponseCurve]) -> ChosenHarmonics | None:
     return found.product if found is not None else None
 
 
+def _of_curves(run: Run, products: Products) -> dict[str, Any]:
+    return {
+        "curves": [
+            summary.curve_entry(
+                curve,
+                run.response_point,
+                numerical_error(products, curve, run.response_point) if run.options.accuracy else None,
+                products.stability_of(curve.mode).get(curve.force),
+                _chosen(entry),
+            )
+            for entry, curve in ((entry, entry.product) for entry in products.curves)
+        ],
+        "not_known": {outcome.job.name: outcome.message for outcome in products.unknown},
+        "failed_curves": {outcome.job.name: outcome.message for outcome in products.failures},
+        "resonances": [
+            summary.resonance_entry(entry.product, run.rig.study.force_levels) for entry in products.resonances
+        ],
+    }
+
+
 def summarise(run: Run, products: Products, seconds: float, peak_memory: float) -> dict[str, Any]:
     """seconds, peak_memory [bytes]: of the present run. Stages taken from their files report what they once cost."""
     content: dict[str, Any] = {
@@ -171,21 +191,7 @@ def summarise(run: Run, products: Products, seconds: float, peak_memory: float) 
     if products.static_contact is not None:
         content["static_contact"] = summary.static_entry(products.static_contact.product)
     if run.wanted(stages.CURVE):
-        content["curves"] = [
-            summary.curve_entry(
-                curve,
-                run.response_point,
-                numerical_error(products, curve, run.response_point) if run.options.accuracy else None,
-                products.stability_of(curve.mode).get(curve.force),
-                _chosen(entry),
-            )
-            for entry, curve in ((entry, entry.product) for entry in products.curves)
-        ]
-        content["not_known"] = {outcome.job.name: outcome.message for outcome in products.unknown}
-        content["failed_curves"] = {outcome.job.name: outcome.message for outcome in products.failures}
-        content["resonances"] = [
-            summary.resonance_entry(entry.product, run.rig.study.force_levels) for entry in products.resonances
-        ]
+        content |= _of_curves(run, products)
     timing = _timing(products)
     content["timing_s"] = {
         **{name: round(value, 3) for name, value in timing.items()},

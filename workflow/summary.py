@@ -173,6 +173,21 @@ def write_summary(path: Path, summary: Mapping[str, Any]) -> None:
     write_whole(path, (json.dumps(summary, indent=2) + "\n").encode())
 
 
+def _curve_cells(entry: Mapping[str, Any], with_error: bool, with_harmonics: bool) -> list[str]:
+    return [
+        entry["mode"],
+        f"{entry['force_N']:g}",
+        f"{entry['peak_receptance_mm_per_N']:.5f}" if entry["points"] else "",
+        f"{entry['peak_frequency_Hz']:.2f}" if entry["points"] else "",
+        *(error_cells(entry.get("numerical_error")) if with_error else ()),
+        *((str(entry["harmonics"][-1]),) if with_harmonics else ()),
+        "\n".join(f"{f:.2f} {way}" for way in ("up", "down") for f in entry.get(f"jumps_{way}_Hz", ())),
+        str(entry["points"]),
+        f"{entry['seconds']:.0f}",
+        _remark(entry),
+    ]
+
+
 def curves_table(entries: Sequence[Mapping[str, Any]]) -> Table:
     """Nothing is cut off in a terminal of 80 columns; each jump has a line of its own."""
     table = Table(
@@ -199,18 +214,7 @@ def curves_table(entries: Sequence[Mapping[str, Any]]) -> Table:
             overflow="fold",
         )
     for entry in entries:
-        table.add_row(
-            entry["mode"],
-            f"{entry['force_N']:g}",
-            f"{entry['peak_receptance_mm_per_N']:.5f}" if entry["points"] else "",
-            f"{entry['peak_frequency_Hz']:.2f}" if entry["points"] else "",
-            *(error_cells(entry.get("numerical_error")) if known else ()),
-            *((str(entry["harmonics"][-1]),) if chosen else ()),
-            "\n".join(f"{f:.2f} {way}" for way in ("up", "down") for f in entry.get(f"jumps_{way}_Hz", ())),
-            str(entry["points"]),
-            f"{entry['seconds']:.0f}",
-            _remark(entry),
-        )
+        table.add_row(*_curve_cells(entry, bool(known), chosen))
     if known:
         orders = next((", ".join(map(str, one["orders"])) for one in known if one["orders"]), "further")
         table.caption = f"error: what harmonics {orders} change, of the peak's height and frequency"

@@ -138,23 +138,11 @@ def compare_at(
     start: offsets to begin with, by repeat; spread: (p,) for the first round, later ones use the scatter
     rounds: in which offsets are tried, the first ones among them
     """
-    n = len(parametrisation.nuisances)
     of_scatter = _padded(np.array([scatter.parameters[x.name] for x in parametrisation.nuisances]), len(u))
     first = of_scatter if spread is None else np.maximum(spread, of_scatter)
-    parts = []
-    for repeat in plan.repeats:
-        runs = [o for o in plan.observations if o.repeat == repeat]
-        sensors = [plan.conditions[o.test].sensors for o in runs]
-
-        def assembled(
-            b: Floats | None, width: Floats, runs: Sequence[Observations] = runs, sensors: Sensors = sensors
-        ) -> _OfRepeat:
-            known = (start or {}).get(runs[0].repeat, Offsets(np.zeros(n), {}, {}))
-            offsets = known if b is None else split(b, runs, sensors, n)
-            matched, equations = _assembled(parametrisation, u, plan, runs, branches, offsets, width)
-            return _OfRepeat(tuple(matched), equations, offsets, *parts_of_chi2(equations, scatter), plan.as_many)
-
-        parts.append(_with_best_offsets(assembled, scatter, (first, *[of_scatter] * (rounds - 1))))
+    given = _Given(parametrisation, u, plan, branches, scatter)
+    widths = (first, *[of_scatter] * (rounds - 1))
+    parts = [given.of_repeat(repeat, (start or {}).get(repeat), widths) for repeat in plan.repeats]
     return Compared(
         u,
         tuple(branches),
@@ -187,6 +175,43 @@ class _OfRepeat:
         return offsets_of(self.assembly, scatter.inflated(factor))[0]
 
 
+@dataclass(frozen=True, eq=False)
+class _Given:
+    """What is compared, but for the offsets."""
+
+    parametrisation: Parametrisation
+    u: Floats
+    plan: Plan
+    branches: Sequence[PredictedBranch]
+    scatter: Scatter
+
+    def of_repeat(self, repeat: int, start: Offsets | None, widths: Sequence[Floats]) -> _OfRepeat:
+        """With its best offsets; start: to begin with; widths: as `_with_best_offsets`"""
+        runs = [o for o in self.plan.observations if o.repeat == repeat]
+        n = len(self.parametrisation.nuisances)
+        known = start or Offsets(np.zeros(n), {}, {})
+
+        def assembled(b: Floats | None, width: Floats) -> _OfRepeat:
+            return self._assembled(runs, known if b is None else split(b, runs, self._sensors(runs), n), width)
+
+        return _with_best_offsets(assembled, self.scatter, widths)
+
+    def _assembled(self, runs: Sequence[Observations], offsets: Offsets, width: Floats) -> _OfRepeat:
+        sensors = self._sensors(runs)
+        there = self.u + _padded(offsets.parameters, len(self.u))
+        matched = [
+            match(self.branches[o.test], o, there, width, offsets.correction(o.run, s))
+            for o, s in zip(runs, sensors, strict=True)
+        ]
+        names = tuple(x.name for x in self.parametrisation.nuisances)
+        equations = assembly(runs[0].repeat, matched, sensors, names, offsets)
+        parts = parts_of_chi2(equations, self.scatter)
+        return _OfRepeat(tuple(matched), equations, offsets, *parts, self.plan.as_many)
+
+    def _sensors(self, runs: Sequence[Observations]) -> list[tuple[tuple[str, int], ...]]:
+        return [self.plan.conditions[o.test].sensors for o in runs]
+
+
 def _with_best_offsets(
     assembled: Callable[[Floats | None, Floats], _OfRepeat], scatter: Scatter, widths: Sequence[Floats]
 ) -> _OfRepeat:
@@ -209,26 +234,6 @@ def _with_best_offsets(
         else:
             ahead = (ahead + best.assembly.offsets) / 2
     return best
-
-
-def _assembled(
-    parametrisation: Parametrisation,
-    u: Floats,
-    plan: Plan,
-    runs: Sequence[Observations],
-    branches: Sequence[PredictedBranch],
-    offsets: Offsets,
-    spread: Floats,
-) -> tuple[list[Matched], Assembly]:
-    """One repeat with its offsets given."""
-    sensors = [plan.conditions[o.test].sensors for o in runs]
-    there = u + _padded(offsets.parameters, len(u))
-    matched = [
-        match(branches[o.test], o, there, spread, offsets.correction(o.run, s))
-        for o, s in zip(runs, sensors, strict=True)
-    ]
-    names = tuple(x.name for x in parametrisation.nuisances)
-    return matched, assembly(runs[0].repeat, matched, sensors, names, offsets)
 
 
 def _padded(values: Floats, length: int) -> Floats:

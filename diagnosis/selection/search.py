@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from updamp.comparison.prediction.branch_tasks import BranchesBy
 from updamp.diagnosis.candidate_models.baseline import Baseline, error_of, farthest_off
-from updamp.diagnosis.candidate_models.candidate_fits import FitContext, Progress
+from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext, Progress
 from updamp.diagnosis.candidate_models.fit_tasks import FitRunner, fit_here, with_branches
 from updamp.diagnosis.candidate_models.if_repeatable import if_repeatable
 from updamp.diagnosis.candidate_models.refit import Refit
@@ -65,24 +65,36 @@ def search(
         singles = credited(singles, base, without[0])
         fits = replace(fits, start=replace(start, fitted=with_branches(without[0], start, BranchesBy(workers))))
         held_out = without[1].held_out
-    start, base = fits.start, fits.start.fitted
     further, pairs = exchanged(fits, effects, singles, try_pairs(fits, effects, singles))
     singles |= further
     singles |= alone(fits, singles, pairs)
-    evidence = Evidence(
+    evidence = _evidence(fits, extended, scored, held_out, singles, pairs)
+    refits = {names: r.refit for names, r in {**singles, **pairs}.items()}
+    return SearchResult(fits.start, extended, scored, refits, evidence)
+
+
+def _evidence(
+    fits: FitContext,
+    extended: Extended,
+    scored: Sequence[Score],
+    held_out: float,
+    singles: CandidateFits,
+    pairs: CandidateFits,
+) -> Evidence:
+    start, base = fits.start, fits.start.fitted
+    by_excess = [tuple(sorted((r.trial for r in each.values()), key=lambda t: t.excess)) for each in (singles, pairs)]
+    return Evidence(
         base.compared.mean_squared_misfit,
         held_out,
         start.repeatability,
         _tested(extended, scored),
-        tuple(sorted((r.trial for r in singles.values()), key=lambda t: t.excess)),
-        tuple(sorted((r.trial for r in pairs.values()), key=lambda t: t.excess)),
-        _alike(scored, criteria),
+        by_excess[0],
+        by_excess[1],
+        _alike(scored, fits.criteria),
         *farthest_off(base),
-        if_repeatable(base, start, BranchesBy(workers)),
+        if_repeatable(base, start, BranchesBy(fits.workers)),
         base.compared.values,
     )
-    refits = {names: r.refit for names, r in {**singles, **pairs}.items()}
-    return SearchResult(start, extended, scored, refits, evidence)
 
 
 def _tested(extended: Extended, scored: Sequence[Score]) -> tuple[EffectScore, ...]:
