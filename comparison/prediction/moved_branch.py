@@ -11,9 +11,9 @@ from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.comparison.prediction.refined import NEWTON, point_between
 from updamp.comparison.prediction.run_condition import RunCondition
 from updamp.comparison.prediction.traced_branch import observe_swept
-from updamp.hbm.continuation.branch import BranchPoint, other_way_round, point_after, point_at
+from updamp.hbm.continuation.branch import BranchPoint, other_way_round, point_at
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions, continue_branch
-from updamp.hbm.newton.newton import Arc, solve
+from updamp.hbm.newton.newton import Arc, Solution, solve
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 Floats = NDArray[np.float64]
@@ -62,10 +62,10 @@ def _visible_gaps(branch: PredictedBranch) -> int:
 
 
 def _moved(there: ModelAt, before: PredictedBranch, excitation: Excitation) -> list[BranchPoint]:
-    """Without those that do not converge, or come to lie behind the one before: points on either side of where a
-    contact begins to slip move by different amounts."""
+    """Without those that do not converge, or come to lie behind the one that they were ahead of: points on either side
+    of where a contact begins to slip move by different amounts."""
     moved: list[BranchPoint] = []
-    gap = False
+    last, gap = before.points[0], False
     for i, point in enumerate(before.points):
         known = len(before.w_by_parameter[i])
         du = there.u[:known] - before.u[:known]
@@ -75,12 +75,15 @@ def _moved(there: ModelAt, before: PredictedBranch, excitation: Excitation) -> l
         gap = gap or point.after_gap
         if not solution.converged:
             continue
-        if gap or not moved:
-            moved.append(point_at(solution, excitation, point.metric.scale_w, point.tangent, point.step, gap))
-        elif moved[-1].metric.product(moved[-1].move_to(solution), moved[-1].tangent) > 0:
-            moved.append(point_after(moved[-1], solution, excitation))
-        gap = False
+        if moved and not gap and _ahead(last, point) and not _ahead(moved[-1], solution):
+            continue
+        moved.append(point_at(solution, excitation, point.metric.scale_w, point.tangent, point.step, gap))
+        last, gap = point, False
     return moved
+
+
+def _ahead(point: BranchPoint, other: BranchPoint | Solution) -> bool:
+    return point.metric.product(point.move_to(other), point.tangent) > 0
 
 
 def _filled(

@@ -44,12 +44,15 @@ def test_the_contact_slips_and_the_branch_is_followed_through_the_window(slippin
 @pytest.mark.parametrize("which", range(4))
 def test_derivatives_by_the_parameters_against_branches_solved_anew(slipping, which):
     u = np.zeros(4)
-    u[which] = 2e-5  # small: one point lies so close to where the contact begins to slip that 2e-4 leads across it
+    u[which] = 2e-5
     above, below = (move_branch(parametrisation(), sign * u, slipping) for sign in (1, -1))
     # the same planes across the branch, so that points correspond
     difference = (above.state - below.state) / (2 * u[which])
     scale = np.abs(difference).max(axis=0)
-    np.testing.assert_allclose(slipping.slopes[:, which] / scale, difference / scale, atol=5e-3)
+    # a point may lie so close to where the contact begins to slip that the change leads across it
+    alike = np.all(np.abs(above.slopes[:, which] - below.slopes[:, which]) < 5e-3 * scale, axis=1)
+    assert np.count_nonzero(~alike) <= 1
+    np.testing.assert_allclose(slipping.slopes[alike, which] / scale, difference[alike] / scale, atol=5e-3)
 
 
 def test_derivative_by_the_force_against_points_solved_anew(slipping):
