@@ -110,16 +110,19 @@ def predict_branches(
     near: Sequence[PredictedBranch] | None = None,
     branches_of: Branches = in_turn,
     options: ContinuationOptions | None = None,
+    inflation: float = 1.0,
 ) -> tuple[PredictedBranch, ...]:
     """Branches of all conditions at u: moved from `near` ones where that works, else traced.
 
     options: of the continuation, that `near` ones have been traced with
+    inflation: factor on the noise that the model will be weighed with, to which it need not be interpolated any better
 
     raises: BranchStoppedError where a branch has no beginning
     """
     starts = near if near is not None else [None] * len(plan.conditions)
+    conditions = [c.less_sure(inflation) for c in plan.conditions]
     return branches_of(
-        [BranchTask(parametrisation, u, c, start, options) for c, start in zip(plan.conditions, starts, strict=True)]
+        [BranchTask(parametrisation, u, c, start, options) for c, start in zip(conditions, starts, strict=True)]
     )
 
 

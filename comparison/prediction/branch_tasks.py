@@ -7,7 +7,7 @@ of a branch. Branches come back without matrices (`observed_point.py`).
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -62,7 +62,7 @@ class BranchTask:
             raise PredictionError(f"{self.condition.name}: {type(error).__name__}: {error}") from error
 
     def _moved(self, near: PredictedBranch) -> PredictedBranch | None:
-        return move_branch(self.parametrisation, self.u, near, self.options)
+        return move_branch(self.parametrisation, self.u, replace(near, condition=self.condition), self.options)
 
 
 class Branches(Protocol):

@@ -77,6 +77,17 @@ class PredictedBranch:
         number = max(int(np.ceil(self.place[-1] / _APART)), 4)
         return self.at(np.linspace(0.0, self.place[-1], number + 1))
 
+    @cached_property
+    def spread_out(self) -> list[int]:
+        """Numbers of some of its points: the first and the last one, both sides of gaps, and others no closer to the
+        one before than places that stand for the whole branch."""
+        chosen, last = [0], len(self.points) - 1
+        for i in range(1, last + 1):
+            at_gap = self.points[i].after_gap or (i < last and self.points[i + 1].after_gap)
+            if i == last or at_gap or self.place[i] - self.place[chosen[-1]] >= _APART:
+                chosen.append(i)
+        return chosen
+
     def at(self, place: Floats) -> "Observed":
         """What is observed at places along the branch."""
         curve, slopes_at = self.curves

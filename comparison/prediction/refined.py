@@ -34,8 +34,8 @@ _TRIED, _STEPS = 33, 3
 
 @dataclass(frozen=True)
 class InterpolationOptions:
-    """error: expected of what is interpolated, across the branch and in standard deviations of the measurement. If all of
-        500 values were as far off, chi-square would be off by 4.5 at one standard deviation; at corners it is up to
+    """error: expected of what is interpolated, across the branch and in standard deviations of the measurement. If all
+        of 500 values were as far off, chi-square would be off by 4.5 at one standard deviation; at corners it is up to
         twice as much, elsewhere far less, and found was 0.1
     left: share of a cubic's error that is left once a point has been put between: a half where the branch turns a
         corner (a sixteenth where it is smooth)

@@ -51,6 +51,10 @@ class RunCondition:
         """The same test with other sensors, whose noise is not known."""
         return replace(self, sensors=tuple(sensors), noise=())
 
+    def less_sure(self, factor: float) -> "RunCondition":
+        """The same test with noise so many times larger: as a model that fails is weighed, so it is interpolated."""
+        return replace(self, noise=tuple(factor * each for each in self.noise))
+
     @property
     def level(self) -> float:
         """What the test is called by: the force, unless a response was held."""

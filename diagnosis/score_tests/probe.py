@@ -53,7 +53,13 @@ def probes(
     plan = start.train_plan.only(highest_levels(start.train_plan))
     at = as_given(start.fitted)
     near = predict_branches(
-        start.fitted.parametrisation, at, plan, None, BranchesBy(workers), options=coarse_enough(start.fitted)
+        start.fitted.parametrisation,
+        at,
+        plan,
+        None,
+        BranchesBy(workers),
+        coarse_enough(start.fitted),
+        start.fitted.compared.inflation,
     )
     shared = _About(without_branches(start.fitted), plan, at, near)
     # an effect without derivative is of a law or of harmonics that take longer
@@ -114,7 +120,8 @@ def _probe(about: _About, effect: Effect, size: Floats) -> Probe | None:
     u = base.parametrisation.with_further(about.at, size)
     u = np.clip(u, extended.lower, extended.upper)
     try:
-        branches = predict_branches(extended, u, plan, about.near, options=coarse_enough(base))
+        options, inflation = coarse_enough(base), base.compared.inflation
+        branches = predict_branches(extended, u, plan, about.near, options=options, inflation=inflation)
     except BranchStoppedError:
         return None
     compared = compare_at(extended, u, plan, branches, scatter)

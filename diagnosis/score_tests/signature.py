@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import interp1d
 
 from updamp.comparison.fit.compared import Compared, compare_at, predict_branches
 from updamp.comparison.fit.fit import Fit
@@ -91,7 +92,7 @@ def _solved_at(fitted: Fit, plan: Plan, branches_of: Branches) -> tuple[Predicte
     n = p.n_of_model
     if all(np.array_equal(branch.u[:n], u[:n]) for branch in branches):
         return branches
-    return predict_branches(p, u, plan, branches, branches_of)
+    return predict_branches(p, u, plan, branches, branches_of, None, fitted.compared.inflation)
 
 
 def _with_a_place(there: ModelAt, effects: Sequence[Effect]) -> tuple[list[Effect], dict[str, str]]:
@@ -112,10 +113,20 @@ def _needs_step(there: ModelAt, effect: Effect) -> bool:
 
 
 def _differentiated(shared: tuple[ModelAt, Sequence[Change]], branch: PredictedBranch) -> PredictedBranch:
-    """The branch with columns for changes of its model, before those of the numerical error."""
+    """The branch with columns for changes of its model, before those of the numerical error.
+
+    What changes do varies along a branch as what is observed does, without the corners that a comparison has points
+    for: of these some are left out.
+    """
     there, changes = shared
-    points = with_matrices(there.model, branch.condition, branch.points)
-    return observe(there, branch.condition, points, branch.stopped, changes)
+    some = branch.spread_out
+    points = with_matrices(there.model, branch.condition, [branch.points[i] for i in some])
+    seen = observe(there, branch.condition, points, branch.stopped, changes)
+    n = there.parametrisation.n_of_model
+    columns = interp1d(branch.place[some], seen.slopes[:, n : n + len(changes)], axis=0)(branch.place)
+    slopes = np.concatenate([branch.slopes[:, :n], columns, branch.slopes[:, n:]], axis=1)
+    u = np.concatenate([branch.u[:n], np.zeros(len(changes)), branch.u[n:]])
+    return replace(branch, u=u, slopes=slopes)
 
 
 def _with_steps(there: ModelAt, found: PredictedBranch, n_changes: int, steps: Sequence[Floats]) -> PredictedBranch:
