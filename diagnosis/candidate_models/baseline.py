@@ -28,7 +28,8 @@ from updamp.effects.rig_model import RigModel
 Floats = NDArray[np.float64]
 # Fewest levels of a mode of which one is kept for judging.
 _ENOUGH = 3
-_ROUNDS = FitOptions(rounds=4)
+# Of the calibration that the scatter of repeats is learnt beside; the one after it goes on until it settles.
+_FIRST = FitOptions(rounds=4)
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +80,7 @@ def baseline(
     at_start = tuple(with_patterns(before[i], parametrisation.numerics) for i in training)
     start = np.zeros(len(parametrisation))
     progress("calibration")
-    far, once_more = (partial(fit, options=_ROUNDS), _ROUNDS) if model.contacts else (fit_from_far, LAST)
+    far, once_more = (partial(fit, options=_FIRST), FitOptions()) if model.contacts else (fit_from_far, LAST)
     first = far(parametrisation, train, start, None, at_start, progress=progress, branches_of=branches_of)
     scatter, repeatability = scatter_of_repeats(first, train)
     found = fit(parametrisation, train, first.u, scatter, first.compared.branches, once_more, progress, branches_of)
