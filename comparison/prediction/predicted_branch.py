@@ -72,10 +72,12 @@ class PredictedBranch:
 
     @cached_property
     def evenly(self) -> "Observed":
-        """At places as far apart as steps of a continuation usually are: what is taken of a branch as a whole must not
-        depend on where it has its points."""
-        number = max(int(np.ceil(self.place[-1] / _APART)), 4)
-        return self.at(np.linspace(0.0, self.place[-1], number + 1))
+        """At places as far apart as steps of a continuation usually are, but for gaps: what is taken of a branch as a
+        whole must not depend on where it has its points."""
+        places = np.linspace(0.0, self.place[-1], max(int(np.ceil(self.place[-1] / _APART)), 4) + 1)
+        following = np.clip(np.searchsorted(self.place, places, side="right"), 1, len(self.place) - 1)
+        in_gap = np.array([point.after_gap for point in self.points])[following]
+        return self.at(places[~in_gap])
 
     @cached_property
     def spread_out(self) -> list[int]:

@@ -105,3 +105,17 @@ def test_where_no_point_is_found_between_two_they_stay_as_they_are(solved):
 
     assert refined(points, condition(FORCE), between) == points
     assert asked
+
+
+def test_what_stands_for_a_branch_as_a_whole_does_not_depend_on_its_points_and_is_not_taken_from_gaps(fine):
+    denser = trace_branch(
+        parametrisation(), NONE, condition(FORCE), ContinuationOptions(first_step=0.05, largest_step=0.06)
+    )
+    assert len(denser.points) > 1.3 * len(fine.points)
+    medians = [np.sqrt(np.median(branch.evenly.slopes**2, axis=0)) for branch in (fine, denser)]
+    np.testing.assert_allclose(medians[0], medians[1], rtol=0.1, atol=1e-3 * medians[0].max())
+    i = len(fine.points) // 2
+    split = replace(fine.points[i], after_gap=True)
+    gap = replace(fine, points=(*fine.points[:i], split, *fine.points[i + 1 :]))
+    for value in gap.evenly.value:
+        assert not fine.observed.value[i - 1, 0] + 1e-12 < value[0] < fine.observed.value[i, 0] - 1e-12
