@@ -110,12 +110,15 @@ def test_stability_of_both_halves_is_that_of_the_whole(curves):
     whole = replace(system, mirror=None)
     assert system.other_half is not None
     assert len(system.half.free.omega_squared) + len(system.other_half.free.omega_squared) == 9
-    slipping = np.flatnonzero(curve.active > 0)
+    slipping, compared = np.flatnonzero(curve.active > 0), 0
     for i in slipping[:: max(1, len(slipping) // 4)]:
         x, w = curve.displacement[i], 2 * np.pi * curve.frequency[i]
         halves, one = stability(system, x, w), stability(whole, x, w)
         assert (halves.stable, halves.trusted) == (one.stable, one.trusted)
-        assert halves.decisive.real == pytest.approx(one.decisive.real, rel=1e-3, nan_ok=True)
+        if one.trusted:  # what is not known may be not a number in the one and a number in the other
+            assert halves.decisive.real == pytest.approx(one.decisive.real, rel=1e-3)
+            compared += 1
+    assert compared >= 3
 
 
 def test_a_motion_that_is_not_symmetric_is_judged_in_the_whole_problem(curves):
