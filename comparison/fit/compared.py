@@ -26,7 +26,6 @@ from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.hbm.continuation.continuation import ContinuationOptions
 
 Floats = NDArray[np.float64]
-Sensors = Sequence[Sequence[tuple[str, int]]]
 
 
 @dataclass(frozen=True, eq=False)

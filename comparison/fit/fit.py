@@ -116,7 +116,7 @@ def fit(
         if gain < max(options.tolerance, options.share * here.weighed):
             # what is still to be gained is, to first order: two standard deviations at most, no need for solving anew
             return _result(parametrisation, _weighed(parametrisation, plan, ahead, scatter, prior), True, "settled")
-        common = predict_branches(parametrisation, ahead.u, plan, best.branches, branches_of, None, ahead.inflation)
+        common = predict_branches(parametrisation, ahead.u, plan, best.branches, branches_of, inflation=ahead.inflation)
         solved = compare_at(parametrisation, ahead.u, plan, common, ahead.scatter, ahead.offsets)
         errors = [float(np.sqrt(one.mean_squared_misfit)) for one in (here, solved)]
         progress(f"error {errors[0]:.2f} to {errors[1]:.2f} times the scatter allowed")

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from updamp.comparison.fit.compared import predict_branches
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.matching import across
-from updamp.comparison.fit.observations import Plan
+from updamp.comparison.fit.observations import Plan, noise_of
 from updamp.comparison.prediction.branch_tasks import Branches, BranchTask, in_turn
 from updamp.comparison.prediction.numerical_error import UNSURE, NumericalError, branch_difference, jaggedness
 from updamp.comparison.prediction.parameters import Parametrisation
@@ -212,7 +212,7 @@ def _beyond_calibration(
     columns, wanted = [np.diag(1 / parametrisation.deviation[:n])], [np.zeros(n)]
     slopes = {}
     for test, branch in enumerate(branches):
-        noise = np.median(np.concatenate([o.noise for o in plan.observations if o.test == test]), axis=0)
+        noise = noise_of(plan.observations, test)
         observed = branch.evenly
         slopes[branch.condition.name] = observed.slopes[:, :n]
         basis = across(observed.along, np.broadcast_to(noise, observed.along.shape))

@@ -114,15 +114,14 @@ def plan_of(measurement: Measurement, harmonics: Sequence[int] = (1,)) -> Plan:
     observations = [_no_better_than(o, measurement.repeatability) for o in observations]
     if len({c.unit for c in conditions}) > 1:  # forces are the one thing that all of them have
         conditions = [replace(c, held=None, unit=measurement.units[1]) for c in conditions]
-    conditions = [replace(c, noise=_noise(observations, test)) for test, c in enumerate(conditions)]
+    conditions = [replace(c, noise=tuple(noise_of(observations, test).tolist())) for test, c in enumerate(conditions)]
     stated = measurement.drift, measurement.gain, measurement.repeatability
     return Plan(tuple(conditions), tuple(observations), *stated)
 
 
-def _noise(observations: Sequence[Observations], test: int) -> tuple[float, ...]:
-    """Of what is observed in a test, the median of all its points."""
-    noise = np.median(np.concatenate([o.noise for o in observations if o.test == test]), axis=0)
-    return tuple(float(each) for each in noise)
+def noise_of(observations: Sequence[Observations], test: int) -> Floats:
+    """(m,) of what is observed in a test, the median of all its points."""
+    return np.asarray(np.median(np.concatenate([o.noise for o in observations if o.test == test]), axis=0))
 
 
 def _condition(measurement: Measurement, runs: Sequence[MeasuredRun], harmonics: Sequence[int]) -> RunCondition:

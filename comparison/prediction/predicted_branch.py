@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 
 # Places tried between two neighbouring points, for what was measured.
 _BETWEEN = 8
-# Distance of places that stand for the whole branch.
+# Distance of places that stand for the whole branch: half of the longest step of a continuation (`StepLengths`).
 _APART = 0.1
 # Amplitude that is as good as none [m]
 _NONE = 1e-20
@@ -71,13 +71,21 @@ class PredictedBranch:
         return self.at(self.place)
 
     @cached_property
+    def followed(self) -> NDArray[np.bool_]:
+        """(n - 1,) whether the branch was followed from a point to the next, not after a gap"""
+        return np.array([not point.after_gap for point in self.points[1:]], dtype=bool)
+
+    @cached_property
+    def even_places(self) -> Floats:
+        """As far apart as steps of a continuation usually are: what is taken of a branch as a whole must not depend on
+        where it has its points."""
+        return np.linspace(0.0, self.place[-1], max(int(np.ceil(self.place[-1] / _APART)), 4) + 1)
+
+    @cached_property
     def evenly(self) -> "Observed":
-        """At places as far apart as steps of a continuation usually are, but for gaps: what is taken of a branch as a
-        whole must not depend on where it has its points."""
-        places = np.linspace(0.0, self.place[-1], max(int(np.ceil(self.place[-1] / _APART)), 4) + 1)
-        following = np.clip(np.searchsorted(self.place, places, side="right"), 1, len(self.place) - 1)
-        in_gap = np.array([point.after_gap for point in self.points])[following]
-        return self.at(places[~in_gap])
+        """At these places, but for gaps."""
+        following = np.clip(np.searchsorted(self.place, self.even_places, side="right"), 1, len(self.place) - 1)
+        return self.at(self.even_places[self.followed[following - 1]])
 
     @cached_property
     def spread_out(self) -> list[int]:
@@ -103,8 +111,7 @@ class PredictedBranch:
     def swept_places(self) -> tuple[Floats, Floats]:
         """(k,) places that the sweep comes by, up to a fold and from where it lands, and half of the distance to the
         next: where the frequency is beyond all before. A fold lies between two points, which move as parameters do."""
-        followed = np.array([not point.after_gap for point in self.points[1:]], dtype=bool)
-        near = np.flatnonzero((self.visited[:-1] | self.visited[1:]) & followed)
+        near = np.flatnonzero((self.visited[:-1] | self.visited[1:]) & self.followed)
         share = (np.arange(_BETWEEN) + 0.5) / _BETWEEN
         length = np.diff(self.place)[near]
         tried = (self.place[near][:, None] + length[:, None] * share).ravel()
@@ -125,8 +132,7 @@ class PredictedBranch:
     def seen(self) -> NDArray[np.bool_]:
         """(n - 1,) whether a sweep sees what lies between a point and the next; not where the branch was not followed
         from one to the other: what is measured there is compared with the branch beside it."""
-        followed = np.array([not point.after_gap for point in self.points[1:]], dtype=bool)
-        return np.asarray(self.visited[:-1] & self.visited[1:] & followed)
+        return np.asarray(self.visited[:-1] & self.visited[1:] & self.followed)
 
     @property
     def frequency(self) -> Floats:

@@ -39,7 +39,7 @@ def trace_branch(
     low, high = condition.wider
 
     def follow(upwards: bool) -> Iterable[BranchPoint]:
-        return continue_branch(system, excitation, (low, high), options or ContinuationOptions(), upwards)
+        return continue_branch(system, excitation, (low, high), options, upwards)
 
     far_end = BranchFromFarEnd(lambda: follow(not condition.upwards), 2 * np.pi * (high - low))
     return observe_swept(there, condition, follow(condition.upwards), far_end=far_end)

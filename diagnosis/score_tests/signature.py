@@ -92,7 +92,7 @@ def _solved_at(fitted: Fit, plan: Plan, branches_of: Branches) -> tuple[Predicte
     n = p.n_of_model
     if all(np.array_equal(branch.u[:n], u[:n]) for branch in branches):
         return branches
-    return predict_branches(p, u, plan, branches, branches_of, None, fitted.compared.inflation)
+    return predict_branches(p, u, plan, branches, branches_of, inflation=fitted.compared.inflation)
 
 
 def _with_a_place(there: ModelAt, effects: Sequence[Effect]) -> tuple[list[Effect], dict[str, str]]:

@@ -82,14 +82,16 @@ def _evidence(
     pairs: CandidateFits,
 ) -> Evidence:
     start, base = fits.start, fits.start.fitted
-    by_excess = [tuple(sorted((r.trial for r in each.values()), key=lambda t: t.excess)) for each in (singles, pairs)]
+    of_singles, of_pairs = (
+        tuple(sorted((r.trial for r in each.values()), key=lambda t: t.excess)) for each in (singles, pairs)
+    )
     return Evidence(
         base.compared.mean_squared_misfit,
         held_out,
         start.repeatability,
         _tested(extended, scored),
-        by_excess[0],
-        by_excess[1],
+        of_singles,
+        of_pairs,
         _alike(scored, fits.criteria),
         *farthest_off(base),
         if_repeatable(base, start, BranchesBy(fits.workers)),

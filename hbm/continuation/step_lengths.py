@@ -56,8 +56,8 @@ class StepLengths:
             raise ValueError(f"frequency_scale = {self.frequency_scale}: it must be positive")
         if self.most_growth < 1:
             raise ValueError(f"most_growth = {self.most_growth}: at least 1")
-        if not self.off_predicted > 0:
-            raise ValueError(f"off_predicted = {self.off_predicted}: it must be positive")
+        if not 0 < self.off_predicted < 1:
+            raise ValueError(f"off_predicted = {self.off_predicted}: a share between 0 and 1")
         if not 0 < self.moved[0] < 1 < self.moved[1]:
             raise ValueError(f"moved = {self.moved}: one share below 1 and one above it are needed")
 
