@@ -15,7 +15,8 @@ from updamp.effects.reading import Reading
 from updamp.hbm.continuation.branch import BranchPoint
 from updamp.hbm.newton.many_right_sides import apply_tangents, solve_many
 from updamp.hbm.newton.structure_response import Loads, respond
-from updamp.hbm.problem.system import Excitation, NonlinearSystem, Receptance
+from updamp.hbm.problem.receptance import Receptance
+from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -23,7 +23,8 @@ from numpy.typing import NDArray
 from updamp.diagnosis.missing_force.resonant_mode import ResonantMode
 from updamp.hbm.newton.jacobian import factorise
 from updamp.hbm.newton.many_right_sides import apply_tangents
-from updamp.hbm.problem.system import Excitation, NonlinearSystem, Receptance
+from updamp.hbm.problem.receptance import Receptance
+from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -11,7 +11,8 @@ from scipy.linalg.lapack import sgetrs
 from updamp.hbm.newton.active_operator import ActiveOperator
 from updamp.hbm.newton.krylov import gmres
 from updamp.hbm.newton.tangent import apply_tangent, real_form
-from updamp.hbm.problem.system import Departure, Receptance
+from updamp.hbm.problem.receptance import Receptance
+from updamp.hbm.problem.system import Departure
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

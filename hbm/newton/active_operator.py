@@ -3,7 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.problem.system import Departure, Receptance, thin_product, through
+from updamp.hbm.problem.receptance import Receptance, thin_product
+from updamp.hbm.problem.system import Departure
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -29,15 +30,15 @@ class ActiveOperator:
         moved = np.concatenate(moving)
         # where each active row stands among those of the elements
         self._wanted = np.argsort(moved)[np.searchsorted(np.sort(moved), rows)]
-        self._modal, self._harmonics = np.stack(list(receptance.modal.values())), system.harmonics
+        self._receptance, self._coefficients = receptance, system.harmonics.n_coefficients
         self._to_modes, self._from_modes = np.ascontiguousarray(stuck.phi[rows].T), stuck.phi[moved]
         self._residual = stuck.residual[np.ix_(moved, rows)]
 
     def __call__(self, active: Floats) -> Floats:
         """(n_active n_coefficients,) -> same"""
-        forces = active.reshape(-1, self._harmonics.n_coefficients)
+        forces = active.reshape(-1, self._coefficients)
         motion = thin_product(self._residual, forces)
-        motion += self._from_modes @ through(self._modal, self._to_modes @ forces, self._harmonics)
+        motion += self._from_modes @ self._receptance.through_modes(self._to_modes @ forces)
         changed, start = np.empty_like(motion), 0
         for tangent in self._tangents:
             n, width = tangent.shape[:2]

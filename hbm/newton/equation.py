@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from updamp.hbm.newton.active_forces import DirectForces
 from updamp.hbm.newton.jacobian import Jacobian, factorise
 from updamp.hbm.newton.tangent import supported
-from updamp.hbm.problem.system import Departure, Excitation, Forcing, NonlinearSystem, Receptance
+from updamp.hbm.problem.receptance import Receptance
+from updamp.hbm.problem.system import Departure, Excitation, Forcing, NonlinearSystem
 
 Floats = NDArray[np.float64]
 

@@ -16,7 +16,8 @@ from updamp.hbm.newton.equation import Equation, evaluate, linear_solution
 from updamp.hbm.newton.many_right_sides import apply_tangents
 from updamp.hbm.newton.newton import NewtonOptions, Solution, Status
 from updamp.hbm.newton.structure_response import Loads, respond
-from updamp.hbm.problem.system import Excitation, NonlinearSystem, Receptance
+from updamp.hbm.problem.receptance import Receptance
+from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

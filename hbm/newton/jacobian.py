@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from updamp.hbm.newton.active_forces import DirectForces, KrylovForces, ModalForces
 from updamp.hbm.newton.tangent import active_rows, apply_tangent
-from updamp.hbm.problem.system import Departure, NonlinearSystem, Receptance
+from updamp.hbm.problem.receptance import Receptance
+from updamp.hbm.problem.system import Departure, NonlinearSystem
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from updamp.hbm.newton.active_forces import DirectForces, KrylovForces, ModalForces
 from updamp.hbm.newton.jacobian import Jacobian
-from updamp.hbm.newton.structure_response import apply_modal
 from updamp.hbm.newton.tangent import active_rows
-from updamp.hbm.problem.system import Departure, NonlinearSystem, Receptance
+from updamp.hbm.problem.receptance import Receptance
+from updamp.hbm.problem.system import Departure, NonlinearSystem
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -68,7 +68,7 @@ def _apply_receptance(receptance: Receptance, forces: Floats, rows: Integers) ->
     stuck, (n, c, p) = receptance.system.stuck, forces.shape
     given = forces.reshape(n, c * p)
     generalised = (stuck.phi[rows].T @ given).reshape(-1, c, p)
-    modal = apply_modal(receptance, receptance.modal, generalised)
+    modal = receptance.through_modes(generalised)
     moved = stuck.phi[: stuck.n_relative] @ modal.reshape(-1, c * p)
     if stuck.has_residual:
         moved += stuck.residual[: stuck.n_relative, rows] @ given

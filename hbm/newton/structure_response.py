@@ -3,17 +3,16 @@
 Arrays carry the loads along their last axis: (rows, n_coefficients, n_loads).
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.newton.equation import Equation
-from updamp.hbm.problem.system import Excitation, Receptance
+from updamp.hbm.problem.receptance import Receptance
+from updamp.hbm.problem.system import Excitation
 
 Floats = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 Integers = NDArray[np.int64]
 
 
@@ -64,18 +63,8 @@ class StructureMotion:
 
 
 def respond(receptance: Receptance, loads: Loads) -> StructureMotion:
-    modal = apply_modal(receptance, receptance.modal, _generalised(receptance, loads))
+    modal = receptance.through_modes(_generalised(receptance, loads))
     return StructureMotion(receptance, modal, loads.forces)
-
-
-def apply_modal(receptance: Receptance, modal: Mapping[int, Complex], generalised: Floats) -> Floats:
-    """Modal loads (m, n_coefficients, n_loads) through a matrix (m, m) for each harmonic."""
-    harmonics = receptance.system.harmonics
-    response = np.empty_like(generalised)
-    loads, written = generalised.transpose(0, 2, 1), response.transpose(0, 2, 1)
-    for k in harmonics.orders:
-        harmonics.set_amplitude(written, k, modal[k] @ harmonics.amplitude(loads, k))
-    return response
 
 
 def all_loads(equation: Equation, excitation: Excitation) -> Loads:
@@ -90,7 +79,7 @@ def all_loads(equation: Equation, excitation: Excitation) -> Loads:
 
 def frequency_rate(receptance: Receptance, loads: Loads) -> Floats:
     """d/dw of the modal coordinates under loads held constant; the residual flexibility does not depend on w."""
-    return apply_modal(receptance, receptance.modal_rate, _generalised(receptance, loads))
+    return receptance.rate_through_modes(_generalised(receptance, loads))
 
 
 def _generalised(receptance: Receptance, loads: Loads) -> Floats:

@@ -98,7 +98,7 @@ def _synthesis(harmonics: Harmonics, n_time: int) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class ElementForces:
-    """Fourier coefficients of the forces and their derivatives.
+    """Fourier coefficients of the forces, or of what departs from the reference springs, and their derivatives.
 
     force: (n_elements, directions, n_coefficients) [N]
     tangent: (n_elements, directions, n_coefficients, directions, n_coefficients) [N/m]
@@ -115,41 +115,60 @@ def element_forces(
 ) -> ElementForces:
     """Alternating frequency-time: coefficients -> samples -> law -> coefficients (Cameron and Griffin 1989).
 
-    Elements that surely stick are not evaluated: their forces are those of their reference springs.
-
     displacement: (n_elements, directions, n_coefficients) [m]
     """
+    found, stiffness = departures(group, displacement, w, harmonics, n_time), group.reference_stiffness()
+    _diagonal(found.tangent)[:] += stiffness[..., None]
+    return ElementForces(found.force + stiffness[..., None] * displacement, found.tangent, found.frequency_derivative)
+
+
+def departures(group: ElementGroup, displacement: Floats, w: float, harmonics: Harmonics, n_time: int) -> ElementForces:
+    """As `element_forces`, less the forces of the reference springs: elements that surely stick are not evaluated, and
+    have none."""
     active, stiffness = group.may_slip_or_separate(displacement, harmonics, n_time), group.stiffness_of_one
-    force = stiffness[..., None] * displacement
+    force = np.zeros_like(displacement)
     tangent = np.zeros((*displacement.shape, *displacement.shape[1:]))
-    each, c = np.arange(displacement.shape[1])[:, None], np.arange(displacement.shape[2])
-    tangent[:, each, c, each, c] = stiffness[..., None]
+    rate = np.zeros_like(force) if group.law.rate_dependent else None
     compiled = compiled_forces(group.law, harmonics, n_time)
     if compiled is not None:
         compiled.write_with_tangents(active, displacement, group.values, force, tangent)
-        return ElementForces(group.of_all_copies(force), group.of_all_copies(tangent), None)
-    rate = np.zeros_like(force) if group.law.rate_dependent else None
-    evaluate = _compiled(group.law, harmonics, n_time)
-    for some in _batches(active, elements_a_batch(_n_seeds(group.law, harmonics)), len(displacement)):
-        found = evaluate(displacement[some], w, _parameters_of(group, some))
-        force[some], tangent[some] = found[:2]
-        if rate is not None:
-            rate[some] = found[2]
+    else:
+        evaluate = _compiled(group.law, harmonics, n_time)
+        for some in _batches(active, elements_a_batch(_n_seeds(group.law, harmonics)), len(displacement)):
+            found = evaluate(displacement[some], w, _parameters_of(group, some))
+            force[some], tangent[some] = found[:2]
+            if rate is not None:
+                rate[some] = found[2]
+    force[active] -= stiffness[active][..., None] * displacement[active]
+    _diagonal(tangent)[active] -= stiffness[active][..., None]
     rate = None if rate is None else group.of_all_copies(rate)
     return ElementForces(group.of_all_copies(force), group.of_all_copies(tangent), rate)
 
 
+def _diagonal(tangent: Floats) -> Floats:
+    """(n_elements, directions, n_coefficients), to be written to"""
+    n, d, c = tangent.shape[:3]
+    return np.einsum("eii->ei", tangent.reshape(n, d * c, d * c)).reshape(n, d, c)
+
+
 def force_only(group: ElementGroup, displacement: Floats, w: float, harmonics: Harmonics, n_time: int) -> Floats:
     """The forces alone, several times cheaper than with their tangent."""
-    force = group.stiffness_of_one[..., None] * displacement
-    active = group.may_slip_or_separate(displacement, harmonics, n_time)
+    stiffness = group.reference_stiffness()[..., None]
+    return departure_only(group, displacement, w, harmonics, n_time) + stiffness * displacement
+
+
+def departure_only(group: ElementGroup, displacement: Floats, w: float, harmonics: Harmonics, n_time: int) -> Floats:
+    """As `departures`, without the tangent"""
+    force = np.zeros_like(displacement)
+    active, stiffness = group.may_slip_or_separate(displacement, harmonics, n_time), group.stiffness_of_one
     compiled = compiled_forces(group.law, harmonics, n_time)
     if compiled is not None:
         compiled.write_forces(active, displacement, group.values, force)
-        return group.of_all_copies(force)
-    evaluate = _compiled_force(group.law, harmonics, n_time)
-    for some in _batches(active, FORCES_A_BATCH, len(displacement)):
-        force[some] = evaluate(displacement[some], w, _parameters_of(group, some))
+    else:
+        evaluate = _compiled_force(group.law, harmonics, n_time)
+        for some in _batches(active, FORCES_A_BATCH, len(displacement)):
+            force[some] = evaluate(displacement[some], w, _parameters_of(group, some))
+    force[active] -= stiffness[active][..., None] * displacement[active]
     return group.of_all_copies(force)
 
 

@@ -13,7 +13,9 @@ are left, and near resonance at a loss factor of 0.1 % 8 digits of the response.
 condition of the matrix scaled to a unit diagonal: 14 digits.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -27,15 +29,27 @@ Complex = NDArray[np.complex128]
 _ORTHOGONAL = 1e-10
 
 
-class ModalInverse(Protocol):
-    """At w > 0."""
+class ModalResponse(Protocol):
+    """Inverses of the modes' dynamic stiffness at n multiples of one frequency."""
 
-    def at(self, w: float) -> Complex:
-        """(m, m) inverse of the dynamic stiffness at the angular frequency w [rad/s]"""
+    def times(self, loads: Complex) -> Complex:
+        """(m, n, ...) amplitudes of modal loads, of one multiple after the other -> the modes' amplitudes"""
         ...
 
-    def rate(self, w: float, inverse: Complex) -> Complex:
-        """(m, m) its derivative with respect to w; inverse: that at w"""
+    def rate_times(self, loads: Complex) -> Complex:
+        """Likewise, their derivative by the frequency"""
+        ...
+
+    def matrix(self, number: int) -> Complex:
+        """(m, m) at one of the multiples"""
+        ...
+
+
+class ModalInverse(Protocol):
+    """Of the modes' dynamic stiffness at any frequency."""
+
+    def at(self, w: float, orders: Sequence[int]) -> ModalResponse:
+        """At orders, all above 0, times the angular frequency w > 0 [rad/s]."""
         ...
 
 
@@ -46,11 +60,33 @@ class DecomposedInverse:
     modes: Complex
     mu: Complex
 
-    def at(self, w: float) -> Complex:
-        return (self.modes / (1 - w**2 * self.mu)) @ self.modes.T
+    def at(self, w: float, orders: Sequence[int]) -> ModalResponse:
+        k = np.asarray(orders, dtype=float)
+        gains = 1 / (1 - np.outer(self.mu, (k * w) ** 2))
+        return DecomposedResponse(self.modes, gains, 2 * w * np.outer(self.mu, k**2) * gains**2)
 
-    def rate(self, w: float, inverse: Complex) -> Complex:
-        return np.asarray(2 * w * (inverse @ inverse))
+
+@dataclass(frozen=True, eq=False)
+class DecomposedResponse:
+    """modes: (m, m); gains, rates: (m, n) 1 / (1 - (k w)^2 mu) and its derivative by w"""
+
+    modes: Complex
+    gains: Complex
+    rates: Complex
+
+    def times(self, loads: Complex) -> Complex:
+        return self._scaled(loads, self.gains)
+
+    def rate_times(self, loads: Complex) -> Complex:
+        return self._scaled(loads, self.rates)
+
+    def matrix(self, number: int) -> Complex:
+        return np.asarray((self.modes * self.gains[:, number]) @ self.modes.T)
+
+    def _scaled(self, loads: Complex, factors: Complex) -> Complex:
+        decoupled = (self.modes.T @ loads.reshape(len(loads), -1)).reshape(loads.shape)
+        decoupled *= factors.reshape(*factors.shape, *(1 for _ in loads.shape[2:]))
+        return np.asarray(self.modes @ decoupled.reshape(len(loads), -1)).reshape(loads.shape)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,11 +97,41 @@ class DirectInverse:
     hysteretic: Floats
     viscous: Floats
 
-    def at(self, w: float) -> Complex:
-        return np.asarray(scipy.linalg.inv(dynamic_stiffness(self.omega_squared, self.hysteretic, self.viscous, w)))
+    def at(self, w: float, orders: Sequence[int]) -> ModalResponse:
+        return DirectResponse(self, w, tuple(orders))
 
-    def rate(self, w: float, inverse: Complex) -> Complex:
-        return np.asarray(inverse @ (2 * w * np.eye(len(inverse)) - 1j * self.viscous) @ inverse)
+
+@dataclass(frozen=True, eq=False)
+class DirectResponse:
+    """inverse: of which this is the response at orders times w"""
+
+    inverse: DirectInverse
+    w: float
+    orders: tuple[int, ...]
+
+    def times(self, loads: Complex) -> Complex:
+        return _one_by_one(self._matrices, loads)
+
+    def rate_times(self, loads: Complex) -> Complex:
+        k = np.asarray(self.orders)[:, None, None]
+        stiffness_rate = 1j * k * self.inverse.viscous - 2 * k**2 * self.w * np.eye(len(loads))
+        return _one_by_one(-self._matrices, _one_by_one(stiffness_rate, self.times(loads)))
+
+    def matrix(self, number: int) -> Complex:
+        return np.asarray(self._matrices[number])
+
+    @cached_property
+    def _matrices(self) -> Complex:
+        """(n, m, m)"""
+        i = self.inverse
+        stiffness = [dynamic_stiffness(i.omega_squared, i.hysteretic, i.viscous, k * self.w) for k in self.orders]
+        return np.stack([scipy.linalg.inv(each) for each in stiffness])
+
+
+def _one_by_one(matrices: Complex, loads: Complex) -> Complex:
+    """(n, m, m) times the n parts of loads (m, n, ...)"""
+    columns = np.moveaxis(loads.reshape(*loads.shape[:2], -1), 1, 0)
+    return np.moveaxis(matrices @ columns, 0, 1).reshape(loads.shape)
 
 
 def dynamic_stiffness(omega_squared: Floats, hysteretic: Floats, viscous: Floats, w: float) -> Complex:

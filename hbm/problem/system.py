@@ -7,7 +7,6 @@ separates has g = 0 with its tangent, and only the others enter the Newton equat
     x - x_lin(w) + G(w) g(x) = 0,   x_lin = G_xe(w) p
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol
@@ -16,12 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.problem.elements import ElementGroup, element_forces, force_only
+from updamp.hbm.problem.elements import ElementGroup, departure_only, departures
 from updamp.hbm.problem.linear_model import LinearModel, stuck_on
 from updamp.hbm.problem.mirror import Mirror, acts_symmetrically, half_groups, half_structure
 
 Floats = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 Integers = NDArray[np.int64]
 
 
@@ -106,28 +104,16 @@ class NonlinearSystem:
         """The structure with every element on its reference springs."""
         return stuck_on(self.free, self.reference_stiffness)
 
-    @cached_property
-    def static_modal(self) -> Complex:
-        """(m, m) inverse of the stuck modes' static stiffness, the same at all frequencies; diagonal, as damping is not
-        felt at rest
-        """
-        return np.diag(1 / self.stuck.omega_squared).astype(np.complex128)
-
     def departure(self, x: Floats, w: float) -> Departure:
         """g and its tangent at the relative displacements x: (n_relative, n_coefficients) [m]."""
         value, rate = np.empty_like(x), np.zeros_like(x)
         tangents = []
         for group in self.groups:
-            forces = element_forces(group, x[group.rows], w, self.harmonics, self.time_samples)
-            stiffness = self.reference_stiffness[group.rows]
-            value[group.rows] = forces.force - stiffness[..., None] * x[group.rows]
-            tangent = forces.tangent
-            for d in range(tangent.shape[1]):
-                diagonal = np.einsum("ecc->ec", tangent[:, d, :, d, :])
-                diagonal -= stiffness[:, d, None]
-            tangents.append(tangent)
-            if forces.frequency_derivative is not None:
-                rate[group.rows] = forces.frequency_derivative
+            found = departures(group, x[group.rows], w, self.harmonics, self.time_samples)
+            value[group.rows] = found.force
+            tangents.append(found.tangent)
+            if found.frequency_derivative is not None:
+                rate[group.rows] = found.frequency_derivative
         return Departure(value, tuple(tangents), rate)
 
     def departure_value(self, x: Floats, w: float, known: "tuple[NonlinearSystem, Floats] | None" = None) -> Floats:
@@ -142,8 +128,7 @@ class NonlinearSystem:
             if other is not None and alike and any(group is one for one in other.groups):
                 value[group.rows] = found[group.rows]
                 continue
-            force = force_only(group, x[group.rows], w, self.harmonics, self.time_samples)
-            value[group.rows] = force - self.reference_stiffness[group.rows][..., None] * x[group.rows]
+            value[group.rows] = departure_only(group, x[group.rows], w, self.harmonics, self.time_samples)
         return value
 
     def element_forces(self, x: Floats, w: float) -> Floats:
@@ -174,102 +159,3 @@ class NonlinearSystem:
         if self.half is None or self.mirror is None or not acts_symmetrically(self.free, self.mirror, row):
             return None
         return self.half, self.mirror
-
-
-@dataclass(frozen=True, eq=False)
-class Receptance:
-    """The stuck structure's receptance G at one frequency, as modes and residual: applied, never formed whole.
-
-    modal: harmonic k -> inverse of the modal dynamic stiffness at k w, (m, m) complex
-    modal_rate: its derivative with respect to w
-    """
-
-    system: NonlinearSystem
-    w: float
-
-    @cached_property
-    def modal(self) -> Mapping[int, Complex]:
-        inverse = self.system.stuck.modal_inverse
-        moving = {k: inverse.at(k * self.w) for k in self.system.harmonics.orders if k}
-        return {0: self.system.static_modal, **moving} if 0 in self.system.harmonics.orders else moving
-
-    @cached_property
-    def modal_rate(self) -> Mapping[int, Complex]:
-        inverse = self.system.stuck.modal_inverse
-        return {
-            k: k * inverse.rate(k * self.w, modal) if k else np.zeros_like(modal) for k, modal in self.modal.items()
-        }
-
-    def apply(self, forces: Floats, rows: slice | Integers | None = None) -> Floats:
-        """G forces, from the relative rows (n_relative, n_coefficients) to `rows` (default: the same)."""
-        stuck, n = self.system.stuck, self.system.stuck.n_relative
-        rows = slice(n) if rows is None else rows
-        return thin_product(stuck.residual[rows, :n], forces) + self._through_modes(self._stacked, forces, rows)
-
-    def apply_rate(self, forces: Floats, rows: slice | Integers | None = None) -> Floats:
-        """dG/dw forces, on `rows` as in `apply`."""
-        rows = slice(self.system.stuck.n_relative) if rows is None else rows
-        return self._through_modes(self._stacked_rate, forces, rows)
-
-    @cached_property
-    def _stacked(self) -> Complex:
-        """(n_harmonics, m, m)"""
-        return np.stack(list(self.modal.values()))
-
-    @cached_property
-    def _stacked_rate(self) -> Complex:
-        return np.stack(list(self.modal_rate.values()))
-
-    def _through_modes(self, modal: Complex, forces: Floats, rows: slice | Integers) -> Floats:
-        stuck = self.system.stuck
-        generalised = stuck.phi[: stuck.n_relative].T @ forces
-        return stuck.phi[rows] @ through(modal, generalised, self.system.harmonics)
-
-    def excitation(self, excitation: Excitation, rows: slice | Integers | None = None) -> Floats:
-        """Displacement of `rows` (default: the relative ones) under the excitation alone, all elements stuck."""
-        stuck, harmonics = self.system.stuck, self.system.harmonics
-        rows = slice(stuck.n_relative) if rows is None else rows
-        amplitude = excitation.force * (
-            stuck.phi[rows] @ (self.modal[1] @ stuck.phi[excitation.row]) + stuck.residual[rows, excitation.row]
-        )
-        response = np.zeros((len(amplitude), harmonics.n_coefficients))
-        harmonics.set_amplitude(response, 1, amplitude)
-        return response
-
-    def excitation_rate(self, excitation: Excitation, rows: slice | Integers | None = None) -> Floats:
-        """d/dw of `excitation`."""
-        stuck, harmonics = self.system.stuck, self.system.harmonics
-        rows = slice(stuck.n_relative) if rows is None else rows
-        amplitude = excitation.force * (stuck.phi[rows] @ (self.modal_rate[1] @ stuck.phi[excitation.row]))
-        response = np.zeros((len(amplitude), harmonics.n_coefficients))
-        harmonics.set_amplitude(response, 1, amplitude)
-        return response
-
-    def block(self, k: int, rows: Integers, columns: Integers) -> Complex:
-        """G_k between some of the relative rows, by products of real matrices, which cost half of mixed ones."""
-        stuck = self.system.stuck
-        left = (stuck.phi[rows] @ np.ascontiguousarray(self.modal[k]).view(np.float64)).view(np.complex128)
-        through_modes = (stuck.phi[columns] @ np.ascontiguousarray(left.T).view(np.float64)).view(np.complex128).T
-        return through_modes + stuck.residual[np.ix_(rows, columns)]
-
-
-# Up to a million multiplications OpenBLAS multiplies matrices as they lie in memory. Larger ones it rearranges first,
-# which takes several times as long where one of them has a few columns: 438 x 438 x 7: 0.2 to 0.6 ms, in parts 0.06.
-_AS_THEY_LIE = 900_000
-
-
-def thin_product(matrix: Floats, columns: Floats) -> Floats:
-    """matrix @ columns, (n, n_columns) of few columns, some rows of the matrix at a time."""
-    rows = max(1, _AS_THEY_LIE // max(1, columns.size))
-    product = np.empty((len(matrix), columns.shape[1]))
-    for start in range(0, len(matrix), rows):
-        np.matmul(matrix[start : start + rows], columns, out=product[start : start + rows])
-    return product
-
-
-def through(modal: Complex, loads: Floats, harmonics: Harmonics) -> Floats:
-    """Modal loads (m, n_coefficients) times a matrix for each harmonic, (n_harmonics, m, m): a response like them."""
-    convert = harmonics.to_amplitudes
-    amplitudes = (loads @ convert).view(np.complex128)
-    response = np.ascontiguousarray((modal @ amplitudes.T[..., None])[..., 0].T)
-    return np.asarray(response.view(np.float64) @ convert.T)

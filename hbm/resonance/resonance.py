@@ -115,14 +115,13 @@ def linearise(problem: ResonanceProblem, equation: Equation, log_force: float) -
     by_log_force = jacobian.solve(-receptance.excitation(excitation))
 
     phi, observed_shape = stuck.phi[: stuck.n_relative], stuck.phi[problem.observed]
-    row = observed_shape @ receptance.modal[1] @ phi.T + stuck.residual[problem.observed, : stuck.n_relative]
-    direct = (
-        observed_shape @ receptance.modal[1] @ stuck.phi[problem.excited]
-        + stuck.residual[problem.observed, problem.excited]
-    )
+    modal = stuck.modal_inverse.at(receptance.w, (1,))
+    observed_modes = modal.times(observed_shape.astype(np.complex128)[:, None])[:, 0]
+    row = phi @ observed_modes + stuck.residual[problem.observed, : stuck.n_relative]
+    direct = observed_modes @ stuck.phi[problem.excited] + stuck.residual[problem.observed, problem.excited]
     load = excitation.force * stuck.phi[problem.excited] - phi.T @ harmonics.amplitude(equation.departure.value, 1)
     y = excitation.force * direct - row @ harmonics.amplitude(equation.departure.value, 1)
-    rate = observed_shape @ receptance.modal_rate[1] @ load
+    rate = observed_shape @ modal.rate_times(load[:, None])[:, 0]
     rate -= row @ harmonics.amplitude(equation.departure.frequency_derivative, 1)
 
     def by_displacement(dx: Floats) -> complex:

@@ -63,16 +63,27 @@ def test_it_is_the_inverse_near_a_resonance_and_off_it(viscous, kind):
     scale = 1 / np.sqrt(omega_squared)
     for w in (1.99e3, 2e3, 2.5e3, 7e3):
         D = np.diag(omega_squared - w**2) + 1j * (hysteretic + w * C)
-        product = (scale[:, None] * D) @ (inverse.at(w) / scale)
+        product = (scale[:, None] * D) @ (inverse.at(w, (1,)).matrix(0) / scale)
         np.testing.assert_allclose(product, np.eye(40), atol=1e-9)
 
 
 @pytest.mark.parametrize("viscous", [0.0, 0.3])
-def test_its_rate_is_its_derivative(viscous):
-    inverse, w, h = modal_inverse(*matrices(viscous)), 2.1e3, 0.1
-    difference = (inverse.at(w + h) - inverse.at(w - h)) / (2 * h)
-    rate = inverse.rate(w, inverse.at(w))
-    assert np.abs(difference - rate).max() < 1e-5 * np.abs(rate).max()
+def test_its_rate_is_its_derivative_at_every_multiple(viscous):
+    inverse, w, h, orders = modal_inverse(*matrices(viscous)), 2.1e3, 0.01, (1, 2, 5)
+    loads = np.random.default_rng(4).normal(size=(40, 3, 2)) + 0j
+    ahead, behind = (inverse.at(w + step, orders).times(loads) for step in (h, -h))
+    rate = inverse.at(w, orders).rate_times(loads)
+    for i in range(3):
+        assert np.abs((ahead - behind) / (2 * h) - rate)[:, i].max() < 1e-5 * np.abs(rate[:, i]).max()
+
+
+@pytest.mark.parametrize("viscous", [0.0, 0.3])
+def test_loads_are_answered_as_by_the_matrix_of_each_multiple(viscous):
+    response, rng = modal_inverse(*matrices(viscous)).at(2.1e3, (1, 3)), np.random.default_rng(5)
+    loads = rng.normal(size=(40, 2, 3)) + 1j * rng.normal(size=(40, 2, 3))
+    for i in range(2):
+        expected = response.matrix(i) @ loads[:, i]
+        np.testing.assert_allclose(response.times(loads)[:, i], expected, atol=1e-12 * np.abs(expected).max())
 
 
 def test_a_mode_that_is_free_to_move_is_inverted_anew():
@@ -86,5 +97,5 @@ def test_modes_that_coincide_are_inverted_all_the_same():
     omega_squared[10:14] = omega_squared[10]
     w, scale = 2.2e3, 1 / np.sqrt(omega_squared)
     D = np.diag(omega_squared - w**2) + 1j * hysteretic
-    product = (scale[:, None] * D) @ (modal_inverse(omega_squared, hysteretic, C).at(w) / scale)
+    product = (scale[:, None] * D) @ (modal_inverse(omega_squared, hysteretic, C).at(w, (1,)).matrix(0) / scale)
     np.testing.assert_allclose(product, np.eye(40), atol=1e-9)
