@@ -89,8 +89,7 @@ def _drive(run: Observations) -> tuple[Floats, Floats]:
 def _weights(branch: PredictedBranch, run: Observations, spread: Floats) -> Floats:
     """(m,) one over the standard deviations, of sensors and parameters together; the same all along the branch, since
     where contacts begin to slip the derivatives leap, and any point would do for a place that is uncertain enough."""
-    slopes = branch.at(branch.even_places).slopes  # in gaps too: a median, and what is no gap stays as it is
-    of_parameters = np.einsum("npm,p->nm", slopes**2, spread**2)
+    of_parameters = np.einsum("npm,p->nm", branch.evenly_squared, spread**2)
     noise = np.median(run.noise, axis=0)
     return np.asarray(1 / np.sqrt(noise**2 + np.median(of_parameters, axis=0)))
 

@@ -88,6 +88,11 @@ class PredictedBranch:
         return self.at(self.even_places[self.followed[following - 1]])
 
     @cached_property
+    def evenly_squared(self) -> Floats:
+        """(n_places, p + 1, m) squares of the slopes at these places, in gaps too: what is no gap stays as it is"""
+        return np.square(self.at(self.even_places).slopes)
+
+    @cached_property
     def spread_out(self) -> list[int]:
         """Numbers of some of its points: the first and the last one, both sides of gaps, and others no closer to the
         one before than places that stand for the whole branch."""

@@ -129,7 +129,9 @@ class CompiledLaw(ContactLaw, Protocol):
     `force` remains its definition, for whatever needs more than coefficients and their derivatives by the motion.
     """
 
-    def compiled(self, harmonics: Harmonics, n_time: int) -> CompiledForces: ...
+    def compiled(self, harmonics: Harmonics, n_time: int) -> CompiledForces | None:
+        """None where a law inside is in JAX alone."""
+        ...
 
 
 @runtime_checkable
@@ -148,6 +150,11 @@ class FrictionLaw(ContactLaw, Protocol):
 def decoupled_directions_of(law: ContactLaw) -> tuple[int, ...]:
     """See `DecoupledLaw`; none where the law does not say."""
     return law.decoupled_directions if isinstance(law, DecoupledLaw) else ()
+
+
+def compiled_forces_of(law: ContactLaw, harmonics: Harmonics, n_time: int) -> CompiledForces | None:
+    """None where the law is in JAX alone."""
+    return law.compiled(harmonics, n_time) if isinstance(law, CompiledLaw) else None
 
 
 def force_for_analysis(law: ContactLaw) -> Callable[[jax.Array, jax.Array, Any], jax.Array]:

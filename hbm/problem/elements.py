@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from updamp.hbm.contact.law import (
     CompiledForces,
-    CompiledLaw,
     ContactLaw,
     StickingLaw,
+    compiled_forces_of,
     decoupled_directions_of,
     force_for_analysis,
 )
@@ -87,7 +87,7 @@ def _as_sticking_law(law: ContactLaw) -> StickingLaw | None:
 @lru_cache(maxsize=32)
 def compiled_forces(law: ContactLaw, harmonics: Harmonics, n_time: int) -> CompiledForces | None:
     """None where the law is in JAX alone."""
-    return law.compiled(harmonics, n_time) if isinstance(law, CompiledLaw) else None
+    return compiled_forces_of(law, harmonics, n_time)
 
 
 @lru_cache(maxsize=32)

@@ -8,17 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.hbm.contact.compiled.at_rest import ELASTIC
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.newton.tangent import NEGLIGIBLE
-from updamp.hbm.problem.elements import ElementGroup, over_period
+from updamp.hbm.problem.elements import ElementGroup, compiled_forces, over_period
 from updamp.hbm.problem.system import NonlinearSystem
 from updamp.hbm.stability.perturbed_forces import perturbed_tangent
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Integers = NDArray[np.int64]
-
-ELASTIC = 1e-8  # departure from the reference springs, relative to the force, below which there is none
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,18 +46,19 @@ def loose_elements(
     found = []
     for group in system.groups:
         numbers = group.may_slip_or_separate(x[group.rows], harmonics, n_time)
-        elastic = _follow_springs(group, x, w, harmonics, n_time)[numbers]
-        found.append(LooseElements(group, numbers, elastic, x[group.rows]))
+        found.append(LooseElements(group, numbers, _elastic(group, x, w, harmonics, n_time)[numbers], x[group.rows]))
     return tuple(found)
 
 
-def _follow_springs(group: ElementGroup, x: Floats, w: float, harmonics: Harmonics, n_time: int) -> NDArray[np.bool_]:
-    """(n_elements, directions) whose force follows the reference springs about a mean over the whole period.
+def _elastic(group: ElementGroup, x: Floats, w: float, harmonics: Harmonics, n_time: int) -> NDArray[np.bool_]:
+    """As `_follow_springs`; none where the law is compiled, which knows it of each of its sliders (`at_rest.py`)."""
+    if compiled_forces(group.law, harmonics, n_time) is not None:
+        return np.zeros(group.rows.shape, dtype=bool)
+    return _follow_springs(group, x, w, harmonics, n_time)
 
-    Among them are sliders that have shaken down: pushed, in the first periods, to where the motion just touches
-    the slip limit and no longer moves them. Sampled, their tangent there is a matter of round-off; a perturbation
-    that decays leaves them at rest somewhere beside, which is stuck.
-    """
+
+def _follow_springs(group: ElementGroup, x: Floats, w: float, harmonics: Harmonics, n_time: int) -> NDArray[np.bool_]:
+    """(n_elements, directions) whose force follows the reference springs about a mean over the whole period."""
     motion, force = over_period(group, group.law.force, x[group.rows], w, harmonics, n_time)
     stiffness = group.stiffness_of_one
     beyond = force - stiffness[:, None, :] * motion

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from updamp.hbm.contact.compiled.at_rest import rests, stays_closed
 from updamp.hbm.contact.compiled.keeping import kept
 from updamp.hbm.contact.compiled.normal import (
     identity,
@@ -84,7 +85,7 @@ def perturbed_tangent(
         coefficients, kt, kn = displacement[e], p.kt[e], p.kn[e]
         sample(coefficients[2], tables.synthesis, pressing)
         pressing += p.n0[e] / kn - p.gap[e]
-        write_normal_tangent(pressing, kn, most[0], growing, tangent[e, 2], out.by_u)
+        write_normal_tangent(pressing, kn, most[0], growing, tangent[e, 2], out.by_u, stays_closed(pressing))
         ratio = set_limits(p.mu[e], kn / kt, pressing, growing.values, path.p, rows.p)
         for d in range(2):
             sample(coefficients[d], tables.synthesis, path.u)
@@ -93,7 +94,8 @@ def perturbed_tangent(
             find_corners(path, ratio, most[0], slider)
             identity(out.by_u)
             out.by_p[:] = 0.0
-            add_tangent(path, rows, ratio, slider, growing.shares, growing.last_period, out)
+            if not rests(path.u, slider.source, slider.position):
+                add_tangent(path, rows, ratio, slider, growing.shares, growing.last_period, out)
             write_tangential(kt, out.by_u, out.by_p, d, tangent[e, d])
 
 

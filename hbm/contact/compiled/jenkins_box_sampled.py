@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from updamp.hbm.contact.compiled.at_rest import rests, stays_closed
 from updamp.hbm.contact.compiled.keeping import inner, kept
 from updamp.hbm.contact.compiled.normal import (
     identity,
@@ -69,11 +70,12 @@ def perturbed_tangent(
     position, source, kind = np.empty(n), np.empty(n, dtype=np.int64), growing.shares.dtype
     by_u, by_p = np.empty((c, c), kind), np.empty((c, c), kind)
     columns, p_rows = (np.empty((n + 1, c), kind), np.empty((n + 1, c), kind)), growing.values.copy()
+    samples = np.arange(n)
     for e in numbers:
         coefficients, kt, kn = displacement[e], p.kt[e], p.kn[e]
         sample(coefficients[2], tables.synthesis, pressing)
         pressing += p.n0[e] / kn - p.gap[e]
-        write_normal_tangent(pressing, kn, 0, growing, tangent[e, 2], by_u)
+        write_normal_tangent(pressing, kn, 0, growing, tangent[e, 2], by_u, stays_closed(pressing))
         ratio = set_limits(p.mu[e], kn / kt, pressing, growing.values, limit, p_rows)
         for t in range(n):
             limit[t] = ratio * positive(limit[t])
@@ -82,7 +84,8 @@ def perturbed_tangent(
             _march(u, limit, -p.t0[e, d] / kt, cycles, position, source)
             identity(by_u)
             by_p[:] = 0.0
-            _add_tangent(source, limit, ratio, growing, p_rows, growing.last_period, by_u, by_p, columns)
+            if not rests(u, samples, position):
+                _add_tangent(source, limit, ratio, growing, p_rows, growing.last_period, by_u, by_p, columns)
             write_tangential(kt, by_u, by_p, d, tangent[e, d])
 
 

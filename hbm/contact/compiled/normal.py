@@ -33,17 +33,23 @@ def write_normal(
     for a in range(len(out)):
         out[a] *= kn
     if len(tangent):
-        write_normal_tangent(pressing, kn, most, tables, tangent[e, 2], scratch)
+        write_normal_tangent(pressing, kn, most, tables, tangent[e, 2], scratch, False)
 
 
 @inner
-def write_normal_tangent(pressing: Any, kn: float, most: int, tables: Any, tangent: Any, scratch: Any) -> None:
-    """Writes tangent, (n_coefficients, 3, n_coefficients), as `write_normal`; tables: `Tables` or `GrowingTables`"""
+def write_normal_tangent(
+    pressing: Any, kn: float, most: int, tables: Any, tangent: Any, scratch: Any, closed: bool
+) -> None:
+    """Writes tangent, (n_coefficients, 3, n_coefficients), as `write_normal`; tables: `Tables` or `GrowingTables`
+
+    closed: whether the contact is taken to be so over the whole period
+    """
     tangent[:] = 0.0
     if pressing.max() <= 0:
         return
     identity(scratch)
-    _add_openings_tangent(pressing, tables, most, scratch)
+    if not closed:
+        _add_openings_tangent(pressing, tables, most, scratch)
     write_block(kn, scratch, tangent[:, 2, :])
 
 

@@ -9,8 +9,15 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.law import decoupled_directions_of, force_for_analysis
+from updamp.hbm.contact.compiled.composed import MeanOfSliders
+from updamp.hbm.contact.law import (
+    CompiledForces,
+    compiled_forces_of,
+    decoupled_directions_of,
+    force_for_analysis,
+)
 from updamp.hbm.contact.modified.modified_law import ModifiedLaw, sticks_with_friction
+from updamp.hbm.harmonics import Harmonics
 
 SLIDERS = 6
 
@@ -30,6 +37,10 @@ class SubPatchMicroslip(ModifiedLaw):
     @property
     def decoupled_directions(self) -> tuple[int, ...]:
         return decoupled_directions_of(self.inner)
+
+    def compiled(self, harmonics: Harmonics, n_time: int) -> CompiledForces | None:
+        inner = compiled_forces_of(self.inner, harmonics, n_time)
+        return None if inner is None else MeanOfSliders(inner, np.asarray(evenly(SLIDERS)))
 
     def surely_sticks(self, displacement: NDArray[np.float64], parameters: Any, overshoot: float) -> NDArray[np.bool_]:
         """Where the weakest slider does and the inner law can tell: then all of them do."""

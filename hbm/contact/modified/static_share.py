@@ -6,8 +6,10 @@ from typing import Any, ClassVar
 import jax
 import jax.numpy as jnp
 
-from updamp.hbm.contact.law import decoupled_directions_of
+from updamp.hbm.contact.compiled.composed import ShareOfMean
+from updamp.hbm.contact.law import CompiledForces, compiled_forces_of, decoupled_directions_of
 from updamp.hbm.contact.modified.modified_law import LawArguments, ModifiedLaw
+from updamp.hbm.harmonics import Harmonics
 
 
 @dataclass(frozen=True)
@@ -23,6 +25,10 @@ class StaticShare(ModifiedLaw):
     @property
     def decoupled_directions(self) -> tuple[int, ...]:
         return decoupled_directions_of(self.inner)
+
+    def compiled(self, harmonics: Harmonics, n_time: int) -> CompiledForces | None:
+        inner = compiled_forces_of(self.inner, harmonics, n_time)
+        return None if inner is None else ShareOfMean(inner, harmonics.slices.get(0, slice(0)))
 
     def inner_arguments(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> LawArguments:
         unseen = (1 - parameters.static_share) * jnp.mean(displacement, axis=0)

@@ -6,10 +6,14 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
+from updamp.hbm.contact.coulomb_circle import CoulombCircle
 from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
-from updamp.hbm.contact.law import CompiledLaw, force_for_analysis
+from updamp.hbm.contact.law import CompiledLaw, compiled_forces_of, force_for_analysis
+from updamp.hbm.contact.modified.microslip import SLIDERS, SubPatchMicroslip, evenly
+from updamp.hbm.contact.modified.modified_law import with_entries
+from updamp.hbm.contact.modified.static_share import StaticShare
 from updamp.hbm.contact.modified.velocity_friction import VelocityFriction
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.problem.elements import ElementGroup, element_forces, force_only, loop_areas
@@ -137,6 +141,63 @@ def test_loop_areas_are_those_of_the_law_in_jax(law):
     np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-12 * np.abs(theirs).max())
 
 
+MODIFIED = [
+    StaticShare(JenkinsBox(2)), SubPatchMicroslip(JenkinsBox(2)), StaticShare(SubPatchMicroslip(SampledJenkinsBox(2))),
+]  # fmt: skip
+
+
+def modified_parameters():
+    """Each element has a share and a spread of its own."""
+    p, rng = parameters(), np.random.default_rng(8)
+    return with_entries(p, static_share=rng.random(ELEMENTS), limit_spread=rng.random(ELEMENTS))
+
+
+@pytest.mark.parametrize("law", MODIFIED)
+def test_modified_laws_are_made_of_the_compiled_one_inside(law):
+    p, rows = modified_parameters(), np.arange(3 * ELEMENTS).reshape(-1, 3)
+    motion = motions(p)
+    motion[HELD] += 0.1  # held at its limit a sampled law has ties between stick and slip
+    of_each = [AllEvaluated(each, p, rows) for each in (law, InJax(law))]
+    ours, theirs = (element_forces(group, motion, 1.0, HARMONICS, 128) for group in of_each)
+    np.testing.assert_allclose(ours.force, theirs.force, rtol=0, atol=1e-13 * np.abs(theirs.force).max())
+    np.testing.assert_allclose(ours.tangent, theirs.tangent, rtol=0, atol=1e-11)
+    alone = force_only(of_each[0], motion, 1.0, HARMONICS, 128)
+    np.testing.assert_allclose(alone, ours.force, rtol=0, atol=1e-14 * np.abs(ours.force).max())
+    areas = [loop_areas(AllEvaluated(each, p, rows), motion, 1.0, HARMONICS, 128) for each in (law, AtSamples(law))]
+    np.testing.assert_allclose(*areas, rtol=0, atol=1e-12 * np.abs(areas[1]).max())
+
+
+@pytest.mark.parametrize(("law", "s"), [(MODIFIED[0], 0.0), (MODIFIED[1], 0.0), (MODIFIED[1], 0.03 + 0.4j)])
+def test_so_are_their_tangents_to_what_grows(law, s):
+    p, rows = modified_parameters(), np.arange(3 * ELEMENTS).reshape(-1, 3)
+    motion, group = motions(p), ElementGroup(law, p, rows)
+    numbers = np.delete(np.arange(ELEMENTS), np.r_[HELD])
+    ours = perturbed_tangent(group, motion, 1.0, s, HARMONICS, 128, numbers)
+    theirs = in_jax(group, motion, 1.0, s, HARMONICS, 128, numbers)
+    if isinstance(law, SubPatchMicroslip):  # one slider of an element may be at rest, and another move
+        mu = [p.mu * (1 + p.limit_spread * factor) for factor in evenly(SLIDERS)]
+        each = [ElementGroup(law.inner, p._replace(mu=one), rows) for one in mu]
+        rest = [_follow_springs(one, motion.reshape(-1, 7), 1.0, HARMONICS, 128)[numbers] for one in each]
+        some, every = np.any(rest, axis=0), np.all(rest, axis=0)
+        assert (some & ~every).sum() > 3
+        np.testing.assert_allclose(ours[every], of_springs(group, numbers)[every], rtol=0, atol=1e-13)
+    else:
+        seen = motion * np.where(np.arange(7) == 0, p.static_share[:, None, None], 1.0)
+        inside = ElementGroup(law.inner, p, rows)
+        some = _follow_springs(inside, seen.reshape(-1, 7), 1.0, HARMONICS, 128)[numbers]
+    np.testing.assert_allclose(ours[~some], theirs[~some], rtol=0, atol=1e-11)
+
+
+def of_springs(group, numbers):
+    """Tangents of the reference springs alone."""
+    return np.einsum("ed,df,ab->edafb", group.stiffness_of_one[numbers], np.eye(3), np.eye(7))
+
+
+def test_a_law_inside_that_is_not_compiled_leaves_them_to_jax():
+    assert compiled_forces_of(StaticShare(VelocityFriction(JenkinsBox(2))), HARMONICS, 128) is None
+    assert compiled_forces_of(SubPatchMicroslip(CoulombCircle(3)), HARMONICS, 128) is None
+
+
 def test_a_modified_law_is_not_taken_for_the_one_inside():
     assert isinstance(JenkinsBox(2), CompiledLaw)
     assert not isinstance(VelocityFriction(JenkinsBox(2)), CompiledLaw)
@@ -155,5 +216,6 @@ def test_tangents_to_what_grows_are_those_of_the_law_in_jax(law, s):
     at_rest = _follow_springs(group, motion.reshape(-1, 7), 1.0, HARMONICS, 128)[numbers]
     assert 3 < (~at_rest[:, :2]).sum() < at_rest[:, :2].size
     np.testing.assert_allclose(ours[~at_rest], theirs[~at_rest], rtol=0, atol=1e-11)
+    np.testing.assert_allclose(ours[at_rest], of_springs(group, numbers)[at_rest], rtol=0, atol=1e-13)
     still = perturbed_tangent(group, motion, 1.0, 0.0, HARMONICS, 128, numbers)
     assert s == 0 or np.abs(ours - still).max() > 0.01, "growth counts"

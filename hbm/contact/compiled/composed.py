@@ -1,0 +1,100 @@
+"""Compiled forces of modified laws that are made of those of the law inside."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.hbm.contact.law import CompiledForces
+
+Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Integers = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class ShareOfMean:
+    """The inner law at a motion with a share of its mean, entry `static_share` of the parameters.
+
+    mean: places of the coefficients of the mean, none where the zero harmonic is not kept
+    """
+
+    inner: CompiledForces
+    mean: slice
+
+    def write_forces(self, numbers: Integers, displacement: Floats, parameters: Any, force: Floats) -> None:
+        self.inner.write_forces(numbers, self._seen(displacement, parameters), parameters, force)
+
+    def write_with_tangents(
+        self, numbers: Integers, displacement: Floats, parameters: Any, force: Floats, tangent: Floats
+    ) -> None:
+        self.inner.write_with_tangents(numbers, self._seen(displacement, parameters), parameters, force, tangent)
+        self._weigh(numbers, parameters, tangent)
+
+    def write_perturbed_tangents(
+        self, numbers: Integers, displacement: Floats, parameters: Any, growth: complex, tangent: Complex
+    ) -> None:
+        seen = self._seen(displacement, parameters)
+        self.inner.write_perturbed_tangents(numbers, seen, parameters, growth, tangent)
+        self._weigh(numbers, parameters, tangent)
+
+    def loop_areas(self, numbers: Integers, displacement: Floats, parameters: Any) -> Floats:
+        return self.inner.loop_areas(numbers, self._seen(displacement, parameters), parameters)
+
+    def _seen(self, displacement: Floats, parameters: Any) -> Floats:
+        seen = displacement.copy()
+        seen[..., self.mean] *= np.asarray(parameters.static_share)[:, None, None]
+        return seen
+
+    def _weigh(self, numbers: Integers, parameters: Any, tangent: NDArray[Any]) -> None:
+        """What the inner law sees of the mean is a share of it."""
+        share = np.asarray(parameters.static_share)[numbers]
+        tangent[numbers, ..., self.mean] *= share[:, None, None, None, None]
+
+
+@dataclass(frozen=True, eq=False)
+class MeanOfSliders:
+    """The mean of inner laws with other friction coefficients.
+
+    factors: (n_sliders,) by which the spread, entry `limit_spread` of the parameters, adds to 1
+    """
+
+    inner: CompiledForces
+    factors: Floats
+
+    def write_forces(self, numbers: Integers, displacement: Floats, parameters: Any, force: Floats) -> None:
+        one, total = force.copy(), np.zeros_like(force[numbers])
+        for p in self._each(parameters):
+            self.inner.write_forces(numbers, displacement, p, one)
+            total += one[numbers]
+        force[numbers] = total / len(self.factors)
+
+    def write_with_tangents(
+        self, numbers: Integers, displacement: Floats, parameters: Any, force: Floats, tangent: Floats
+    ) -> None:
+        one, total = (force.copy(), tangent.copy()), (np.zeros_like(force[numbers]), np.zeros_like(tangent[numbers]))
+        for p in self._each(parameters):
+            self.inner.write_with_tangents(numbers, displacement, p, *one)
+            for sum_of, of_one in zip(total, one, strict=True):
+                sum_of += of_one[numbers]
+        force[numbers], tangent[numbers] = (sum_of / len(self.factors) for sum_of in total)
+
+    def write_perturbed_tangents(
+        self, numbers: Integers, displacement: Floats, parameters: Any, growth: complex, tangent: Complex
+    ) -> None:
+        one, total = tangent.copy(), np.zeros_like(tangent[numbers])
+        for p in self._each(parameters):
+            self.inner.write_perturbed_tangents(numbers, displacement, p, growth, one)
+            total += one[numbers]
+        tangent[numbers] = total / len(self.factors)
+
+    def loop_areas(self, numbers: Integers, displacement: Floats, parameters: Any) -> Floats:
+        areas = [self.inner.loop_areas(numbers, displacement, p) for p in self._each(parameters)]
+        return np.asarray(np.mean(areas, axis=0))
+
+    def _each(self, parameters: Any) -> Iterator[Any]:
+        mu, spread = np.asarray(parameters.mu, dtype=float), np.asarray(parameters.limit_spread, dtype=float)
+        for factor in self.factors:
+            yield parameters._replace(mu=(mu.T * (1 + spread * factor)).T)
