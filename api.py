@@ -5,8 +5,8 @@
     response_curve(model, "OOP", force=3.84).plot().savefig("OOP.png")
 
 SI everywhere: newton, metre, hertz; receptance in m/N. Names and arguments stay the same from version to version; what
-else the package holds may move. The system of a `Model` solves with few small products: OMP_NUM_THREADS=1 and
-OPENBLAS_NUM_THREADS=1, set before Python is started, make it quicker on most machines.
+else the package holds may move. Linear algebra runs on one thread in all calls, as it is many small products;
+processes (`jobs`) are what uses more processors.
 """
 
 from collections.abc import Mapping, Sequence
@@ -37,6 +37,7 @@ from updamp.notebook.curve import Curve
 from updamp.notebook.model import Model
 from updamp.notebook.outcomes import ComparisonResult, DiagnosisResult
 from updamp.notebook.resonance import Resonance
+from updamp.parallel.resources import on_one_blas_thread
 from updamp.rig.errors import RigError
 from updamp.rig.modal_rig import ModalRig
 from updamp.rig.rig import Rig
@@ -66,6 +67,7 @@ def load_rig(path: File, changes: Mapping[str, Any] | None = None) -> Rig | Moda
     return load_any(_path(path, "rig"), changes)
 
 
+@on_one_blas_thread
 def build_model(rig: Rig | ModalRig | File, mesh: str = "small", folder: File | None = None) -> Model:
     """The model of a rig as `updamp run`, `compare` and `diagnose` solve it, with the calibration and the effects that
     its file states. For a rig with geometry: mesh, finite elements, contact at rest, then the coupled equations.
@@ -81,6 +83,7 @@ def build_model(rig: Rig | ModalRig | File, mesh: str = "small", folder: File | 
     return Model(rig, preset, parts, tuple(effect.name for effect in rig.effects))
 
 
+@on_one_blas_thread
 def response_curve(
     model: Model,
     window: str | tuple[float, float],
@@ -108,6 +111,7 @@ def response_curve(
     return Curve(whole_curve(model.system, request), reported)
 
 
+@on_one_blas_thread
 def resonance(
     model: Model,
     window: str | tuple[float, float],
@@ -138,6 +142,7 @@ def resonance(
 # which imports this module, is read by every process of a diagnosis.
 
 
+@on_one_blas_thread
 def compare(
     rig: File,
     measurement: File,
@@ -164,6 +169,7 @@ def compare(
     return ComparisonResult(comparison, files.report)
 
 
+@on_one_blas_thread
 def diagnose(
     rig: File,
     measurement: File,

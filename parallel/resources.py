@@ -5,14 +5,18 @@ import resource
 import sys
 import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from functools import wraps
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import ParamSpec, Self, TypeVar
 
 import psutil
+from threadpoolctl import threadpool_limits
 
+P = ParamSpec("P")
+R = TypeVar("R")
 _GROUP = Path("/sys/fs/cgroup")
 _BYTES_PER_MAXRSS = 1 if sys.platform == "darwin" else 1024
 
@@ -98,6 +102,18 @@ def thread_limits(threads: int) -> Mapping[str, str]:
         values["XLA_FLAGS"] = " ".join([*flags, *(flag for flag in wanted if flag not in flags)])
         values["JAX_CPU_ENABLE_ASYNC_DISPATCH"] = "0"
     return values
+
+
+def on_one_blas_thread(function: Callable[P, R]) -> Callable[P, R]:
+    """Called with one thread of BLAS, whatever the process has: threads of many small products wait for each other,
+    which takes up to twelve times as long where another program has the other processors."""
+
+    @wraps(function)
+    def called(*args: P.args, **kwargs: P.kwargs) -> R:
+        with threadpool_limits(limits=1, user_api="blas"):
+            return function(*args, **kwargs)
+
+    return called
 
 
 def one_thread() -> None:

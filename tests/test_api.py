@@ -1,6 +1,7 @@
 """What scripts and notebooks import: results are those of the rooms, and show themselves."""
 
 import json
+import os
 import re
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from support import measured_beam
 from support.plain_rig import plain_reduced_model
 from support.synthetic_comparison import features_only, synthetic_comparison
 from support.synthetic_verdict import synthetic_verdict
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from updamp import api
 from updamp.fem.finite_element_model import FiniteElementResult
@@ -272,6 +274,22 @@ def test_a_diagnosis_is_asked_for_as_on_the_command_line(tmp_path: Path, monkeyp
 
 
 # --- what it promises ---
+
+
+def test_calls_use_one_thread_of_blas_and_leave_the_process_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    def threads() -> set[int]:
+        return {library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"}
+
+    seen = []
+    monkeypatch.setattr(api, "load_rig", lambda _: seen.append(threads()) or 1 / 0)
+    with threadpool_limits(limits=2, user_api="blas"):
+        before = threads()
+        with pytest.raises(ZeroDivisionError):
+            api.build_model("some.toml")
+        assert threads() == before
+    assert seen == [{1}]
+    if os.cpu_count() != 1:
+        assert before != {1}
 
 
 def test_public_names_are_there_and_documented() -> None:
