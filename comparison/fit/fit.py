@@ -94,11 +94,13 @@ def fit(
     options: FitOptions | None = None,
     progress: Progress = lambda _: None,
     branches_of: Branches = in_turn,
+    enough: Callable[[Compared], bool] = lambda _: False,
 ) -> Fit:
     """Least squares of the whitened residual with the parameters' priors.
 
     scatter: to keep as it is; by default it is learnt from the repeats
     at_start: branches solved at `start`, where they are at hand
+    enough: asked after each round; where it says so the fit ends there, not settled
     raises: BranchStoppedError where the model has no response to compare at the start
     """
     options = options or FitOptions()
@@ -127,6 +129,9 @@ def fit(
                 break
             continue
         best, reach = solved, min(1.5 * reach, options.largest_step)
+        if enough(best):
+            message = "ended where it was asked to"
+            break
     return _result(parametrisation, _weighed(parametrisation, plan, best, scatter, prior), False, message)
 
 

@@ -5,11 +5,12 @@ takes up the rest. A fit finds one of them.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.fit.compared import objective
+from updamp.comparison.fit.compared import Compared, objective
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
 from updamp.diagnosis.candidate_models.baseline import Baseline
 from updamp.diagnosis.candidate_models.refit import as_given, compared_at
@@ -30,12 +31,22 @@ def have_two_signs(effects: tuple[Effect, ...]) -> bool:
 
 def fit_from_size(found: Fit, effects: tuple[Effect, ...], size: float, start: Baseline) -> Fit | None:
     """The fit from so many times the effects' sizes: the other parameters as they are, or as given, whatever is closer;
-    None where the model has no response at either."""
+    None where the model has no response at either, and where the fit comes back to what was found."""
     p, scatter = found.parametrisation, found.compared.scatter
     starts = [_sized(found, effects, size, others) for others in (found.u, as_given(found))]
     solved = compared_at(p, start.train_plan, starts, found.compared)
     best = min(solved, key=lambda compared: objective(p, compared), default=None)
-    return fit(p, start.train_plan, best.u, scatter, best.branches, _ROUNDS) if best else None
+    if best is None:
+        return None
+    same = partial(_same_minimum, found)
+    other = fit(p, start.train_plan, best.u, scatter, best.branches, _ROUNDS, enough=same)
+    return None if same(other.compared) else other
+
+
+def _same_minimum(found: Fit, other: Compared) -> bool:
+    """Whether parameters lie within the region that holds 95 % of one of them about the minimum that was found."""
+    apart = other.u - found.u
+    return bool(apart @ np.linalg.pinv(found.covariance, hermitian=True) @ apart < _WITHIN)
 
 
 def with_size(found: Fit, effects: tuple[Effect, ...], size: float) -> Fit:

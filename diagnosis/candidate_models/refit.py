@@ -159,12 +159,12 @@ def compared_at(
 ) -> Iterator[Compared]:
     """The model at each of the starts, within the bounds, one when it is asked for; where it has no response, none.
 
-    near: whose branches are moved there, and whose scatter it is weighed by
+    near: whose branches are moved there, whose scatter it is weighed by, and which it need not fit any better than
     """
     for start in starts:
         u = np.clip(start, parametrisation.lower, parametrisation.upper)
         try:
-            branches = predict_branches(parametrisation, u, plan, near.branches or None)
+            branches = predict_branches(parametrisation, u, plan, near.branches or None, inflation=near.inflation)
         except BranchStoppedError:
             continue
         yield compare_at(parametrisation, u, plan, branches, near.scatter, offsets)

@@ -16,7 +16,7 @@ from updamp.diagnosis.candidate_models.candidate_fits import (
 )
 from updamp.diagnosis.candidate_models.fit_tasks import FitTask, FittedCandidate, without_branches
 from updamp.diagnosis.candidate_models.other_sizes import SIZE_FACTORS, as_likely, have_two_signs
-from updamp.diagnosis.candidate_models.refit import Refit
+from updamp.diagnosis.candidate_models.refit import Refit, fails_badly
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.score_tests.candidates import fit_tasks
 from updamp.diagnosis.score_tests.score import Score, cosines
@@ -24,18 +24,21 @@ from updamp.effects.effect import Effect
 
 
 def try_singles(fits: FitContext, effects: Sequence[Effect], scored: Sequence[Score]) -> CandidateFits:
-    """Short refits of those that look most likely, full ones of the best."""
+    """Short refits of those that look most likely, full ones of the best. Where the model fails badly the first one is
+    taken alone: what leaves nothing of a large misfit is seldom one of several."""
     start, criteria = fits.start, fits.criteria
     wanted = fit_tasks(start, effects, scored, criteria, fits.progress, fits.workers)
     if all(task.full for task in wanted):
         return fits.results(wanted)
     wanted = wanted[: criteria.short]
-    half = (len(wanted) + 1) // 2
-    found = fits.results(wanted[:half])
-    enough = _left(start, 1 - criteria.promising)
-    found |= fits.full([r for r in best_first(found)[:1] if r.trial.excess < enough])
-    found |= refits_with_own_numerics(fits, found)
-    found |= fits.results(_unless_explained(wanted[half:], found, scored, criteria))
+    half, enough = (len(wanted) + 1) // 2, _left(start, 1 - criteria.promising)
+    found: CandidateFits = {}
+    first = 1 if fails_badly(start.fitted) else half
+    for some in (wanted[:first], wanted[first:half], wanted[half:]):
+        found |= fits.results(_unless_explained(some, found, scored, criteria))
+        promising = [r for r in best_first(found)[:1] if r.trial.excess < enough]
+        found |= fits.full([r for r in promising if not r.trial.full])
+        found |= refits_with_own_numerics(fits, found)
     best = best_first(found)[: criteria.full]
     passing = [r for r in best if not r.trial.full and r.refit.delta_bic >= criteria.delta_bic]
     close = [r for r in passing if _comes_close(r.refit, best[0].refit, start, criteria)]
@@ -56,7 +59,8 @@ def refits_with_own_numerics(fits: FitContext, found: CandidateFits) -> Candidat
         close = [r for r in settled[:1] if r.trial.excess < _left(start, criteria.own_numerics)]
     left = [r for r in close if not r.refit.own_numerics and not explains(r.trial, criteria)]
     again = fits.full(left, own_numerics=True)
-    return again | _turned_round(fits, left, again)
+    failing = [r for r in left if not explains(again.get(r.trial.effects, r).trial, criteria)]
+    return again | _turned_round(fits, failing, again)
 
 
 def _turned_round(fits: FitContext, fitted: Sequence[FittedCandidate], again: CandidateFits) -> CandidateFits:

@@ -76,8 +76,7 @@ def test_the_other_minimum_is_found_is_as_likely_and_is_in_the_interval(fitted):
 def test_where_there_is_one_minimum_every_size_leads_back_to_it(fitted):
     start, found = fitted(PLAIN)
     for size in SIZE_FACTORS:
-        again = fit_from_size(found.fitted, (PLAIN,), size, start)
-        np.testing.assert_allclose(again.u[-1], found.fitted.u[-1], atol=0.5 * found.fitted.deviations[-1])
+        assert fit_from_size(found.fitted, (PLAIN,), size, start) is None
 
 
 def test_an_effect_that_has_no_sign_is_not_turned_round():
