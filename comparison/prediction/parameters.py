@@ -16,6 +16,8 @@ Floats = NDArray[np.float64]
 
 # Bound on the size of a numerical error, in units of the difference that finer numerics make.
 _MOST = 4.0
+# Least size, in typical ones, that an effect is fitted with which has no derivative at its null value.
+_LEAST = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,12 +52,12 @@ class Parametrisation:
 
     @property
     def lower(self) -> Floats:
-        of_effects = [min(b) for b in self._effect_bounds()]
+        of_effects = [lower for lower, _ in self._effect_bounds()]
         return np.array([-n.largest for n in self.nuisances] + of_effects + [-_MOST] * len(self.numerics.names))
 
     @property
     def upper(self) -> Floats:
-        of_effects = [max(b) for b in self._effect_bounds()]
+        of_effects = [upper for _, upper in self._effect_bounds()]
         return np.array([n.largest for n in self.nuisances] + of_effects + [_MOST] * len(self.numerics.names))
 
     @property
@@ -65,11 +67,14 @@ class Parametrisation:
         return np.array([n.deviation for n in self.nuisances] + of_effects + [1.0] * len(self.numerics.names))
 
     def _effect_bounds(self) -> list[tuple[float, float]]:
-        return [
-            ((p.lower - p.null) / (p.typical - p.null), (p.upper - p.null) / (p.typical - p.null))
-            for e in self.effects
-            for p in e.parameters
-        ]
+        """Null values at a bound are left out where there is no derivative to leave them by: a fit would stay there."""
+        found = []
+        for e in self.effects:
+            for p in e.parameters:
+                ends = ((p.lower - p.null) / (p.typical - p.null), (p.upper - p.null) / (p.typical - p.null))
+                absent = _LEAST if e.finite_step and 0.0 in ends else 0.0
+                found.append((min(ends) or absent, max(ends) or 0.0 - absent))
+        return found
 
     def columns(self, effect: str) -> slice:
         """Where the parameters of one of the effects stand in u.

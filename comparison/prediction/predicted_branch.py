@@ -113,19 +113,19 @@ class PredictedBranch:
         return Observed(value, change[..., 0, :], change[..., 1:, :])
 
     @cached_property
-    def swept_places(self) -> tuple[Floats, Floats]:
-        """(k,) places that the sweep comes by, up to a fold and from where it lands, and half of the distance to the
-        next: where the frequency is beyond all before. A fold lies between two points, which move as parameters do."""
-        near = np.flatnonzero((self.visited[:-1] | self.visited[1:]) & self.followed)
-        share = (np.arange(_BETWEEN) + 0.5) / _BETWEEN
-        length = np.diff(self.place)[near]
-        tried = (self.place[near][:, None] + length[:, None] * share).ravel()
+    def places_between(self) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+        """In the direction of the sweep: (k,) places between its points, half of the distance to the next, and whether
+        the branch was not followed from the place before."""
+        at = np.flatnonzero(self.followed)
+        length = np.diff(self.place)[at]
+        tried = self.place[at][:, None] + length[:, None] * (np.arange(_BETWEEN) + 0.5) / _BETWEEN
         widths = np.repeat(length / _BETWEEN, _BETWEEN)
-        if (self.frequency[-1] > self.frequency[0]) != self.condition.upwards:
-            tried, widths = tried[::-1], widths[::-1]
-        frequency = self.curves[0](tried)[:, 0] * (1.0 if self.condition.upwards else -1.0)
-        ahead = frequency >= np.maximum.accumulate(frequency)
-        return tried[ahead], widths[ahead]
+        apart = np.zeros(tried.shape, dtype=bool)
+        if (self.frequency[-1] > self.frequency[0]) == self.condition.upwards:
+            apart[1:, 0] = np.diff(at) > 1
+            return tried.ravel(), widths, apart.ravel()
+        apart[:-1, -1] = np.diff(at) > 1
+        return tried.ravel()[::-1], widths[::-1], apart.ravel()[::-1]
 
     def rough_at(self, place: Floats) -> Floats:
         """(..., 1 + 2 n_sensors)"""

@@ -5,15 +5,18 @@ nothing, and in a wide hysteresis it is most of the branch, and the hardest to f
 to is looked for from the far end of the window, as far as the fold's frequency; where it is not found there, the branch
 is followed back, but neither differentiated nor kept, nor moved when parameters change.
 
+A run that begins inside a hysteresis may begin on the part that others jump to, or on the one that they jump from: so
+that part is followed to where it turns back, and kept as a whole if a run begins beyond that.
+
 Of a response with one hysteresis there are two stable parts beyond the fold: the one that the sweep has left, and the
 one that the rest of the window belongs to. With more of them, one within another, a sweep could jump to a part between,
 which only the whole branch would show.
 """
 
-from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property
 
 import numpy as np
 
@@ -67,42 +70,49 @@ class DistanceBehindFold:
 
 
 class BranchAfterJump:
-    """The part of the branch that a sweep is on after a jump, followed from the far end of the window as far as it has
-    been asked for, and no further than to where it turns back.
+    """The part of the branch that a sweep is on after a jump, followed from the far end of the window to where it turns
+    back.
 
-    observe: what is kept of a point; margin: points kept before a fold's frequency
+    observe: what is kept of a point
+    may_begin: times the sign of the sweep's direction [rad/s]: where the part begins before it, a run may begin on it
+    margin: points kept before a fold's frequency, or from where the part turns back on
     """
 
     def __init__(
-        self, far_end: BranchFromFarEnd, sign: float, observe: Callable[[BranchPoint], ObservedPoint], margin: int
+        self,
+        far_end: BranchFromFarEnd,
+        sign: float,
+        observe: Callable[[BranchPoint], ObservedPoint],
+        may_begin: float,
+        margin: int,
     ) -> None:
-        self.far, self._observe, self._margin = far_end.far, observe, margin
-        self._ahead, self._behind_fold = iter(far_end.points()), DistanceBehindFold(-sign)
-        self._found: list[ObservedPoint] = []
+        self.far, self._sign, self._may_begin, self._margin = far_end.far, sign, may_begin, margin
+        self._end, self._observe = far_end, observe
 
     def beyond(self, fold: DistanceBehindFold) -> list[ObservedPoint]:
-        """From `margin` points before the fold's frequency to the far end, in the order of the sweep; none where the
-        fold's frequency is not reached."""
-        beyond = 0
-        for n, point in enumerate(self._points(), 1):
-            beyond = 0 if fold.is_ahead(point.point.w) else beyond + 1
-            if beyond == self._margin:
-                return turned_round(self._found[:n])
-        return []
+        """From `margin` points before the fold's frequency to the far end, in the order of the sweep, or from where
+        the part begins, if a run may begin there; none where the fold's frequency is not reached."""
+        beyond = [not fold.is_ahead(o.point.w) for o in self._followed]
+        reached = next((n for n in range(self._margin, len(beyond) + 1) if all(beyond[n - self._margin : n])), 0)
+        if not reached:
+            return []
+        ahead = [self._sign * o.point.w for o in self._followed]
+        begins = int(np.argmin(ahead))
+        kept = begins + self._margin if ahead[begins] < self._may_begin else reached
+        return turned_round(self._followed[: max(kept, reached)])
 
-    def _points(self) -> Iterator[ObservedPoint]:
-        """Those followed before, then on from there."""
-        yield from tuple(self._found)
-        while not self._behind_fold.is_far(self.far):
-            try:
-                point = next(self._ahead, None)
-            except BranchStoppedError:
-                return
-            if point is None:
-                return
-            self._behind_fold.advance_to(point.w)
-            self._found.append(self._observe(point))
-            yield self._found[-1]
+    @cached_property
+    def _followed(self) -> list[ObservedPoint]:
+        """From the far end."""
+        found: list[ObservedPoint] = []
+        behind_fold = DistanceBehindFold(-self._sign)
+        with suppress(BranchStoppedError):
+            for point in self._end.points():
+                behind_fold.advance_to(point.w)
+                found.append(self._observe(point))
+                if behind_fold.is_far(self.far):
+                    break
+        return found
 
 
 # Points kept on either side of what is left out: parameters move folds along the branch.
@@ -115,18 +125,20 @@ def swept_points(
     branch: Iterable[BranchPoint],
     upwards: bool,
     observe: Callable[[BranchPoint], ObservedPoint],
+    may_begin: float,
     far_end: BranchFromFarEnd | None = None,
 ) -> tuple[list[ObservedPoint], str]:
     """In the order of the sweep, and why they end inside the window ("" where they do not).
 
     branch: its points, from where the sweep begins; observe: what is kept of a point
+    may_begin: frequency [rad/s]; what begins before it, in the direction of the sweep, is a part a run may begin on
     far_end: the branch from the end of the window that the sweep runs to
 
     raises: BranchStoppedError where not even the first few are found
     """
     sign = 1.0 if upwards else -1.0
-    kept = _SweptPoints(sign, observe)
-    ahead = BranchAfterJump(far_end, sign, observe, MARGIN) if far_end is not None else None
+    kept = _SweptPoints(sign, observe, sign * may_begin)
+    ahead = BranchAfterJump(far_end, sign, observe, sign * may_begin, MARGIN) if far_end is not None else None
     try:
         for point in branch:
             kept.add(point)
@@ -145,15 +157,19 @@ def swept_points(
 
 
 class _SweptPoints:
-    """What a sweep in the direction `sign` sees, and the margins of what it does not; followed: how many points."""
+    """What sweeps in the direction `sign` see, and the margins of what they do not; followed: how many points.
 
-    def __init__(self, sign: float, observe: Callable[[BranchPoint], ObservedPoint]) -> None:
+    may_begin: times the sign [rad/s]; a stretch that runs with the sweep from before there may be one that it begins on
+    """
+
+    def __init__(self, sign: float, observe: Callable[[BranchPoint], ObservedPoint], may_begin: float) -> None:
         self._observe, self.followed, self.behind_fold = observe, 0, DistanceBehindFold(sign)
+        self._may_begin = may_begin
         self._points: list[ObservedPoint] = []
-        self._lately: deque[Callable[[], ObservedPoint]] = deque(maxlen=MARGIN)
+        self._lately: list[_Passed] = []
 
     def add(self, point: BranchPoint) -> None:
-        self._add(point.w, partial(self._observe, point))
+        self._add(_Passed(point))
 
     def jump_to(self, points: Sequence[ObservedPoint]) -> bool:
         """Go on with these, of another part of the branch, if there are any; behind the fold the margin is kept."""
@@ -161,31 +177,50 @@ class _SweptPoints:
             return False
         self._lately.clear()
         self.behind_fold.points = min(self.behind_fold.points, MARGIN)
-        for i, point in enumerate(points):
-            there = point.after_gap() if i == 0 else point
-            self._add(point.point.w, partial(_itself, there))
+        for i, seen in enumerate(points):
+            there = seen if i else seen.after_gap()
+            self._add(_Passed(there.point, there))
         return True
 
-    def _add(self, w: float, look: Callable[[], ObservedPoint]) -> None:
+    def _add(self, passed: "_Passed") -> None:
         self.followed += 1
-        if self.behind_fold.is_ahead(w):
-            self._points = [*self.whole(), look()]
-            self.behind_fold.advance_to(w)
+        if self.behind_fold.is_ahead(passed.point.w):
+            self._points = [*self.whole(), passed.seen_by(self._observe)]
+            self.behind_fold.advance_to(passed.point.w)
             self._lately.clear()
             return
-        self.behind_fold.advance_to(w)
+        self.behind_fold.advance_to(passed.point.w)
         if self.behind_fold.points <= MARGIN:
-            self._points.append(look())
-        else:
-            self._lately.append(look)
+            self._points.append(passed.seen_by(self._observe))
+            return
+        self._lately.append(passed)
+        # seen at once: the matrices of a whole stretch are large
+        stretch = [_Passed(p.point, p.seen_by(self._observe)) for p in self._stretch()]
+        self._lately = [*self._lately[: len(self._lately) - len(stretch)][-MARGIN:], *stretch]
+
+    def _stretch(self) -> list["_Passed"]:
+        """Those of the last points behind a fold that are of a stretch that a run may begin on."""
+        points = [passed.point for passed in self._lately]
+        ahead = [self.behind_fold.sign * point.w for point in points]
+        begins = len(points) - 1
+        while begins and not points[begins].after_gap and ahead[begins - 1] < ahead[begins]:
+            begins -= 1
+        return self._lately[begins:] if begins < len(points) - 1 and ahead[begins] < self._may_begin else []
 
     def whole(self) -> list[ObservedPoint]:
-        """With the margin before what comes next."""
-        margin = [look() for look in self._lately]
-        if self.behind_fold.points > 2 * MARGIN:
+        """With what is kept before what comes next."""
+        margin = [passed.seen_by(self._observe) for passed in self._lately]
+        if self.behind_fold.points > MARGIN + len(margin):
             margin[0] = margin[0].after_gap()
         return self._points + margin
 
 
-def _itself(point: ObservedPoint) -> ObservedPoint:
-    return point
+@dataclass(frozen=True, eq=False)
+class _Passed:
+    """A point of the branch, and what is kept of it, once it has been observed."""
+
+    point: BranchPoint
+    seen: ObservedPoint | None = None
+
+    def seen_by(self, observe: Callable[[BranchPoint], ObservedPoint]) -> ObservedPoint:
+        return observe(self.point) if self.seen is None else self.seen

@@ -70,3 +70,14 @@ def test_where_contacts_slip_or_the_structure_changes_the_step_is_that_of_a_trac
             traced = numerical_gate.change_of_branch(changed, branch.condition, observed)
             np.testing.assert_array_equal(change[:, 0], traced)
             assert np.abs(change).max() > 0.01
+
+
+def test_a_fit_does_not_come_to_where_the_effect_is_absent():
+    """There it has no derivative to leave by, and the mean motion is a harmonic less."""
+    extended = replace(parametrisation(), effects=(MEAN_MOTION,))
+    least = np.clip(np.append(U, 0.0), extended.lower, extended.upper)
+    assert 0 < least[-1] < 0.01
+    branch = trace_branch(extended, least, condition(60.0))
+    assert np.isfinite(branch.slopes[..., -2, :]).all()
+    from_above = replace(WEAKER, parameters=(EffectParameter("size", 1.0, 0.0, 1.0, 0.7, "", "test"),))
+    assert replace(parametrisation(), effects=(from_above,)).lower[-1] > 0
