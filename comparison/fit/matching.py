@@ -168,8 +168,8 @@ def sweeps_from(ahead: Floats, apart: NDArray[np.bool_]) -> list[NDArray[np.int6
     ahead: (k,) logarithm of the frequency in the direction of the sweep, at places along the branch
     apart: (k,) whether the branch was not followed from the place before
     """
-    with_sweep = np.append(np.diff(ahead) > 0, False)
-    begins = with_sweep & ~np.insert(with_sweep[:-1] & ~apart[1:], 0, False)
+    with_sweep = np.append((np.diff(ahead) > 0) & ~apart[1:], False)
+    begins = with_sweep & ~np.insert(with_sweep[:-1], 0, False)
     found: list[NDArray[np.int64]] = []
     for start in (0, *np.flatnonzero(begins)):
         if not any(np.isin(start, way) for way in found):
