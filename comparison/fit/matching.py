@@ -118,10 +118,6 @@ class _Moved:
         curves = PPoly.construct_fast(np.stack([curve.c, whole, *of_unit], axis=2), branch.place)
         return _Moved(branch, run.observed - everywhere, of_drive if of_drive.any() else None, curves)
 
-    def frequency(self, tried: Floats) -> Floats:
-        """(k,) its logarithm at places tried, but for what measured force and level do to it."""
-        return np.asarray(self.curves(tried)[..., :2, 0].sum(axis=-1))
-
     def distance(self, tried: Floats, weights: Floats) -> Floats:
         """(n, k) squared, of every point of the run from the places tried for it (n or 1, k); one kind of observation
         after the other, since arrays whose last axis has the few of them take several times as long."""
@@ -143,14 +139,14 @@ class _Moved:
 
 
 def _nearest(moved: _Moved, weights: Floats) -> Floats:
-    """(n,) the best of many places that a sweep comes by, then finer and finer looks around it; a gradient would go
-    astray where contacts begin to slip. Of several ways along the branch the one is taken that the run is nearest to.
+    """(n,) the best of many places, then finer and finer looks around it; a gradient would go astray where contacts
+    begin to slip.
+
+    All of the branch is tried, whichever part a sweep would be on: a sweep may leave a part before its fold, when
+    something disturbs it, and one that begins in a hysteresis may begin on either part.
     """
-    tried, widths, apart = moved.branch.places_between
-    away = moved.distance(tried[None], weights)
-    ways = sweeps_from(moved.frequency(tried) * (1.0 if moved.branch.condition.upwards else -1.0), apart)
-    way = ways[int(np.argmin([away[:, way].min(axis=1).sum() for way in ways]))] if len(ways) > 1 else ways[0]
-    best = way[np.argmin(away[:, way], axis=1)]
+    tried, widths = moved.branch.places_between
+    best = np.argmin(moved.distance(tried[None], weights), axis=1)
     place, width, each = tried[best], widths[best], np.arange(len(best))
     for _ in range(_LOOKS):
         around = place[:, None] + width[:, None] * _AROUND
@@ -158,24 +154,6 @@ def _nearest(moved: _Moved, weights: Floats) -> Floats:
         closest = np.argmin(moved.distance(around, weights), axis=1)
         place, width = around[each, closest], width / 4
     return place
-
-
-def sweeps_from(ahead: Floats, apart: NDArray[np.bool_]) -> list[NDArray[np.int64]]:
-    """The places that a sweep comes by, for every stretch of a branch on which it may begin: on it up to its fold, and
-    from where it lands, where the frequency is beyond all before. A sweep from the end of the window begins on the
-    first; one that begins in a hysteresis may begin on another one.
-
-    ahead: (k,) logarithm of the frequency in the direction of the sweep, at places along the branch
-    apart: (k,) whether the branch was not followed from the place before
-    """
-    with_sweep = np.append((np.diff(ahead) > 0) & ~apart[1:], False)
-    begins = with_sweep & ~np.insert(with_sweep[:-1], 0, False)
-    found: list[NDArray[np.int64]] = []
-    for start in (0, *np.flatnonzero(begins)):
-        if not any(np.isin(start, way) for way in found):
-            rest = ahead[start:]
-            found.append(start + np.flatnonzero(rest >= np.maximum.accumulate(rest)))
-    return found
 
 
 def _across(run: Observations, place: Floats, difference: Floats, model: Observed, noise: Floats) -> Matched:

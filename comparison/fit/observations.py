@@ -131,12 +131,9 @@ def _condition(measurement: Measurement, runs: Sequence[MeasuredRun], harmonics:
     force = float(np.median(np.concatenate([np.abs(run.force) for run in runs])))
     low, high = min(run.frequency.min() for run in runs), max(run.frequency.max() for run in runs)
     held, unit = (first.level, first.level_unit) if first.held == "response" else (None, measurement.units[1])
-    starts = [run.frequency.min() if run.upwards else -run.frequency.max() for run in runs]
     sensors = tuple((measurement.channel(c).point, k) for c in common for k in orders)
     window, control = (float(low), float(high)), _control(measurement, first)
-    return RunCondition(
-        first.name, first.mode, force, first.upwards, window, sensors, held, unit, control, abs(float(max(starts)))
-    )
+    return RunCondition(first.name, first.mode, force, first.upwards, window, sensors, held, unit, control)
 
 
 def _control(measurement: Measurement, run: MeasuredRun) -> HeldResponse | None:

@@ -113,19 +113,12 @@ class PredictedBranch:
         return Observed(value, change[..., 0, :], change[..., 1:, :])
 
     @cached_property
-    def places_between(self) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-        """In the direction of the sweep: (k,) places between its points, half of the distance to the next, and whether
-        the branch was not followed from the place before."""
+    def places_between(self) -> tuple[Floats, Floats]:
+        """(k,) places between its points, but for gaps, and half of the distance to the next."""
         at = np.flatnonzero(self.followed)
         length = np.diff(self.place)[at]
         tried = self.place[at][:, None] + length[:, None] * (np.arange(_BETWEEN) + 0.5) / _BETWEEN
-        widths = np.repeat(length / _BETWEEN, _BETWEEN)
-        apart = np.zeros(tried.shape, dtype=bool)
-        if (self.frequency[-1] > self.frequency[0]) == self.condition.upwards:
-            apart[1:, 0] = np.diff(at) > 1
-            return tried.ravel(), widths, apart.ravel()
-        apart[:-1, -1] = np.diff(at) > 1
-        return tried.ravel()[::-1], widths[::-1], apart.ravel()[::-1]
+        return tried.ravel(), np.repeat(length / _BETWEEN, _BETWEEN)
 
     def rough_at(self, place: Floats) -> Floats:
         """(..., 1 + 2 n_sensors)"""

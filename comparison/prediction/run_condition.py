@@ -32,8 +32,6 @@ class RunCondition:
         test is called by
     sensors: (point of the model, harmonic), in the order of the observations
     control: the response that a controller held; None where the force is what was set
-    latest_start: where the last one of its runs begins, the furthest in the direction of the sweep [Hz]; None where
-        that is the end of the window
     noise: standard deviations of what is observed, as in `Observations`; a branch is interpolated as well as they ask
         for, or as the steps have it where there are none
     """
@@ -47,7 +45,6 @@ class RunCondition:
     held: float | None = None
     unit: str = "N"
     control: HeldResponse | None = None
-    latest_start: float | None = None
     noise: tuple[float, ...] = ()
 
     def seen_by(self, sensors: Sequence[tuple[str, int]]) -> "RunCondition":
@@ -66,16 +63,6 @@ class RunCondition:
     @property
     def level_name(self) -> str:
         return f"{self.level:.3g} {self.unit.replace('^2', '²')}"
-
-    @property
-    def may_begin(self) -> float:
-        """A stretch of the branch that begins before this frequency [Hz], in the direction of the sweep, is one that a
-        run may have begun on; parameters move it by no more than the branch is followed beyond what was measured."""
-        low, high = self.window
-        moved = _BEYOND * (high - low)
-        if self.upwards:
-            return (low if self.latest_start is None else self.latest_start) + moved
-        return (high if self.latest_start is None else self.latest_start) - moved
 
     @property
     def wider(self) -> tuple[float, float]:

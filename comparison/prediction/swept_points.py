@@ -1,12 +1,10 @@
-"""The points of a branch that a sweep sees, and a few beyond each of its folds.
+"""The parts of a branch that a sweep may be on, and a few points beyond each of its folds.
 
-Where the branch turns back the sweep jumps to the next part of it that leads on. What lies between is compared with
-nothing, and in a wide hysteresis it is most of the branch, and the hardest to follow. So the part that the sweep jumps
-to is looked for from the far end of the window, as far as the fold's frequency; where it is not found there, the branch
-is followed back, but neither differentiated nor kept, nor moved when parameters change.
-
-A run that begins inside a hysteresis may begin on the part that others jump to, or on the one that they jump from: so
-that part is followed to where it turns back, and kept as a whole if a run begins beyond that.
+Where the branch turns back the sweep jumps to the next part of it that leads on, or before, when something disturbs it;
+and a sweep that begins where there are two parts may begin on either. What lies between the two is compared with
+nothing, and in a wide hysteresis it is the hardest to follow. So the part that the sweep jumps to is looked for from
+the far end of the window, up to where it turns back itself; where it is not found there, the branch is followed back,
+but what runs against the sweep is neither differentiated nor kept, nor moved when parameters change.
 
 Of a response with one hysteresis there are two stable parts beyond the fold: the one that the sweep has left, and the
 one that the rest of the window belongs to. With more of them, one within another, a sweep could jump to a part between,
@@ -74,7 +72,6 @@ class BranchAfterJump:
     back.
 
     observe: what is kept of a point
-    may_begin: times the sign of the sweep's direction [rad/s]: where the part begins before it, a run may begin on it
     margin: points kept before a fold's frequency, or from where the part turns back on
     """
 
@@ -83,10 +80,9 @@ class BranchAfterJump:
         far_end: BranchFromFarEnd,
         sign: float,
         observe: Callable[[BranchPoint], ObservedPoint],
-        may_begin: float,
         margin: int,
     ) -> None:
-        self.far, self._sign, self._may_begin, self._margin = far_end.far, sign, may_begin, margin
+        self.far, self._sign, self._margin = far_end.far, sign, margin
         self._end, self._observe = far_end, observe
 
     def beyond(self, fold: DistanceBehindFold) -> list[ObservedPoint]:
@@ -98,8 +94,7 @@ class BranchAfterJump:
             return []
         ahead = [self._sign * o.point.w for o in self._followed]
         begins = int(np.argmin(ahead))
-        kept = begins + self._margin if ahead[begins] < self._may_begin else reached
-        return turned_round(self._followed[: max(kept, reached)])
+        return turned_round(self._followed[: max(begins + self._margin, reached)])
 
     @cached_property
     def _followed(self) -> list[ObservedPoint]:
@@ -125,20 +120,18 @@ def swept_points(
     branch: Iterable[BranchPoint],
     upwards: bool,
     observe: Callable[[BranchPoint], ObservedPoint],
-    may_begin: float,
     far_end: BranchFromFarEnd | None = None,
 ) -> tuple[list[ObservedPoint], str]:
     """In the order of the sweep, and why they end inside the window ("" where they do not).
 
     branch: its points, from where the sweep begins; observe: what is kept of a point
-    may_begin: frequency [rad/s]; what begins before it, in the direction of the sweep, is a part a run may begin on
     far_end: the branch from the end of the window that the sweep runs to
 
     raises: BranchStoppedError where not even the first few are found
     """
     sign = 1.0 if upwards else -1.0
-    kept = _SweptPoints(sign, observe, sign * may_begin)
-    ahead = BranchAfterJump(far_end, sign, observe, sign * may_begin, MARGIN) if far_end is not None else None
+    kept = _SweptPoints(sign, observe)
+    ahead = BranchAfterJump(far_end, sign, observe, MARGIN) if far_end is not None else None
     try:
         for point in branch:
             kept.add(point)
@@ -157,14 +150,10 @@ def swept_points(
 
 
 class _SweptPoints:
-    """What sweeps in the direction `sign` see, and the margins of what they do not; followed: how many points.
+    """What sweeps in the direction `sign` may see, and the margins of what they do not; followed: how many points."""
 
-    may_begin: times the sign [rad/s]; a stretch that runs with the sweep from before there may be one that it begins on
-    """
-
-    def __init__(self, sign: float, observe: Callable[[BranchPoint], ObservedPoint], may_begin: float) -> None:
+    def __init__(self, sign: float, observe: Callable[[BranchPoint], ObservedPoint]) -> None:
         self._observe, self.followed, self.behind_fold = observe, 0, DistanceBehindFold(sign)
-        self._may_begin = may_begin
         self._points: list[ObservedPoint] = []
         self._lately: list[_Passed] = []
 
@@ -199,13 +188,13 @@ class _SweptPoints:
         self._lately = [*self._lately[: len(self._lately) - len(stretch)][-MARGIN:], *stretch]
 
     def _stretch(self) -> list["_Passed"]:
-        """Those of the last points behind a fold that are of a stretch that a run may begin on."""
+        """Those of the last points behind a fold that run with the sweep."""
         points = [passed.point for passed in self._lately]
         ahead = [self.behind_fold.sign * point.w for point in points]
         begins = len(points) - 1
         while begins and not points[begins].after_gap and ahead[begins - 1] < ahead[begins]:
             begins -= 1
-        return self._lately[begins:] if begins < len(points) - 1 and ahead[begins] < self._may_begin else []
+        return self._lately[begins:] if begins < len(points) - 1 else []
 
     def whole(self) -> list[ObservedPoint]:
         """With what is kept before what comes next."""

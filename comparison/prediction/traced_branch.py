@@ -59,8 +59,7 @@ def observe_swept(
     raises: BranchStoppedError where the points end with it before there are enough of them
     """
     look = Observer(there, condition)
-    may_begin = 2 * np.pi * condition.may_begin
-    observed, reason = swept_points(points, condition.upwards, look, may_begin, far_end)
+    observed, reason = swept_points(points, condition.upwards, look, far_end)
     return _of_observed(
         there, condition, refined(observed, condition, _half_way(there, condition, look)), stopped or reason
     )

@@ -19,8 +19,7 @@ from updamp.model.rig_files import load_modal
 POINT = "beam.drive.x"
 # A softening spring bends the resonance by 20 half-widths.
 DOWN = RunCondition("down", "first", 1.2, False, (76.5, 81.5), ((POINT, 1),))
-# Upwards a sweep leaves one part of it at 79.7 Hz; the other one begins at 76.9 Hz, where no run begins.
-UP = replace(DOWN, upwards=True, latest_start=76.0)
+UP = replace(DOWN, upwards=True)
 SOFTENING = -1.0  # of the typical coefficient
 
 

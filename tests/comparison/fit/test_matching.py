@@ -7,7 +7,7 @@ import pytest
 from support.small_model import condition, parametrisation, synthetic_plan
 from support.softening_beam import UP, at, softening_beam, whole
 
-from updamp.comparison.fit.matching import match, sweeps_from
+from updamp.comparison.fit.matching import match
 from updamp.comparison.fit.observations import Observations
 from updamp.comparison.prediction.traced_branch import trace_branch
 
@@ -54,21 +54,11 @@ def test_nothing_along_the_branch_is_nearer_than_the_place_found(measured):
     np.testing.assert_array_less(left, (1 + 1e-6) * least)
 
 
-def test_the_ways_of_a_sweep_begin_on_each_stretch_and_jump_at_folds():
-    #                 0  1  2  3    4    5    6  7    8    9    10
-    ahead = np.array([1, 2, 3, 2.5, 2.0, 1.5, 2, 2.5, 3.5, 3.2, 4])
-    ways = sweeps_from(ahead, np.zeros(11, dtype=bool))
-    assert [way.tolist() for way in ways] == [[0, 1, 2, 8, 10], [5, 6, 7, 8, 10], [9, 10]]
-    # a piece before the eighth that was not followed: what comes there begins a stretch of its own
-    apart = np.arange(11) == 6
-    assert [way.tolist() for way in sweeps_from(ahead, apart)] == [[0, 1, 2, 8, 10], [6, 7, 8, 10], [9, 10]]
-
-
 @pytest.mark.parametrize("upper", [False, True])
-def test_a_run_that_begins_where_there_are_two_motions_is_compared_with_the_one_it_is_on(upper):
-    """Upwards from 77.5 Hz: on the part that a sweep from 76.5 Hz leaves at 79.7 Hz, or on the one that it jumps to."""
+def test_where_there_are_two_motions_a_run_is_compared_with_the_one_that_it_is_on(upper):
+    """Between 77.5 and 79.5 Hz: on the part that a sweep upwards leaves at 79.7 Hz, or on the one that it jumps to."""
     p = softening_beam()
-    branch = trace_branch(p, at(p), replace(UP, latest_start=77.5))
+    branch = trace_branch(p, at(p), UP)
     reference = whole(p, at(p), UP)
     first, last = (int(i) for i in (reference.frequency[:-1] > reference.frequency[1:]).nonzero()[0][[0, -1]])
     part = np.arange(last + 2, len(reference.points) - 1) if upper else np.arange(3, first - 1)
