@@ -150,13 +150,7 @@ def test_a_way_back_that_stops_ends_at_what_is_found_from_the_other_end():
     other = BranchFromFarEnd(lambda: points(12, 11, 10, 9.5, 8.9, 8.8, 8.7, 8.6, 8.5), 10.0)
     found, stopped = swept_points(stopping(6, 7, 8, 9, *BACK[:6]), True, Kept, other)
     assert stopped == ""
-    ahead = [
-        (8.5, True),
-        *((w, False) for w in (8.6, 8.7, 8.8)),
-        (8.9, False),
-        (8.9, False),
-        *((w, False) for w in (9.5, 10, 11, 12)),
-    ]
+    ahead = [(8.5, True), *((w, False) for w in (8.6, 8.7, 8.8, 8.9, 9.5, 10, 11, 12))]
     assert of(found) == [*((w, False) for w in (6, 7, 8, 9, *BACK[:4])), *ahead]
 
 
