@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from updamp.diagnosis.missing_force.resonant_mode import ResonantMode
 from updamp.hbm.newton.jacobian import factorise
 from updamp.hbm.newton.many_right_sides import apply_tangents
+from updamp.hbm.problem.modal_algebra import ModalResponse
 from updamp.hbm.problem.receptance import Receptance
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
@@ -47,17 +48,23 @@ class HeldModes(Receptance):
         return self.system.stuck.modal_dynamic_stiffness(self.w)
 
     @cached_property
-    def modal(self) -> dict[int, Complex]:
+    def of_others(self) -> Complex:
+        """(m, m) inverse of the others' stiffness, 0 for those that are held"""
         others = np.delete(np.arange(len(self.stiffness)), self.numbers)
-        held = np.zeros_like(self.stiffness)
-        held[np.ix_(others, others)] = scipy.linalg.inv(self.stiffness[np.ix_(others, others)])
-        stuck, rest = self.system.stuck, (k for k in self.system.harmonics.orders if k != 1)
-        return {1: held, **{k: scipy.linalg.inv(stuck.modal_dynamic_stiffness(k * self.w)) for k in rest}}
+        inverse = np.zeros_like(self.stiffness)
+        inverse[np.ix_(others, others)] = scipy.linalg.inv(self.stiffness[np.ix_(others, others)])
+        return inverse
+
+    @cached_property
+    def moving(self) -> ModalResponse:
+        stuck, orders = self.system.stuck, self.moving_orders
+        rate = np.asarray(1j * stuck.viscous - 2 * self.w * np.eye(len(self.stiffness)), dtype=np.complex128)
+        return _FirstHarmonicHeld(stuck.modal_inverse.at(self.w, orders), orders.index(1), self.of_others, rate)
 
     @cached_property
     def shapes(self) -> Complex:
         """(m, h) V: modes that move with a unit of each held one, which damping couples them to"""
-        shapes = -self.modal[1] @ self.stiffness[:, self.numbers]
+        shapes = -self.of_others @ self.stiffness[:, self.numbers]
         shapes[self.numbers, np.arange(len(self.numbers))] = 1.0
         return shapes
 
@@ -76,7 +83,34 @@ class HeldModes(Receptance):
         if excitation is not None:
             loads = loads + excitation.force * stuck.phi[excitation.row]
         row = self.stiffness[first]
-        return complex(row @ (self.shapes @ q) + row @ (self.modal[1] @ loads) - loads[first])
+        return complex(row @ (self.shapes @ q) + row @ (self.of_others @ loads) - loads[first])
+
+
+@dataclass(frozen=True, eq=False)
+class _FirstHarmonicHeld:
+    """Of the stuck modes, some of whose first harmonics do not answer to loads.
+
+    free: with none held; first: number of the first harmonic; held: (m, m) inverse in its place; stiffness_rate:
+    (m, m) derivative by the frequency of what it is the inverse of
+    """
+
+    free: ModalResponse
+    first: int
+    held: Complex
+    stiffness_rate: Complex
+
+    def times(self, loads: Complex) -> Complex:
+        response = self.free.times(loads)
+        response[:, self.first] = np.tensordot(self.held, loads[:, self.first], axes=1)
+        return response
+
+    def rate_times(self, loads: Complex) -> Complex:
+        response, rate = self.free.rate_times(loads), -self.held @ self.stiffness_rate @ self.held
+        response[:, self.first] = np.tensordot(rate, loads[:, self.first], axes=1)
+        return response
+
+    def matrix(self, number: int) -> Complex:
+        return self.held if number == self.first else self.free.matrix(number)
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,7 +26,7 @@ class Receptance:
     def modal(self) -> Mapping[int, Complex]:
         """harmonic k -> inverse of the modal dynamic stiffness at k w, (m, m): costlier than what is done without"""
         static = np.diag(1 / self.system.stuck.omega_squared).astype(np.complex128)
-        return {k: self._moving.matrix(self._moving_orders.index(k)) if k else static for k in self._orders}
+        return {k: self.moving.matrix(self.moving_orders.index(k)) if k else static for k in self._orders}
 
     def apply(self, forces: Floats, rows: slice | Integers | None = None) -> Floats:
         """G forces, from the relative rows (n_relative, n_coefficients) to `rows` (default: the same)."""
@@ -45,13 +45,13 @@ class Receptance:
         response = np.empty_like(loads)
         if 0 in self._orders:
             response[:, 0] = (loads[:, 0].T / self.system.stuck.omega_squared).T
-        self._set_moving(response, self._moving.times(self._moving_part(loads)))
+        self._set_moving(response, self.moving.times(self._moving_part(loads)))
         return response
 
     def rate_through_modes(self, loads: Floats) -> Floats:
         """d/dw of `through_modes` under loads held constant"""
         response = np.zeros_like(loads)
-        self._set_moving(response, self._moving.rate_times(self._moving_part(loads)))
+        self._set_moving(response, self.moving.rate_times(self._moving_part(loads)))
         return response
 
     def excitation(self, excitation: Excitation, rows: slice | Integers | None = None) -> Floats:
@@ -75,18 +75,18 @@ class Receptance:
         through_modes = (stuck.phi[columns] @ np.ascontiguousarray(left.T).view(np.float64)).view(np.complex128).T
         return through_modes + stuck.residual[np.ix_(rows, columns)]
 
+    @cached_property
+    def moving(self) -> ModalResponse:
+        """Of all harmonics but the static one, to which damping does not belong"""
+        return self.system.stuck.modal_inverse.at(self.w, self.moving_orders)
+
     @property
     def _orders(self) -> tuple[int, ...]:
         return self.system.harmonics.orders
 
     @cached_property
-    def _moving_orders(self) -> tuple[int, ...]:
+    def moving_orders(self) -> tuple[int, ...]:
         return tuple(k for k in self._orders if k)
-
-    @cached_property
-    def _moving(self) -> ModalResponse:
-        """Of all harmonics but the static one, to which damping does not belong"""
-        return self.system.stuck.modal_inverse.at(self.w, self._moving_orders)
 
     def _modal_load(self, excitation: Excitation) -> Floats:
         """(m, n_coefficients) [N kg^-1/2]"""
@@ -97,7 +97,7 @@ class Receptance:
 
     def _moving_part(self, loads: Floats) -> Complex:
         """(m, n_moving, ...) complex amplitudes of (m, n_coefficients, ...)"""
-        moving = loads[:, loads.shape[1] - 2 * len(self._moving_orders) :]
+        moving = loads[:, loads.shape[1] - 2 * len(self.moving_orders) :]
         pairs = moving.reshape(len(loads), -1, 2, *loads.shape[2:])
         return np.asarray(pairs[:, :, 0] - 1j * pairs[:, :, 1])
 
