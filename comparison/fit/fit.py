@@ -27,8 +27,6 @@ from updamp.comparison.prediction.predicted_branch import PredictedBranch
 
 Floats = NDArray[np.float64]
 Progress = Callable[[str], None]
-# Share by which chi2 may rise in a step: it is rough where contacts begin to slip one after the other.
-_ROUGH = 0.005
 # Share of chi2 below which a change of it is none.
 _DIGITS = 1e-5
 # Change of a nuisance parameter up to which branches are nearly linear in it, however well it is known beforehand.
@@ -153,9 +151,9 @@ def prior_scatter(parametrisation: Parametrisation, plan: Plan) -> Scatter:
 
 
 def _rises(parametrisation: Parametrisation, before: Compared, after: Compared) -> bool:
-    """Whether chi-square rises by more than it may in a step."""
+    """Whether chi-square rises by more than its digits."""
     rise = objective(parametrisation, after) - objective(parametrisation, before)
-    return rise > (_DIGITS if parametrisation.base.contacts is None else _ROUGH) * before.weighed
+    return rise > _DIGITS * before.weighed
 
 
 def _round(
