@@ -13,8 +13,6 @@ class Criteria:
     close: mean squared misfit after a short refit, over that of the best one, up to which an effect gets a full one
     nearly: share of the best effect's fall of mean squared misfit from which on another one is fitted in full too, and
         the next one has second effects looked for beside it
-    own_numerics: share of the misfit that the best effect has to take off for the numerical error of the model with it
-        to be found, before a second effect is looked for
     comparable: mean squared misfit, over that of the best one, beyond which it does not count as nearly as good
     promising: share of the misfit left by a short refit from where on the full one is done before others are tried
     delta_bic: by which an effect has to improve the information criterion, the misfit that is left taken as noise
@@ -39,7 +37,6 @@ class Criteria:
     full: int = 3
     close: float = 1.6
     nearly: float = 0.8
-    own_numerics: float = 0.5
     comparable: float = 4.0
     promising: float = 0.2
     delta_bic: float = 10.0

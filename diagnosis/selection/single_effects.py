@@ -48,7 +48,8 @@ def try_singles(fits: FitContext, effects: Sequence[Effect], scored: Sequence[Sc
 
 def refits_with_own_numerics(fits: FitContext, found: CandidateFits) -> CandidateFits:
     """Full fits that take off most of a misfit, and yet leave some: with the numerical error of their own models. Of
-    the best one this is to be known before a second effect is looked for."""
+    the best one that the data ask for this is to be known before a second effect is looked for, or none is said to
+    explain them."""
     start, criteria = fits.start, fits.criteria
     if not start.fitted.parametrisation.numerics.names:
         return {}
@@ -56,7 +57,7 @@ def refits_with_own_numerics(fits: FitContext, found: CandidateFits) -> Candidat
     most, least = _left(start, criteria.nearly), min((r.trial.excess for r in settled), default=0.0)
     close = [r for r in settled if r.trial.excess < min(most, criteria.comparable * least)]
     if not close:
-        close = [r for r in settled[:1] if r.trial.excess < _left(start, criteria.own_numerics)]
+        close = [r for r in settled[:1] if r.refit.delta_bic >= criteria.delta_bic]
     left = [r for r in close if not r.refit.own_numerics and not explains(r.trial, criteria)]
     again = fits.full(left, own_numerics=True)
     failing = [r for r in left if not explains(again.get(r.trial.effects, r).trial, criteria)]
