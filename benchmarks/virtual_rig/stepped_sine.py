@@ -1,7 +1,7 @@
 """A stepped sine on the bench: frequency by frequency at held force, each from where the last one left the rig.
 
-Where the motion cannot be continued the step is divided; where that does not help either the rig has jumped, and the
-motion is sought from the stuck one with the force raised in steps.
+Where the motion cannot be continued, or only past a fold, the step is divided; where that does not help either the rig
+has jumped, and the motion is sought from the stuck one with the force raised in steps.
 """
 
 from collections.abc import Iterator
@@ -15,6 +15,8 @@ from updamp.benchmarks.virtual_rig.periodic import Motion, NotSolvedError, Solve
 
 Floats = NDArray[np.float64]
 
+# Of a step of frequency and force, by which it is taken back to see which way the motion goes.
+_PART = 1e-3
 # Tip's receptance [m/N] at about which half of the unrecorded drop of force is reached: near that of stuck resonances.
 DROP_AT = 2e-6
 
@@ -45,13 +47,29 @@ class StepMotor:
             return self.settled(w, force, None)
         for start in self._starts(w):
             try:
-                return self.settled(w, force, start)
+                found = self.settled(w, force, start)
             except NotSolvedError:
                 continue
+            if not self._past_a_fold(last, found, force):
+                return found
         if depth == 4:
             raise NotSolvedError(f"{w / 2 / np.pi:.3f} Hz: not reached in steps")
         self.before, self.motion = last, self._continued((last.w + w) / 2, (last.force + force) / 2, depth + 1)
         return self._continued(w, force, depth + 1)
+
+    def _past_a_fold(self, last: Motion, found: Motion, force: float) -> bool:
+        """Whether Newton's method has come to the unstable side of a fold, where no rig stays: the same change of
+        frequency and force moves it the other way there."""
+        step = found.w - last.w, force - last.force
+        try:
+            ways = [self._back(motion, step).x - motion.x for motion in (last, found)]
+        except NotSolvedError:
+            return False
+        return float(np.vdot(*ways)) < 0
+
+    def _back(self, motion: Motion, step: tuple[float, float]) -> Motion:
+        """The motion a little before. raises: NotSolvedError"""
+        return self.settled(motion.w - _PART * step[0], motion.force - _PART * step[1], motion.x)
 
     def _starts(self, w: float) -> Iterator[Floats]:
         last, before = self.motion, self.before
