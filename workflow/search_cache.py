@@ -49,7 +49,10 @@ class SearchCache:
 
 @dataclass(frozen=True)
 class CachedFits:
-    """Fits of candidate models. Those in the cache are not made again; what `runner` makes is written there."""
+    """Fits of candidate models. Those in the cache are not made again; what `runner` makes is written there.
+
+    What a task came to is kept as a tuple of one: that it came to nothing is known too.
+    """
 
     cache: SearchCache
     runner: FitRunner
@@ -58,15 +61,13 @@ class CachedFits:
         self, start: Baseline, criteria: Criteria, tasks: Sequence[FitTask], done: OnFitted
     ) -> list[FittedCandidate | None]:
         prefix = "".join(f"{e.name}__" for e in start.fitted.parametrisation.effects)
-        known: list[FittedCandidate | None] = [self.cache.read(prefix + a.name) for a in tasks]
+        known: list[tuple[FittedCandidate | None] | None] = [self.cache.read(prefix + a.name) for a in tasks]
 
         def kept(task: FitTask, result: FittedCandidate | None) -> None:
-            if result is not None:
-                self.cache.write(prefix + task.name, result.with_fit(without_branches(result.refit.fitted)))
+            lean = result and result.with_fit(without_branches(result.refit.fitted))
+            self.cache.write(prefix + task.name, (lean,))
             done(task, result)
 
-        missing = [i for i, result in enumerate(known) if result is None]
-        made = self.runner(start, criteria, [tasks[i] for i in missing], kept)
-        for i, result in zip(missing, made, strict=True):
-            known[i] = result
-        return known
+        missing = [a for a, before in zip(tasks, known, strict=True) if before is None]
+        made = iter(self.runner(start, criteria, missing, kept))
+        return [next(made) if before is None else before[0] for before in known]
