@@ -1,6 +1,6 @@
 """Which hidden effects can be seen at all: expected score and visibility, from the laboratory alone.
 
-.venv/bin/python benchmarks/hidden_effects/detectability.py [--out FOLDER] [--only ...]
+.venv/bin/python benchmarks/hidden_effects/detectability.py [--draw N] [--out FOLDER] [--only ...]
 
 The signature of an effect is the change of log(receptance) that it makes at the points of a measurement, without noise.
 Its covariance is that of the mean over the assemblies: noise of the sensors, and scatter of assemblies and drift of
@@ -19,6 +19,7 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cache, partial
+from operator import attrgetter
 from pathlib import Path
 from typing import Annotated
 
@@ -27,14 +28,17 @@ import scipy.linalg
 import typer
 from numpy.typing import NDArray
 
-from updamp.benchmarks.hidden_effects.cases import NOISE, PLAN, Case, by_name
+from updamp.benchmarks.hidden_effects.cases import Case, chosen
 from updamp.benchmarks.hidden_effects.in_turn import in_turn
-from updamp.benchmarks.hidden_effects.layout import RIG, Layout, read, write_whole
+from updamp.benchmarks.hidden_effects.kinds_of_test import EASY, KINDS_OF_TEST, KindOfTest
+from updamp.benchmarks.hidden_effects.layout import Layout, read, write_whole
+from updamp.benchmarks.hidden_effects.version_2 import cases_of
 from updamp.benchmarks.virtual_rig.assembled import assembled
 from updamp.benchmarks.virtual_rig.bench import BODIES, Bench, Hidden, bench_of
 from updamp.benchmarks.virtual_rig.bodies import LABORATORY, bodies_of
 from updamp.benchmarks.virtual_rig.laboratory import grid, quick_sweep, windows, with_hidden
 from updamp.benchmarks.virtual_rig.periodic import NotSolvedError, SolverOptions
+from updamp.benchmarks.virtual_rig.plan import NoiseLevels, TestPlan
 from updamp.benchmarks.virtual_rig.sensors import LOOSE, loose
 from updamp.benchmarks.virtual_rig.stepped_sine import StepMotor
 from updamp.model.rig_files import load_rig
@@ -46,10 +50,10 @@ Complex = NDArray[np.complex128]
 
 @dataclass(frozen=True)
 class Factor:
-    """A factor on a quantity. scatter: deviation of its logarithm between assemblies; allowed: what updamp's fit
-    allows it (comparison/prediction/parameters.py); step: of the logarithm, for the difference"""
+    """A factor on a quantity. scatter: the deviation of its logarithm between assemblies, of a test's noise; allowed:
+    what updamp's fit allows it (comparison/prediction/parameters.py); step: of the logarithm, for the difference"""
 
-    scatter: float
+    scatter: Callable[[NoiseLevels], float]
     allowed: float
     step: float
     apply: Callable[[Bench, float], Bench]
@@ -65,12 +69,12 @@ CODE = (*LABORATORY, "benchmarks/hidden_effects/detectability.py")
 COARSE = SolverOptions(3, 128)
 
 FACTORS = (
-    Factor(NOISE.friction, 0.3, 0.02, _entry("mu")),
-    Factor(NOISE.tangential, 0.7, 0.02, _entry("kt")),
-    Factor(NOISE.normal, 0.7, 0.02, _entry("kn")),
-    Factor(NOISE.preload, 0.02, 0.01, _entry("n0")),
-    Factor(NOISE.youngs_modulus, 0.01, 1e-4, lambda b, f: b.tuned(**dict.fromkeys(BODIES, float(np.sqrt(f))))),
-    Factor(0.0, 0.5, 0.02, lambda bench, f: replace(bench, loss_factor=f * bench.loss_factor)),
+    Factor(attrgetter("friction"), 0.3, 0.02, _entry("mu")),
+    Factor(attrgetter("tangential"), 0.7, 0.02, _entry("kt")),
+    Factor(attrgetter("normal"), 0.7, 0.02, _entry("kn")),
+    Factor(attrgetter("preload"), 0.02, 0.01, _entry("n0")),
+    Factor(attrgetter("youngs_modulus"), 0.01, 1e-4, lambda b, f: b.tuned(**dict.fromkeys(BODIES, float(np.sqrt(f))))),
+    Factor(lambda _: 0.0, 0.5, 0.02, lambda bench, f: replace(bench, loss_factor=f * bench.loss_factor)),
 )
 E_MODULUS = 4  # place of Young's modulus, whose half is a drift of the frequencies
 
@@ -85,11 +89,14 @@ class Expected:
 
 @dataclass(frozen=True, eq=False)
 class Background:
-    """Of a bench with nothing hidden. frequencies: (runs, points) [Hz]; plain: (runs, channels, points) log receptance
+    """Of a bench with nothing hidden, in a test.
+
+    frequencies: (runs, points) [Hz]; plain: (runs, channels, points) log receptance
     noise: covariance of one mean over the assemblies, with scatter; allowed: with nuisance parameters and the fitted
         model's error too
     """
 
+    test: KindOfTest
     bench: Bench
     frequencies: Floats
     plain: Complex
@@ -98,22 +105,25 @@ class Background:
 
     def signature(self, hidden: Hidden) -> Floats:
         """(runs * channels * points * 2,) change of log(receptance), real and imaginary; 0 where nothing settles"""
-        changed = log_receptance(with_hidden(self.bench, [hidden], load_rig(RIG)), self.frequencies)
+        bench = with_hidden(self.bench, [hidden], load_rig(self.test.rig))
+        changed = log_receptance(bench, self.frequencies, self.test.plan)
         return np.nan_to_num(as_real(difference(changed, self.plain)))
 
 
-def log_receptance(bench: Bench, frequencies: Floats, options: SolverOptions = SolverOptions()) -> Complex:
+def log_receptance(
+    bench: Bench, frequencies: Floats, plan: TestPlan, options: SolverOptions = SolverOptions()
+) -> Complex:
     """(runs, channels, points), nan where no motion is found; swept as the laboratory does"""
-    found = np.full((len(PLAN.runs), len(PLAN.channels), PLAN.points), np.nan, dtype=complex)
+    found = np.full((len(plan.runs), len(plan.channels), plan.points), np.nan, dtype=complex)
     rig = assembled(bench)
-    for r, (run, grid_of_run) in enumerate(zip(PLAN.runs, frequencies, strict=True)):
+    for r, (run, grid_of_run) in enumerate(zip(plan.runs, frequencies, strict=True)):
         motor = StepMotor(rig, options)
-        for i in range(PLAN.points)[:: 1 if run.upwards else -1]:
+        for i in range(plan.points)[:: 1 if run.upwards else -1]:
             try:
                 motion = motor.step(float(grid_of_run[i]), run.force)
             except NotSolvedError:
                 continue
-            for c, (name, point) in enumerate(PLAN.channels.items()):
+            for c, (name, point) in enumerate(plan.channels.items()):
                 gain = bench.loose_gain if name == LOOSE else 0.0
                 found[r, c, i] = np.log(loose(motion.response(point)[:1], gain)[0] / run.force)
     return found
@@ -130,23 +140,22 @@ def as_real(values: Complex) -> Floats:
 
 
 @cache
-def background(preset: str, fitted: str) -> Background:
-    """Of the laboratory's mesh, for a model of another one."""
-    rig = load_rig(RIG)
+def background(name: str, preset: str, fitted: str) -> Background:
+    """Of a kind of test, by name, and the laboratory's mesh, for a model of another one."""
+    test = KINDS_OF_TEST[name]
+    rig, plan = load_rig(test.rig), test.plan
     bench = bench_of(rig, bodies_of(rig, preset))
     still = assembled(bench)
-    frequencies = np.array([grid(*quick_sweep(still, run), PLAN, windows(still)[run.mode]) for run in PLAN.runs])
-    plain = log_receptance(bench, frequencies)
-    columns = [
-        np.nan_to_num(as_real(difference(log_receptance(f.apply(bench, np.exp(f.step)), frequencies), plain))) / f.step
-        for f in FACTORS
-    ]
-    noise, allowed = covariances(plain, np.array(columns).T)
+    frequencies = np.array([grid(*quick_sweep(still, run), plan, windows(still)[run.mode]) for run in plan.runs])
+    plain = log_receptance(bench, frequencies, plan)
+    stepped = [log_receptance(f.apply(bench, np.exp(f.step)), frequencies, plan) for f in FACTORS]
+    columns = [np.nan_to_num(as_real(difference(one, plain))) / f.step for f, one in zip(FACTORS, stepped, strict=True)]
+    noise, allowed = covariances(plain, np.array(columns).T, test)
     model = like(bench_of(rig, bodies_of(rig, fitted)), bench)
-    for other in (log_receptance(model, frequencies), log_receptance(bench, frequencies, COARSE)):
+    for other in (log_receptance(model, frequencies, plan), log_receptance(bench, frequencies, plan, COARSE)):
         error = np.nan_to_num(as_real(difference(other, plain)))[:, None] * _of_each_run(plain.shape)
         allowed = allowed + error @ error.T
-    return Background(bench, frequencies, plain, noise, allowed)
+    return Background(test, bench, frequencies, plain, noise, allowed)
 
 
 def like(model: Bench, bench: Bench) -> Bench:
@@ -155,18 +164,19 @@ def like(model: Bench, bench: Bench) -> Bench:
     return model.tuned(**dict.fromkeys(BODIES, float(wanted / found)))
 
 
-def covariances(plain: Complex, columns: Floats) -> tuple[Floats, Floats]:
+def covariances(plain: Complex, columns: Floats, test: KindOfTest = EASY) -> tuple[Floats, Floats]:
     """Of the mean over the assemblies. columns: (n, factors) derivatives by the logarithms of FACTORS"""
-    forces = np.array([run.force for run in PLAN.runs])[:, None, None]
-    floor = NOISE.floor / (forces * np.abs(np.exp(plain)))
-    size = np.sqrt(NOISE.relative**2 + NOISE.force_reading**2 + floor**2)
+    plan, levels = test.plan, test.noise
+    forces = np.array([run.force for run in plan.runs])[:, None, None]
+    floor = levels.floor / (forces * np.abs(np.exp(plain)))
+    size = np.sqrt(levels.relative**2 + levels.force_reading**2 + floor**2)
     sensors = np.diag(as_real(size + 1j * size) ** 2)
-    scatter = columns * np.array([f.scatter for f in FACTORS])
+    scatter = columns * np.array([f.scatter(levels) for f in FACTORS])
     channels = np.indices(plain.shape)[1]
-    gain = NOISE.gain * np.stack([as_real((channels == c) + 0j) for c in range(plain.shape[1])], axis=1)
-    drift = NOISE.drift * _of_each_run(plain.shape) * 2 * columns[:, [E_MODULUS]]
+    gain = levels.gain * np.stack([as_real((channels == c) + 0j) for c in range(plain.shape[1])], axis=1)
+    drift = levels.drift * _of_each_run(plain.shape) * 2 * columns[:, [E_MODULUS]]
     U = np.hstack([scatter, gain, drift])
-    noise = (sensors + U @ U.T) / PLAN.assemblies
+    noise = (sensors + U @ U.T) / plan.assemblies
     J = columns * np.array([f.allowed for f in FACTORS])
     return noise, noise + J @ J.T
 
@@ -205,7 +215,7 @@ class Computed:
 
 def compute(case: Case, layout: Layout) -> Computed:
     started = time.perf_counter()
-    b = background(case.laboratory, case.fitted)
+    b = background(case.test, case.laboratory, case.fitted)
     signatures = {one.name: b.signature(one) for one in case.hidden}
     found = expected(signatures, b.noise, b.allowed)
     effects = {name: asdict(one) for name, one in found.items()}
@@ -221,12 +231,13 @@ def is_known(case: Case, layout: Layout) -> bool:
 
 def main(
     out: Annotated[Path, typer.Option(help="folder for expected/")] = Layout().folder,
+    draw: Annotated[int | None, typer.Option(help="version 2, drawn from this number; version 1 by default")] = None,
     only: Annotated[list[str], typer.Option(help="case_012, a kind, a strength or an effect; repeatable")] = [],  # noqa: B006
     jobs: Annotated[int, typer.Option(min=1, help="processes")] = 1,
 ) -> None:
     """Expected score and visibility of every case with something hidden."""
     layout = Layout(out)
-    wanted = [case for case in by_name(tuple(only)) if case.hidden and not is_known(case, layout)]
+    wanted = [case for case in chosen(cases_of(draw), only) if case.hidden and not is_known(case, layout)]
     in_turn(
         partial(compute, layout=layout), wanted, jobs, "expected scores", lambda computed: f"{computed.seconds:.0f} s"
     )

@@ -4,6 +4,7 @@ FOLDER/data/case_001/measurement.toml, sweeps.csv
 FOLDER/truth/case_001.json
 FOLDER/expected/case_001.json: what of the truth can be seen
 FOLDER/verdicts/case_001/diagnosis.json, run.json
+FOLDER/models/virtual_rig/diagnosis: stages of the model that is fitted
 """
 
 import json
@@ -28,6 +29,10 @@ class Layout:
 
     def truth(self, case: str) -> Path:
         return self.folder / "truth" / f"{case}.json"
+
+    def models(self, rig: Path) -> Path:
+        """Of a rig file: what is fitted, a folder for each mesh preset."""
+        return self.folder / "models" / rig.stem
 
     def expected(self, case: str) -> Path:
         return self.folder / "expected" / f"{case}.json"

@@ -1,6 +1,6 @@
 """Data of all cases from the virtual laboratory, the truth beside but apart. Resumable.
 
-.venv/bin/python benchmarks/hidden_effects/make_data.py [--out FOLDER] [--jobs N] [--only case_012 --only strong ...]
+.venv/bin/python benchmarks/hidden_effects/make_data.py [--draw N] [--out FOLDER] [--jobs N] [--only case_012 ...]
 """
 
 from updamp.parallel.resources import one_thread
@@ -16,12 +16,12 @@ from typing import Annotated, Any
 
 import typer
 
-from updamp.benchmarks.hidden_effects.cases import NOISE, PLAN, Case, by_name
+from updamp.benchmarks.hidden_effects.cases import Case, chosen
 from updamp.benchmarks.hidden_effects.in_turn import in_turn
-from updamp.benchmarks.hidden_effects.layout import RIG, Layout, read, write_whole
+from updamp.benchmarks.hidden_effects.layout import Layout, read, write_whole
+from updamp.benchmarks.hidden_effects.version_2 import cases_of
 from updamp.benchmarks.virtual_rig.bodies import bodies_of
 from updamp.benchmarks.virtual_rig.measurement import make_measurement
-from updamp.benchmarks.virtual_rig.plan import TestPlan
 from updamp.model.rig_files import load_rig
 from updamp.rig.rig import Rig
 
@@ -37,14 +37,17 @@ class Made:
     seconds: float
 
 
-def make_case(case: Case, layout: Layout, rig: Rig, plan: TestPlan = PLAN) -> Made:
-    """Measurement and truth; the truth last, so that what has one is complete."""
+def make_case(case: Case, layout: Layout, rig: Rig | None = None) -> Made:
+    """Measurement and truth; the truth last, so that what has one is complete. rig: that of the test by default"""
+    test = case.kind_of_test
+    plan = test.plan
     started = time.perf_counter()
+    rig = rig or load_rig(test.rig)
     folder = layout.data(case.name)
     draws = layout.truth(case.name).with_suffix(".draws.json")
     draws.parent.mkdir(parents=True, exist_ok=True)
     layout.truth(case.name).unlink(missing_ok=True)
-    make_measurement(folder, plan, case.hidden, case.seed, NOISE, rig, preset=case.laboratory, sealed=draws)
+    make_measurement(folder, plan, case.hidden, case.seed, test.noise, rig, preset=case.laboratory, sealed=draws)
     record = read(draws) or {}
     seconds = time.perf_counter() - started
     write_whole(layout.truth(case.name), truth_of(case, record, seconds))
@@ -58,7 +61,7 @@ def make_case(case: Case, layout: Layout, rig: Rig, plan: TestPlan = PLAN) -> Ma
 def truth_of(case: Case, record: Mapping[str, Any], seconds: float) -> dict[str, Any]:
     """record: every draw of the laboratory, as `make_measurement` seals it"""
     return {
-        "case": case.name, "digest": case.digest, "kind": case.kind, "strength": case.strength,
+        "case": case.name, "digest": case.digest, "kind": case.kind, "strength": case.strength, "test": case.test,
         "in_catalogue": case.in_catalogue, "effects": list(case.effects), "parameters": case.catalogue_values,
         "seed": case.seed, "laboratory": case.laboratory, "fitted": case.fitted, "repeats": case.repeats,
         "seconds": seconds, "record": record,
@@ -74,25 +77,26 @@ def main(
     out: Annotated[Path, typer.Option(help="folder for data/ and truth/")] = Layout().folder,
     jobs: Annotated[int, typer.Option(min=1, help="processes")] = 1,
     only: Annotated[list[str], typer.Option(help="case_012, a kind, a strength or an effect; repeatable")] = [],  # noqa: B006
+    draw: Annotated[int | None, typer.Option(help="version 2, drawn from this number; version 1 by default")] = None,
     reveal: Annotated[bool, typer.Option("--list", help="list the cases, truth and all, and make nothing")] = False,
 ) -> None:
     layout = Layout(out)
     try:
-        chosen = by_name(tuple(only))
+        wanted = chosen(cases_of(draw), only)
     except ValueError as error:
         raise typer.BadParameter(str(error), param_hint="--only") from None
     if reveal:
-        for case in chosen:
-            typer.echo(f"{case.name}  {case.kind:<10} {'made' if is_made(case, layout) else '-':<5} {case.detail}")
+        for case in wanted:
+            made = "made" if is_made(case, layout) else "-"
+            typer.echo(f"{case.name}  {case.test:<8} {case.kind:<10} {made:<5} {case.detail}")
         return
-    open_cases = [case for case in chosen if not is_made(case, layout)]
-    typer.echo(f"{len(chosen) - len(open_cases)} of {len(chosen)} cases are made already")
+    open_cases = [case for case in wanted if not is_made(case, layout)]
+    typer.echo(f"{len(wanted) - len(open_cases)} of {len(wanted)} cases are made already")
     # Once for all: processes that start together would each compute the same finite elements.
-    rig = load_rig(RIG)
-    for preset in {case.laboratory for case in open_cases}:
-        bodies_of(rig, preset)
+    for rig, preset in {(case.kind_of_test.rig, case.laboratory) for case in open_cases}:
+        bodies_of(load_rig(rig), preset)
     try:
-        in_turn(partial(make_case, layout=layout, rig=rig), open_cases, jobs, "measuring", _line)
+        in_turn(partial(make_case, layout=layout), open_cases, jobs, "measuring", _line)
     except RuntimeError as error:
         typer.echo(error, err=True)
         raise typer.Exit(1) from None

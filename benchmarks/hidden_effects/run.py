@@ -1,12 +1,13 @@
 """Diagnose all cases, blind. Resumable.
 
-.venv/bin/python benchmarks/hidden_effects/run.py [--folder FOLDER] [--jobs N] [--only case_012 ...]
+.venv/bin/python benchmarks/hidden_effects/run.py [--draw N] [--folder FOLDER] [--jobs N] [--only case_012 ...]
 """
 
 import os
 import shutil
+import subprocess
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -19,19 +20,21 @@ os.environ.update(thread_limits(1))
 
 import typer
 
-from updamp.benchmarks.hidden_effects.cases import by_name
+from updamp.benchmarks.hidden_effects.cases import chosen
 from updamp.benchmarks.hidden_effects.fitted_model import FINER, build, diagnose_case, place
 from updamp.benchmarks.hidden_effects.in_turn import in_turn
-from updamp.benchmarks.hidden_effects.layout import RIG, Layout, read, write_whole
+from updamp.benchmarks.hidden_effects.layout import HERE, Layout, read, write_whole
+from updamp.benchmarks.hidden_effects.version_2 import cases_of
 from updamp.diagnosis.verdict import VERDICT_JSON
 from updamp.workflow.code_version import SEARCH, code_version
 
 
 @dataclass(frozen=True)
 class Task:
-    """All that a diagnosis is given; nothing of the truth. model: folder with the stages of the fitted model"""
+    """All that a diagnosis is given; nothing of the truth. rig: file; model: folder with stages of the fitted model"""
 
     name: str
+    rig: Path
     preset: str
     measurement: Path
     model: Path
@@ -70,28 +73,35 @@ def diagnose(task: Task) -> Ran:
     task.out.mkdir(parents=True)
     place(task.model, task.out, FINER[task.preset])
     started, processor = time.perf_counter(), time.process_time()
-    verdict = diagnose_case(RIG, task.preset, task.measurement, task.out)
+    verdict = diagnose_case(task.rig, task.preset, task.measurement, task.out)
     seconds, processor = time.perf_counter() - started, time.process_time() - processor
     VERDICT_JSON.write(task.out / "diagnosis.json", verdict)
     write_whole(
         task.out / "run.json",
         {
             "case": task.name, "digest": task.digest, "code": code_version(*SEARCH), "preset": task.preset,
-            "seconds": seconds, "processor": processor,
+            "seconds": seconds, "processor": processor, "commit": _commit(),
         },
     )  # fmt: skip
     return Ran(task.name, verdict.verdict, seconds)
 
 
-def tasks(layout: Layout, only: tuple[str, ...]) -> tuple[list[Task], list[str]]:
-    """Of cases that have data, and names of those that have none. raises: ValueError as `by_name`"""
+def _commit() -> str:
+    """Of the code, with a + where it was changed after; "" where git does not know."""
+    asked = ["git", "describe", "--always", "--abbrev=40", "--dirty=+", "--exclude=*"]
+    return subprocess.run(asked, cwd=HERE, capture_output=True, text=True, check=False).stdout.strip()
+
+
+def tasks(layout: Layout, only: Sequence[str], draw: int | None = None) -> tuple[list[Task], list[str]]:
+    """Of cases that have data, and names of those that have none. raises: ValueError as `chosen`"""
     found, missing = [], []
-    for case in by_name(only):
+    for case in chosen(cases_of(draw), only):
         if not layout.truth(case.name).is_file():
             missing.append(case.name)
             continue
-        out, model = layout.verdict(case.name), layout.folder / "models" / case.fitted
-        found.append(Task(case.name, case.fitted, layout.measurement(case.name), model, out))
+        rig, out = case.kind_of_test.rig, layout.verdict(case.name)
+        model = layout.models(rig) / case.fitted
+        found.append(Task(case.name, rig, case.fitted, layout.measurement(case.name), model, out))
     return found, missing
 
 
@@ -99,12 +109,13 @@ def main(
     folder: Annotated[Path, typer.Option(help="with data/; verdicts/ goes there")] = Layout().folder,
     jobs: Annotated[int, typer.Option(min=1, help="processes")] = 1,
     only: Annotated[list[str], typer.Option(help="case_012, a kind, a strength or an effect; repeatable")] = [],  # noqa: B006
+    draw: Annotated[int | None, typer.Option(help="version 2, drawn from this number; version 1 by default")] = None,
     again: Annotated[bool, typer.Option("--again", help="those with a verdict too")] = False,
 ) -> None:
     """Diagnose every case that has data and no verdict yet."""
     layout = Layout(folder)
     try:
-        found, missing = tasks(layout, tuple(only))
+        found, missing = tasks(layout, only, draw)
     except ValueError as error:
         raise typer.BadParameter(str(error), param_hint="--only") from None
     if missing:
@@ -113,9 +124,9 @@ def main(
     typer.echo(f"{len(found) - len(left)} of {len(found)} cases are diagnosed already")
     if older := [task.name for task in found if task not in left and not task.by_this_version]:
         typer.echo(f"by another version of updamp: {', '.join(older)}; --again diagnoses them anew", err=True)
-    for preset in dict.fromkeys(task.preset for task in left):
+    for rig, preset in dict.fromkeys((task.rig, task.preset) for task in left):
         for one in (preset, *FINER[preset]):
-            build(RIG, one, layout.folder / "models")
+            build(rig, one, layout.models(rig))
     try:
         in_turn(diagnose, left, jobs, "diagnosing", lambda ran: f"{ran.verdict}, {ran.seconds:.0f} s")
     except RuntimeError as error:

@@ -52,7 +52,7 @@ def with_kept(cases: Sequence[ScoredCase], missing: Sequence[str], earlier: Path
 
 def only_fields(entry: Mapping[str, Any]) -> dict[str, Any]:
     """Of a case in the file, without what follows from the others."""
-    return {field.name: entry[field.name] for field in fields(ScoredCase)}
+    return {field.name: entry[field.name] for field in fields(ScoredCase) if field.name in entry}
 
 
 def all_goals(cases: Sequence[ScoredCase]) -> tuple[Goal, ...]:

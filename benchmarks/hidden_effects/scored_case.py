@@ -7,6 +7,7 @@ from math import isfinite
 from typing import Any
 
 from updamp.benchmarks.hidden_effects.judgement import Called, Mark, judged
+from updamp.benchmarks.hidden_effects.kinds_of_test import EASY
 from updamp.benchmarks.hidden_effects.layout import Layout, read
 from updamp.diagnosis.verdict import VERDICT_JSON, Candidate, ErrorReached, Verdict
 from updamp.effects.catalogue import CATALOGUE
@@ -50,7 +51,7 @@ class Recovered:
 class ScoredCase:
     """truth: names of what is hidden, at `strength` where it is one; by_laboratory, by_diagnosis: of each hidden effect
     recovered: parameters of those that were refitted; ablations: what others would have said, and their marks
-    seconds: on the clock; processor: of one core, as a busy machine does not change much
+    test: kind of test; seconds: on the clock; processor: of one core, as a busy machine does not change much
     """
 
     case: str
@@ -67,6 +68,7 @@ class ScoredCase:
     ablations: Mapping[str, tuple[Called, Mark]]
     seconds: float
     processor: float
+    test: str = EASY.name
 
     @property
     def detectable(self) -> bool | None:
@@ -113,6 +115,7 @@ def scored(layout: Layout, truth: Mapping[str, Any]) -> ScoredCase | None:
         ablations={name: (call, judged(truth["kind"], hidden, call)) for name, call in others.items()},
         seconds=float(ran["seconds"]),
         processor=float(ran.get("processor", ran["seconds"])),
+        test=truth.get("test", EASY.name),
     )
 
 

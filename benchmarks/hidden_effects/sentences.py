@@ -17,12 +17,13 @@ from typing import Annotated, Any
 
 import typer
 
-from updamp.benchmarks.hidden_effects.cases import Case, by_name
+from updamp.benchmarks.hidden_effects.cases import Case, chosen
 from updamp.benchmarks.hidden_effects.fitted_model import build
 from updamp.benchmarks.hidden_effects.in_turn import in_turn
 from updamp.benchmarks.hidden_effects.layout import HERE, RIG, Layout, read, write_whole
 from updamp.benchmarks.hidden_effects.sentence_rule import Judged, judged, laboratory_changes
 from updamp.benchmarks.hidden_effects.sentence_runs import FINER, FITTED, calibrated
+from updamp.benchmarks.hidden_effects.version_1 import version_1
 from updamp.comparison.compare import comparison_of
 from updamp.comparison.comparison import COMPARISON_JSON, Comparison
 from updamp.hbm.compilation_cache import keep_compiled
@@ -97,9 +98,9 @@ def main(
     """Calibrate, say, judge, and write the table."""
     for preset in (FITTED, *FINER):
         build(RIG, preset, out / "models")
-    chosen = by_name(tuple(only) or USED)
+    wanted = chosen(version_1(), tuple(only) or USED)
     work = partial(judge_case, data=Layout(data), out=out)
-    in_turn(work, chosen, jobs, "sentences", lambda row: str(row["sentences"][0]))
+    in_turn(work, wanted, jobs, "sentences", lambda row: str(row["sentences"][0]))
     done = [read(out / case / "sentences.json") for case in USED]
     text, rows = docs.read_text(encoding="utf-8"), [row for row in done if row is not None]
     head, rest = text.split(BEGIN)

@@ -6,12 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.benchmarks.virtual_rig.bench import (
+    STRENGTHS,
     Bench,
     BenchAttachment,
     BenchElement,
     HiddenEffect,
     PointForce,
     Values,
+    spring,
     strengths,
 )
 from updamp.benchmarks.virtual_rig.hidden_in_structure import TIPS
@@ -66,6 +68,59 @@ def absorber_mass(bench: Bench, values: Values, _rig: Rig) -> Bench:
     return bench.with_attachment(BenchAttachment("absorber", {TIPS[0]: 1.0}, dynamic_stiffness))
 
 
+def rub(force: float, creep: float) -> PointForce:
+    """Dry friction, of which no stick is left: force times tanh(v / creep)"""
+
+    def on_velocity(u: Floats, v: Floats) -> tuple[Floats, Floats, Floats]:
+        share = np.tanh(v / creep)
+        return force * share, np.zeros_like(u), force * (1 - share**2) / creep
+
+    return on_velocity
+
+
+def rubbing_cable(bench: Bench, values: Values, _rig: Rig) -> Bench:
+    """A sensor's cable rubs at the left tip [N]"""
+    return bench.with_element(BenchElement("cable", {TIPS[0]: 1.0}, rub(values["force"], 5e-4)))
+
+
+def platform_rub(bench: Bench, values: Values, _rig: Rig) -> Bench:
+    """The platforms rub against each other across the gap [N]"""
+    across = {"blade_right.platform.x": 1.0, "blade_left.platform.x": -1.0}
+    return bench.with_element(BenchElement("rub", across, rub(values["force"], 5e-5)))
+
+
+def tip_coupling(bench: Bench, values: Values, _rig: Rig) -> Bench:
+    """A spring between the two tips [N/m]"""
+    between = {TIPS[0]: 1.0, TIPS[1]: -1.0}
+    return bench.with_attachment(spring("tip_coupling", between, values["stiffness"]))
+
+
+def tip_stop(bench: Bench, values: Values, _rig: Rig) -> Bench:
+    """The right tip strikes something beside it once it has come closer by the gap"""
+    return bench.with_element(BenchElement("tip_stop", {TIPS[1]: 1.0}, stop(values["stiffness"], values["gap"])))
+
+
+def saturating_spring(bench: Bench, values: Values, _rig: Rig) -> Bench:
+    """A spring at the left tip that holds no more than stiffness times reach: k r tanh(u / r)"""
+    k, reach = values["stiffness"], values["reach"]
+
+    def force(u: Floats, v: Floats) -> tuple[Floats, Floats, Floats]:
+        share = np.tanh(u / reach)
+        return k * reach * share, k * (1 - share**2), np.zeros_like(v)
+
+    return bench.with_element(BenchElement("saturating", {TIPS[0]: 1.0}, force))
+
+
+def quadratic_stiffness(bench: Bench, values: Values, _rig: Rig) -> Bench:
+    """c |u| u at both tips [N/m^2]"""
+    c = values["coefficient"]
+
+    def force(u: Floats, v: Floats) -> tuple[Floats, Floats, Floats]:
+        return c * np.abs(u) * u, 2 * c * np.abs(u), np.zeros_like(v)
+
+    return bench.with_element(*(BenchElement(f"quadratic {tip}", {tip: 1.0}, force) for tip in TIPS))
+
+
 def absorber(mass: float) -> dict[str, float]:
     return {"mass": mass, "frequency": 430.0}
 
@@ -89,5 +144,24 @@ EFFECTS = tuple(
             "absorber_mass", "an unknown resonator on the left blade",
             {"weak": absorber(5e-6), "medium": absorber(2e-5), "strong": absorber(1e-4)}, absorber_mass,
         ),
+        HiddenEffect("rubbing_cable", "a cable rubs at the left tip", strengths("force", 0.003, 0.01, 0.03),
+                     rubbing_cable),
+        HiddenEffect("platform_rub", "the platforms rub", strengths("force", 0.05, 0.15, 0.5), platform_rub),
+        HiddenEffect("tip_coupling", "a spring between the tips", strengths("stiffness", 100, 300, 1000), tip_coupling),
+        HiddenEffect(
+            "tip_stop", "the right tip strikes something",
+            {
+                "weak": {"stiffness": 1e3, "gap": 1e-5},
+                "medium": {"stiffness": 3e3, "gap": 7e-6},
+                "strong": {"stiffness": 1e4, "gap": 5e-6},
+            }, tip_stop,
+        ),
+        HiddenEffect(
+            "saturating_spring", "a spring that holds only so much",
+            {name: {"stiffness": k, "reach": 3e-6} for name, k in zip(STRENGTHS, (300, 1e3, 3e3), strict=True)},
+            saturating_spring,
+        ),
+        HiddenEffect("quadratic_stiffness", "stiffness grows with amplitude itself",
+                     strengths("coefficient", 1e7, 3e7, 1e8), quadratic_stiffness),
     )
 )  # fmt: skip

@@ -70,8 +70,8 @@ def refit(
     full: bool,
     near: Fit | None = None,
 ) -> Refit | None:
-    """The fit with further effects, from the best start; of effects that are not smooth at their null value the better
-    one of two, from the model as given and from the calibrated one. None where the model has no response at any start.
+    """The fit with further effects, from the best start; about a model that does not fail badly the better one of two,
+    from the model as given and from the calibrated one. None where the model has no response at any start.
 
     Models without contacts are quick to trace: they are always fitted in full, by `fit_from_far`, whatever the starts.
 
@@ -90,8 +90,8 @@ def refit(
         [p.with_further(given, start) for start in starts.as_given],
         [p.with_further(base.u, start) for start in starts.calibrated],
     ]
-    # about a model that does not fail badly the better start is the better valley, unless an effect is not smooth there
-    if fails_badly(base) or not any(effect.finite_step for effect in effects):
+    # a model that nearly fits is a valley of its own: no start beside it is better before it is fitted
+    if fails_badly(base):
         kinds = [[*kinds[0], *kinds[1]]]
     found = [_fit_from(base, plan, extended, kind, full) for kind in kinds]
     return max(

@@ -6,7 +6,7 @@ from itertools import zip_longest
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.diagnosis.candidate_models.baseline import Baseline
+from updamp.diagnosis.candidate_models.baseline import Baseline, farthest_off
 from updamp.diagnosis.candidate_models.fit_tasks import FitTask
 from updamp.diagnosis.candidate_models.refit import fails_badly
 from updamp.diagnosis.criteria import Criteria
@@ -41,7 +41,11 @@ def fit_tasks(
         return [FitTask((s.effect,), (), full=True) for s in visible]
     by_score = {s.effect.name: s for s in visible if s.score >= criteria.score}
     if not fails_badly(start.fitted):
-        return [FitTask((s.effect,), _starts(s.step), full=False, as_given=_typical(s)) for s in by_score.values()]
+        astray = abs(farthest_off(start.fitted)[1]) > criteria.calibration
+        return [
+            FitTask((s.effect,), _starts(s.step), False, as_given=(_typical(s),) * (astray or s.effect.finite_step))
+            for s in by_score.values()
+        ]
     worth = {s.effect.name for s in visible}
     tried = [e for e in effects if e.name in worth]
     by_probe = {p.effect.name: p for p in probes(start, tried, progress, workers)}
@@ -60,12 +64,11 @@ def _by_turns(one: Sequence[str], other: Sequence[str]) -> list[str]:
     return list(dict.fromkeys(name for pair in pairs for name in pair if name is not None))
 
 
-def _typical(score: Score) -> tuple[Floats, ...]:
-    """Of an effect that has no derivative at its null value first order from there may lead nowhere."""
-    if not score.effect.finite_step:
-        return ()
+def _typical(score: Score) -> Floats:
+    """Where first order may lead nowhere: about a calibration that the data have led astray, and of an effect that has
+    no derivative at its null value."""
     size = np.ones(len(score.step))
-    return (np.copysign(size, score.step[0]) if score.effect.has_two_signs else size,)
+    return np.copysign(size, score.step[0]) if score.effect.has_two_signs else size
 
 
 def _starts(step: Floats) -> tuple[Floats, ...]:

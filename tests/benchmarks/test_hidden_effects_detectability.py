@@ -7,7 +7,6 @@ import pytest
 from support.plain_rig import TINY
 
 from updamp.benchmarks.hidden_effects import detectability
-from updamp.benchmarks.hidden_effects.cases import NOISE, PLAN
 from updamp.benchmarks.hidden_effects.detectability import (
     FACTORS,
     as_real,
@@ -17,6 +16,7 @@ from updamp.benchmarks.hidden_effects.detectability import (
     like,
     log_receptance,
 )
+from updamp.benchmarks.hidden_effects.kinds_of_test import EASY
 from updamp.benchmarks.virtual_rig.assembled import assembled
 from updamp.benchmarks.virtual_rig.bench import Bench, bench_of
 from updamp.benchmarks.virtual_rig.bodies import bodies_of
@@ -28,6 +28,7 @@ from updamp.model.rig_files import load_rig
 from updamp.rig.rig import Rig
 
 RIG = Path(__file__).parents[2] / "rigs" / "virtual_rig.toml"
+PLAN, NOISE = EASY.plan, EASY.noise
 QUICK = SolverOptions(3, 128, 1e-6)
 
 
@@ -103,16 +104,14 @@ def test_phase_differences_are_the_smaller_ones() -> None:
     assert found == pytest.approx(np.array([0.5 + (6.2 - 2 * np.pi) * 1j]))
 
 
-def test_signature_of_a_loose_sensor_is_in_its_own_channel(
-    bench: Bench, rig: Rig, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(detectability, "PLAN", TestPlan((PlannedRun("IP", 1.0), PlannedRun("OOP", 4.0)), 2, 8))
+def test_signature_of_a_loose_sensor_is_in_its_own_channel(bench: Bench, rig: Rig) -> None:
+    plan = TestPlan((PlannedRun("IP", 1.0), PlannedRun("OOP", 4.0)), 2, 8)
     ip, oop = assembled(bench).stuck_frequencies(2)
     frequencies = np.array([np.linspace(0.995, 1.005, 8)] * 2) * np.array([[ip], [oop]])
-    plain = log_receptance(bench, frequencies, QUICK)
+    plain = log_receptance(bench, frequencies, plan, QUICK)
     assert plain.shape == (2, 2, 8)
     assert np.isfinite(plain).all()
-    changed = log_receptance(with_hidden(bench, [hidden("loose_sensor_gain", "strong")], rig), frequencies, QUICK)
+    changed = log_receptance(with_hidden(bench, [hidden("loose_sensor_gain", "strong")], rig), frequencies, plan, QUICK)
     left, right = difference(changed, plain).swapaxes(0, 1)
     assert np.abs(right).max() == 0
     assert np.abs(left.imag).max() < 1e-12

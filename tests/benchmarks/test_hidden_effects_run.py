@@ -10,10 +10,11 @@ import typer
 from support.plain_rig import TINY_PRESET
 
 from updamp.benchmarks.hidden_effects import run
-from updamp.benchmarks.hidden_effects.cases import by_name
+from updamp.benchmarks.hidden_effects.cases import chosen
 from updamp.benchmarks.hidden_effects.fitted_model import FINER, build, place
 from updamp.benchmarks.hidden_effects.layout import Layout, write_whole
 from updamp.benchmarks.hidden_effects.run import Task, diagnose, tasks
+from updamp.benchmarks.hidden_effects.version_1 import version_1
 from updamp.diagnosis.verdict import VERDICT_JSON, Confounding, ErrorReached, Verdict
 
 RIG = Path(__file__).parents[2] / "rigs" / "virtual_rig.toml"
@@ -27,12 +28,12 @@ ADEQUATE = Verdict(
 def layout(tmp_path: Path) -> Layout:
     """Data of the three repetitions, made up, and stages of a model."""
     found = Layout(tmp_path)
-    for case in by_name(("resolution",)):
+    for case in chosen(version_1(), ("resolution",)):
         write_whole(found.truth(case.name), {"case": case.name, "effects": ["secret"]})
         found.data(case.name).mkdir(parents=True)
         found.measurement(case.name).write_text(f"title = '{case.name}'")
         for preset in (case.fitted, *FINER[case.fitted]):
-            stages = tmp_path / "models" / preset / "stages"
+            stages = found.models(RIG) / preset / "stages"
             stages.mkdir(parents=True, exist_ok=True)
             (stages / "mesh.h5").write_text("nodes")
     return found
@@ -48,12 +49,12 @@ def test_diagnosis_is_given_nothing_of_the_truth(layout: Layout, monkeypatch: py
     monkeypatch.setattr(run, "diagnose_case", seeing)
     found, missing = tasks(layout, ("resolution", "pair"))
     assert len(missing) == 12
-    assert {f.name for f in fields(Task)} == {"name", "preset", "measurement", "model", "out"}
+    assert {f.name for f in fields(Task)} == {"name", "rig", "preset", "measurement", "model", "out"}
     for task in found:
         assert diagnose(task).verdict == "adequate"
         assert VERDICT_JSON.read(task.out / "diagnosis.json").verdict == "adequate"
     assert {preset for _, preset, _, _ in given} == {"diagnosis_146"}
-    assert {m.parent.name for _, _, m, _ in given} == {case.name for case in by_name(("resolution",))}
+    assert {m.parent.name for _, _, m, _ in given} == {case.name for case in chosen(version_1(), ("resolution",))}
     assert all(not layout.truth(m.parent.name).is_relative_to(m.parent) for _, _, m, _ in given)
     finer = [Path(preset) / "stages/mesh.h5" for preset in FINER["diagnosis_146"]]
     assert all(stages == sorted([*finer, Path("stages/mesh.h5")]) for *_, stages in given)

@@ -7,14 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from updamp.benchmarks.hidden_effects import score
-from updamp.benchmarks.hidden_effects.cases import Case, cases
+from updamp.benchmarks.hidden_effects import score, score_version_2
+from updamp.benchmarks.hidden_effects.cases import Case
 from updamp.benchmarks.hidden_effects.confusion import confusion
 from updamp.benchmarks.hidden_effects.goals import goal
 from updamp.benchmarks.hidden_effects.judgement import Called, judged
+from updamp.benchmarks.hidden_effects.kinds_of_test import KINDS_OF_TEST
 from updamp.benchmarks.hidden_effects.layout import Layout, write_whole
 from updamp.benchmarks.hidden_effects.make_data import truth_of
 from updamp.benchmarks.hidden_effects.score import all_goals, put_into, score_all
+from updamp.benchmarks.hidden_effects.version_1 import version_1
+from updamp.benchmarks.hidden_effects.version_2 import version_2
 from updamp.diagnosis.verdict import VERDICT_JSON, Candidate, Confounding, ErrorReached, FittedParameter, Verdict
 from updamp.effects.catalogue import CATALOGUE
 
@@ -80,7 +83,9 @@ def test_intervals_are_those_of_the_books():
 def candidate(name: str, case: Case, off: float = 0.0, size: float = 40.0) -> Candidate:
     """off: of the parameters, relative; their intervals are 10 % to either side"""
     parameters = tuple(
-        FittedParameter(p.name, p.unit, (1 + off) * v, (0.9 + off) * v, (1.1 + off) * v, p.null, p.lower, p.upper)
+        FittedParameter(
+            p.name, p.unit, (1 + off) * v, *sorted(((0.9 + off) * v, (1.1 + off) * v)), p.null, p.lower, p.upper
+        )
         for p in CATALOGUE[name].parameters
         if (v := case.catalogue_values.get(name, {}).get(p.name)) is not None
     )
@@ -112,7 +117,7 @@ def store(layout: Layout, case: Case, what: Verdict, seconds: float = 100.0) -> 
 def all_right(tmp_path: Path) -> Layout:
     """Every case with the verdict that it deserves."""
     layout = Layout(tmp_path)
-    for case in cases():
+    for case in version_1():
         candidates = tuple(candidate(name, case) for name in case.effects if name in CATALOGUE)
         store(layout, case, verdict(truly(case), candidates))
     return layout
@@ -127,7 +132,7 @@ def counts(layout: Layout) -> dict[str, tuple[int, int, bool | None]]:
 
 
 def of_kind(kind: str) -> list[Case]:
-    return [case for case in cases() if case.kind == kind]
+    return [case for case in version_1() if case.kind == kind]
 
 
 def test_where_all_is_right_every_goal_is_met(all_right: Layout) -> None:
@@ -255,6 +260,57 @@ def test_earlier_results_are_kept_beside_new_verdicts(all_right: Layout, tmp_pat
     assert changed == [again.name]
     score.main(all_right.folder, out, page)
     assert len(json.loads(out.read_text())["cases"]) == 1
+
+
+DRAW = 5
+
+
+@pytest.fixture
+def second(tmp_path: Path) -> Layout:
+    """The first 100 cases of version 2 with the verdicts that they deserve; every effect can be seen but one kind."""
+    layout = Layout(tmp_path)
+    for case in version_2(DRAW)[:100]:
+        candidates = tuple(candidate(name, case) for name in case.effects if name in CATALOGUE)
+        store(layout, case, verdict(truly(case), candidates))
+        seen = {name: {"score": 5.0 if name == "tip_stop" else 50.0, "visibility": 0.5} for name in case.effects}
+        write_whole(layout.expected(case.name), {"digest": case.digest, "effects": seen})
+    return layout
+
+
+def scored_again(layout: Layout, folder: Path) -> dict[str, dict[str, int]]:
+    page, out = folder / "page.md", folder / "results_v2.json"
+    page.write_text("above\n" + "\n".join(score_version_2.MARKS))
+    score_version_2.main(DRAW, layout.folder, out, page)
+    assert "100 of 160 cases" in page.read_text()
+    return json.loads(out.read_text())["counts"]
+
+
+def test_the_second_version_is_counted_in_all_and_for_each_test(second: Layout, tmp_path: Path) -> None:
+    found = scored_again(second, tmp_path)
+    cases = version_2(DRAW)[:100]
+    tests = {test: found.pop(test) for test in KINDS_OF_TEST}
+    assert all(sum(one[name] for one in tests.values()) == n for name, n in found.items())
+    assert found["cases"] == 100
+    assert found["single"] == found["single_right"] == sum(c.kind == "single" for c in cases)
+    outside = sum(c.kind == "outside" and c.effects != ("tip_stop",) for c in cases)
+    assert found["outside"] == found["outside_right"] == outside
+    assert found["confidently_wrong"] == found["false_alarms"] == 0
+    assert found["intervals"] == found["intervals_hold"] > 0
+
+
+def test_what_fails_in_the_second_version_counts_where_it_belongs(second: Layout, tmp_path: Path) -> None:
+    before = scored_again(second, tmp_path)
+    by_kind = {c.kind: c for c in version_2(DRAW)[:100] if c.test == "jumping" and c.effects != ("tip_stop",)}
+    for case in by_kind.values():
+        replaced(second, case, verdict(Called(IDENTIFIED, ("no_such",))))
+    after = scored_again(second, tmp_path)
+    assert set(by_kind) == {"none", "single", "outside", "pair"}
+    for counts_of in ("jumping", None):
+        was, now = (one[counts_of] if counts_of else one for one in (before, after))
+        for right in ("single_right", "outside_right", "pairs_right"):
+            assert now[right] == was[right] - 1
+        assert (now["confidently_wrong"], now["false_alarms"]) == (3, 1)
+    assert after["scarce"] == before["scarce"]
 
 
 def test_confusion_counts_every_case_once(all_right: Layout) -> None:

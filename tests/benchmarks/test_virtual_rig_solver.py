@@ -11,6 +11,7 @@ from updamp.benchmarks.virtual_rig import bodies as bodies_module
 from updamp.benchmarks.virtual_rig.assembled import Assembled, assembled
 from updamp.benchmarks.virtual_rig.bench import Bench, Patches, bench_of
 from updamp.benchmarks.virtual_rig.bodies import Bodies, bodies_of
+from updamp.benchmarks.virtual_rig.laboratory import hidden, with_hidden
 from updamp.benchmarks.virtual_rig.measurement import RIG
 from updamp.benchmarks.virtual_rig.patch_forces import Basis, departures
 from updamp.benchmarks.virtual_rig.periodic import SolverOptions
@@ -95,6 +96,26 @@ def test_derivatives_of_the_patches_forces(law: str) -> None:
     difference = (departures(x + h * dx, w, basis, p)[0] - departures(x - h * dx, w, basis, p)[0]) / (2 * h)
     assert np.abs(exact - difference).max() < 1e-7 * np.abs(exact).max()
     assert all(np.abs(exact[:, d]).max() > 0.1 * np.abs(exact).max() for d in range(3))
+
+
+POINT_FORCES = (
+    "blade_cubic_stiffness", "quadratic_damping", "second_damper_contact", "rubbing_cable", "platform_rub", "tip_stop",
+    "saturating_spring", "quadratic_stiffness",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", POINT_FORCES)
+def test_derivatives_of_point_forces(name: str, bench: Bench, rig: Rig) -> None:
+    """By the displacement and by the velocity, away from where a force has a corner."""
+    elements = with_hidden(bench, [hidden(name, "strong")], rig).elements
+    assert elements
+    rng, h = np.random.default_rng(1), 1e-6
+    u, v = 1.5e-5 * rng.standard_normal(200), 2e-3 * rng.standard_normal(200)
+    for element in elements:
+        (ahead, *_), (_, by_u, _), (behind, *_) = (element.force(u * (1 + s), v) for s in (h, 0.0, -h))
+        assert (ahead - behind) / (2 * h * u) == pytest.approx(by_u, rel=1e-5, abs=1e-6 * np.abs(by_u).max())
+        (ahead, *_), (_, _, by_v), (behind, *_) = (element.force(u, v * (1 + s)) for s in (h, 0.0, -h))
+        assert (ahead - behind) / (2 * h * v) == pytest.approx(by_v, rel=1e-5, abs=1e-6 * np.abs(by_v).max())
 
 
 def test_patch_that_sticks_departs_from_nothing() -> None:

@@ -1,0 +1,43 @@
+"""The tests that the benchmark makes of a rig: an easy one, one of a rig that jumps, and one with few data."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+
+from updamp.benchmarks.virtual_rig.plan import SIX_CURVES, NoiseLevels, PlannedRun, TestPlan
+
+RIGS = Path(__file__).parents[2] / "rigs"
+
+
+@dataclass(frozen=True)
+class KindOfTest:
+    """rig: its file, which the diagnosis is given and the laboratory measures with something hidden in it"""
+
+    name: str
+    rig: Path
+    plan: TestPlan
+    noise: NoiseLevels
+
+
+def _runs(ip: tuple[float, ...], oop: tuple[float, ...], upwards: bool = False) -> tuple[PlannedRun, ...]:
+    return tuple(PlannedRun(mode, force, upwards) for mode, forces in (("IP", ip), ("OOP", oop)) for force in forces)
+
+
+# Nothing jumps, three assemblies, all that the fit may need.
+EASY = KindOfTest("easy", RIGS / "virtual_rig.toml", TestPlan(SIX_CURVES, assemblies=3, points=40), NoiseLevels())
+# The paper's friction and damping: contacts open before they slip, and the higher levels jump, elsewhere upwards.
+JUMPING = KindOfTest(
+    "jumping",
+    RIGS / "virtual_rig_jumping.toml",
+    TestPlan((*_runs((2.0, 4.0, 8.0), (4.0, 10.0, 17.0)), *_runs((8.0,), (17.0,), True)), assemblies=3, points=40),
+    NoiseLevels(),
+)
+# What there is time for at the end of a test campaign: one assembly, two levels of each mode, few points, more noise.
+SCARCE = KindOfTest(
+    "scarce",
+    RIGS / "virtual_rig.toml",
+    TestPlan(_runs((2.0, 8.0), (4.0, 32.0)), assemblies=1, points=15),
+    NoiseLevels(relative=0.015),
+)
+KINDS_OF_TEST: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in (EASY, JUMPING, SCARCE)})
