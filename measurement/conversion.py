@@ -42,10 +42,8 @@ def measured_run(
     upwards, reverse, notes = in_order_of_the_sweep(where, sweep, run.sweep or sweep.sweep)
     order = slice(None, None, -1 if reverse else 1)
     names = [name for name in run.channels or tuple(file.channels) if name != file.force_channel]
-    recorded = {name: _recorded(where, file, sweep, name) for name in names}
-    recorded[file.force_channel], unrecorded = _recorded_force(where, file, run, sweep)
-    notes += unrecorded
-    notes += _checked(where, file, sweep, recorded)
+    recorded, granted = _all_recorded(where, file, run, sweep, names)
+    notes += granted
     raw_force, force = _force(where, file, recorded[file.force_channel], sweep.frequency)
     harmonics, kept = _common_harmonics(where, file, recorded)
     notes += kept
@@ -73,6 +71,15 @@ def measured_run(
         without_phase=tuple(name for name in names if file.channels[name].phase == "none"),
     )
     return measured, [*notes, *level_notes]
+
+
+def _all_recorded(
+    where: str, file: MeasurementFile, run: RunTable, sweep: RecordedSweep, names: Sequence[str]
+) -> tuple[dict[str, RecordedChannel], list[str]]:
+    """Channels of the names and the force's, and what was taken for granted of them."""
+    recorded = {name: _recorded(where, file, sweep, name) for name in names}
+    recorded[file.force_channel], notes = _recorded_force(where, file, run, sweep)
+    return recorded, [*notes, *_checked(where, file, sweep, recorded)]
 
 
 def _checked(

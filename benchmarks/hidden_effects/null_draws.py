@@ -9,6 +9,7 @@ from updamp.parallel.resources import one_thread
 one_thread()  # before numpy is loaded: threads make small products many times slower
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from hashlib import sha256
@@ -24,9 +25,9 @@ from updamp.benchmarks.hidden_effects.layout import read, write_whole
 from updamp.benchmarks.virtual_rig.measurement import RIG, make_measurement
 from updamp.comparison.compare import damping_share
 from updamp.comparison.findings.all_findings import all_findings
-from updamp.comparison.findings.findings import lack_of_fit, misfits
+from updamp.comparison.findings.findings import Misfit, lack_of_fit, misfits
 from updamp.comparison.fit.compared import Compared, compare_at, predict_branches
-from updamp.comparison.fit.fit import fit
+from updamp.comparison.fit.fit import Fit, fit
 from updamp.comparison.fit.numerical_gate import apply_numerical_gate
 from updamp.comparison.fit.observations import Plan, plan_of
 from updamp.comparison.fit.scatter import Scatter, learn
@@ -124,30 +125,32 @@ def compare_draw(draw: Draw, prepared: Path, key: ResultKey, results: Path) -> R
     found = misfits(fitted, plan, shares)
     names = {channel.point: channel.name for channel in measurement.channels}
     sentences = tuple(f.text for f in all_findings(fitted, plan, after, found, names, (), ()))
-    n, c = len(parametrisation.nuisances), fitted.compared
     write_result(results / f"{draw.name}.pkl", key, (fitted, plan, shares))
-    write_whole(
-        results / f"{draw.name}.json",
-        {
-            "name": draw.name, "code": key.code,
-            "chi2": c.chi2, "values": c.values, "message": fitted.message, "lack_of_fit": lack_of_fit(fitted),
-            "truth": {"chi2": truth.chi2, "scatter": truth.scatter.as_numbers()},
-            "scatter": c.scatter.as_numbers(),
-            "parameters": {
-                name: (float(u), float(s))
-                for name, u, s in zip(parametrisation.names[:n], fitted.u[:n], fitted.uncertainty[:n], strict=True)
-            },
-            "numerics": dict(zip(parametrisation.names[n:], fitted.u[n:].tolist(), strict=True)),
-            "misfits": [
-                [m.direction.quantity, m.direction.test, m.direction.sensor[0], m.relative, m.significance]
-                for m in found
-            ],
-            "of_runs": [[m.observations.run, m.observations.repeat, float(np.mean(m.residual**2))] for m in c.matched],
-            "sentences": list(sentences),
-            "seconds": time.perf_counter() - started,
+    seconds = time.perf_counter() - started
+    record = _record(fitted, truth, found)
+    whole = {"name": draw.name, "code": key.code, **record, "sentences": list(sentences), "seconds": seconds}
+    write_whole(results / f"{draw.name}.json", whole)
+    return Result(draw.name, sentences, seconds)
+
+
+def _record(fitted: Fit, truth: Compared, found: Sequence[Misfit]) -> dict[str, Any]:
+    """In numbers. truth: at the true parameters; found: what calibration leaves"""
+    parametrisation, c = fitted.parametrisation, fitted.compared
+    n = len(parametrisation.nuisances)
+    return {
+        "chi2": c.chi2, "values": c.values, "message": fitted.message, "lack_of_fit": lack_of_fit(fitted),
+        "truth": {"chi2": truth.chi2, "scatter": truth.scatter.as_numbers()},
+        "scatter": c.scatter.as_numbers(),
+        "parameters": {
+            name: (float(u), float(s))
+            for name, u, s in zip(parametrisation.names[:n], fitted.u[:n], fitted.uncertainty[:n], strict=True)
         },
-    )  # fmt: skip
-    return Result(draw.name, sentences, time.perf_counter() - started)
+        "numerics": dict(zip(parametrisation.names[n:], fitted.u[n:].tolist(), strict=True)),
+        "misfits": [
+            [m.direction.quantity, m.direction.test, m.direction.sensor[0], m.relative, m.significance] for m in found
+        ],
+        "of_runs": [[m.observations.run, m.observations.repeat, float(np.mean(m.residual**2))] for m in c.matched],
+    }  # fmt: skip
 
 
 def at_truth(parametrisation: Parametrisation, plan: Plan, branches: tuple[PredictedBranch, ...]) -> Compared:

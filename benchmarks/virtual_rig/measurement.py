@@ -1,12 +1,12 @@
 """A whole measurement: several assemblies, all runs on each, files for the engineer and a sealed one."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
 
-from updamp.benchmarks.virtual_rig.bench import Hidden, bench_of
+from updamp.benchmarks.virtual_rig.bench import Bench, Hidden, bench_of
 from updamp.benchmarks.virtual_rig.bodies import bodies_of
 from updamp.benchmarks.virtual_rig.files import (
     CSV,
@@ -18,13 +18,45 @@ from updamp.benchmarks.virtual_rig.files import (
     write_sealed,
     write_uff,
 )
-from updamp.benchmarks.virtual_rig.laboratory import draw_assembly, measured, put_together
+from updamp.benchmarks.virtual_rig.laboratory import AssemblyDraw, RunRecord, draw_assembly, measured, put_together
 from updamp.benchmarks.virtual_rig.periodic import SolverOptions
 from updamp.benchmarks.virtual_rig.plan import NoiseLevels, TestPlan
+from updamp.benchmarks.virtual_rig.sensors import Recorded
 from updamp.model.rig_files import load_rig
 from updamp.rig.rig import Rig
 
 RIG = Path(__file__).parents[2] / "rigs" / "virtual_rig.toml"
+
+
+@dataclass(frozen=True, eq=False)
+class _Campaign:
+    """All runs on all assemblies. nominal: the bench with nothing hidden and no scatter"""
+
+    nominal: Bench
+    rig: Rig
+    plan: TestPlan
+    hidden: tuple[Hidden, ...]
+    noise: NoiseLevels
+    options: SolverOptions
+
+    def made(
+        self, rng: np.random.Generator, progress: Callable[[str], None]
+    ) -> tuple[list[AssemblyDraw], list[Recorded], list[RunRecord]]:
+        plan, noise = self.plan, self.noise
+        drift, draws, sweeps, records = 0.0, [], [], []
+        for repeat in range(1, plan.assemblies + 1):
+            draw = draw_assembly(rng, noise, plan.channels)
+            draws.append(draw)
+            bench = put_together(self.nominal, draw, self.hidden, self.rig)
+            for run in plan.runs:
+                progress(f"assembly {repeat}, {run.name}")
+                step = noise.drift * rng.standard_normal()
+                path = (drift, drift + noise.ramp * step)
+                drift += step
+                sweep, record = measured(bench, run, repeat, path, draw, plan, noise, rng, self.options)
+                sweeps.append(sweep)
+                records.append(record)
+        return draws, sweeps, records
 
 
 def make_measurement(
@@ -49,21 +81,8 @@ def make_measurement(
     if wrong := {run.mode for run in plan.runs} - {"IP", "OOP"}:
         raise ValueError(f"TestPlan.runs: mode {', '.join(sorted(wrong))}: the laboratory measures IP and OOP")
     rig = load_rig(RIG) if rig is None else rig
-    rng = np.random.default_rng(seed)
-    nominal = bench_of(rig, bodies_of(rig, preset))
-    drift, sweeps, draws, records = 0.0, [], [], []
-    for repeat in range(1, plan.assemblies + 1):
-        draw = draw_assembly(rng, noise, plan.channels)
-        draws.append(draw)
-        bench = put_together(nominal, draw, tuple(hidden), rig)
-        for run in plan.runs:
-            progress(f"assembly {repeat}, {run.name}")
-            step = noise.drift * rng.standard_normal()
-            path = (drift, drift + noise.ramp * step)
-            drift += step
-            sweep, record = measured(bench, run, repeat, path, draw, plan, noise, rng, options)
-            sweeps.append(sweep)
-            records.append(record)
+    campaign = _Campaign(bench_of(rig, bodies_of(rig, preset)), rig, plan, tuple(hidden), noise, options)
+    draws, sweeps, records = campaign.made(np.random.default_rng(seed), progress)
     out.mkdir(parents=True, exist_ok=True)
     write_csv(out / CSV, sweeps, plan.harmonics)
     if plan.uff:

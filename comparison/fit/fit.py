@@ -103,11 +103,9 @@ def fit(
     """
     options = options or FitOptions()
     prior = prior_scatter(parametrisation, plan)
-    common = (
-        tuple(at_start) if at_start is not None else predict_branches(parametrisation, start, plan, None, branches_of)
-    )
+    common = at_start if at_start is not None else predict_branches(parametrisation, start, plan, None, branches_of)
     spread = np.where(np.isfinite(parametrisation.deviation), parametrisation.deviation, 0.0)
-    best = compare_at(parametrisation, start, plan, common, scatter or prior, None, spread)
+    best = compare_at(parametrisation, start, plan, tuple(common), scatter or prior, None, spread)
     reach, message = options.largest_step, f"not settled in {options.rounds} rounds"
     for _ in range(options.rounds):
         ahead = _round(parametrisation, plan, best, scatter, prior, reach)
@@ -118,8 +116,7 @@ def fit(
             return _result(parametrisation, _weighed(parametrisation, plan, ahead, scatter, prior), True, "settled")
         common = predict_branches(parametrisation, ahead.u, plan, best.branches, branches_of, inflation=ahead.inflation)
         solved = compare_at(parametrisation, ahead.u, plan, common, ahead.scatter, ahead.offsets)
-        errors = [float(np.sqrt(one.mean_squared_misfit)) for one in (here, solved)]
-        progress(f"error {errors[0]:.2f} to {errors[1]:.2f} times the scatter allowed")
+        progress(_fall(here, solved))
         if _rises(parametrisation, here, solved):
             reach /= 3
             if reach < 0.01 * options.largest_step:
@@ -131,6 +128,11 @@ def fit(
             message = "ended where it was asked to"
             break
     return _result(parametrisation, _weighed(parametrisation, plan, best, scatter, prior), False, message)
+
+
+def _fall(before: Compared, after: Compared) -> str:
+    errors = [float(np.sqrt(one.mean_squared_misfit)) for one in (before, after)]
+    return f"error {errors[0]:.2f} to {errors[1]:.2f} times the scatter allowed"
 
 
 def fit_linear(

@@ -57,13 +57,8 @@ def solve_unilateral_contact(
     raises: ValueError for shapes that do not fit. Anything else is reported by the status, with the states of the
         steps before the failure.
     """
-    loads = np.atleast_2d(np.asarray(loads, dtype=float))
-    n, modes = len(problem.gap), problem.rigid_modes.shape[1]
-    free = np.zeros((len(loads), 3 * n)) if free_displacements is None else np.atleast_2d(free_displacements)
-    if loads.shape[1] != modes or free.shape != (len(loads), 3 * n):
-        raise ValueError(
-            f"loads {loads.shape} and free_displacements {free.shape} must be (k, {modes}) and (k, {3 * n})"
-        )
+    loads, free = _steps(problem, loads, free_displacements)
+    n = len(problem.gap)
     active = ActiveSet(np.ones(n, dtype=bool), np.zeros((n, 2), dtype=np.int64))
     anchor = np.zeros((n, 2))
     states: list[StaticContactState] = []
@@ -82,6 +77,18 @@ def solve_unilateral_contact(
         if progress is not None:
             progress(step + 1, len(loads))
     return ContactSolution(tuple(states), status, np.asarray(iterations), np.asarray(residuals))
+
+
+def _steps(problem: ContactProblem, loads: Floats, free_displacements: Floats | None) -> tuple[Floats, Floats]:
+    """Loads and displacements, a row a step. raises: ValueError for shapes that do not fit"""
+    loads = np.atleast_2d(np.asarray(loads, dtype=float))
+    n, modes = len(problem.gap), problem.rigid_modes.shape[1]
+    free = np.zeros((len(loads), 3 * n)) if free_displacements is None else np.atleast_2d(free_displacements)
+    if loads.shape[1] != modes or free.shape != (len(loads), 3 * n):
+        raise ValueError(
+            f"loads {loads.shape} and free_displacements {free.shape} must be (k, {modes}) and (k, {3 * n})"
+        )
+    return loads, free
 
 
 Equations = Callable[[FrictionLimit], ContactEquations]
