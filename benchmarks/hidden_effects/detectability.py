@@ -165,11 +165,15 @@ def like(model: Bench, bench: Bench) -> Bench:
 
 
 def covariances(plain: Complex, columns: Floats, test: KindOfTest = EASY) -> tuple[Floats, Floats]:
-    """Of the mean over the assemblies. columns: (n, factors) derivatives by the logarithms of FACTORS"""
+    """Of the mean over the assemblies. columns: (n, factors) derivatives by the logarithms of FACTORS
+
+    Where no motion was found (nan) nothing is measured: with any variance such points, of which no signature says
+    anything, do not count.
+    """
     plan, levels = test.plan, test.noise
     forces = np.array([run.force for run in plan.runs])[:, None, None]
     floor = levels.floor / (forces * np.abs(np.exp(plain)))
-    size = np.sqrt(levels.relative**2 + levels.force_reading**2 + floor**2)
+    size = np.nan_to_num(np.sqrt(levels.relative**2 + levels.force_reading**2 + floor**2), nan=1.0)
     sensors = np.diag(as_real(size + 1j * size) ** 2)
     scatter = columns * np.array([f.scatter(levels) for f in FACTORS])
     channels = np.indices(plain.shape)[1]

@@ -124,3 +124,19 @@ def test_a_calibrated_model_has_the_bench_s_stuck_resonance(bench: Bench) -> Non
     assert assembled(stiffer).stuck_frequencies(1) > 1.001 * assembled(bench).stuck_frequencies(1)
     # the wires and the contacts do not get softer with Young's modulus
     assert found == pytest.approx(assembled(bench).stuck_frequencies(1), rel=2e-3)
+
+
+def test_a_point_without_a_motion_changes_nothing() -> None:
+    rng = np.random.default_rng(2)
+    shape = (len(PLAN.runs), len(PLAN.channels), PLAN.points)
+    plain = np.full(shape, np.log(1e-6) + 0.3j)
+    columns, signature = rng.standard_normal((plain.size * 2, len(FACTORS))), rng.standard_normal(plain.size * 2)
+    lost = np.zeros(shape, dtype=bool)
+    lost[0, :, 3] = True
+    nowhere = as_real(lost * (1 + 1j)) > 0
+    columns[nowhere], signature[nowhere] = 0.0, 0.0
+    found = []
+    for one in (plain, np.where(lost, np.nan, plain)):
+        noise, allowed = covariances(one, columns)
+        found.append(expected({"a": signature}, noise, allowed)["a"])
+    assert found[1].score == pytest.approx(found[0].score, rel=1e-3)
