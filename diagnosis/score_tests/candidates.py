@@ -6,7 +6,7 @@ from itertools import zip_longest
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.diagnosis.candidate_models.baseline import Baseline, farthest_off
+from updamp.diagnosis.candidate_models.baseline import Baseline
 from updamp.diagnosis.candidate_models.fit_tasks import FitTask
 from updamp.diagnosis.candidate_models.refit import fails_badly
 from updamp.diagnosis.criteria import Criteria
@@ -41,9 +41,11 @@ def fit_tasks(
         return [FitTask((s.effect,), (), full=True) for s in visible]
     by_score = {s.effect.name: s for s in visible if s.score >= criteria.score}
     if not fails_badly(start.fitted):
-        astray = abs(farthest_off(start.fitted)[1]) > criteria.calibration
+        far = _is_far_from_given(start)
         return [
-            FitTask((s.effect,), _starts(s.step), False, as_given=(_typical(s),) * (astray or s.effect.finite_step))
+            FitTask(
+                (s.effect,), _starts(s.step), False, as_given=_typical(s.effect) if far or s.effect.finite_step else ()
+            )
             for s in by_score.values()
         ]
     worth = {s.effect.name for s in visible}
@@ -64,11 +66,20 @@ def _by_turns(one: Sequence[str], other: Sequence[str]) -> list[str]:
     return list(dict.fromkeys(name for pair in pairs for name in pair if name is not None))
 
 
-def _typical(score: Score) -> Floats:
-    """Where first order may lead nowhere: about a calibration that the data have led astray, and of an effect that has
-    no derivative at its null value."""
-    size = np.ones(len(score.step))
-    return np.copysign(size, score.step[0]) if score.effect.has_two_signs else size
+def _is_far_from_given(start: Baseline) -> bool:
+    """Whether calibration has moved a parameter by more than it is uncertain by beforehand: the model as given then is
+    another place to start from, and first order about the calibrated one may not even know the sign of an effect that
+    has led it astray."""
+    p = start.fitted.parametrisation
+    n = len(p.nuisances)
+    return bool(np.any(np.abs(start.fitted.u[:n]) > p.deviation[:n]))
+
+
+def _typical(effect: Effect) -> tuple[Floats, ...]:
+    """Beside the model as given: there, and where an effect has no derivative at its null value, first order leads
+    nowhere."""
+    size = np.ones(len(effect.parameters))
+    return (size, -size) if effect.has_two_signs else (size,)
 
 
 def _starts(step: Floats) -> tuple[Floats, ...]:
