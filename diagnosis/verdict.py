@@ -148,6 +148,21 @@ class StripEntry:
     effects: tuple[str, ...]
 
 
+@dataclass(frozen=True)
+class Explanation:
+    """A model that was fitted. effects: in it, none in the one as it is
+
+    probability: beside the others, all as likely beforehand (`diagnosis/decision/explanations.py`)
+    misfit, held_out: weighted residual RMS that it leaves on the data of the fit and on the rest (nan where nothing was
+        held out)
+    """
+
+    effects: tuple[str, ...]
+    probability: float
+    misfit: float
+    held_out: float
+
+
 @dataclass(frozen=True, eq=False)
 class Verdict:
     """verdict: adequate: nothing is missing beyond repeatability; identified: `effects` are missing; inseparable: one
@@ -160,6 +175,7 @@ class Verdict:
     calibration: nuisance parameters fitted together with `effects`, for `updamp add --with-calibration`: factors on
         the rig file's values; empty where they are not handed on
     strip: how the verdict hangs on the stated repeatability, the smallest first; empty where repeats tell it
+    explanations: models that were fitted, the likeliest first
     """
 
     verdict: Outcome
@@ -176,6 +192,7 @@ class Verdict:
     provenance: Mapping[str, str]
     calibration: tuple[Calibrated, ...] = ()
     strip: tuple[StripEntry, ...] = ()
+    explanations: tuple[Explanation, ...] = ()
 
 
 # `diagnosis.json`, every number kept to the last digit: the fields of `Verdict` by their names, and `schema`; nan as

@@ -13,6 +13,7 @@ from updamp.diagnosis.candidate_models.baseline import unseen
 from updamp.diagnosis.candidate_models.refit import Refit
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.decision.decide import Decision, far_off, reason_against
+from updamp.diagnosis.decision.explanations import explanations
 from updamp.diagnosis.decision.signature_curves import signatures
 from updamp.diagnosis.decision.verdict_strip import strip
 from updamp.diagnosis.evidence import EffectScore, Trial
@@ -63,6 +64,7 @@ def conclude(
         provenance=provenance or {},
         calibration=calibrated_factors(chosen.fitted if chosen is not None else found.baseline.fitted),
         strip=strip(found.evidence, criteria),
+        explanations=explanations(found.evidence),
     )
 
 

@@ -1,10 +1,12 @@
 """The verdict of the diagnosis in words."""
 
 import math
+from dataclasses import replace
 from html import escape
 
-from updamp.diagnosis.verdict import ErrorReached, Outcome, Verdict
-from updamp.report.markup import number
+from updamp.diagnosis.decision.explanations import in_words
+from updamp.diagnosis.verdict import ErrorReached, Explanation, Outcome, Verdict
+from updamp.report.markup import MISSING, number, table
 from updamp.report.section import Content, Report, ReportSection
 
 TITLES: dict[Outcome, str] = {
@@ -15,6 +17,11 @@ TITLES: dict[Outcome, str] = {
     "undecidable": "These data do not suffice",
 }
 GOOD = ("adequate", "identified")
+# Explanations that are shown: so many at least and at most, between them those of a percent or more.
+LEAST, MOST, NOTEWORTHY = 3, 8, 0.01
+TEXT = """<p>Each was as likely as the others before the measurement. That none of them is right is not among them: it
+shows in what the best one leaves, in times the scatter.</p>"""
+HEAD = ("What is missing", "In words", "Probability", "Misfit left", "on held-out data")
 
 
 def render(report: Report) -> Content | None:
@@ -23,7 +30,7 @@ def render(report: Report) -> Content | None:
         return None
     kind = "good" if verdict.verdict in GOOD else "bad"
     html = f'<p class="verdict {kind}">{TITLES[verdict.verdict]}.<br><span>{escape(verdict.sentence)}</span></p>'
-    return Content(html + _names(verdict) + _cards(verdict.error) + _strip(verdict))
+    return Content(html + _names(verdict) + _cards(verdict.error) + _explanations(verdict) + _strip(verdict))
 
 
 def _names(verdict: Verdict) -> str:
@@ -31,6 +38,38 @@ def _names(verdict: Verdict) -> str:
     title, names = ("Cannot be separated", verdict.group) if verdict.group else ("Missing", verdict.effects)
     items = "".join(f"<li><code>{escape(name)}</code> {escape(sentences.get(name, ''))}</li>" for name in names)
     return f'<h3>{title}</h3><ul class="findings">{items}</ul>' if items else ""
+
+
+def _explanations(verdict: Verdict) -> str:
+    """The likeliest ones, however little they explain; nothing where there is but one."""
+    alike = [e for e in verdict.explanations if len(e.effects) == 1 and e.effects[0] in verdict.group]
+    others = [(" and ", e) for e in verdict.explanations if e not in alike]
+    if alike:  # what the verdict does not tell apart is not told apart here
+        effects, probability = tuple(e.effects[0] for e in alike), sum(e.probability for e in alike)
+        others.append((" or ", replace(alike[0], effects=effects, probability=probability)))
+    if len(others) < 2:
+        return ""
+    best = sorted(others, key=lambda each: -each[1].probability)
+    shown = [one for i, one in enumerate(best) if i < MOST and (i < LEAST or one[1].probability >= NOTEWORTHY)]
+    return f"<h3>How likely, of what was fitted</h3>{TEXT}" + table(HEAD, [_row(*one) for one in shown], numbers_from=2)
+
+
+def _row(between: str, each: Explanation) -> tuple[str, ...]:
+    names = between.join(f"<code>{escape(name)}</code>" for name in each.effects) or "nothing is missing"
+    return (
+        names,
+        in_words(each.probability),
+        _share(each.probability),
+        number(each.misfit, 3),
+        MISSING if math.isnan(each.held_out) else number(each.held_out, 3),
+    )
+
+
+def _share(probability: float) -> str:
+    """Whole per cents; neither 0 nor 100."""
+    if not NOTEWORTHY / 2 < probability < 1 - NOTEWORTHY / 2:
+        return "> 99 %" if probability > 0.5 else "< 1 %"
+    return f"{100 * probability:.0f} %"
 
 
 def _strip(verdict: Verdict) -> str:

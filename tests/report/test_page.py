@@ -15,6 +15,7 @@ from support.synthetic_comparison import features_only, synthetic_comparison
 from support.synthetic_verdict import synthetic_verdict
 
 from updamp.comparison.comparison import Comparison
+from updamp.diagnosis.verdict import Explanation
 from updamp.report.markup import MINUS, MISSING, TIMES, level_name, number, percent, with_unit
 from updamp.report.page import build_page, write_report
 from updamp.report.registry import SECTIONS
@@ -167,6 +168,29 @@ def test_every_verdict_has_its_words(comparison: Comparison) -> None:
             error=replace(verdict.error, held_out_before=math.nan, held_out_after=math.nan),
         )  # fmt: skip
         assert 'class="verdict' in build_page(Report(comparison, bare), SECTIONS)
+
+
+def explained(comparison: Comparison, **changes: object) -> str:
+    """The part of the page that says how likely each explanation is."""
+    page = build_page(Report(comparison, replace(synthetic_verdict(comparison), **changes)), SECTIONS)
+    return page.partition("How likely, of what was fitted")[2].partition("</table>")[0]
+
+
+def test_the_best_explanations_are_shown_whatever_the_verdict(comparison: Comparison) -> None:
+    for outcome in ("identified", "unknown"):
+        found = explained(comparison, verdict=outcome)
+        assert found.index("material_damping") < found.index("contact_viscosity")
+        assert all(text in found for text in ("very likely", "97 %", "3 %", "< 1 %"))
+        assert "nothing is missing" not in found, "the fourth, of less than a percent"
+    assert explained(comparison, explanations=()) == ""
+
+
+def test_what_cannot_be_told_apart_has_one_probability(comparison: Comparison) -> None:
+    each = (Explanation(("a",), 0.7, 1.0, 1.0), Explanation(("b",), 0.2, 1.05, 1.0), Explanation((), 0.1, 2.0, 2.0))
+    found = explained(comparison, verdict="inseparable", effects=(), group=("a", "b"), explanations=each)
+    assert "<code>a</code> or <code>b</code>" in found
+    assert "90 %" in found
+    assert "70 %" not in found
 
 
 def test_steps_without_held_out_data_say_so(comparison: Comparison) -> None:

@@ -9,6 +9,7 @@ from updamp.diagnosis.verdict import (
     Candidate,
     Confounding,
     ErrorReached,
+    Explanation,
     FittedParameter,
     MissingForce,
     NextMeasurement,
@@ -54,6 +55,12 @@ def synthetic_verdict(comparison: Comparison) -> Verdict:
             Step(("material_damping",), 1.12, 1.24),
         ),
         provenance={"Catalogue": "16 effects, SHA-256 21c43f5a90be"},
+        explanations=(
+            Explanation(("material_damping",), 0.97, 1.12, 1.24),
+            Explanation(("contact_viscosity", "material_damping"), 0.026, 1.05, 1.31),
+            Explanation(("contact_viscosity",), 0.004, 3.1, 3.62),
+            Explanation((), 0.0, 5.61, 4.83),
+        ),
     )
 
 

@@ -1,0 +1,42 @@
+"""How likely the models are that were fitted, beside each other: weights by the Bayesian information criterion.
+
+With all as likely beforehand the probability of a model is exp(gain / 2) over the sum of all, where gain is that of the
+criterion from the model without effects (R. E. Kass and A. E. Raftery, J. Am. Stat. Assoc. 90 (1995) 773),
+neighbouring points counted as one (`gain_of_bic`). None of them needs to be right: what the best one leaves says that.
+The verdict rests on `decide.py`; this is shown beside it.
+"""
+
+import numpy as np
+
+from updamp.diagnosis.candidate_models.refit import gain_of_bic
+from updamp.diagnosis.evidence import Evidence
+from updamp.diagnosis.verdict import Explanation
+
+# Of the probability from where on, in words: M. D. Mastrandrea et al., Guidance note on consistent treatment of
+# uncertainties, IPCC (2010), table 1.
+_WORDS = (
+    (0.99, "virtually certain"),
+    (0.9, "very likely"),
+    (0.66, "likely"),
+    (0.33, "about as likely as not"),
+    (0.1, "unlikely"),
+    (0.01, "very unlikely"),
+    (0.0, "exceptionally unlikely"),
+)
+
+
+def explanations(evidence: Evidence) -> tuple[Explanation, ...]:
+    """Of the model without effects and of all fits that were left to settle, the likeliest first."""
+    settled = [t for t in (*evidence.trials, *evidence.pairs) if t.full]
+    gains = np.array([0.0, *(gain_of_bic(t.drop, t.parameters, evidence.values) for t in settled)])
+    weights = np.exp((gains - gains.max()) / 2)
+    left = [((), evidence.excess, evidence.held_out), *((t.effects, t.excess, t.held_out) for t in settled)]
+    found = [
+        Explanation(effects, float(p), float(np.sqrt(excess)), held_out)
+        for (effects, excess, held_out), p in zip(left, weights / weights.sum(), strict=True)
+    ]
+    return tuple(sorted(found, key=lambda e: (-e.probability, e.misfit)))
+
+
+def in_words(probability: float) -> str:
+    return next(words for least, words in _WORDS if probability >= least)
