@@ -60,7 +60,8 @@ class CachedFits:
     def __call__(
         self, start: Baseline, criteria: Criteria, tasks: Sequence[FitTask], done: OnFitted
     ) -> list[FittedCandidate | None]:
-        prefix = "".join(f"{e.name}__" for e in start.fitted.parametrisation.effects)
+        again = f"attempt_{start.attempt + 1}__" if start.attempt else ""
+        prefix = again + "".join(f"{e.name}__" for e in start.fitted.parametrisation.effects)
         known: list[tuple[FittedCandidate | None] | None] = [self.cache.read(prefix + a.name) for a in tasks]
 
         def kept(task: FitTask, result: FittedCandidate | None) -> None:

@@ -39,6 +39,7 @@ class Baseline:
     fitted: to the training runs, with the scatter that the repeats alone show
     repeatability: weighted residual RMS of what differs between the repeats
     finer: models of finer meshes, without effects, by name
+    attempt: how many calibrations were found to be no optimum before (`selection/search.py`)
     """
 
     plan: Plan
@@ -47,6 +48,7 @@ class Baseline:
     fitted: Fit
     repeatability: float
     finer: Mapping[str, RigModel] = field(default_factory=dict)
+    attempt: int = 0
 
     @property
     def train_plan(self) -> Plan:

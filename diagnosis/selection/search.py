@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from updamp.comparison.prediction.branch_tasks import BranchesBy
 from updamp.diagnosis.candidate_models.baseline import Baseline, error_of, farthest_off
-from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext, Progress
+from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext, Progress, explains
 from updamp.diagnosis.candidate_models.fit_tasks import FitRunner, fit_here, with_branches
 from updamp.diagnosis.candidate_models.if_repeatable import if_repeatable
 from updamp.diagnosis.candidate_models.refit import Refit
@@ -50,6 +50,9 @@ def search(
 ) -> SearchResult:
     """runner: where the fits are run; workers: likewise what leads to them
 
+    Begun again from a better calibration where fits with an effect have led to one and none of them explains the data:
+    scores, probes and what was fitted first rest on the calibration.
+
     raises: BranchStoppedError where the calibrated model has no response at the beginning of a run
     """
     base, plan = start.fitted, start.train_plan
@@ -62,8 +65,14 @@ def search(
     singles |= other_sizes(fits, singles)
     without = without_effects_again(fits, singles)
     if without is not None:
+        better = replace(start, fitted=with_branches(without[0], start, BranchesBy(workers)))
+        if without[1].delta_bic >= criteria.delta_bic and not any(
+            explains(r.trial, criteria) for r in singles.values()
+        ):
+            progress("a better calibration was found on the way: from there once more")
+            return search(replace(better, attempt=start.attempt + 1), effects, criteria, progress, runner, workers)
         singles = credited(singles, base, without[0])
-        fits = replace(fits, start=replace(start, fitted=with_branches(without[0], start, BranchesBy(workers))))
+        fits = replace(fits, start=better)
         held_out = without[1].held_out
     further, pairs = exchanged(fits, effects, singles, try_pairs(fits, effects, singles))
     singles |= further

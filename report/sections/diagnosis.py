@@ -19,8 +19,8 @@ TITLES: dict[Outcome, str] = {
 GOOD = ("adequate", "identified")
 # Explanations that are shown: so many at least and at most, between them those of a percent or more.
 LEAST, MOST, NOTEWORTHY = 3, 8, 0.01
-TEXT = """<p>Each was taken for as likely as the others before the measurement. Whether any of them is right at all shows in the
-misfit that the best one leaves: 1 is what the scatter leaves.</p>"""
+TEXT = """<p>Each was taken for as likely as the others before the measurement. Whether any of them is right at all
+shows in the misfit that the best one leaves: 1 is what the scatter leaves.</p>"""
 HEAD = ("What is missing", "In words", "Probability", "Misfit left", "on held-out data")
 
 

@@ -8,6 +8,7 @@ import pytest
 from support.small_model import NUISANCES, condition, small_model, synthetic_plan
 
 from updamp.comparison.fit import numerical_gate
+from updamp.comparison.fit.compared import compare_at, predict_branches
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.diagnosis.candidate_models.baseline import baseline
 from updamp.diagnosis.candidate_models.candidate_fits import FitContext
@@ -89,6 +90,28 @@ def test_a_gross_misfit_leads_neither_the_calibration_nor_the_search_astray():
 def test_nothing_is_found_where_nothing_is_hidden():
     result = found(0.0, (SPRING, DASHPOT))
     assert decide(result.evidence, Criteria()).outcome == "adequate"
+
+
+def displaced(calibrated, place, deviations):
+    """A calibration that has stopped where one parameter is so many prior deviations off."""
+    p, plan, scatter = calibrated.fitted.parametrisation, calibrated.train_plan, calibrated.fitted.compared.scatter
+    u = calibrated.fitted.u.copy()
+    u[place] += deviations * p.deviation[place]
+    compared = compare_at(p, u, plan, predict_branches(p, u, plan), scatter)
+    return replace(calibrated, fitted=replace(calibrated.fitted, compared=compared))
+
+
+def test_a_search_whose_calibration_was_no_optimum_is_begun_again_from_a_better_one():
+    """The spring is not in the catalogue, so nothing explains the data; what is said of them is the same."""
+    calibrated, said = start(3e3), []
+    stopped = displaced(calibrated, 2, 2.0)
+    before = calibrated.fitted.compared.mean_squared_misfit
+    assert stopped.fitted.compared.mean_squared_misfit > 1.5 * before
+    result = search(stopped, (DASHPOT, WEAKER), Criteria(), said.append)
+    assert result.baseline.attempt == 1
+    assert sum("once more" in sentence for sentence in said) == 1
+    assert result.evidence.excess < 1.1 * before
+    assert decide(result.evidence, Criteria()).outcome == "unknown"
 
 
 def test_what_looks_the_same_is_called_inseparable():
