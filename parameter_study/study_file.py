@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, StringConstraints, ValidationError
 
-from updamp.design.errors import StudyError
+from updamp.design.study_file import StudyError
 from updamp.fem.contact_places import ContactPlace
 from updamp.model.rig_files import load_any
 from updamp.parameter_study.families import Family, MeasuredResonance, ParameterStudy, Variant

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from support.parameter_study import STUDY, study_folder
 
-from updamp.design.errors import StudyError
+from updamp.design.study_file import StudyError
 from updamp.parameter_study.families import CurveName
 from updamp.parameter_study.findings.registry import FINDINGS
 from updamp.parameter_study.study_file import read_parameter_study
