@@ -158,8 +158,7 @@ def check(rig: RigFile, debug: Debug = False) -> None:
 def show(folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.")], debug: Debug = False) -> None:
     """Show what a run found."""
     with clean_errors(debug):
-        from updamp.workflow.read_summary import read_summary
-        from updamp.workflow.summary import curves_table, overview_table
+        from updamp.workflow.summary import curves_table, overview_table, read_summary
 
         summary, console = read_summary(folder), Console()
         console.print(overview_table(summary))

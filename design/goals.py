@@ -6,8 +6,7 @@ from typing import Annotated, Protocol
 
 from pydantic import Field
 
-from updamp.design.limits import in_unit_of
-from updamp.rig.fields import InputTable
+from updamp.rig.fields import InputTable, Quantity
 
 Stated = Annotated[float, Field(strict=True)] | str
 
@@ -151,6 +150,18 @@ def constraint(table: ConstraintTable, units: Mapping[str, str]) -> Constraint:
     if not limits["lower"] < limits["upper"]:
         raise ValueError(f"lower = {table.lower}, upper = {table.upper}: the lower limit must be below the upper one")
     return Constraint(table.response, **limits)
+
+
+def in_unit_of(unit: str, stated: float | str) -> float:
+    """A number of a study file in the unit of the response that it limits or aims at.
+
+    raises: ValueError with an example, where the unit is missing, of another kind, or not wanted
+    """
+    if not unit:
+        if isinstance(stated, str):
+            raise ValueError("a plain number is wanted, without a unit")
+        return float(stated)
+    return Quantity(unit, f"1 {unit}").in_unit(stated, unit)
 
 
 def _known_response(name: str, units: Mapping[str, str]) -> None:

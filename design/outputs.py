@@ -4,10 +4,9 @@ from rich.markup import escape
 from rich.table import Table
 
 from updamp.design.page.page import write_page
-from updamp.design.pareto import best_records
 from updamp.design.run_study import StudyResult
 from updamp.design.study_json import write_study_json
-from updamp.design.table import problem_of, write_csv, write_parquet
+from updamp.design.table import best_records, problem_of, write_csv, write_parquet
 
 _SHOWN = 12  # designs on the terminal at most
 _VALUE, _BETWEEN = 9, 2  # characters of a value, and to the next one

@@ -19,8 +19,8 @@ from updamp.design.tracked_modes import ModeReference, mode_references
 from updamp.design.variables import Values, overrides
 from updamp.model.rig_files import load_any
 from updamp.notebook.model import ABOUT_A_MODE
-from updamp.parallel.chosen_workers import chosen_workers
 from updamp.parallel.ending import heard
+from updamp.parallel.processes import chosen_workers
 from updamp.parallel.workers import Workers
 from updamp.rig.modal_rig import ModalRig
 from updamp.rig.toml_file import read_toml

@@ -5,11 +5,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
-from updamp.design.errors import UnknownResponseError
 from updamp.design.rig_numbers import AnyRig
 from updamp.design.shared_stages import SharedStages
 from updamp.design.solved_peak import CURVE, RESONANCE_ONLY, PeakRequest, SolvedPeak, followed_peaks, peak_of_curve
-from updamp.design.tracked_modes import ModeReference, TrackedMode, tracked_mode
+from updamp.design.tracked_modes import ModeReference, TrackedMode, UnknownResponseError, tracked_mode
 from updamp.effects.rig_model import RigModel
 from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.hbm.continuation.curve import CurveRequest, whole_curve

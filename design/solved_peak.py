@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.design.errors import UnknownResponseError
-from updamp.design.tracked_modes import TrackedMode
+from updamp.design.tracked_modes import TrackedMode, UnknownResponseError
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.resonance.conditions import MaximumResonance

@@ -11,12 +11,22 @@ from typing import Annotated, Any, TypeVar
 
 from pydantic import Field, ValidationError
 
-from updamp.design.errors import StudyError
 from updamp.design.goals import Constraint, ConstraintTable, Objective, ObjectiveTable, constraint, objective
-from updamp.design.methods.kinds import METHODS
-from updamp.design.methods.method import Method
-from updamp.design.responses.kinds import RESPONSES
-from updamp.design.responses.response import Response
+from updamp.design.methods import (  # noqa: F401  # importing the files registers them; a new one joins with its name
+    full_grid,
+    gaussian_process,
+    latin_hypercube,
+    least_squares,
+    morris,
+    nsga2,
+    one_at_a_time,
+    sobol,
+    sobol_indices,
+    tpe,
+)
+from updamp.design.methods.method import METHODS, Method
+from updamp.design.responses import contacts, energies, frequencies, jumps, masses, peaks  # noqa: F401  # likewise
+from updamp.design.responses.response import RESPONSES, Response
 from updamp.design.rig_numbers import AnyRig
 from updamp.design.variables import Variable, VariableTable, variable
 from updamp.model.rig_files import load_any
@@ -30,6 +40,10 @@ T = TypeVar("T")
 
 OTHER_COLUMNS = ("number", "outcome", "feasible", "seconds", "executed", "routes", "reason")  # of a study's table
 _KEYS = ("study", "variables", "responses", "objectives", "constraints", "method")
+
+
+class StudyError(ValueError):
+    """A study file that cannot be used; the message has one line a problem."""
 
 
 class StudyTable(InputTable):

@@ -8,9 +8,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from updamp.design.pareto import best_records
 from updamp.design.run_study import StudyResult
-from updamp.design.table import problem_of
+from updamp.design.table import best_records, problem_of
 
 STUDY_JSON = "study.json"
 

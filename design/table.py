@@ -1,4 +1,5 @@
-"""All designs as one tidy table, a row a design: CSV, and Parquet with units in the columns' metadata."""
+"""All designs as one tidy table, a row a design: which of them keep the limits, which ones no other beats (the best one
+of a single objective, the Pareto front of several); CSV, and Parquet with units in the columns' metadata."""
 
 import csv
 import io
@@ -6,8 +7,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from updamp.design.methods.method import Problem
-from updamp.design.optional import library
+import numpy as np
+
+from updamp.design.methods.method import Problem, library
 from updamp.design.records import Record
 from updamp.design.study_file import DesignStudy
 
@@ -47,6 +49,20 @@ def problem_of(study: DesignStudy) -> Problem:
     """To judge records by, without a method that runs."""
     names = tuple(one.name for one in study.responses)
     return Problem(study.name, study.variables, names, study.objectives, study.constraints, Path())
+
+
+def best_records(problem: Problem, records: Sequence[Record]) -> tuple[Record, ...]:
+    """Of those that keep all constraints, the ones that none other surpasses in an objective without being worse in
+    another; by the first objective, best first. None where the study has no objective."""
+    if not problem.objectives:
+        return ()
+    judged = [(record, problem.losses(record), problem.violations(record)) for record in records]
+    kept = [(r, losses) for r, losses, v in judged if losses is not None and v is not None and max(v, default=0.0) <= 0]
+    if not kept:
+        return ()
+    losses = np.array([found for _, found in kept])
+    best = [i for i, own in enumerate(losses) if not ((losses <= own).all(axis=1) & (losses < own).any(axis=1)).any()]
+    return tuple(kept[i][0] for i in sorted(best, key=lambda i: tuple(losses[i])))
 
 
 def write_csv(path: Path, study: DesignStudy, records: Sequence[Record]) -> None:

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.design.errors import UnknownResponseError
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.problem.linear_model import LinearModel
 
@@ -19,6 +18,10 @@ Window = tuple[float, float]
 
 _FURTHEST = 2.0  # ratio of frequencies
 _LEAST_LIKENESS = 0.5
+
+
+class UnknownResponseError(ValueError):
+    """A response that a design does not have, with the reason: a solver that stopped, a mode that is not there."""
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 from updamp.comparison.comparison import Comparison
 from updamp.diagnosis.verdict import Candidate, Verdict
-from updamp.report.markup import number, paragraph, percent, table, with_unit
-from updamp.report.units import drawn_units
+from updamp.report.markup import drawn_units, number, paragraph, percent, table, with_unit
 
 if TYPE_CHECKING:
     from updamp.pictures.style import NotebookFigure

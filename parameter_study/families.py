@@ -1,11 +1,12 @@
 """What a parameter study consists of: variants of one rig, and families of their response curves."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
 from updamp.fem.contact_places import ContactPlace
+from updamp.workflow.curve_jobs import CurveJob
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,26 @@ class CurveName:
     @property
     def label(self) -> str:
         return f"{self.variant}, {self.mode} {self.force:g} N"
+
+
+@dataclass(frozen=True)
+class StudyCurveJob(CurveJob):
+    """Of a curve; begun in the order in which the study names them. variant: it belongs to; place: in that order"""
+
+    variant: str = ""
+    place: int = 0
+
+    @property
+    def name(self) -> str:
+        return CurveName(self.variant, self.mode, self.force).label
+
+    @property
+    def ease(self) -> tuple[float, ...]:
+        return (float(self.place),)
+
+
+def in_study(job: CurveJob, variant: str, place: int) -> StudyCurveJob:
+    return StudyCurveJob(**{f.name: getattr(job, f.name) for f in fields(CurveJob)}, variant=variant, place=place)
 
 
 @dataclass(frozen=True)

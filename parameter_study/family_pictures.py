@@ -9,8 +9,7 @@ from types import MappingProxyType
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.parameter_study.families import CurveName, Family
 from updamp.parameter_study.findings.damper_motion import mean_lift, mean_opening
-from updamp.parameter_study.named_contacts import loop_at
-from updamp.parameter_study.solved_study import SolvedStudy, UnknownResultError
+from updamp.parameter_study.solved_study import SolvedStudy, UnknownResultError, loop_at
 from updamp.pictures import faces, force_loops, kinematics, mean_position, variants
 from updamp.pictures.mean_position import MeanPosition
 from updamp.pictures.variants import DrawnCurve, PeakPoint

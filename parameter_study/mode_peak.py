@@ -1,14 +1,18 @@
-"""The peak of one mode on a response curve that may hold another mode's too: where the blades move as in the mode."""
+"""One mode of a variant: the window it is sought in, and its peak on a response curve that may hold another mode's too,
+where the blades move as in the mode."""
 
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.design.solved_design import SolvedDesign
 from updamp.design.tracked_modes import ModeReference
 from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.model.small_amplitude import small_amplitude
 
 LIKE = 0.5  # modal assurance criterion: a blade that vibrates alone is as much of the one as of the other mode
+SAME = 1e-3  # of the frequency: below that the stuck mode's window holds, and with it curves that are there already
 _PER_POINT = (
     "frequency", "displacement", "response", "work_in", "friction_loss", "material_loss", "iterations", "error",
     "active", "after_gap",
@@ -23,6 +27,31 @@ class Peak:
     frequency: float
     receptance: float
     place: int
+
+
+def window_of_mode(design: SolvedDesign, mode: str) -> tuple[float, float]:
+    """[Hz], in proportion to the mode at small amplitude: contacts that are open at rest lower it below the stuck mode.
+
+    raises: what the design's stages raise; UnknownResponseError where the mode is not recognised
+    """
+    tracked = design.mode(mode)
+    (reference,) = (one for one in design.given.references if one.name == mode)
+    ratio = _at_small_amplitude(design, reference, tracked.frequency) / tracked.frequency
+    if abs(ratio - 1) < SAME:
+        return tracked.window
+    low, high = tracked.window
+    return low * ratio, high * ratio
+
+
+def _at_small_amplitude(design: SolvedDesign, reference: ModeReference, near: float) -> float:
+    """Frequency [Hz] of the mode most like the reference at the blades' points, and close to `near`."""
+    found = small_amplitude(design.model, near)
+    shape = np.array(list(reference.shape.values()))
+    shapes = found.shapes[[found.free.row(point) for point in reference.shape]]
+    sizes = (shape @ shape) * np.sum(np.abs(shapes) ** 2, axis=0)
+    like = np.abs(shape @ shapes) ** 2 / np.maximum(sizes, np.finfo(float).tiny)
+    apart = np.abs(np.log(np.maximum(found.frequencies, 1e-9) / near))
+    return float(found.frequencies[np.argmax(like * np.exp(-apart))])
 
 
 def peak_of_mode(curve: ResponseCurve, point: str, reference: ModeReference) -> Peak:

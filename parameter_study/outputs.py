@@ -8,9 +8,9 @@ from rich.table import Table
 from updamp.parameter_study.families import Family
 from updamp.parameter_study.family_pictures import PICTURES
 from updamp.parameter_study.findings.finding import Checked, checked
-from updamp.parameter_study.findings.registry import FINDINGS
 from updamp.parameter_study.page import write_page
 from updamp.parameter_study.solved_study import SolvedStudy
+from updamp.parameter_study.study_file import FINDINGS
 from updamp.parameter_study.study_json import STUDY_JSON, study_content, write_study_json
 from updamp.pictures.style import FORMATS, style_key
 from updamp.workflow.progress import Display

@@ -10,10 +10,9 @@ from updamp.design.solved_design import DesignInput, SolvedDesign, observed_poin
 from updamp.design.tracked_modes import mode_references
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.parallel.ending import heard
-from updamp.parameter_study.curve_jobs import StudyCurveJob, in_study
-from updamp.parameter_study.families import CurveName, ParameterStudy
+from updamp.parameter_study.families import CurveName, ParameterStudy, StudyCurveJob, in_study
+from updamp.parameter_study.mode_peak import window_of_mode
 from updamp.parameter_study.solved_study import SolvedStudy
-from updamp.parameter_study.windows import window_of_mode
 from updamp.rig.rig import Rig
 from updamp.workflow import store
 from updamp.workflow.job_pool import Job, JobEnd, JobOutcome, JobProgress, run_all

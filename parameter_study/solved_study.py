@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 
 from updamp.design.solved_design import SolvedDesign, observed_point
 from updamp.effects.rig_model import RigModel
+from updamp.fem.contact_places import nearest_patch
 from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.geometry.contact_elements import ContactElements
 from updamp.hbm.continuation.response_curve import ResponseCurve
-from updamp.hbm.newton.observe import contact_states
+from updamp.hbm.newton.observe import ContactState, contact_states
+from updamp.model.force_loops import ForceLoop, loop_of_contact
 from updamp.parameter_study.families import CurveName, ParameterStudy
 from updamp.parameter_study.mode_peak import Peak, peak_of_mode
 from updamp.rig.rig import Rig
@@ -95,3 +97,14 @@ class SolvedStudy:
             self._states[name] = contact_states(self.model(name.variant).system, curve.displacement[place], w)
         found: Integers = self._states[name]
         return found[: len(self.patches(name.variant))]
+
+
+def loop_at(solved: SolvedStudy, name: CurveName, contact: str) -> ForceLoop:
+    """At the peak of the curve. raises: UnknownResultError where it is missing or not complete; KeyError for a contact
+    that the study does not name"""
+    place = {one.name: one for one in solved.study.contacts}[contact]
+    element = nearest_patch(solved.patches(name.variant), place)
+    curve, model = solved.curve(name), solved.model(name.variant)
+    i = solved.peak_of(name, curve).place
+    state = ContactState(int(solved.states(name)[element]))
+    return loop_of_contact(model, curve.displacement[i], 2 * np.pi * float(curve.frequency[i]), element, contact, state)

@@ -2,16 +2,18 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, StringConstraints, ValidationError
 
-from updamp.design.errors import StudyError
+from updamp.design.study_file import StudyError
 from updamp.fem.contact_places import ContactPlace
 from updamp.model.rig_files import load_any
 from updamp.parameter_study.families import Family, MeasuredResonance, ParameterStudy, Variant
 from updamp.parameter_study.family_pictures import PICTURES
-from updamp.parameter_study.findings.registry import FINDINGS
+from updamp.parameter_study.findings.finding import Finding
+from updamp.parameter_study.findings.pesaresi2017 import PESARESI_2017
 from updamp.rig.errors import RigError, explain
 from updamp.rig.fields import InputTable
 from updamp.rig.rig import Force, Frequency, Name, Rig
@@ -19,6 +21,8 @@ from updamp.rig.toml_file import read_toml
 
 Label = Annotated[str, StringConstraints(pattern=r"^\S(.*\S)?$"), Field(examples=["50/50"])]
 Place = Annotated[float, Field(strict=True, ge=-1, le=1, examples=[0.5])]
+
+FINDINGS: Mapping[str, tuple[Finding, ...]] = MappingProxyType({"pesaresi2017": PESARESI_2017})  # sets that it can name
 
 
 class StudyTable(InputTable):

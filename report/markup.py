@@ -1,7 +1,8 @@
-"""Pieces of HTML, numbers as an engineer writes them, and the colours of the report."""
+"""Pieces of HTML, numbers as an engineer writes them, in which units they are drawn, and the colours of the report."""
 
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from html import escape
 
 from updamp.comparison.comparison import Comparison
@@ -120,6 +121,26 @@ def level_name(level: float, unit: str = "N") -> str:
 def level_word(comparison: Comparison) -> str:
     """What its levels are called."""
     return "force level" if comparison.level_unit == comparison.force_unit else "response level"
+
+
+@dataclass(frozen=True)
+class DrawnUnits:
+    """Of amplitudes: micrometres and mm/N, or those that the channels have where they are not calibrated.
+
+    displacement, receptance: unit, and what numbers in m and m/N are multiplied by; stiffness, damping: units
+    """
+
+    displacement: tuple[str, float] = ("µm", 1e6)
+    receptance: tuple[str, float] = ("mm/N", 1e3)
+    stiffness: str = "N/m"
+    damping: str = "N s/m"
+
+
+def drawn_units(comparison: Comparison) -> DrawnUnits:
+    response, force = comparison.response_unit, comparison.force_unit
+    if (response, force) == ("m", "N"):
+        return DrawnUnits()
+    return DrawnUnits((response, 1.0), (f"{response}/{force}", 1.0), f"{force}/{response}", f"{force} s/{response}")
 
 
 def _exact(text: str, value: float) -> str:

@@ -13,10 +13,9 @@ from plotly.offline import get_plotlyjs
 from updamp.comparison.comparison import Comparison
 from updamp.diagnosis.verdict import Verdict
 from updamp.report.document import POLICY, asset
-from updamp.report.markup import FOR_SCRIPTS, level_word, pretty
+from updamp.report.markup import FOR_SCRIPTS, drawn_units, level_word, pretty
 from updamp.report.registry import SECTIONS
 from updamp.report.section import Content, Report, ReportSection
-from updamp.report.units import drawn_units
 
 # Of numbers on the page, so that a report stays small: 430.0001 Hz and 430.0002 Hz stay apart, as curves of 0.01 %
 # bandwidth need it.

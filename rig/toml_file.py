@@ -1,21 +1,29 @@
-"""A TOML file read, and its mistakes told with the line and what is likely wrong there."""
+"""A TOML file that a person has written: its text in UTF-8, its tables, its kind; mistakes are told with the line and
+what is likely wrong there, and who hands over the wrong kind of file is told so, not its unknown keys."""
 
 import re
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from updamp.rig.errors import RigError
-from updamp.rig.file_kinds import check_kind
-from updamp.rig.text_file import read_text
 
+UTF_16 = (b"\xff\xfe", b"\xfe\xff")
+# kind -> the command that takes it
+KINDS: Mapping[str, str] = {
+    "rig file": "updamp run, or updamp compare with a measurement",
+    "measurement": "updamp compare RIG MEASUREMENT",
+    "design study": "updamp design",
+    "parameter study": "updamp study",
+}
 _PLACE = re.compile(r" ?\(at (?:line (\d+), column (\d+)|end of document)\)")
 
 
 def read_toml(path: Path, wanted: str, failure: type[ValueError] = RigError, kind: str = "") -> dict[str, Any]:
     """A TOML file as it is.
 
-    wanted: what to give in its place where it cannot be used; kind: of file_kinds.KINDS, where only that will do
+    wanted: what to give in its place where it cannot be used; kind: of KINDS, where only that will do
     raises: `failure` where it cannot be read, is empty or another kind of file
     """
     text = read_text(path, wanted, failure)
@@ -28,6 +36,53 @@ def read_toml(path: Path, wanted: str, failure: type[ValueError] = RigError, kin
     if kind:
         check_kind(path, table, kind, failure)
     return table
+
+
+def read_text(path: Path, wanted: str, failure: type[ValueError]) -> str:
+    """The file's text without a byte order mark. wanted: what to give in its place, for the messages
+
+    raises: `failure` where the file is missing, a folder, not to be read, or no text in UTF-8: with the line
+    """
+    try:
+        content = path.read_bytes() if not path.is_dir() else None
+    except FileNotFoundError:
+        raise failure(f"{path}: no such file; give {wanted}") from None
+    except OSError as error:
+        raise failure(f"{path}: cannot be read: {error.strerror}; give {wanted}") from None
+    if content is None:
+        raise failure(f"{path}: cannot be read: it is a folder; give {wanted}")
+    if content.startswith(UTF_16):
+        raise failure(f"{path}: the text is UTF-16; save it as UTF-8")
+    if b"\0" in content:
+        raise failure(f"{path}: no text (it has bytes of zero); give {wanted}")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content[: error.start].count(b"\n") + 1
+        raise failure(
+            f"{path}: line {line} has the byte 0x{content[error.start]:02x}, which is no UTF-8: no text, or one of "
+            f"another encoding (Latin-1, Windows); save it as UTF-8, or give {wanted}"
+        ) from None
+
+
+def kind_of(table: Mapping[str, Any]) -> str:
+    """By the keys that no other kind has; "" where they do not tell."""
+    if "runs" in table or "feature" in table:
+        return "measurement"
+    if {"variables", "responses", "objectives", "method"} & set(table):
+        return "design study"
+    if {"variants", "families"} & set(table):
+        return "parameter study"
+    if {"blade", "platform", "damper", "mesh"} & set(table) or ("modes" in table and "excitation" in table):
+        return "rig file"
+    return ""
+
+
+def check_kind(path: Path, table: Mapping[str, Any], wanted: str, failure: type[ValueError]) -> None:
+    """raises: `failure` where the table is another kind of file than wanted, naming the command that takes it"""
+    found = kind_of(table)
+    if found and found != wanted:
+        raise failure(f"{path}: this is a {found}, a {wanted} is wanted here; a {found} is for: {KINDS[found]}")
 
 
 def toml_mistake(text: str, message: str) -> str:

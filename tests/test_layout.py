@@ -28,7 +28,7 @@ IMPORT_ON_CALL = {
     "notebook/curve.py": "matplotlib, where a picture is asked for",
     "notebook/outcomes.py": "likewise",
     "notebook/resonance.py": "likewise",
-    "parallel/chosen_workers.py": "Dask, optional",
+    "parallel/processes.py": "Dask, optional",
     "pictures/scene.py": "pyvista, which needs system libraries",
     "workflow/stage_functions.py": "gmsh, which needs system libraries",
 }

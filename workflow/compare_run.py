@@ -21,8 +21,8 @@ from updamp.measurement.measurement import Measurement
 from updamp.model.build import modal_before_effects, rig_before_effects
 from updamp.model.rig_files import is_modal, load_modal, load_rig
 from updamp.pictures.curves import comparison_picture
+from updamp.report.markup import drawn_units
 from updamp.report.page import write_report
-from updamp.report.units import drawn_units
 from updamp.rig.questions import questions
 from updamp.rig.rig import Rig
 from updamp.workflow import stages

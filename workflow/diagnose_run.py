@@ -29,7 +29,7 @@ from updamp.effects.chosen import code_of
 from updamp.effects.effect import Effect
 from updamp.effects.user_effect import effect_from_file
 from updamp.model.rig_files import is_modal, load_any, load_rig
-from updamp.parallel.chosen_workers import chosen_workers
+from updamp.parallel.processes import chosen_workers
 from updamp.parallel.workers import Workers
 from updamp.report.page import write_report
 from updamp.workflow.code_version import SEARCH, code_version

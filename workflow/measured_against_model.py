@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from updamp.effects.rig_model import RigModel
 from updamp.measurement.measurement import MeasuredRun, Measurement, MeasurementError
 from updamp.model.small_amplitude import SmallAmplitude, small_amplitude
-from updamp.workflow.window_questions import possible_resonances
+from updamp.rig.questions import possible_resonances
 
 Floats = NDArray[np.float64]
 

@@ -14,6 +14,7 @@ from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.resonance.resonance_curve import ResonanceCurve
 from updamp.hbm.stability.branch_stability import BranchStability
 from updamp.parallel.resources import Meter
+from updamp.rig.questions import empty_windows, possible_resonances
 from updamp.rig.rig import Rig
 from updamp.workflow import stages, store
 from updamp.workflow.accuracy_jobs import AccuracyJob
@@ -29,7 +30,6 @@ from updamp.workflow.run_options import RunOptions
 from updamp.workflow.stability_jobs import StabilityJob
 from updamp.workflow.stage_functions import StageFunctions
 from updamp.workflow.stages import Stage
-from updamp.workflow.window_questions import empty_windows, possible_resonances
 
 AnyJob = TypeVar("AnyJob", bound=Job)
 

@@ -1,4 +1,4 @@
-"""What a run found, in numbers: summary.json, the table on the terminal, frequency responses as tidy CSV."""
+"""What a run found, in numbers: summary.json, written and read back, and the tables on the terminal."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -20,6 +20,7 @@ from updamp.hbm.stability.branch_stability import BranchStability
 from updamp.parallel.whole_file import write_whole
 from updamp.workflow.accuracy_summary import error_cells
 from updamp.workflow.adaptive_curves import ChosenHarmonics
+from updamp.workflow.output_folder import SUMMARY
 from updamp.workflow.stability_summary import stability_entry
 
 LEAST_WIDTH = {
@@ -31,6 +32,7 @@ LEAST_WIDTH = {
     "jumps Hz": 11,
     "": 8,
 }  # numbers are not cut off
+CURVE_KEYS = ("mode", "force_N", "points", "seconds", "problem")  # that every curve's entry has
 
 
 def mesh_entry(mesh: RigMesh) -> dict[str, Any]:
@@ -171,6 +173,30 @@ def union_length(intervals: Sequence[tuple[float, float]]) -> float:
 
 def write_summary(path: Path, summary: Mapping[str, Any]) -> None:
     write_whole(path, (json.dumps(summary, indent=2) + "\n").encode())
+
+
+def read_summary(folder: Path) -> Mapping[str, Any]:
+    """What a run left there. raises: ValueError naming the file, what is wrong with it and the command that makes it"""
+    path = folder / SUMMARY
+    remedy = f"make it with: updamp run RIG --mesh PRESET --out {folder}"
+    if not path.is_file():
+        raise ValueError(f"{path}: no such file; {remedy}")
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be read: {error.strerror}; mend that, or {remedy}") from None
+    except ValueError as error:  # no JSON, or no text
+        raise ValueError(f"{path}: damaged ({error}); {remedy}") from None
+    if not _sound(content):
+        raise ValueError(f"{path}: not what a run writes; {remedy}")
+    return dict(content)
+
+
+def _sound(content: Any) -> bool:
+    if not isinstance(content, dict) or not isinstance(content.get("rig"), str):
+        return False
+    curves = content.get("curves", [])
+    return isinstance(curves, list) and all(isinstance(c, dict) and set(c) >= set(CURVE_KEYS) for c in curves)
 
 
 def _curve_cells(entry: Mapping[str, Any], with_error: bool, with_harmonics: bool) -> list[str]:

@@ -2,9 +2,8 @@
 
 from typing import Any
 
-from updamp.design.methods.method import method
+from updamp.design.methods.method import library, method
 from updamp.design.methods.optuna_search import OptunaSearch
-from updamp.design.optional import library
 
 
 @method("gp")

@@ -1,7 +1,8 @@
-"""What a method is, and the register of those that a study file can name."""
+"""What a method is, the register of those that a study file can name, and the libraries that some of them need."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from importlib import import_module
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
@@ -93,7 +94,7 @@ class Method(InputTable):
 
 
 METHODS: dict[str, type[Method]] = {}
-"""kind -> class; filled by the files of this folder, which `kinds.py` imports."""
+"""kind -> class; filled by the files of this folder, which `design/study_file.py` imports."""
 
 Kind = TypeVar("Kind", bound=type[Method])
 
@@ -106,3 +107,14 @@ def method(kind: str) -> Callable[[Kind], Kind]:
         return cls
 
     return add
+
+
+def library(name: str, package: str = "'updamp[design]'") -> Any:
+    """A module of the extra "design", loaded by who asks for it: they take a second each, and need not be there.
+
+    package: that pip installs it with; raises: ValueError with what to install
+    """
+    try:
+        return import_module(name)
+    except ImportError as error:
+        raise ValueError(f"{name.partition('.')[0]} is not installed; get it with `pip install {package}`") from error

@@ -7,10 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from updamp.design.methods.method import Evaluate, Method, MethodResult, Problem, method
+from updamp.design.methods.method import Evaluate, Method, MethodResult, Problem, library, method
 from updamp.design.methods.sensitivity_samples import analysed, salib_problem
 from updamp.design.methods.sobol import Seed
-from updamp.design.optional import library
 
 Floats = NDArray[np.float64]
 

@@ -12,9 +12,8 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from updamp.design.goals import Objective
-from updamp.design.methods.method import Evaluate, Method, MethodResult, Problem
+from updamp.design.methods.method import Evaluate, Method, MethodResult, Problem, library
 from updamp.design.methods.sobol import Seed
-from updamp.design.optional import library
 from updamp.design.records import Record
 from updamp.design.variables import Variable
 

@@ -5,10 +5,9 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.design.methods.method import Evaluate, Method, MethodResult, Problem, method
+from updamp.design.methods.method import Evaluate, Method, MethodResult, Problem, library, method
 from updamp.design.methods.sensitivity_samples import analysed, salib_problem
 from updamp.design.methods.sobol import Samples, Seed
-from updamp.design.optional import library
 
 Floats = NDArray[np.float64]
 

@@ -6,12 +6,10 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from updamp.design.page.designs import designs_data
 from updamp.design.page.pictures import section_pictures
 from updamp.design.page.sensitivities import sensitivity_figures
-from updamp.design.pareto import best_records
 from updamp.design.run_study import StudyResult
-from updamp.design.table import problem_of
+from updamp.design.table import best_records, feasible, problem_of
 from updamp.report.document import DocumentSection, document, document_data
 from updamp.report.markup import figure_element, number, paragraph, table
 from updamp.report.page import script_json
@@ -41,6 +39,36 @@ def study_page(result: StudyResult) -> str:
     data = {"designs": designs_data(result), "pictures": section_pictures(result)}
     text = script_json(document_data(figures, {"study": data}))
     return document(f"Design study {result.study.name}", sections, text, (_own("study.js"),), _own("study.css"))
+
+
+def designs_data(result: StudyResult) -> dict[str, Any]:
+    """columns: name -> label and values (null where not known); first: names that are shown to begin with"""
+    study, problem = result.study, problem_of(result.study)
+    columns: dict[str, Any] = {}
+    for variable in study.variables:
+        values = [one.values[variable.name] for one in result.records]
+        columns[variable.name] = {"label": variable.label, "values": values, "log": variable.logarithmic}
+    for response in study.responses:
+        label = f"{response.name} [{response.unit}]" if response.unit else response.name
+        known = [one.responses.get(response.name) for one in result.records]
+        columns[response.name] = {"label": label, "values": known, "log": False}
+    best = {one.number for one in best_records(problem, result.records)}
+    return {
+        "columns": columns,
+        "numbers": [one.number for one in result.records],
+        "best": [one.number in best for one in result.records],
+        "kept": [feasible(problem, one) is not False for one in result.records],
+        "reasons": [one.reason for one in result.records],
+        "first": _first(result),
+    }
+
+
+def _first(result: StudyResult) -> list[str]:
+    """Two objectives against each other; else the first response against the first variable."""
+    objectives = list(dict.fromkeys(one.response for one in result.study.objectives))
+    if len(objectives) >= 2:
+        return objectives[:2]
+    return [result.study.variables[0].name, (objectives or [result.study.responses[0].name])[0]]
 
 
 def _own(name: str) -> str:

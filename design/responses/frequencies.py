@@ -4,9 +4,9 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from updamp.design.errors import UnknownResponseError
 from updamp.design.responses.response import Response, response
 from updamp.design.solved_design import SolvedDesign
+from updamp.design.tracked_modes import UnknownResponseError
 from updamp.model.small_amplitude import without_contacts
 
 

@@ -4,10 +4,10 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from updamp.design.errors import UnknownResponseError
 from updamp.design.responses.response import Response, response
 from updamp.design.solved_design import SolvedDesign
 from updamp.design.solved_peak import require_complete
+from updamp.design.tracked_modes import UnknownResponseError
 from updamp.hbm.continuation.sweeps import swept
 from updamp.rig.rig import Force
 

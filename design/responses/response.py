@@ -76,7 +76,7 @@ class AtPeak(Response):
 
 
 RESPONSES: dict[str, type[Response]] = {}
-"""kind -> class; filled by the files of this folder, which `kinds.py` imports."""
+"""kind -> class; filled by the files of this folder, which `design/study_file.py` imports."""
 
 Kind = TypeVar("Kind", bound=type[Response])
 

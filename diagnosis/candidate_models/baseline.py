@@ -39,7 +39,7 @@ class Baseline:
     fitted: to the training runs, with the scatter that the repeats alone show
     repeatability: weighted residual RMS of what differs between the repeats
     finer: models of finer meshes, without effects, by name
-    attempt: how many calibrations were found to be no optimum before (`selection/search.py`)
+    attempt: how many calibrations were found to be no optimum before (`diagnosis/selection/search.py`)
     """
 
     plan: Plan

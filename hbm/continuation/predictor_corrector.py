@@ -7,16 +7,25 @@ something.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 from updamp.hbm.continuation.branch import BranchPoint
 from updamp.hbm.continuation.corrector import Corrector, StepOptions
 from updamp.hbm.continuation.recovery.jump import Jump, SkipAhead
-from updamp.hbm.continuation.recovery.recovery import Recovery
 from updamp.hbm.continuation.recovery.step_in_phase import StepInPhase
 from updamp.hbm.continuation.recovery.supported_step import SupportedStep
 from updamp.hbm.continuation.recovery.switch_branch import SwitchBranch
 from updamp.hbm.continuation.retracing import TracedBranch
 from updamp.hbm.newton.newton import Status
+
+
+class Recovery(Protocol):
+    """A way on beyond a place where no step is solved, however small. Immutable: its numbers are options."""
+
+    def __call__(self, corrector: Corrector, traced: TracedBranch) -> Sequence[BranchPoint]:
+        """The next points; none where it finds no way on."""
+        ...
+
 
 # Without jumps: for branches of which every part is wanted.
 CONNECTED: tuple[Recovery, ...] = (SwitchBranch(), StepInPhase(), SupportedStep(), SkipAhead())

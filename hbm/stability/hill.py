@@ -125,6 +125,31 @@ class HillProblem:
         return values, vectors[:size].astype(np.complex128)
 
 
+def symmetric_exponents(problem: HillProblem) -> Complex:
+    """(2 m,) by falling real part [1/s]: those of the response, where contacts answer to all perturbations alike.
+
+    Of all copies s + i k w, shifted by k harmonics and truncated, they are the ones whose modes are the most symmetric
+    in their harmonics (Lazarus and Thomas 2010; Guillot et al. 2020).
+    """
+    values, vectors = problem.eigen(problem.contact)
+    mean = np.arange(-problem.order, problem.order + 1) @ _harmonic_shares(problem, vectors)
+    kept = np.argsort(np.abs(mean), kind="stable")[: 2 * len(problem.structure)]
+    return values[kept][np.argsort(-values[kept].real)]
+
+
+def _harmonic_shares(problem: HillProblem, q: Complex) -> Floats:
+    """(2 order + 1, n) share of each harmonic -order..order in modes (m c, n)."""
+    order = problem.order
+    parts = q.reshape(-1, problem.harmonics.n_coefficients, q.shape[-1])
+    shares = np.zeros((2 * order + 1, q.shape[-1]))
+    shares[order] = (np.abs(parts[:, 0]) ** 2).sum(axis=0)
+    for k in range(1, order + 1):
+        cosine, sine = parts[:, 2 * k - 1], parts[:, 2 * k]
+        shares[order + k] = (np.abs(cosine - 1j * sine) ** 2).sum(axis=0) / 4
+        shares[order - k] = (np.abs(cosine + 1j * sine) ** 2).sum(axis=0) / 4
+    return shares / shares.sum(axis=0)
+
+
 def _condensed(
     structure: CondensedStructure, tangent: ContactTangent, c: int, kind: type[np.generic]
 ) -> tuple[NDArray[Any], float]:

@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 
 from updamp.hbm.problem.system import NonlinearSystem
 from updamp.hbm.stability.condensed_structure import viscous_damping
-from updamp.hbm.stability.hill import HillProblem
+from updamp.hbm.stability.hill import HillProblem, symmetric_exponents
 from updamp.hbm.stability.perturbed_forces import depends_on_growth
 from updamp.hbm.stability.strip import Exponent, Strip
-from updamp.hbm.stability.symmetric_modes import symmetric_exponents
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]

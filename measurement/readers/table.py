@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from updamp.measurement.measurement import MeasurementError, near
 from updamp.measurement.readers.registry import usable_file
-from updamp.rig.text_file import UTF_16
+from updamp.rig.toml_file import UTF_16
 
 LARGEST = 2e9  # bytes; the long form takes 1.7 GB of memory for a file of 1 GB
 LINES_AT_ONCE = 100_000

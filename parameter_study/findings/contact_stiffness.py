@@ -3,9 +3,8 @@
 from itertools import pairwise
 
 from updamp.parameter_study.families import CurveName
-from updamp.parameter_study.findings.finding import Measured
+from updamp.parameter_study.findings.finding import Measured, mm, share
 from updamp.parameter_study.findings.pesaresi_names import MEDIUM, OOP, STATED_STIFFNESS, STIFFNESSES
-from updamp.parameter_study.findings.words import mm, share
 from updamp.parameter_study.solved_study import SolvedStudy
 
 CHANGE = (0.005, 0.02)  # of the frequency: "about 1 %"

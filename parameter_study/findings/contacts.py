@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from updamp.fem.contact_places import distance_from_centre
 from updamp.hbm.newton.observe import ContactState
 from updamp.parameter_study.families import CurveName
-from updamp.parameter_study.findings.finding import Measured
+from updamp.parameter_study.findings.finding import Measured, share
 from updamp.parameter_study.findings.pesaresi_names import (
     CENTRES,
     EDGES,
@@ -19,9 +19,7 @@ from updamp.parameter_study.findings.pesaresi_names import (
     UPPER,
     film,
 )
-from updamp.parameter_study.findings.words import share
-from updamp.parameter_study.named_contacts import loop_at
-from updamp.parameter_study.solved_study import SolvedStudy
+from updamp.parameter_study.solved_study import SolvedStudy, loop_at
 
 GONE = 0.01  # of the area
 IN_PHASE, ANTIPHASE = 45.0, 135.0  # degrees: at most, at least

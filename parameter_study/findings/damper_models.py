@@ -1,7 +1,7 @@
 """Findings about peaks against force with the lumped damper, uniform pressure and the film's pressure."""
 
 from updamp.parameter_study.families import CurveName
-from updamp.parameter_study.findings.finding import Measured
+from updamp.parameter_study.findings.finding import Measured, mm, percent, share
 from updamp.parameter_study.findings.pesaresi_names import (
     FILM,
     FORCES,
@@ -15,7 +15,6 @@ from updamp.parameter_study.findings.pesaresi_names import (
     SECOND,
     UNIFORM,
 )
-from updamp.parameter_study.findings.words import mm, percent, share
 from updamp.parameter_study.solved_study import SolvedStudy
 
 FIRST_DROP = 0.7  # of the whole drop that has come at 3.84 N, for the first drop to be sharp

@@ -1,4 +1,4 @@
-"""What a finding is, and what checking it gives."""
+"""What a finding is, what checking it gives, and numbers as the findings' sentences have them."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -44,3 +44,17 @@ def checked(finding: Finding, solved: SolvedStudy) -> Checked:
     except UnknownResultError as error:
         return Checked(finding, f"not known: {error}", None, {})
     return Checked(finding, found.updamp, bool(found.met), {name: float(v) for name, v in found.numbers.items()})
+
+
+def percent(share: float, digits: int = 0) -> str:
+    """A change, with its sign."""
+    return f"{100 * share:+.{digits}f} %"
+
+
+def share(value: float) -> str:
+    return f"{100 * value:.0f} %"
+
+
+def mm(receptance: float) -> str:
+    """receptance: [m/N]"""
+    return f"{1e3 * receptance:.5f}"

@@ -1,9 +1,8 @@
 """The finding about the harmonics kept."""
 
 from updamp.parameter_study.families import CurveName
-from updamp.parameter_study.findings.finding import Measured
+from updamp.parameter_study.findings.finding import Measured, mm
 from updamp.parameter_study.findings.pesaresi_names import FOURTH, IP, ODD_NAMES, WITH_MEAN
-from updamp.parameter_study.findings.words import mm
 from updamp.parameter_study.solved_study import SolvedStudy
 
 NEARLY = 0.2  # what 1-10 change of 1-3, over what the mean position changes

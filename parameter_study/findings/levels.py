@@ -3,12 +3,10 @@
 from updamp.hbm.continuation.sweeps import swept
 from updamp.hbm.newton.observe import ContactState
 from updamp.parameter_study.design_numbers import design_numbers
-from updamp.parameter_study.findings.finding import Measured
+from updamp.parameter_study.findings.finding import Measured, mm, percent, share
 from updamp.parameter_study.findings.pesaresi_names import CENTRES, FORCES, HIGHEST, IP, LOWEST, OOP, film
-from updamp.parameter_study.findings.words import mm, percent, share
 from updamp.parameter_study.mode_peak import Peak
-from updamp.parameter_study.named_contacts import loop_at
-from updamp.parameter_study.solved_study import SolvedStudy
+from updamp.parameter_study.solved_study import SolvedStudy, loop_at
 
 LARGE_DROP = 0.40  # of the peak: Fig. 7a falls by 40 to 70 %
 SMALL_SHIFT = 0.01  # of the frequency: "less than 1 %"

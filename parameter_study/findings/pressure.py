@@ -3,9 +3,8 @@
 from itertools import pairwise
 
 from updamp.parameter_study.families import CurveName
-from updamp.parameter_study.findings.finding import Measured
+from updamp.parameter_study.findings.finding import Measured, mm, percent
 from updamp.parameter_study.findings.pesaresi_names import ASYMMETRIC, HIGHEST, MEDIUM, OOP, SPLITS, UNIFORM
-from updamp.parameter_study.findings.words import mm, percent
 from updamp.parameter_study.solved_study import SolvedStudy
 
 REACH = (0.5, 0.8)  # of the reduction: "up to 65 %", to 15 points

@@ -3,9 +3,8 @@
 from typing import Any
 
 from updamp.comparison.comparison import Backbone
-from updamp.report.markup import figure_element
+from updamp.report.markup import DrawnUnits, drawn_units, figure_element
 from updamp.report.section import Content, Report, ReportSection
-from updamp.report.units import DrawnUnits, drawn_units
 
 
 def render(report: Report) -> Content | None:

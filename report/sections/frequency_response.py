@@ -7,10 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.comparison import Comparison, CurvePair, MeasuredCurve, ModelCurve
-from updamp.report.markup import figure_element
+from updamp.report.markup import drawn_units, figure_element
 from updamp.report.phases import CurvePhases, phases_of
 from updamp.report.section import Content, Report, ReportSection
-from updamp.report.units import drawn_units
 
 Floats = NDArray[np.float64]
 

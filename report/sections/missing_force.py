@@ -6,9 +6,8 @@ from typing import Any
 import numpy as np
 
 from updamp.diagnosis.verdict import MissingForce
-from updamp.report.markup import LEVELS, figure_element, level_name
+from updamp.report.markup import LEVELS, DrawnUnits, drawn_units, figure_element, level_name
 from updamp.report.section import Content, Report, ReportSection
-from updamp.report.units import DrawnUnits, drawn_units
 
 TEXT = """<p>The measured motion put into the model leaves a force over. Here it is per displacement and per velocity:
 constant stiffness is a spring, one that grows with the square of amplitude a cubic spring; constant damping is viscous,

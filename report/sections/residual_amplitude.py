@@ -6,9 +6,8 @@ from typing import Any
 import numpy as np
 
 from updamp.comparison.comparison import Comparison
-from updamp.report.markup import figure_element, level_word
+from updamp.report.markup import drawn_units, figure_element, level_word
 from updamp.report.section import Content, Report, ReportSection
-from updamp.report.units import drawn_units
 
 INTRODUCTION = """<p>Positive: measured above the model, or ahead of it in phase. Shown for the mode, channel and sweep
 chosen above, {level}s in colours; the grey strip holds 95 % of the points of an adequate model.</p>"""

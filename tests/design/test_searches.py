@@ -6,11 +6,9 @@ import pytest
 from support.modal_study import STUDY, write_study
 from support.study_runs import run
 
-from updamp.design.errors import StudyError
 from updamp.design.outputs import write_outputs
-from updamp.design.pareto import best_records
-from updamp.design.study_file import read_study
-from updamp.design.table import problem_of
+from updamp.design.study_file import StudyError, read_study
+from updamp.design.table import best_records, problem_of
 
 MINIMISE = '[[objectives]]\nresponse = "free"\ngoal = "{}"\n'
 TARGET = '[[objectives]]\nresponse = "free"\ngoal = "target"\ntarget = "0.085 kHz"\ntolerance = "2 Hz"\n'

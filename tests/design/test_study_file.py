@@ -5,8 +5,7 @@ from pathlib import Path
 import pytest
 from support.modal_study import STUDY, write_study
 
-from updamp.design.errors import StudyError
-from updamp.design.study_file import read_study
+from updamp.design.study_file import StudyError, read_study
 from updamp.design.variables import overrides
 
 RIG = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"

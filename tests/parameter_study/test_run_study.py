@@ -17,9 +17,9 @@ from updamp.fem.contact_places import nearest_patch
 from updamp.model.small_amplitude import small_amplitude
 from updamp.parameter_study.design_numbers import design_numbers
 from updamp.parameter_study.families import CurveName
-from updamp.parameter_study.named_contacts import loop_at
+from updamp.parameter_study.mode_peak import window_of_mode
 from updamp.parameter_study.outputs import check_findings, write_outputs
-from updamp.parameter_study.windows import window_of_mode
+from updamp.parameter_study.solved_study import loop_at
 from updamp.workflow.progress import Display
 
 CURVES = 4

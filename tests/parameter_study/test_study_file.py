@@ -5,10 +5,9 @@ from pathlib import Path
 import pytest
 from support.parameter_study import STUDY, study_folder
 
-from updamp.design.errors import StudyError
+from updamp.design.study_file import StudyError
 from updamp.parameter_study.families import CurveName
-from updamp.parameter_study.findings.registry import FINDINGS
-from updamp.parameter_study.study_file import read_parameter_study
+from updamp.parameter_study.study_file import FINDINGS, read_parameter_study
 
 REFERENCE = Path(__file__).parents[2] / "rigs" / "studies" / "pesaresi2017.toml"
 

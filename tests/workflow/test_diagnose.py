@@ -17,7 +17,7 @@ from updamp.diagnosis.candidate_models.fit_tasks import FitTask, OnFitted
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.verdict import VERDICT_JSON, Verdict
 from updamp.effects.catalogue import JOINTS, catalogue
-from updamp.parallel import chosen_workers
+from updamp.parallel import processes
 from updamp.workflow import diagnose_run as module
 from updamp.workflow.compare_run import CompareFiles, comparison_inputs
 from updamp.workflow.diagnose_run import DiagnoseOptions, diagnose
@@ -209,7 +209,7 @@ def test_a_scheduler_without_workers_is_not_waited_for_for_ever(
 ) -> None:
     distributed = pytest.importorskip("distributed", reason="Dask is optional: pip install 'updamp[cluster]'")
     assert verdict.verdict == "inseparable", "what is known up to the fits is read back"
-    monkeypatch.setattr(chosen_workers, "_PATIENCE", 0.5)
+    monkeypatch.setattr(processes, "_PATIENCE", 0.5)
     with (
         distributed.LocalCluster(n_workers=0, dashboard_address=None) as cluster,
         pytest.raises(ValueError, match=r"no worker has come in 0.5 s; start one: dask worker tcp://"),

@@ -2,7 +2,7 @@
 
 import pytest
 
-from updamp.workflow.window_questions import empty_windows, possible_resonances
+from updamp.rig.questions import empty_windows, possible_resonances
 
 FREE, STUCK = [269.0, 1600.0], [424.0, 440.0, 1700.0]
 
