@@ -31,11 +31,11 @@ def stability_entry(curve: ResponseCurve, stability: BranchStability, point: str
 
 def doubtful_peaks(entries: Sequence[Mapping[str, Any]]) -> list[str]:
     """Sentences on the curves' entries whose reported peak is unstable, or not known to be stable."""
-    said = {"unstable": "is unstable", "unknown": "is not known to be stable"}
+    wording = {"unstable": "is unstable", "unknown": "is not known to be stable"}
     return [
-        f"{entry['mode']} {entry['force_N']:g} N: the peak at {entry['peak_frequency_Hz']:.2f} Hz {said[peak]}"
+        f"{entry['mode']} {entry['force_N']:g} N: the peak at {entry['peak_frequency_Hz']:.2f} Hz {wording[peak]}"
         for entry in entries
-        if (peak := (entry.get("stability") or {}).get("peak")) in said
+        if (peak := (entry.get("stability") or {}).get("peak")) in wording
     ]
 
 

@@ -207,8 +207,8 @@ def _closest(found: SearchResult, criteria: Criteria) -> str:
     nobody would believe."""
     tried = [t for t in (*found.evidence.trials, *found.evidence.pairs) if t.full]
     best = sorted(tried, key=lambda t: t.excess)[:_CLOSEST]
-    said = [f"{' and '.join(t.effects)} leave{'s' if len(t.effects) == 1 else ''} {_left(t, criteria)}" for t in best]
-    return f". Closest: {'; '.join(said)}" if said else ""
+    left = [f"{' and '.join(t.effects)} leave{'s' if len(t.effects) == 1 else ''} {_left(t, criteria)}" for t in best]
+    return f". Closest: {'; '.join(left)}" if left else ""
 
 
 def _left(trial: Trial, criteria: Criteria) -> str:
