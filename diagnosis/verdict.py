@@ -197,4 +197,4 @@ class Verdict:
 
 # `diagnosis.json`, every number kept to the last digit: the fields of `Verdict` by their names, and `schema`; nan as
 # null.
-VERDICT_JSON = JsonDocument(Verdict, "updamp diagnosis 2", "updamp diagnose")
+VERDICT_JSON = JsonDocument(Verdict, "updamp diagnosis 3", "updamp diagnose")

@@ -13,6 +13,7 @@ import typer
 
 from updamp.benchmarks.hidden_effects.confusion import confusion, draw
 from updamp.benchmarks.hidden_effects.goals import Goal, carried_over, gains, identification, median_seconds, speed
+from updamp.benchmarks.hidden_effects.kinds_of_test import EASY
 from updamp.benchmarks.hidden_effects.layout import HERE, Layout, read, write_whole
 from updamp.benchmarks.hidden_effects.scored_case import SCORE, VISIBILITY, ScoredCase, scored
 from updamp.benchmarks.hidden_effects.tables import all_cases, document, goal_table
@@ -51,8 +52,9 @@ def with_kept(cases: Sequence[ScoredCase], missing: Sequence[str], earlier: Path
 
 
 def only_fields(entry: Mapping[str, Any]) -> dict[str, Any]:
-    """Of a case in the file, without what follows from the others."""
-    return {field.name: entry[field.name] for field in fields(ScoredCase) if field.name in entry}
+    """Of a case in the file, without what follows from the others. Cases that name no test are of before there were
+    several."""
+    return {"test": EASY.name} | {field.name: entry[field.name] for field in fields(ScoredCase) if field.name in entry}
 
 
 def all_goals(cases: Sequence[ScoredCase]) -> tuple[Goal, ...]:

@@ -22,9 +22,10 @@ from updamp.comparison.prediction.observed_point import ObservedPoint, turned_ro
 from updamp.hbm.continuation.branch import BranchPoint
 from updamp.hbm.continuation.continuation import BranchStoppedError
 
-# Points behind a fold from which on it is more than a corner that some contact's onset of slip makes.
-_MANY = 12
-# Likewise, share of the window.
+# Points kept on either side of what is left out: parameters move folds along the branch.
+MARGIN = 4
+# Share of the window that a branch has to come back behind a fold for it to be more than a corner that some contact's
+# onset of slip makes.
 _FAR = 0.01
 
 
@@ -64,7 +65,7 @@ class DistanceBehindFold:
             self.distance = self.furthest - self.sign * w
 
     def is_far(self, distance: float) -> bool:
-        return self.points >= _MANY and self.distance > distance
+        return self.points >= MARGIN and self.distance > distance
 
 
 class BranchAfterJump:
@@ -110,8 +111,6 @@ class BranchAfterJump:
         return found
 
 
-# Points kept on either side of what is left out: parameters move folds along the branch.
-MARGIN = 4
 # Points without which there is no branch.
 _FEWEST = 4
 

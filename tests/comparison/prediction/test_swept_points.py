@@ -154,6 +154,14 @@ def test_a_way_back_that_stops_ends_at_what_is_found_from_the_other_end():
     assert of(found) == [*((w, False) for w in (6, 7, 8, 9, *BACK[:4])), *ahead]
 
 
+def test_a_way_back_in_long_steps_is_left_for_what_is_found_from_the_other_end():
+    """However few points it has: here it leads on, by another resonance, to where no sweep goes."""
+    other = BranchFromFarEnd(lambda: points(12, 11, 10, 9.5, 8.9, 8.8, 8.7, 8.6, 8.5), 10.0)
+    found, _ = swept_points(points(8, 9, 8.8, 8.6, 8.4, 8.2, 14, 12.5), True, Kept, other)
+    assert of(found)[:7] == [*((w, False) for w in (8, 9, 8.8, 8.6, 8.4, 8.2)), (8.5, True)]
+    assert [w for w, _ in of(found)][-3:] == [10, 11, 12]
+
+
 def test_an_other_end_that_turns_back_or_stops_leaves_the_way_back():
     turning = BranchFromFarEnd(lambda: points(12, 11, *(11 + 0.05 * i for i in range(1, 30))), 10.0)
     for other in (turning, BranchFromFarEnd(lambda: stopping(12, 11, 10), 10.0)):
