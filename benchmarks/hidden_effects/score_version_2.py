@@ -6,6 +6,7 @@ An effect counts where the laboratory's own curves say that it can be seen (`det
 """
 
 from collections.abc import Sequence
+from math import isfinite
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -32,7 +33,7 @@ def counts(cases: Sequence[ScoredCase]) -> dict[str, int]:
     seen = [c for c in cases if c.detectable or c.kind == "none"]
     single, none, outside, pairs = ([c for c in seen if c.kind == k] for k in ("single", "none", "outside", "pair"))
     right = [c for c in single if c.mark in CORRECT]
-    strong = [c for c in right if c.strength == "strong"]
+    strong = [c for c in right if c.strength == "strong" and isfinite(c.error.held_out_before)]
     hidden = [c for c in cases if c.kind != "none"]
     intervals = [r for c in right for r in c.recovered]
     return {
@@ -91,8 +92,8 @@ def results(cases: Sequence[ScoredCase], draw: int, commits: Sequence[str]) -> d
 def document(cases: Sequence[ScoredCase], found: dict[str, Any]) -> str:
     """Everything between the marks of the page."""
     parts = [
-        f"{len(cases)} of {found['planned']} cases, the first in the order drawn; draw {found['draw']}, on commit "
-        f"`{str(found['commit'])[:10]}`.",
+        f"{len(cases)} of {found['planned']} cases (`results_v2.json` has which are left); draw {found['draw']}, on "
+        f"commit `{str(found['commit'])[:10]}`.",
         goal_table(goals(cases)),
     ]
     for test in KINDS_OF_TEST:
