@@ -56,12 +56,12 @@ def search(
     raises: BranchStoppedError where the calibrated model has no response at the beginning of a run
     """
     base, plan = start.fitted, start.train_plan
-    effects = [sized(effect, base.parametrisation.base, plan.largest_amplitude) for effect in effects]
-    extended = extend(base, plan, effects, progress, workers)
+    fitting = [sized(effect, base.parametrisation.base, plan.largest_amplitude) for effect in effects]
+    extended = extend(base, plan, fitting, progress, workers)
     scored = scores(extended)
     held_out = error_of(base, start.held_out_plan, BranchesBy(workers))
     fits = FitContext(start, criteria, progress, runner, workers)
-    singles = try_singles(fits, effects, scored)
+    singles = try_singles(fits, fitting, scored)
     singles |= other_sizes(fits, singles)
     without = without_effects_again(fits, singles)
     if without is not None:
@@ -74,7 +74,7 @@ def search(
         singles = credited(singles, base, without[0])
         fits = replace(fits, start=better)
         held_out = without[1].held_out
-    further, pairs = exchanged(fits, effects, singles, try_pairs(fits, effects, singles))
+    further, pairs = exchanged(fits, fitting, singles, try_pairs(fits, fitting, singles))
     singles |= further
     singles |= alone(fits, singles, pairs)
     evidence = _evidence(fits, extended, scored, held_out, singles, pairs)

@@ -17,6 +17,7 @@ from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.decision.decide import decide
 from updamp.diagnosis.score_tests.signature import extend
 from updamp.diagnosis.selection import pairs
+from updamp.diagnosis.selection import search as search_module
 from updamp.diagnosis.selection.search import search
 from updamp.effects.effect import Effect, EffectParameter
 from updamp.hbm.problem.structural_changes import Attachment
@@ -101,8 +102,15 @@ def displaced(calibrated, place, deviations):
     return replace(calibrated, fitted=replace(calibrated.fitted, compared=compared))
 
 
-def test_a_search_whose_calibration_was_no_optimum_is_begun_again_from_a_better_one():
-    """The spring is not in the catalogue, so nothing explains the data; what is said of them is the same."""
+def sized_once(effect, *_):
+    assert not effect.sentence.endswith("sized")
+    return replace(effect, sentence=f"{effect.sentence} sized")
+
+
+def test_a_search_whose_calibration_was_no_optimum_is_begun_again_from_a_better_one(monkeypatch):
+    """The spring is not in the catalogue, so nothing explains the data; what is said of them is the same. Effects are
+    sized for the rig from what the catalogue says, not from what they were sized to before."""
+    monkeypatch.setattr(search_module, "sized", sized_once)
     calibrated, said = start(3e3), []
     stopped = displaced(calibrated, 2, 2.0)
     before = calibrated.fitted.compared.mean_squared_misfit
