@@ -24,9 +24,8 @@ import typer
 from rich.console import Console
 
 from updamp.benchmarks.hidden_effects.fitted_model import FINER, build, place
-from updamp.benchmarks.hidden_effects.layout import RIG
 from updamp.benchmarks.virtual_rig.laboratory import hidden
-from updamp.benchmarks.virtual_rig.measurement import make_measurement
+from updamp.benchmarks.virtual_rig.measurement import RIG, make_measurement
 from updamp.benchmarks.virtual_rig.plan import NoiseLevels, PlannedRun, TestPlan
 from updamp.diagnosis.verdict import Verdict
 from updamp.hbm.compilation_cache import keep_compiled

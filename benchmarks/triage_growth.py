@@ -23,7 +23,8 @@ from rich.console import Console
 from rich.table import Table
 
 from updamp.benchmarks.hidden_effects.fitted_model import FINER
-from updamp.benchmarks.hidden_effects.layout import RIG, write_whole
+from updamp.benchmarks.hidden_effects.layout import write_whole
+from updamp.benchmarks.virtual_rig.measurement import RIG
 from updamp.comparison.fit.observations import Plan, plan_of
 from updamp.comparison.prediction.branch_tasks import BranchesBy
 from updamp.diagnosis.candidate_models.baseline import baseline

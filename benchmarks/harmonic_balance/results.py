@@ -36,7 +36,7 @@ class Results:
     def as_json(self) -> dict[str, Any]:
         rig = asdict(self.rig) if self.rig is not None else {"point_s": None}
         return {
-            "commit": _commit(),
+            "commit": commit_of_code(),
             **{name: _by_quantity(costs) for name, costs in self.problem.items()},
             "reference_rig": {
                 **rig,
@@ -82,7 +82,7 @@ class Results:
         yield pyharm_sentence()
 
 
-def _commit() -> str | None:
+def commit_of_code() -> str | None:
     """State of the code that was measured, None outside a checkout; "+" where files were changed since."""
     root = Path(__file__).parents[2]
     try:

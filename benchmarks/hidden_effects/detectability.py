@@ -32,7 +32,7 @@ from updamp.benchmarks.hidden_effects.cases import Case, chosen
 from updamp.benchmarks.hidden_effects.in_turn import in_turn
 from updamp.benchmarks.hidden_effects.kinds_of_test import EASY, KINDS_OF_TEST, KindOfTest
 from updamp.benchmarks.hidden_effects.layout import Layout, read, write_whole
-from updamp.benchmarks.hidden_effects.version_2 import cases_of
+from updamp.benchmarks.hidden_effects.version_2 import Draw, cases_of
 from updamp.benchmarks.virtual_rig.assembled import assembled
 from updamp.benchmarks.virtual_rig.bench import BODIES, Bench, Hidden, bench_of
 from updamp.benchmarks.virtual_rig.bodies import LABORATORY, bodies_of
@@ -235,7 +235,7 @@ def is_known(case: Case, layout: Layout) -> bool:
 
 def main(
     out: Annotated[Path, typer.Option(help="folder for expected/")] = Layout().folder,
-    draw: Annotated[int | None, typer.Option(help="version 2, drawn from this number; version 1 by default")] = None,
+    draw: Draw = None,
     only: Annotated[list[str], typer.Option(help="case_012, a kind, a strength or an effect; repeatable")] = [],  # noqa: B006
     jobs: Annotated[int, typer.Option(min=1, help="processes")] = 1,
 ) -> None:

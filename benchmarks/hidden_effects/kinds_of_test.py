@@ -5,9 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
+from updamp.benchmarks.virtual_rig.measurement import RIG
 from updamp.benchmarks.virtual_rig.plan import SIX_CURVES, NoiseLevels, PlannedRun, TestPlan
-
-RIGS = Path(__file__).parents[2] / "rigs"
 
 
 @dataclass(frozen=True)
@@ -25,18 +24,18 @@ def _runs(ip: tuple[float, ...], oop: tuple[float, ...], upwards: bool = False) 
 
 
 # Nothing jumps, three assemblies, all that the fit may need.
-EASY = KindOfTest("easy", RIGS / "virtual_rig.toml", TestPlan(SIX_CURVES, assemblies=3, points=40), NoiseLevels())
+EASY = KindOfTest("easy", RIG, TestPlan(SIX_CURVES, assemblies=3, points=40), NoiseLevels())
 # The paper's friction and damping: contacts open before they slip, and the higher levels jump, elsewhere upwards.
 JUMPING = KindOfTest(
     "jumping",
-    RIGS / "virtual_rig_jumping.toml",
+    RIG.with_name("virtual_rig_jumping.toml"),
     TestPlan((*_runs((2.0, 4.0, 8.0), (4.0, 10.0, 17.0)), *_runs((8.0,), (17.0,), True)), assemblies=3, points=40),
     NoiseLevels(),
 )
 # What there is time for at the end of a test campaign: one assembly, two levels of each mode, few points, more noise.
 SCARCE = KindOfTest(
     "scarce",
-    RIGS / "virtual_rig.toml",
+    RIG,
     TestPlan(_runs((2.0, 8.0), (4.0, 32.0)), assemblies=1, points=15),
     NoiseLevels(relative=0.015),
 )

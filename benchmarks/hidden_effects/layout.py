@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 HERE = Path(__file__).parent
-RIG = HERE.parents[1] / "rigs" / "virtual_rig.toml"
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ import typer
 from updamp.benchmarks.hidden_effects.cases import Case, chosen
 from updamp.benchmarks.hidden_effects.in_turn import in_turn
 from updamp.benchmarks.hidden_effects.layout import Layout, read, write_whole
-from updamp.benchmarks.hidden_effects.version_2 import cases_of
+from updamp.benchmarks.hidden_effects.version_2 import Draw, cases_of
 from updamp.benchmarks.virtual_rig.bodies import bodies_of
 from updamp.benchmarks.virtual_rig.measurement import make_measurement
 from updamp.model.rig_files import load_rig
@@ -77,7 +77,7 @@ def main(
     out: Annotated[Path, typer.Option(help="folder for data/ and truth/")] = Layout().folder,
     jobs: Annotated[int, typer.Option(min=1, help="processes")] = 1,
     only: Annotated[list[str], typer.Option(help="case_012, a kind, a strength or an effect; repeatable")] = [],  # noqa: B006
-    draw: Annotated[int | None, typer.Option(help="version 2, drawn from this number; version 1 by default")] = None,
+    draw: Draw = None,
     reveal: Annotated[bool, typer.Option("--list", help="list the cases, truth and all, and make nothing")] = False,
 ) -> None:
     layout = Layout(out)

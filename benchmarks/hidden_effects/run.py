@@ -5,7 +5,6 @@
 
 import os
 import shutil
-import subprocess
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -20,11 +19,12 @@ os.environ.update(thread_limits(1))
 
 import typer
 
+from updamp.benchmarks.harmonic_balance.results import commit_of_code
 from updamp.benchmarks.hidden_effects.cases import chosen
 from updamp.benchmarks.hidden_effects.fitted_model import FINER, build, diagnose_case, place
 from updamp.benchmarks.hidden_effects.in_turn import in_turn
-from updamp.benchmarks.hidden_effects.layout import HERE, Layout, read, write_whole
-from updamp.benchmarks.hidden_effects.version_2 import cases_of
+from updamp.benchmarks.hidden_effects.layout import Layout, read, write_whole
+from updamp.benchmarks.hidden_effects.version_2 import Draw, cases_of
 from updamp.diagnosis.verdict import VERDICT_JSON
 from updamp.workflow.code_version import SEARCH, code_version
 
@@ -80,16 +80,10 @@ def diagnose(task: Task) -> Ran:
         task.out / "run.json",
         {
             "case": task.name, "digest": task.digest, "code": code_version(*SEARCH), "preset": task.preset,
-            "seconds": seconds, "processor": processor, "commit": _commit(),
+            "seconds": seconds, "processor": processor, "commit": commit_of_code(),
         },
     )  # fmt: skip
     return Ran(task.name, verdict.verdict, seconds)
-
-
-def _commit() -> str:
-    """Of the code, with a + where it was changed after; "" where git does not know."""
-    asked = ["git", "describe", "--always", "--abbrev=40", "--dirty=+", "--exclude=*"]
-    return subprocess.run(asked, cwd=HERE, capture_output=True, text=True, check=False).stdout.strip()
 
 
 def tasks(layout: Layout, only: Sequence[str], draw: int | None = None) -> tuple[list[Task], list[str]]:
@@ -109,7 +103,7 @@ def main(
     folder: Annotated[Path, typer.Option(help="with data/; verdicts/ goes there")] = Layout().folder,
     jobs: Annotated[int, typer.Option(min=1, help="processes")] = 1,
     only: Annotated[list[str], typer.Option(help="case_012, a kind, a strength or an effect; repeatable")] = [],  # noqa: B006
-    draw: Annotated[int | None, typer.Option(help="version 2, drawn from this number; version 1 by default")] = None,
+    draw: Draw = None,
     again: Annotated[bool, typer.Option("--again", help="those with a verdict too")] = False,
 ) -> None:
     """Diagnose every case that has data and no verdict yet."""

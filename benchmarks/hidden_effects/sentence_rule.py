@@ -26,10 +26,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.benchmarks.hidden_effects.cases import Case
-from updamp.benchmarks.hidden_effects.layout import RIG, read, write_whole
+from updamp.benchmarks.hidden_effects.layout import read, write_whole
 from updamp.benchmarks.virtual_rig.bench import Bench, bench_of
 from updamp.benchmarks.virtual_rig.bodies import LABORATORY, bodies_of
 from updamp.benchmarks.virtual_rig.laboratory import with_hidden
+from updamp.benchmarks.virtual_rig.measurement import RIG
 from updamp.benchmarks.virtual_rig.plan import SIX_CURVES
 from updamp.benchmarks.virtual_rig.visibility import USUAL, peak
 from updamp.comparison.comparison import Comparison, CurvePair, Finding

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from updamp.benchmarks.hidden_effects.cases import Case
 from updamp.benchmarks.hidden_effects.fitted_model import place
-from updamp.benchmarks.hidden_effects.layout import RIG, Layout
+from updamp.benchmarks.hidden_effects.layout import Layout
+from updamp.benchmarks.virtual_rig.measurement import RIG
 from updamp.comparison.compare import CalibrationResult, calibrate
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.measurement.measurement import Measurement

@@ -20,10 +20,11 @@ import typer
 from updamp.benchmarks.hidden_effects.cases import Case, chosen
 from updamp.benchmarks.hidden_effects.fitted_model import build
 from updamp.benchmarks.hidden_effects.in_turn import in_turn
-from updamp.benchmarks.hidden_effects.layout import HERE, RIG, Layout, read, write_whole
+from updamp.benchmarks.hidden_effects.layout import HERE, Layout, read, write_whole
 from updamp.benchmarks.hidden_effects.sentence_rule import Judged, judged, laboratory_changes
 from updamp.benchmarks.hidden_effects.sentence_runs import FINER, FITTED, calibrated
 from updamp.benchmarks.hidden_effects.version_1 import version_1
+from updamp.benchmarks.virtual_rig.measurement import RIG
 from updamp.comparison.compare import comparison_of
 from updamp.comparison.comparison import COMPARISON_JSON, Comparison
 from updamp.hbm.compilation_cache import keep_compiled

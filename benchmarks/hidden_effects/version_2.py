@@ -6,9 +6,10 @@ Cases are numbered in the order in which they are run, which is drawn too: the f
 
 from collections.abc import Iterator, Sequence
 from itertools import cycle, islice
-from typing import TypeVar
+from typing import Annotated, TypeVar
 
 import numpy as np
+import typer
 
 from updamp.benchmarks.hidden_effects.cases import Case, Kind
 from updamp.benchmarks.hidden_effects.kinds_of_test import KINDS_OF_TEST
@@ -34,6 +35,10 @@ def version_2(draw: int) -> tuple[Case, ...]:
     return tuple(
         Case(number, wanted[i][1], wanted[i][2], seeds[i], test=wanted[i][0]) for number, i in enumerate(order, 1)
     )
+
+
+# The option that all commands choose by.
+Draw = Annotated[int | None, typer.Option(help="version 2, drawn from this number; version 1 by default")]
 
 
 def cases_of(draw: int | None) -> tuple[Case, ...]:

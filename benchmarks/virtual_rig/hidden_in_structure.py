@@ -52,6 +52,10 @@ def material_damping(bench: Bench, values: Values, _rig: Rig) -> Bench:
     return replace(bench, loss_growth=values["growth"] / 1e-3)
 
 
+def at_both_tips(bench: Bench, name: str, force: PointForce) -> Bench:
+    return bench.with_element(*(BenchElement(f"{name} {tip}", {tip: 1.0}, force) for tip in TIPS))
+
+
 def cubic(coefficient: float) -> PointForce:
     def force(u: Floats, v: Floats) -> tuple[Floats, Floats, Floats]:
         return coefficient * u**3, 3 * coefficient * u**2, np.zeros_like(v)
@@ -61,7 +65,7 @@ def cubic(coefficient: float) -> PointForce:
 
 def blade_cubic_stiffness(bench: Bench, values: Values, _rig: Rig) -> Bench:
     """A cubic spring at both tips"""
-    return bench.with_element(*(BenchElement(f"cubic {tip}", {tip: 1.0}, cubic(values["coefficient"])) for tip in TIPS))
+    return at_both_tips(bench, "cubic", cubic(values["coefficient"]))
 
 
 def shaker(mass: float, stiffness: float, dashpot: float) -> dict[str, float]:

@@ -16,7 +16,7 @@ from updamp.benchmarks.virtual_rig.bench import (
     spring,
     strengths,
 )
-from updamp.benchmarks.virtual_rig.hidden_in_structure import TIPS
+from updamp.benchmarks.virtual_rig.hidden_in_structure import TIPS, at_both_tips
 from updamp.rig.rig import Rig
 
 Floats = NDArray[np.float64]
@@ -31,7 +31,7 @@ def drag(coefficient: float) -> PointForce:
 
 def quadratic_damping(bench: Bench, values: Values, _rig: Rig) -> Bench:
     """c |v| v at both tips, as of air or a fluid [N s^2/m^2]"""
-    return bench.with_element(*(BenchElement(f"drag {tip}", {tip: 1.0}, drag(values["coefficient"])) for tip in TIPS))
+    return at_both_tips(bench, "drag", drag(values["coefficient"]))
 
 
 def force_drop_off(bench: Bench, values: Values, _rig: Rig) -> Bench:
@@ -100,25 +100,25 @@ def tip_stop(bench: Bench, values: Values, _rig: Rig) -> Bench:
     return bench.with_element(BenchElement("tip_stop", {TIPS[1]: 1.0}, stop(values["stiffness"], values["gap"])))
 
 
-def saturating_spring(bench: Bench, values: Values, _rig: Rig) -> Bench:
-    """A spring at the left tip that holds no more than stiffness times reach: k r tanh(u / r)"""
-    k, reach = values["stiffness"], values["reach"]
+def in_displacement(on_velocity: PointForce) -> PointForce:
+    """The same law in the displacement that another one has in the velocity."""
 
     def force(u: Floats, v: Floats) -> tuple[Floats, Floats, Floats]:
-        share = np.tanh(u / reach)
-        return k * reach * share, k * (1 - share**2), np.zeros_like(v)
+        value, by_other, by_own = on_velocity(v, u)
+        return value, by_own, by_other
 
-    return bench.with_element(BenchElement("saturating", {TIPS[0]: 1.0}, force))
+    return force
+
+
+def saturating_spring(bench: Bench, values: Values, _rig: Rig) -> Bench:
+    """A spring at the left tip that holds no more than stiffness times reach: k r tanh(u / r)"""
+    most = in_displacement(rub(values["stiffness"] * values["reach"], values["reach"]))
+    return bench.with_element(BenchElement("saturating", {TIPS[0]: 1.0}, most))
 
 
 def quadratic_stiffness(bench: Bench, values: Values, _rig: Rig) -> Bench:
     """c |u| u at both tips [N/m^2]"""
-    c = values["coefficient"]
-
-    def force(u: Floats, v: Floats) -> tuple[Floats, Floats, Floats]:
-        return c * np.abs(u) * u, 2 * c * np.abs(u), np.zeros_like(v)
-
-    return bench.with_element(*(BenchElement(f"quadratic {tip}", {tip: 1.0}, force) for tip in TIPS))
+    return at_both_tips(bench, "quadratic", in_displacement(drag(values["coefficient"])))
 
 
 def absorber(mass: float) -> dict[str, float]:
