@@ -19,7 +19,7 @@ import numpy as np
 from rich.console import Console
 
 from updamp.comparison.comparison import Comparison
-from updamp.diagnosis.criteria import Criteria
+from updamp.diagnosis.criteria import Criteria, SearchEffort
 from updamp.diagnosis.verdict import Verdict
 from updamp.effects.catalogue import catalogue
 from updamp.effects.effect import Effect, EffectParameter
@@ -49,9 +49,9 @@ if TYPE_CHECKING:
 __all__ = [
     "Comparison", "ComparisonResult", "ContinuationOptions", "Criteria", "Curve", "DiagnosisResult", "Effect",
     "EffectParameter", "MaximumResonance", "Measurement", "MeasurementError", "ModalRig", "Model", "PhaseResonance",
-    "Resonance", "ResonanceCondition", "ResonanceOptions", "Rig", "RigError", "RigModel", "Verdict", "add_effect",
-    "build_model", "catalogue", "compare", "diagnose", "keep_compiled", "load_measurement", "load_rig", "resonance",
-    "response_curve",
+    "Resonance", "ResonanceCondition", "ResonanceOptions", "Rig", "RigError", "RigModel", "SearchEffort", "Verdict",
+    "add_effect", "build_model", "catalogue", "compare", "diagnose", "keep_compiled", "load_measurement", "load_rig",
+    "resonance", "response_curve",
 ]  # fmt: skip
 
 File = str | PathLike[str]

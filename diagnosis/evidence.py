@@ -7,13 +7,14 @@ from updamp.comparison.json_document import JsonDocument
 
 @dataclass(frozen=True)
 class IfRepeatable:
-    """A fit, had another repeatability been stated (relative). excess, held_out: as for a `Trial`; misfit: what drops
-    are differences of (`comparison/fit/compared.py: misfit`)"""
+    """A fit, had another repeatability been stated (relative). excess, held_out, unseen: as for a `Trial`; misfit: what
+    drops are differences of (`comparison/fit/compared.py: misfit`)"""
 
     repeatability: float
     excess: float
     misfit: float
     held_out: float
+    unseen: float
 
 
 @dataclass(frozen=True)
@@ -24,6 +25,7 @@ class Trial:
     drop: of chi-square and priors, from the model without the effects
     delta_bic: from the model with one effect less (of a pair: the better one of its two)
     held_out: weighted residual RMS on runs that the fit never saw, nan where there are none or it is not full
+    unseen: mean squared misfit on these, in units of what the prediction is uncertain by too, nan likewise
     at_bound: parameter at the bound of what is physical, "" if none; full: whether the fit was left to settle
     farthest: what stands farthest from where it was stated to be (`baseline.farthest_off`); deviations: how many of its
         prior ones
@@ -41,6 +43,7 @@ class Trial:
     deviations: float = 0.0
     parameters: int = 1
     if_repeatable: tuple[IfRepeatable, ...] = ()
+    unseen: float = float("nan")
 
 
 @dataclass(frozen=True)
@@ -58,11 +61,12 @@ class EffectScore:
 
 @dataclass(frozen=True)
 class Evidence:
-    """excess, held_out: as for a `Trial`, of the model without effects
+    """excess, held_out, unseen: as for a `Trial`, of the model without effects
     repeatability: RMS of what differs between repeats
     tested: the highest score first; trials: of single effects; pairs: of two
     alike: pairs of effects whose signatures look alike, with the cosine
-    farthest, deviations, if_repeatable: as for a `Trial`, of the model without effects; values: number of measured ones
+    farthest, deviations, if_repeatable: as for a `Trial`, of the model without effects
+    values, unseen_values: number of measured ones, of the runs of the fit and of the rest
     """
 
     excess: float
@@ -76,6 +80,8 @@ class Evidence:
     deviations: float = 0.0
     if_repeatable: tuple[IfRepeatable, ...] = ()
     values: int = 1
+    unseen: float = float("nan")
+    unseen_values: int = 0
 
     def trial_of(self, effects: tuple[str, ...]) -> Trial | None:
         return next((t for t in (*self.trials, *self.pairs) if t.effects == effects), None)
@@ -85,4 +91,4 @@ class Evidence:
 
 
 # `evidence.json`, every number kept to the last digit.
-EVIDENCE_JSON = JsonDocument(Evidence, "updamp evidence 2", "updamp diagnose")
+EVIDENCE_JSON = JsonDocument(Evidence, "updamp evidence 3", "updamp diagnose")

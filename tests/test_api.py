@@ -262,10 +262,10 @@ def test_a_diagnosis_is_asked_for_as_on_the_command_line(tmp_path: Path, monkeyp
     monkeypatch.setattr(diagnose_run, "diagnose", diagnose)
     found = api.diagnose(
         "rig.toml", "measurement.toml", tmp_path, "small", held_out=["IP 9.6 N"], jobs=2, own_effects=["own.py"],
-        criteria=api.Criteria(score=5.0), quiet=True,
+        criteria=api.Criteria(gain=0.05), quiet=True,
     )  # fmt: skip
     options = diagnose_run.DiagnoseOptions(
-        held_out=("IP 9.6 N",), jobs=2, own=(Path("own.py"),), criteria=api.Criteria(score=5.0)
+        held_out=("IP 9.6 N",), jobs=2, own=(Path("own.py"),), criteria=api.Criteria(gain=0.05)
     )
     assert asked == [(Path("rig.toml"), Path("measurement.toml"), "small", options, True)]
     assert (found.verdict, found.folder, found.report) == (verdict, tmp_path, tmp_path / "report.html")

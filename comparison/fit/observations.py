@@ -72,6 +72,11 @@ class Plan:
         return tuple(sorted({o.repeat for o in self.observations}))
 
     @property
+    def values(self) -> int:
+        """Numbers that a model is compared with: amplitude and phase of every sensor at every point."""
+        return sum(len(o) * (o.observed.shape[1] - 1) for o in self.observations)
+
+    @property
     def has_phases(self) -> bool:
         """Of every sensor in every run."""
         return all(np.isfinite(o.noise).all() for o in self.observations)

@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.fit.compared import compare_at, predict_branches
+from updamp.comparison.fit.compared import predict_branches
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
 from updamp.comparison.fit.fit_from_far import LAST, fit_from_far
 from updamp.comparison.fit.numerical_gate import apply_numerical_gate, finer_than, with_numerical_error
@@ -103,15 +103,6 @@ def _held_out(plan: Plan, names: Sequence[str] | None) -> tuple[int, ...]:
         if len(levels) >= _ENOUGH:
             kept += [i for i, c in enumerate(plan.conditions) if c.mode == mode and c.level == levels[-2]]
     return tuple(sorted(kept))
-
-
-def error_of(fitted: Fit, plan: Plan, branches_of: Branches = in_turn) -> float:
-    """Weighted residual RMS on runs that the fit may not have seen, parameters and scatter as they are."""
-    if not plan.conditions:
-        return float("nan")
-    branches = predict_branches(fitted.parametrisation, fitted.u, plan, None, branches_of)
-    compared = compare_at(fitted.parametrisation, fitted.u, plan, branches, fitted.compared.scatter)
-    return float(np.sqrt(compared.mean_squared_misfit))
 
 
 def farthest_off(fitted: Fit) -> tuple[str, float]:

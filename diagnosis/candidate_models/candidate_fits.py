@@ -38,6 +38,15 @@ class FitContext:
         tasks = [FitTask(r.refit.effects, (), True, near=r.refit.fitted, own_numerics=own_numerics) for r in some]
         return self.results(tasks)
 
+    def explains(self, trial: Trial) -> bool:
+        """Whether it leaves no more than chance may, on runs that it has not seen too: nothing else is looked for."""
+        unseen = self.criteria.is_doubtful(trial.unseen, self.start.held_out_plan.values)
+        return not (self.criteria.is_doubtful(trial.excess, self.start.train_plan.values) or unseen)
+
+    def fails(self, trial: Trial) -> bool:
+        """Whether it leaves more than chance can on the runs that it was fitted to."""
+        return self.criteria.fails(trial.excess, self.start.train_plan.values)
+
 
 def best_first(found: CandidateFits) -> list[FittedCandidate]:
     return sorted(found.values(), key=lambda r: -r.refit.drop)
@@ -46,13 +55,10 @@ def best_first(found: CandidateFits) -> list[FittedCandidate]:
 def nearly(one: Refit, best: Refit, start: Baseline, criteria: Criteria) -> bool:
     """Whether it takes off nearly as much of chi2 as the best one."""
     before = start.fitted.compared.mean_squared_misfit
-    comparable = one.mean_squared_misfit < criteria.comparable * best.mean_squared_misfit
-    return comparable and before - one.mean_squared_misfit > criteria.nearly * (before - best.mean_squared_misfit)
-
-
-def explains(trial: Trial, criteria: Criteria) -> bool:
-    fails_elsewhere = trial.held_out**2 > criteria.look_further  # nan: there are none
-    return trial.excess <= criteria.look_further and not fails_elsewhere
+    comparable = one.mean_squared_misfit < criteria.search.comparable * best.mean_squared_misfit
+    return comparable and before - one.mean_squared_misfit > criteria.search.nearly * (
+        before - best.mean_squared_misfit
+    )
 
 
 def reporting(progress: Progress) -> OnFitted:

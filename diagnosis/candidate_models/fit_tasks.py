@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 from updamp.comparison.fit.compared import predict_branches
 from updamp.comparison.fit.fit import Fit
+from updamp.comparison.fit.prediction_error import PredictionError, prediction_error
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
-from updamp.diagnosis.candidate_models.baseline import Baseline, error_of, farthest_off, with_own_numerics
+from updamp.diagnosis.candidate_models.baseline import Baseline, farthest_off, with_own_numerics
 from updamp.diagnosis.candidate_models.if_repeatable import if_repeatable
 from updamp.diagnosis.candidate_models.other_sizes import fit_from_size, with_size
 from updamp.diagnosis.candidate_models.refit import FULL, Refit, Starts, assessed, refit
@@ -100,11 +101,13 @@ def _run(shared: tuple[Baseline, Criteria], task: FitTask) -> FittedCandidate | 
     r = _refit(start, criteria, task)
     if r is None:
         return None
-    held_out = error_of(r.fitted, start.held_out_plan) if task.full else float("nan")
+    held_out = prediction_error(r.fitted, start.held_out_plan) if task.full else PredictionError()
     names = tuple(e.name for e in task.effects)
     calibration = farthest_off(r.fitted)
     misfit, gain = r.mean_squared_misfit, r.delta_bic
-    trial = Trial(names, misfit, r.drop, gain, held_out, r.at_bound, task.full, *calibration)
+    trial = Trial(
+        names, misfit, r.drop, gain, held_out.error, r.at_bound, task.full, *calibration, unseen=held_out.misfit
+    )
     if not task.full:
         return FittedCandidate(r, trial)
     parameters = sum(len(e.parameters) for e in task.effects)

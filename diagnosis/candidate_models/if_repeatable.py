@@ -3,10 +3,9 @@
 Parameters stay where they are: another noise for all points alike hardly moves them.
 """
 
-import numpy as np
-
 from updamp.comparison.fit.compared import compare_at, misfit, predict_branches
 from updamp.comparison.fit.fit import Fit
+from updamp.comparison.fit.prediction_error import PredictionError, of_compared
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.diagnosis.candidate_models.baseline import Baseline
 from updamp.diagnosis.evidence import IfRepeatable
@@ -26,9 +25,11 @@ def if_repeatable(fitted: Fit, start: Baseline, branches_of: Branches = in_turn)
     found = []
     for repeatability in REPEATABILITIES:
         one = compare_at(p, u, train.if_repeatable(repeatability), solved, scatter, fitted.compared.offsets)
-        held_out = float("nan")
+        held_out = PredictionError()
         if held:
             other = compare_at(p, u, unseen.if_repeatable(repeatability), held, scatter)
-            held_out = float(np.sqrt(other.mean_squared_misfit))
-        found.append(IfRepeatable(repeatability, one.mean_squared_misfit, misfit(p, one), held_out))
+            held_out = of_compared(other, fitted.covariance)
+        found.append(
+            IfRepeatable(repeatability, one.mean_squared_misfit, misfit(p, one), held_out.error, held_out.misfit)
+        )
     return tuple(found)

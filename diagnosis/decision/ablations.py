@@ -18,7 +18,9 @@ def ablations(evidence: Evidence, criteria: Criteria) -> dict[str, VerdictSummar
     """Name -> verdict, effects and group: by the residual's likeness to the signature alone, by the score test alone
     with and without scatter, by BIC alone, and without held-out runs."""
     return {
-        "no orthogonalisation": _by(evidence, lambda t: t.alone, evidence.excess > criteria.look_further),
+        "no orthogonalisation": _by(
+            evidence, lambda t: t.alone, criteria.is_doubtful(evidence.excess, evidence.values)
+        ),
         "no scatter": _by(evidence, lambda t: t.without_scatter, True, _FOUND),
         "score only": _by(evidence, lambda t: t.score, True, _FOUND),
         "BIC only": _by_bic(evidence, criteria),
@@ -44,8 +46,8 @@ def _without_held_out(evidence: Evidence, criteria: Criteria) -> VerdictSummary:
     nan = float("nan")
     blind = replace(
         evidence,
-        trials=tuple(replace(t, held_out=nan) for t in evidence.trials),
-        pairs=tuple(replace(t, held_out=nan) for t in evidence.pairs),
+        trials=tuple(replace(t, held_out=nan, unseen=nan) for t in evidence.trials),
+        pairs=tuple(replace(t, held_out=nan, unseen=nan) for t in evidence.pairs),
     )
     decision = decide(blind, criteria)
     return decision.outcome, decision.effects, decision.group

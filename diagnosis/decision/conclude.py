@@ -108,7 +108,7 @@ def _candidate(
 def _not_fitted(tested: EffectScore, criteria: Criteria) -> str:
     if tested.visibility < criteria.visibility:
         return "not identifiable with these data: the nuisance parameters can imitate it"
-    if tested.score < criteria.score:
+    if tested.score < criteria.search.score:
         return "the score test sees nothing of it"
     return "others explain more; it was not fitted, or the model with it has no response"
 

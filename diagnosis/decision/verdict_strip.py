@@ -30,7 +30,7 @@ def _restated(evidence: Evidence, i: int) -> Evidence:
         then = t.if_repeatable[i]
         drop = of_null.misfit - then.misfit
         gain = gain_of_bic(drop, t.parameters, evidence.values)
-        return replace(t, excess=then.excess, drop=drop, delta_bic=gain, held_out=then.held_out)
+        return replace(t, excess=then.excess, drop=drop, delta_bic=gain, held_out=then.held_out, unseen=then.unseen)
 
     trials = tuple(restated(t) for t in evidence.trials)
     gains = {t.effects[0]: t.delta_bic for t in trials}
@@ -39,4 +39,6 @@ def _restated(evidence: Evidence, i: int) -> Evidence:
         return replace(pair, delta_bic=pair.delta_bic - max((gains.get(e, 0.0) for e in pair.effects), default=0.0))
 
     pairs = tuple(over_one(restated(t)) for t in evidence.pairs)
-    return replace(evidence, excess=of_null.excess, held_out=of_null.held_out, trials=trials, pairs=pairs)
+    return replace(
+        evidence, excess=of_null.excess, held_out=of_null.held_out, unseen=of_null.unseen, trials=trials, pairs=pairs
+    )

@@ -151,7 +151,7 @@ def surviving_explanations(found: SearchResult, decision: Decision, criteria: Cr
     if decision.outcome == "inseparable":
         chosen = [t for t in settled if len(t.effects) == 1 and t.effects[0] in decision.group]
     elif decision.outcome == "unknown":
-        chosen = [t for t in settled if t.drop > 0 and t.excess < criteria.close * settled[0].excess]
+        chosen = [t for t in settled if t.drop > 0 and t.excess < criteria.search.close * settled[0].excess]
     elif decision.outcome == "adequate":
         near = [t for t in settled if t.delta_bic >= criteria.delta_bic][:1]
         return {NOTHING: found.baseline.fitted, **_fits(found, near)} if near else {}

@@ -39,7 +39,7 @@ def fit_tasks(
     visible = [s for s in scored if s.visibility >= criteria.visibility]
     if start.fitted.parametrisation.base.contacts is None:
         return [FitTask((s.effect,), (), full=True) for s in visible]
-    by_score = {s.effect.name: s for s in visible if s.score >= criteria.score}
+    by_score = {s.effect.name: s for s in visible if s.score >= criteria.search.score}
     if not fails_badly(start.fitted):
         far = _is_far_from_given(start)
         return [

@@ -22,7 +22,8 @@ def try_pairs(fits: FitContext, effects: Sequence[Effect], singles: CandidateFit
     settled = sorted((r.refit for r in singles.values() if r.trial.full), key=lambda r: -r.drop)
     if not settled or settled[0].drop <= 0:
         return {}
-    if settled[0].mean_squared_misfit < criteria.look_further and not settled[0].at_bound:
+    values = settled[0].fitted.compared.values
+    if not criteria.is_doubtful(settled[0].mean_squared_misfit, values) and not settled[0].at_bound:
         return {}
     found: CandidateFits = {}
     if start.fitted.parametrisation.base.contacts is None:
@@ -52,10 +53,10 @@ def exchanged(
     returns: further single effects, and all pairs
     """
     criteria, best = fits.criteria, _best(pairs)
-    if best is None or best.trial.excess <= criteria.excess or best.refit.delta_bic < criteria.delta_bic:
+    if best is None or not fits.fails(best.trial) or best.refit.delta_bic < criteria.delta_bic:
         return {}, pairs
     first, second = best.refit.effects
-    if best.trial.excess > criteria.second * singles[(first.name,)].trial.excess:
+    if (1 + criteria.as_good) * best.trial.excess > singles[(first.name,)].trial.excess:
         return {}, pairs
     by_itself = fits.results([_as_in(best, second)])
     further = {names: r for names, r in by_itself.items() if names not in singles or not singles[names].trial.full}
@@ -93,7 +94,7 @@ def alone(fits: FitContext, singles: CandidateFits, pairs: CandidateFits) -> Can
     """Second effects that have not been tried alone, where one explains the data together with a first: it may be all
     that is missing, and the first one a wrong guess that has become small beside it."""
     best = _best(pairs)
-    if best is None or best.trial.excess > fits.criteria.excess:
+    if best is None or fits.fails(best.trial):
         return {}
     second = best.refit.effects[1]
     if (second.name,) in singles:
@@ -112,8 +113,8 @@ def _beside(fits: FitContext, first: Refit, effects: Sequence[Effect], singles: 
     if all(task.full for task in wanted):
         settled = beside.results(wanted)
     else:
-        short = beside.results(wanted[: criteria.short])
-        settled = beside.full(best_first(short)[: criteria.full])
+        short = beside.results(wanted[: criteria.search.short])
+        settled = beside.full(best_first(short)[: criteria.search.full])
     found: CandidateFits = {}
     for r in (settled | refits_with_own_numerics(beside, settled)).values():
         (second,) = r.refit.effects

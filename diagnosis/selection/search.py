@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.comparison.fit.prediction_error import PredictionError, prediction_error
 from updamp.comparison.prediction.branch_tasks import BranchesBy
-from updamp.diagnosis.candidate_models.baseline import Baseline, error_of, farthest_off
-from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext, Progress, explains
+from updamp.diagnosis.candidate_models.baseline import Baseline, farthest_off
+from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext, Progress
 from updamp.diagnosis.candidate_models.fit_tasks import FitRunner, fit_here, with_branches
 from updamp.diagnosis.candidate_models.if_repeatable import if_repeatable
 from updamp.diagnosis.candidate_models.refit import Refit
@@ -59,21 +60,19 @@ def search(
     fitting = [sized(effect, base.parametrisation.base, plan.largest_amplitude) for effect in effects]
     extended = extend(base, plan, fitting, progress, workers)
     scored = scores(extended)
-    held_out = error_of(base, start.held_out_plan, BranchesBy(workers))
+    held_out = prediction_error(base, start.held_out_plan, BranchesBy(workers))
     fits = FitContext(start, criteria, progress, runner, workers)
     singles = try_singles(fits, fitting, scored)
     singles |= other_sizes(fits, singles)
     without = without_effects_again(fits, singles)
     if without is not None:
         better = replace(start, fitted=with_branches(without[0], start, BranchesBy(workers)))
-        if without[1].delta_bic >= criteria.delta_bic and not any(
-            explains(r.trial, criteria) for r in singles.values()
-        ):
+        if without[1].delta_bic >= criteria.delta_bic and not any(fits.explains(r.trial) for r in singles.values()):
             progress("a better calibration was found on the way: from there once more")
             return search(replace(better, attempt=start.attempt + 1), effects, criteria, progress, runner, workers)
         singles = credited(singles, base, without[0])
         fits = replace(fits, start=better)
-        held_out = without[1].held_out
+        held_out = replace(held_out, error=without[1].held_out, misfit=without[1].unseen)
     further, pairs = exchanged(fits, fitting, singles, try_pairs(fits, fitting, singles))
     singles |= further
     singles |= alone(fits, singles, pairs)
@@ -86,7 +85,7 @@ def _evidence(
     fits: FitContext,
     extended: Extended,
     scored: Sequence[Score],
-    held_out: float,
+    held_out: PredictionError,
     singles: CandidateFits,
     pairs: CandidateFits,
 ) -> Evidence:
@@ -96,7 +95,7 @@ def _evidence(
     )
     return Evidence(
         base.compared.mean_squared_misfit,
-        held_out,
+        held_out.error,
         start.repeatability,
         _tested(extended, scored),
         of_singles,
@@ -105,6 +104,8 @@ def _evidence(
         *farthest_off(base),
         if_repeatable(base, start, BranchesBy(fits.workers)),
         base.compared.values,
+        held_out.misfit,
+        held_out.values,
     )
 
 

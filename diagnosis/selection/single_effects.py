@@ -10,7 +10,6 @@ from updamp.diagnosis.candidate_models.candidate_fits import (
     CandidateFits,
     FitContext,
     best_first,
-    explains,
     nearly,
     reporting,
 )
@@ -30,16 +29,16 @@ def try_singles(fits: FitContext, effects: Sequence[Effect], scored: Sequence[Sc
     wanted = fit_tasks(start, effects, scored, criteria, fits.progress, fits.workers)
     if all(task.full for task in wanted):
         return fits.results(wanted)
-    wanted = wanted[: criteria.short]
-    half, enough = (len(wanted) + 1) // 2, _left(start, 1 - criteria.promising)
+    wanted = wanted[: criteria.search.short]
+    half, enough = (len(wanted) + 1) // 2, _left(start, 1 - criteria.search.promising)
     found: CandidateFits = {}
     first = 1 if fails_badly(start.fitted) else half
     for some in (wanted[:first], wanted[first:half], wanted[half:]):
-        found |= fits.results(_unless_explained(some, found, scored, criteria))
+        found |= fits.results(_unless_explained(fits, some, found, scored))
         promising = [r for r in best_first(found)[:1] if r.trial.excess < enough]
         found |= fits.full([r for r in promising if not r.trial.full])
         found |= refits_with_own_numerics(fits, found)
-    best = best_first(found)[: criteria.full]
+    best = best_first(found)[: criteria.search.full]
     passing = [r for r in best if not r.trial.full and r.refit.delta_bic >= criteria.delta_bic]
     close = [r for r in passing if _comes_close(r.refit, best[0].refit, start, criteria)]
     found |= fits.full(close)
@@ -54,13 +53,13 @@ def refits_with_own_numerics(fits: FitContext, found: CandidateFits) -> Candidat
     if not start.fitted.parametrisation.numerics.names:
         return {}
     settled = [r for r in best_first(found) if r.trial.full]
-    most, least = _left(start, criteria.nearly), min((r.trial.excess for r in settled), default=0.0)
-    close = [r for r in settled if r.trial.excess < min(most, criteria.comparable * least)]
+    most, least = _left(start, criteria.search.nearly), min((r.trial.excess for r in settled), default=0.0)
+    close = [r for r in settled if r.trial.excess < min(most, criteria.search.comparable * least)]
     if not close:
         close = [r for r in settled[:1] if r.refit.delta_bic >= criteria.delta_bic]
-    left = [r for r in close if not r.refit.own_numerics and not explains(r.trial, criteria)]
+    left = [r for r in close if not r.refit.own_numerics and not fits.explains(r.trial)]
     again = fits.full(left, own_numerics=True)
-    failing = [r for r in left if not explains(again.get(r.trial.effects, r).trial, criteria)]
+    failing = [r for r in left if not fits.explains(again.get(r.trial.effects, r).trial)]
     return again | _turned_round(fits, failing, again)
 
 
@@ -80,7 +79,7 @@ def other_sizes(fits: FitContext, found: CandidateFits) -> CandidateFits:
     """The best effect, where it explains the data, fitted from other sizes too: the best of these fits, which knows of
     those that are as likely."""
     start, criteria = fits.start, fits.criteria
-    explain = [r for r in best_first(found) if r.trial.full and r.trial.excess <= criteria.excess]
+    explain = [r for r in best_first(found) if r.trial.full and not fits.fails(r.trial)]
     if not explain or explain[0].refit.delta_bic < criteria.delta_bic:
         return {}
     first = explain[0].refit
@@ -99,19 +98,21 @@ def _left(start: Baseline, share: float) -> float:
 
 
 def _comes_close(one: Refit, best: Refit, start: Baseline, criteria: Criteria) -> bool:
-    return one.mean_squared_misfit < criteria.close * best.mean_squared_misfit or nearly(one, best, start, criteria)
+    return one.mean_squared_misfit < criteria.search.close * best.mean_squared_misfit or nearly(
+        one, best, start, criteria
+    )
 
 
 def _unless_explained(
-    some: Sequence[FitTask], found: CandidateFits, scored: Sequence[Score], criteria: Criteria
+    fits: FitContext, some: Sequence[FitTask], found: CandidateFits, scored: Sequence[Score]
 ) -> Sequence[FitTask]:
     """All of them as long as none before explains a misfit, on runs that no fit saw too; then only those that look like
     it."""
-    best = min(found.values(), key=lambda r: r.trial.excess, default=None)
-    if best is None or not explains(best.trial, criteria):
+    best, criteria = min(found.values(), key=lambda r: r.trial.excess, default=None), fits.criteria
+    if best is None or not fits.explains(best.trial):
         return some
     if best.refit.delta_bic < criteria.delta_bic:
         return ()  # the data ask for none of the best, as where nothing is missing
     matrix, names = np.abs(cosines(scored)), [s.effect.name for s in scored]
     alike = matrix[names.index(best.trial.effects[0])]
-    return [a for a in some if alike[names.index(a.effects[0].name)] > criteria.cosine_to_refit]
+    return [a for a in some if alike[names.index(a.effects[0].name)] > criteria.search.cosine_to_refit]

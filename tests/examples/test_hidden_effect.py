@@ -6,7 +6,7 @@ from types import ModuleType
 
 import pytest
 
-from updamp.api import Criteria
+from updamp.api import Criteria, SearchEffort
 from updamp.effects.catalogue import CATALOGUE
 from updamp.workflow import diagnose_run as diagnose
 from updamp.workflow.history import read_history
@@ -34,7 +34,8 @@ def example(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
 def test_the_sealed_effect_is_found_and_added(example: ModuleType, tmp_path: Path) -> None:
     runs = tuple(example.PlannedRun(mode, force) for mode, force in (("IP", 2.0), ("OOP", 4.0)))
     plan, sealed = example.TestPlan(runs, 2, 16), example.hidden("blade_mistuning", "strong")
-    result = example.loop(tmp_path, sealed, plan, quiet=True, report=False, criteria=Criteria(short=2, full=1))
+    few = Criteria(search=SearchEffort(short=2, full=1))
+    result = example.loop(tmp_path, sealed, plan, quiet=True, report=False, criteria=few)
     assert (result.verdict.verdict, result.verdict.effects) == ("identified", ("blade_mistuning",))
     assert result.truth == {"blade_mistuning": dict(sealed.values)}
     assert result.found["blade_mistuning"]["difference"] == pytest.approx(0.015, rel=0.1)

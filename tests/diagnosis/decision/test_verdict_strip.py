@@ -12,7 +12,7 @@ VALUES = 400
 def stated(excess_at_one_percent: float) -> tuple[IfRepeatable, ...]:
     """A misfit of so many times 1 %, squared, whatever repeatability it is divided by."""
     return tuple(
-        IfRepeatable(r, excess := excess_at_one_percent * (0.01 / r) ** 2, VALUES * excess, excess**0.5)
+        IfRepeatable(r, excess := excess_at_one_percent * (0.01 / r) ** 2, VALUES * excess, excess**0.5, excess)
         for r in (0.005, 0.01, 0.02, 0.04, 0.08)
     )
 
@@ -29,6 +29,7 @@ EVIDENCE = Evidence(
     alike=(),
     if_repeatable=stated(40.0),
     values=VALUES,
+    unseen_values=VALUES // 4,
 )
 
 

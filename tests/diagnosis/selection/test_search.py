@@ -13,7 +13,7 @@ from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.diagnosis.candidate_models.baseline import baseline
 from updamp.diagnosis.candidate_models.candidate_fits import FitContext
 from updamp.diagnosis.candidate_models.fit_tasks import FitTask, fit_here
-from updamp.diagnosis.criteria import Criteria
+from updamp.diagnosis.criteria import Criteria, SearchEffort
 from updamp.diagnosis.decision.decide import decide
 from updamp.diagnosis.score_tests.signature import extend
 from updamp.diagnosis.selection import pairs
@@ -144,7 +144,7 @@ def test_second_effects_are_looked_for_where_the_first_explains_all_but_stands_a
     fits, tried = FitContext(start(3e3), Criteria(), lambda _: None, fit_here), []
     singles = fits.results([FitTask((SPRING,), (np.full(1, 1.5),), full=True)])
     ((names, found_alone),) = singles.items()
-    assert found_alone.trial.excess < Criteria().look_further
+    assert fits.explains(found_alone.trial)
     monkeypatch.setattr(pairs, "_beside", lambda _fits, first, *_: tried.append(first) or {})
     pairs.try_pairs(fits, (SPRING, DASHPOT), singles)
     assert tried == []
@@ -155,7 +155,7 @@ def test_second_effects_are_looked_for_where_the_first_explains_all_but_stands_a
 
 def test_pairs_are_given_the_numerical_error_of_the_model_with_both_effects(monkeypatch):
     """That they help is shown in test_refit.py; here that they are asked for, and that the answer counts."""
-    fits, asked = FitContext(start(3e3), Criteria(score=0.0), lambda _: None, fit_here), []
+    fits, asked = FitContext(start(3e3), Criteria(search=SearchEffort(score=0.0)), lambda _: None, fit_here), []
 
     def anew(beside, settled):
         asked.append((beside.start.fitted.parametrisation.effects, tuple(settled)))
