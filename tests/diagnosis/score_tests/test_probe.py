@@ -57,7 +57,7 @@ def start():
 
 def test_an_effect_that_acts_with_its_square_is_tried_first_and_near_its_size(start):
     scored = scores(extend(start.fitted, start.train_plan, (ASKEW, DASHPOT)))
-    assert max(s.score for s in scored) < Criteria().score  # to first order neither shows
+    assert max(s.score for s in scored) < Criteria().search.score  # to first order neither shows
     found = probes(start, (DASHPOT, ASKEW))
     assert [p.effect for p in found] == [ASKEW, DASHPOT]
     assert abs(0.8 * found[0].start[0]) == pytest.approx(1.0, rel=0.1)
