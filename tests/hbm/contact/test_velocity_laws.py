@@ -9,6 +9,7 @@ from scipy.special import gamma
 from updamp.hbm.contact.between_points import BetweenPoints
 from updamp.hbm.contact.dry_friction import DryFriction, DryFrictionParameters
 from updamp.hbm.contact.power_law_damper import PowerLawDamper, PowerLawParameters
+from updamp.hbm.contact.threshold_damper import ThresholdDamper, ThresholdDamperParameters
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.problem.elements import ElementGroup, departures, element_forces, force_only, loop_areas
 
@@ -26,12 +27,18 @@ def friction(force: float = FORCE) -> ElementGroup:
     return ElementGroup(DryFriction(CREEP), DryFrictionParameters(np.array([force])), np.array([[0]]))
 
 
+def threshold(place: float = A / 2) -> ElementGroup:
+    parameters = ThresholdDamperParameters(np.array([2.0]), np.array([place]))
+    return ElementGroup(ThresholdDamper(), parameters, np.array([[0]]))
+
+
 def across(group: ElementGroup) -> ElementGroup:
     return ElementGroup(BetweenPoints(group.law), group.parameters, np.array([[0, 1]]))
 
 
 GROUPS = {
     "power 1": damper(1.0), "power 1.8": damper(1.8), "power 3": damper(3.0), "friction": friction(),
+    "threshold": threshold(),
     "power between two": across(damper(1.8)), "friction between two": across(friction()),
 }  # fmt: skip
 EACH = pytest.mark.parametrize("group", GROUPS.values(), ids=GROUPS)
@@ -61,6 +68,15 @@ def test_power_law_at_one_and_two_is_a_dashpot_and_a_square_law() -> None:
     for exponent, expected in ((1.0, v / REFERENCE), (2.0, v * jnp.abs(v) / REFERENCE**2)):
         found = PowerLawDamper(REFERENCE).force(v, v, PowerLawParameters(jnp.array(1.0), jnp.array(exponent)))
         np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12)
+
+
+def test_beyond_a_threshold_what_is_lost_is_the_closed_form_and_below_it_nothing() -> None:
+    for amplitude in (1.01 * A, 3 * A, 1e3 * A):
+        t = np.arccos(A / amplitude)
+        expected = t / 2 - np.sin(2 * t) / 4 - A / amplitude * (np.arctanh(np.sin(t)) - np.sin(t))
+        found = loop_areas(threshold(A), harmonic(amplitude), W, HARMONICS, 16384)
+        assert found[0] == pytest.approx(4 * 2.0 * W * amplitude**2 * expected, rel=1e-3)
+    assert loop_areas(threshold(A), harmonic(0.99 * A), W, HARMONICS, 256)[0] == 0
 
 
 def test_friction_takes_four_times_force_and_amplitude_less_what_creeps() -> None:
