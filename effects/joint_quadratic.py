@@ -3,12 +3,13 @@
 from updamp.effects.effect import Effect, EffectParameter, Values
 from updamp.effects.rig_model import RigModel
 from updamp.effects.structure import with_joint_element
-from updamp.hbm.contact.quadratic_damper import QuadraticDamper
+from updamp.hbm.contact.power_law_damper import PowerLawDamper
 
 
 def apply(model: RigModel, values: Values) -> RigModel:
     """A damper at the excitation point; at 0 too, so that models of all values have the same unknowns."""
-    return with_joint_element(model, "quadratic damper", QuadraticDamper(), coefficient=values["coefficient"])
+    law = PowerLawDamper(reference=1.0)
+    return with_joint_element(model, "quadratic damper", law, force=values["coefficient"], exponent=2.0)
 
 
 EFFECT = Effect(

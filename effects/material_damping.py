@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from updamp.effects.effect import Effect, EffectParameter, Values
 from updamp.effects.rig_model import PointElement, RigModel
-from updamp.effects.structure import TIPS, model_with_tips
+from updamp.effects.structure import TIPS, model_with
 from updamp.hbm.contact.paired_amplitude_damper import PairedAmplitudeDamper, PairedAmplitudeDamperParameters
 from updamp.hbm.problem.linear_model import LinearModel
 
@@ -29,7 +29,7 @@ def apply(model: RigModel, values: Values) -> RigModel:
 
     raises: ValueError where the model lacks one of the tips
     """
-    model_with_tips(model)
+    model_with(model, TIPS)
     growth = values["growth"] / PER
     each = [growth * c for c in coefficients(model)] if growth != 0 else [0.0, 0.0]
     law, parameters = PairedAmplitudeDamper(), PairedAmplitudeDamperParameters(*(jnp.full(1, c) for c in each))

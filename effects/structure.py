@@ -5,10 +5,12 @@ Effects of a bolted joint are for models whose modes were identified in a test. 
 model: its motion goes with that of the mode, so an element at the excitation point stands for it, and its parameters
 are those seen from there. With several modes, each of which moves the joint otherwise, they are not the joint's own.
 
-Elements at the tips stand for what the blades themselves do. Changes of one component's modes are made within the model
+Elements at the tips stand for what the blades themselves do, or what touches them there; between the platforms, for
+what happens across their gap. Changes of one component's modes are made within the model
 of all components side by side: the other components and the order of owners stay.
 """
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -18,6 +20,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from updamp.effects.rig_model import PointElement, RigModel
+from updamp.hbm.contact.between_points import BetweenPoints
 from updamp.hbm.contact.law import ContactLaw
 from updamp.hbm.problem.linear_model import LinearModel
 
@@ -26,6 +29,7 @@ Integers = NDArray[np.int64]
 
 BLADES = ("blade_left", "blade_right")
 TIPS = ("blade_left.tip.x", "blade_right.tip.x")
+PLATFORMS = ("blade_left.platform.x", "blade_right.platform.x")
 # Fewest samples of a period for laws that are not smooth.
 _SAMPLES = 128
 
@@ -50,27 +54,41 @@ def with_joint_element(model: RigModel, name: str, law: ContactLaw, **entries: f
 
     raises: ValueError where the model is not one of identified modes without contacts
     """
-    parameters: Any = law.parameters(**{entry: jnp.full(1, value) for entry, value in entries.items()})
-    added = PointElement(name, (joint_model(model).excitation,), law, parameters)
+    added = _element(name, (joint_model(model).excitation,), law, entries)
     return replace(model, elements=(*model.elements, added), time_samples=max(model.time_samples, _SAMPLES))
 
 
-def model_with_tips(model: RigModel) -> RigModel:
-    """raises: ValueError where the model lacks one of the tips"""
-    if missing := [tip for tip in TIPS if tip not in model.components.points]:
-        raise ValueError(f"this effect acts on {' and '.join(TIPS)}; the model has no {' and no '.join(missing)}")
+def model_with(model: RigModel, points: tuple[str, ...]) -> RigModel:
+    """raises: ValueError where the model lacks one of the points"""
+    if missing := [point for point in points if point not in model.components.points]:
+        raise ValueError(f"this effect acts on {' and '.join(points)}; the model has no {' and no '.join(missing)}")
     return model
 
 
-def with_tip_elements(model: RigModel, name: str, law: ContactLaw, **entries: float) -> RigModel:
-    """The model with one element at each tip, between it and the ground; entries: of the law's parameters.
+def with_tip_elements(model: RigModel, name: str, law: ContactLaw, **entries: float | tuple[float, float]) -> RigModel:
+    """The model with one element at each tip, between it and the ground.
 
+    entries: of the law's parameters, of both or of the left and of the right one
     raises: ValueError where the model lacks one of the tips
     """
-    model_with_tips(model)
-    parameters: Any = law.parameters(**{entry: jnp.full(1, value) for entry, value in entries.items()})
-    added = tuple(PointElement(f"{name} at {tip}", (tip,), law, parameters) for tip in TIPS)
+    model_with(model, TIPS)
+    each = [{entry: float(np.broadcast_to(value, 2)[i]) for entry, value in entries.items()} for i in range(2)]
+    added = tuple(_element(f"{name} at {tip}", (tip,), law, own) for tip, own in zip(TIPS, each, strict=True))
     return replace(model, elements=(*model.elements, *added))
+
+
+def with_platform_element(model: RigModel, name: str, law: ContactLaw, **entries: float) -> RigModel:
+    """The model with an element between the two platforms; entries: of the law's parameters.
+
+    raises: ValueError where the model lacks one of the platforms
+    """
+    added = _element(name, PLATFORMS, BetweenPoints(law), entries)
+    return replace(model_with(model, PLATFORMS), elements=(*model.elements, added))
+
+
+def _element(name: str, points: tuple[str, ...], law: ContactLaw, entries: Mapping[str, float]) -> PointElement:
+    parameters: Any = law.parameters(**{entry: jnp.full(1, value) for entry, value in entries.items()})
+    return PointElement(name, points, law, parameters)
 
 
 def modes_of(model: RigModel, component: str) -> Integers:

@@ -55,13 +55,17 @@ class Case:
 
     @property
     def in_catalogue(self) -> bool:
+        """Whether all of it is hidden as the catalogue's."""
         return all(HIDDEN[name].in_catalogue for name in self.effects)
 
     @property
     def catalogue_values(self) -> dict[str, dict[str, float]]:
-        """What is hidden in the parameters of updamp's catalogue: effect -> name -> value, in SI; none for effects
-        outside it. The laboratory's parameters have the catalogue's names and meaning, which tests check."""
-        return {one.name: dict(one.values) for one in self.hidden if HIDDEN[one.name].in_catalogue}
+        """What is hidden by the catalogue's names and in its parameters, whose meaning tests check: effect -> name ->
+        value, in SI; none for effects that it does not have."""
+        known = (
+            (HIDDEN[one.name].catalogue_name, HIDDEN[one.name].catalogue_values(one.values)) for one in self.hidden
+        )
+        return {name: dict(values) for name, values in known if values is not None}
 
     @property
     def digest(self) -> str:

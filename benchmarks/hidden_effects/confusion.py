@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from updamp.benchmarks.hidden_effects.scored_case import ScoredCase
+from updamp.benchmarks.virtual_rig.laboratory import HIDDEN
 from updamp.effects.catalogue import CATALOGUE
 
 Floats = NDArray[np.float64]
@@ -69,7 +70,8 @@ def draw(matrix: Confusion, path: Path) -> None:
     for r, c in zip(*np.nonzero(matrix.count), strict=True):
         axes.text(c, r, f"{matrix.count[r, c]:.2g}", ha="center", va="center", fontsize=8)
     for r, name in enumerate(matrix.rows):
-        axes.add_patch(_frame(matrix.columns.index(_right(name)), r))
+        for right in _right(name):
+            axes.add_patch(_frame(matrix.columns.index(right), r))
     labels = [f"{_plain(name)} ({n})" for name, n in zip(matrix.rows, matrix.cases, strict=True)]
     axes.set_xticks(range(columns), [_plain(name) for name in matrix.columns], rotation=60, ha="right", fontsize=8)
     axes.set_yticks(range(rows), labels, fontsize=8)
@@ -83,10 +85,13 @@ def draw(matrix: Confusion, path: Path) -> None:
     figure.savefig(path, dpi=150)
 
 
-def _right(row: str) -> str:
+def _right(row: str) -> tuple[str, ...]:
+    """Columns"""
     if row == NOTHING:
-        return WITHOUT_NAMES["adequate"]
-    return row if row in CATALOGUE else WITHOUT_NAMES["unknown"]
+        return (WITHOUT_NAMES["adequate"],)
+    if row in CATALOGUE:
+        return (row,)
+    return (WITHOUT_NAMES["unknown"], *{HIDDEN[row].catalogue_name}.intersection(CATALOGUE))
 
 
 def _frame(column: int, row: int) -> mpl.patches.Rectangle:

@@ -25,7 +25,7 @@ class Called:
 
 
 def judged(kind: str, truth: Iterable[str], called: Called) -> Mark:
-    """kind: of the case; truth: names of what is hidden
+    """kind: of the case; truth: what is hidden, by the catalogue's names where it has them
 
     raises: ValueError for a verdict that there is not
     """
@@ -38,13 +38,13 @@ def judged(kind: str, truth: Iterable[str], called: Called) -> Mark:
         return "right" if called.verdict == NOTHING else "false alarm"
     if called.verdict == NOTHING:
         return "missed"
-    if kind == "outside":
-        return "right" if called.verdict == "unknown" else "wrong"
-    return "unknown" if called.verdict == "unknown" else _named(hidden, called)
+    if called.verdict == "unknown":
+        return "right" if kind == "outside" else "unknown"
+    return _named(hidden, called)
 
 
 def _named(hidden: frozenset[str], called: Called) -> Mark:
-    """Something is hidden, all of it in the catalogue, and something is named."""
+    """Something is hidden, and something is named."""
     named, group = frozenset(called.effects), frozenset(called.group)
     if called.verdict == "identified":
         group = frozenset()

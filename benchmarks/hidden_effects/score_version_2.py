@@ -12,7 +12,7 @@ from typing import Annotated, Any
 
 import typer
 
-from updamp.benchmarks.hidden_effects.goals import Goal, goal, median_seconds
+from updamp.benchmarks.hidden_effects.goals import OUTSIDE, Goal, goal, median_seconds
 from updamp.benchmarks.hidden_effects.judgement import CONFIDENTLY_WRONG, CORRECT
 from updamp.benchmarks.hidden_effects.kinds_of_test import KINDS_OF_TEST
 from updamp.benchmarks.hidden_effects.layout import HERE, Layout, read, write_whole
@@ -45,7 +45,7 @@ def counts(cases: Sequence[ScoredCase]) -> dict[str, int]:
         "null": len(none),
         "false_alarms": sum(c.mark == "false alarm" for c in none),
         "outside": len(outside),
-        "outside_right": sum(c.mark == "right" for c in outside),
+        "outside_right": sum(c.mark in CORRECT for c in outside),
         "pairs": len(pairs),
         "pairs_right": sum(c.mark in CORRECT for c in pairs),
         "strong": len(strong),
@@ -66,7 +66,7 @@ def goals(cases: Sequence[ScoredCase]) -> tuple[Goal, ...]:
         of("right effect, or its group of two", "95 %", "single_right", "single", 0.95),
         of("confidently wrong, of all with something hidden", "at most 1 %", "confidently_wrong", "hidden", 0.01, True),
         of("false alarms where nothing is hidden", "at most 1 of 40", "false_alarms", "null", 1 / 40, True),
-        of("'unknown' of those outside the catalogue", "22 of 24", "outside_right", "outside", 22 / 24),
+        of(OUTSIDE, "22 of 24", "outside_right", "outside", 22 / 24),
         of("both of two effects", "20 of 24", "pairs_right", "pairs", 20 / 24),
         of(f"strong: error on held-out runs {FALL:g} times lower", "95 %", "strong_heldout_3x", "strong", 0.95),
         of("95 % intervals that hold the truth", "90 %", "intervals_hold", "intervals", 0.9),

@@ -9,6 +9,7 @@ from typing import Any
 from updamp.benchmarks.hidden_effects.judgement import Called, Mark, judged
 from updamp.benchmarks.hidden_effects.kinds_of_test import EASY
 from updamp.benchmarks.hidden_effects.layout import Layout, read
+from updamp.benchmarks.virtual_rig.laboratory import HIDDEN
 from updamp.diagnosis.verdict import VERDICT_JSON, Candidate, ErrorReached, Verdict
 from updamp.effects.catalogue import CATALOGUE
 
@@ -49,7 +50,8 @@ class Recovered:
 
 @dataclass(frozen=True)
 class ScoredCase:
-    """truth: names of what is hidden, at `strength` where it is one; by_laboratory, by_diagnosis: of each hidden effect
+    """truth: the laboratory's names of what is hidden, at `strength` where it is one
+    by_laboratory, by_diagnosis: of each of these
     recovered: parameters of those that were refitted; ablations: what others would have said, and their marks
     test: kind of test; seconds: on the clock; processor: of one core, as a busy machine does not change much
     """
@@ -97,6 +99,7 @@ def scored(layout: Layout, truth: Mapping[str, Any]) -> ScoredCase | None:
         return None
     verdict = VERDICT_JSON.read(folder / "diagnosis.json")
     hidden = tuple(truth["effects"])
+    in_catalogue = {name: HIDDEN[name].catalogue_name for name in hidden}
     called = Called(verdict.verdict, verdict.effects, verdict.group)
     candidates = {c.name: c for c in verdict.candidates}
     others = ablations_of(verdict, read(folder / ABLATIONS))
@@ -107,12 +110,12 @@ def scored(layout: Layout, truth: Mapping[str, Any]) -> ScoredCase | None:
         truth=hidden,
         repeats=f"case_{truth['repeats']:03d}" if truth["repeats"] else "",
         called=called,
-        mark=judged(truth["kind"], hidden, called),
+        mark=judged(truth["kind"], in_catalogue.values(), called),
         error=verdict.error,
         by_laboratory=_by_laboratory(layout, truth),
-        by_diagnosis={effect: _detectability(candidates.get(effect)) for effect in hidden},
-        recovered=tuple(r for effect in hidden for r in recovered(effect, truth["parameters"], candidates)),
-        ablations={name: (call, judged(truth["kind"], hidden, call)) for name, call in others.items()},
+        by_diagnosis={effect: _detectability(candidates.get(name)) for effect, name in in_catalogue.items()},
+        recovered=tuple(r for name in in_catalogue.values() for r in recovered(name, truth["parameters"], candidates)),
+        ablations={name: (call, judged(truth["kind"], in_catalogue.values(), call)) for name, call in others.items()},
         seconds=float(ran["seconds"]),
         processor=float(ran.get("processor", ran["seconds"])),
         test=truth.get("test", EASY.name),
@@ -136,13 +139,18 @@ def _detectability(candidate: Candidate | None) -> Detectability:
 def recovered(
     effect: str, parameters: Mapping[str, Mapping[str, float]], candidates: Mapping[str, Candidate]
 ) -> tuple[Recovered, ...]:
-    """parameters: effect -> name -> true value, in the catalogue's terms"""
+    """Without those that are truly at their null value: nothing to measure their error by.
+
+    parameters: effect -> name -> true value, in the catalogue's terms
+    """
     if effect not in candidates or effect not in parameters:
         return ()
     nulls = CATALOGUE[effect].at_null()
     found = []
     for fitted in candidates[effect].parameters:
         true = parameters[effect][fitted.name]
+        if true == nulls[fitted.name]:
+            continue
         error = abs(fitted.value - true) / abs(true - nulls[fitted.name])
         inside = fitted.lower <= true <= fitted.upper
         found.append(

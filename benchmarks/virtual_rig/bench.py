@@ -148,14 +148,37 @@ STRENGTHS = ("weak", "medium", "strong")
 
 
 @dataclass(frozen=True)
+class Renamed:
+    """What updamp's catalogue has for a hidden effect of another name. values: the catalogue's from those here"""
+
+    name: str
+    values: Callable[[Values], Values]
+
+
+@dataclass(frozen=True)
 class HiddenEffect:
-    """strengths: "weak", "medium", "strong" -> values; apply(bench, values, rig) -> the bench with it"""
+    """strengths: "weak", "medium", "strong" -> values; apply(bench, values, rig) -> the bench with it
+    in_catalogue: whether it is hidden as one of the catalogue's, which has it by this name and these parameters
+    renamed: of one that is not, where the catalogue has its law all the same; None where it does not
+    """
 
     name: str
     sentence: str
     strengths: Mapping[str, Values]
     apply: Callable[[Bench, Values, Rig], Bench]
     in_catalogue: bool = True
+    renamed: Renamed | None = None
+
+    @property
+    def catalogue_name(self) -> str:
+        """What it is called by a diagnosis that names it; its own name where none can."""
+        return self.renamed.name if self.renamed else self.name
+
+    def catalogue_values(self, values: Values) -> Values | None:
+        """Parameters of the catalogue's effect, in SI; None where there is none."""
+        if self.renamed:
+            return self.renamed.values(values)
+        return values if self.in_catalogue else None
 
 
 @dataclass(frozen=True)

@@ -64,6 +64,12 @@ def friction_gradient(bench: Bench, values: Values, _rig: Rig) -> Bench:
     return bench.with_patches(mu=bench.patches.mu * (1 + values["gradient"] * bench.bodies.up.mean(axis=1)))
 
 
+def friction_by_face(bench: Bench, values: Values, _rig: Rig) -> Bench:
+    """Left face mu (1 - d), right face mu (1 + d)"""
+    d = values["difference"]
+    return bench.with_patches(mu=bench.patches.mu * np.where(bench.bodies.face == 0, 1 - d, 1 + d))
+
+
 def edge_gap(bench: Bench, values: Values, _rig: Rig) -> Bench:
     """Upper and lower edges are rounded: a gap of depth ((|s| - 1/2) / (1/2))^2 beyond |s| = 1/2, s up the face. Each
     face is pressed on until it carries what it carried before."""
@@ -108,4 +114,6 @@ EFFECTS = (
     HiddenEffect("friction_gradient", "friction varies up the face", strengths("gradient", 0.25, 0.5, 0.9),
                  friction_gradient),
     HiddenEffect("edge_gap", "edges of the faces are rounded", strengths("depth", 5e-8, 1e-7, 2e-7), edge_gap),
+    HiddenEffect("friction_by_face", "one face rubs more than the other", strengths("difference", 0.15, 0.3, 0.6),
+                 friction_by_face),
 )  # fmt: skip

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.benchmarks.virtual_rig.bench import (
+    STRENGTHS,
     Bench,
     BenchAttachment,
     BenchElement,
@@ -68,6 +69,25 @@ def blade_cubic_stiffness(bench: Bench, values: Values, _rig: Rig) -> Bench:
     return at_both_tips(bench, "cubic", cubic(values["coefficient"]))
 
 
+def beyond(dashpot: float, threshold: float) -> PointForce:
+    def force(u: Floats, v: Floats) -> tuple[Floats, Floats, Floats]:
+        size = np.abs(u)
+        out = size > threshold
+        share = threshold / np.where(out, size, threshold)
+        return (
+            dashpot * v * (1 - share),
+            np.where(out, dashpot * v * share**2 * np.sign(u) / threshold, 0.0),
+            dashpot * (1 - share),
+        )
+
+    return force
+
+
+def threshold_damping(bench: Bench, values: Values, _rig: Rig) -> Bench:
+    """c v (1 - a / |u|) at both tips while |u| is above a"""
+    return at_both_tips(bench, "threshold", beyond(values["dashpot"], values["threshold"]))
+
+
 def shaker(mass: float, stiffness: float, dashpot: float) -> dict[str, float]:
     return {"mass": mass, "stiffness": stiffness, "dashpot": dashpot}
 
@@ -86,4 +106,9 @@ EFFECTS = (
                  material_damping),
     HiddenEffect("blade_cubic_stiffness", "blades stiffen with amplitude", strengths("coefficient", 5e11, 2e12, 8e12),
                  blade_cubic_stiffness),
+    HiddenEffect(
+        "threshold_damping", "a loss sets in above an amplitude",
+        {name: {"dashpot": c, "threshold": 7e-6} for name, c in zip(STRENGTHS, (1.0, 3.0, 10.0), strict=True)},
+        threshold_damping,
+    ),
 )  # fmt: skip

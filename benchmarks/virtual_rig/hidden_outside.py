@@ -1,4 +1,5 @@
-"""Effects that updamp's catalogue does not know: the right answer is that none of its effects explains them."""
+"""Effects hidden as unknown to updamp's catalogue: the right answer is that none of its effects explains them, or, of
+those whose law the catalogue has got since under another name, that name."""
 
 from dataclasses import replace
 
@@ -12,6 +13,7 @@ from updamp.benchmarks.virtual_rig.bench import (
     BenchElement,
     HiddenEffect,
     PointForce,
+    Renamed,
     Values,
     spring,
     strengths,
@@ -125,10 +127,20 @@ def absorber(mass: float) -> dict[str, float]:
     return {"mass": mass, "frequency": 430.0}
 
 
+def power_law(values: Values) -> Values:
+    """Force at 0.1 m/s, where the catalogue states it."""
+    return {"force": 0.1**2 * values["coefficient"], "exponent": 2.0}
+
+
+def left_tip(values: Values) -> Values:
+    return {"left": values["force"], "right": 0.0}
+
+
 EFFECTS = tuple(
     replace(effect, in_catalogue=False)
     for effect in (
-        HiddenEffect("quadratic_damping", "drag", strengths("coefficient", 10, 40, 150), quadratic_damping),
+        HiddenEffect("quadratic_damping", "drag", strengths("coefficient", 10, 40, 150), quadratic_damping,
+                     renamed=Renamed("power_law_damping", power_law)),
         HiddenEffect("force_drop_off", "unrecorded loss of force", strengths("drop", 0.1, 0.25, 0.5), force_drop_off),
         HiddenEffect("loose_sensor_gain", "the left tip's reading shrinks", strengths("gain", 0.1, 0.25, 0.5),
                      loose_sensor_gain),
@@ -145,8 +157,9 @@ EFFECTS = tuple(
             {"weak": absorber(5e-6), "medium": absorber(2e-5), "strong": absorber(1e-4)}, absorber_mass,
         ),
         HiddenEffect("rubbing_cable", "a cable rubs at the left tip", strengths("force", 0.003, 0.01, 0.03),
-                     rubbing_cable),
-        HiddenEffect("platform_rub", "the platforms rub", strengths("force", 0.05, 0.15, 0.5), platform_rub),
+                     rubbing_cable, renamed=Renamed("tip_friction", left_tip)),
+        HiddenEffect("platform_rub", "the platforms rub", strengths("force", 0.05, 0.15, 0.5), platform_rub,
+                     renamed=Renamed("platform_friction", dict)),
         HiddenEffect("tip_coupling", "a spring between the tips", strengths("stiffness", 100, 300, 1000), tip_coupling),
         HiddenEffect(
             "tip_stop", "the right tip strikes something",

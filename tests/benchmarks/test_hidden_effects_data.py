@@ -15,7 +15,7 @@ from updamp.benchmarks.hidden_effects.in_turn import in_turn
 from updamp.benchmarks.hidden_effects.kinds_of_test import EASY, KINDS_OF_TEST, KindOfTest
 from updamp.benchmarks.hidden_effects.layout import Layout, read
 from updamp.benchmarks.hidden_effects.make_data import is_made, make_case
-from updamp.benchmarks.hidden_effects.version_1 import NULLS, OUTSIDE, PAIRS, version_1
+from updamp.benchmarks.hidden_effects.version_1 import NULLS, OUTSIDE, PAIRS, SINGLES, version_1
 from updamp.benchmarks.hidden_effects.version_2 import drawn, version_2
 from updamp.benchmarks.virtual_rig.bench import STRENGTHS
 from updamp.benchmarks.virtual_rig.bodies import bodies_of
@@ -43,7 +43,8 @@ def test_cases_are_as_many_as_asked_for() -> None:
     found = version_1()
     assert Counter(c.kind for c in found) == {"single": 48, "none": 24, "outside": 12, "pair": 12, "resolution": 3}
     singles = {(c.effects[0], c.strength) for c in found if c.kind == "single"}
-    assert singles == {(name, strength) for name in CATALOGUE for strength in STRENGTHS}
+    assert singles == {(name, strength) for name in SINGLES for strength in STRENGTHS}
+    assert set(SINGLES) <= set(CATALOGUE)
     outside = {c.effects[0] for c in found if c.kind == "outside"}
     assert outside == {name for name, _ in OUTSIDE}
     pairs = [set(c.effects) for c in found if c.kind == "pair"]
@@ -86,8 +87,9 @@ def test_the_second_version_has_every_kind_in_every_test_and_tells_nothing() -> 
     by_test = {test: Counter(c.kind for c in found if c.test == test) for test in KINDS_OF_TEST}
     assert all((n["single"], n["outside"], n["pair"]) == (24, 8, 8) for n in by_test.values())
     assert sum(n["none"] for n in by_test.values()) == 40
+    inside = {name for name, effect in HIDDEN.items() if effect.in_catalogue}
     for test in KINDS_OF_TEST:
-        assert {c.effects[0] for c in found if (c.test, c.kind) == (test, "single")} == set(CATALOGUE)
+        assert {c.effects[0] for c in found if (c.test, c.kind) == (test, "single")} == inside
     nothing = np.array([c.kind == "none" for c in found])
     assert abs(np.corrcoef(np.arange(160), nothing)[0, 1]) < 0.2
 
@@ -137,7 +139,10 @@ def test_truth_is_in_the_catalogue_s_terms(rig: Rig, tmp_path: Path) -> None:
     both = (hidden("edge_gap", "weak"), hidden("wire_stiffness", "weak"))
     make_case(Case(9, "pair", both, 6, "tiny"), layout, rig)
     outside, pair = (json.loads(layout.truth(f"case_00{n}").read_text()) for n in (8, 9))
-    assert (outside["effects"], outside["parameters"], outside["in_catalogue"]) == (["quadratic_damping"], {}, False)
+    by_its_name = {"power_law_damping": {"force": pytest.approx(0.1), "exponent": 2}}
+    assert (outside["effects"], outside["parameters"]) == (["quadratic_damping"], by_its_name)
+    assert outside["in_catalogue"] is False
+    assert Case(10, "outside", (hidden("tip_stop", "weak"),), 5).catalogue_values == {}
     assert pair["parameters"] == {"edge_gap": {"depth": 5e-8}, "wire_stiffness": {"factor": 5}}
     assert len(pair["record"]["assemblies"]) == 2
     assert pair["record"]["seed"] == pair["seed"] == 6

@@ -10,7 +10,7 @@ import pytest
 from updamp.benchmarks.hidden_effects import score, score_version_2
 from updamp.benchmarks.hidden_effects.cases import Case
 from updamp.benchmarks.hidden_effects.confusion import confusion
-from updamp.benchmarks.hidden_effects.goals import goal
+from updamp.benchmarks.hidden_effects.goals import OUTSIDE, goal
 from updamp.benchmarks.hidden_effects.judgement import Called, judged
 from updamp.benchmarks.hidden_effects.kinds_of_test import KINDS_OF_TEST
 from updamp.benchmarks.hidden_effects.layout import Layout, write_whole
@@ -47,6 +47,10 @@ IDENTIFIED, INSEPARABLE = "identified", "inseparable"
         ("none", "", Called(INSEPARABLE, (), ("a", "b")), "false alarm"),
         ("outside", "x", Called("unknown"), "right"),
         ("outside", "x", Called(IDENTIFIED, ("a",)), "wrong"),
+        ("outside", "x", Called(IDENTIFIED, ("x",)), "right"),
+        ("outside", "x", Called(IDENTIFIED, ("x", "a")), "wrong"),
+        ("outside", "x", Called(INSEPARABLE, (), ("x", "a")), "right group"),
+        ("outside", "x", Called("undecidable"), "undecided"),
         ("outside", "x", Called("adequate"), "missed"),
         ("pair", "a b", Called(IDENTIFIED, ("b", "a")), "right"),
         ("pair", "a b", Called(IDENTIFIED, ("b",)), "partly"),
@@ -162,9 +166,27 @@ def test_each_failure_counts_where_it_belongs(all_right: Layout) -> None:
     assert found["right effect, or its group of two, of detectable single ones"] == (45, 47, True)
     assert found["confidently wrong, of detectable single ones"] == (1, 47, False)
     assert found["false alarms where nothing is hidden"] == (2, 24, False)
-    assert found["'unknown' of those outside the catalogue"] == (11, 12, True)
+    assert found[OUTSIDE] == (11, 12, True)
     assert found["both of two effects"] == (11, 12, True)
     assert found["same verdict at 146 patches"] == (2, 3, False)
+
+
+def test_a_law_that_the_catalogue_has_got_since_may_be_named_or_unknown(all_right: Layout) -> None:
+    one, other = [case for case in of_kind("outside") if case.effects == ("quadratic_damping",)][:2]
+    replaced(
+        all_right, one, verdict(Called(IDENTIFIED, ("power_law_damping",)), (candidate("power_law_damping", one),))
+    )
+    replaced(all_right, other, verdict(Called(IDENTIFIED, ("material_damping",))))
+    found = {c.case: c for c in score_all(all_right)[0]}
+    assert (found[one.name].mark, found[other.name].mark) == ("right", "wrong")
+    assert found[one.name].truth == ("quadratic_damping",)
+    assert found[one.name].detectable
+    # its exponent is at the null value, by which no error can be measured
+    assert [r.name for r in found[one.name].recovered] == ["force"]
+    assert counts(all_right)[OUTSIDE] == (11, 12, True)
+    matrix = confusion(list(found.values()))
+    row = matrix.rows.index("quadratic_damping")
+    assert matrix.count[row, matrix.columns.index("power_law_damping")] == 1
 
 
 def test_gains_and_parameters_of_strong_effects(all_right: Layout) -> None:

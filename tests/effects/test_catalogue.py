@@ -18,8 +18,11 @@ NAMES = (
     "pressure_crown", "pressure_slope", "asymmetric_preload", "pressure_dependent_stiffness",
     "static_dynamic_coupling", "wire_stiffness", "shaker_attachment", "clamp_flexibility", "blade_mistuning",
     "material_damping", "contact_viscosity", "velocity_dependent_friction", "sub_patch_microslip",
-    "friction_gradient", "edge_gap", "blade_cubic_stiffness",
+    "friction_gradient", "edge_gap", "blade_cubic_stiffness", "power_law_damping", "tip_friction",
+    "platform_friction", "friction_by_face", "threshold_damping",
 )  # fmt: skip
+# What does nothing by itself: it says how another parameter's effect grows.
+WITHOUT_SIZE = {("power_law_damping", "exponent"), ("threshold_damping", "threshold")}
 SMOOTH = [name for name in NAMES if not CATALOGUE[name].finite_step]
 
 
@@ -98,11 +101,14 @@ def test_at_null_it_is_the_model_without(model, name):
     assert not other.departure.value[n:].any()
 
 
-@pytest.mark.parametrize("name", [name for name in SMOOTH if name != "wire_stiffness"])
+@pytest.mark.parametrize("name", [name for name in SMOOTH if name not in ("wire_stiffness", "platform_friction")])
 def test_response_has_a_derivative_at_null(at, name):
     """Of each parameter, per typical size; one-sided where the bounds say so. A longer step gives the same, but for the
     round-off of the structure's modes, 1e-8 of the response."""
     for p in CATALOGUE[name].parameters:
+        if (name, p.name) in WITHOUT_SIZE:
+            assert at(name, 1e-2, p.name) == pytest.approx(at(), rel=1e-9)
+            continue
         short, long = ((at(name, h, p.name) - at()) / h / abs(at()) for h in (5e-4, 2e-3))
         assert abs(short) > 1e-4
         assert abs(long - short) < 0.06 * abs(short) + 2e-5
@@ -125,6 +131,23 @@ def test_wires_have_a_derivative_at_null(model):
     assert abs(ahead) > 1e-2 * abs(receptance(1.0))
     assert abs(ahead - behind) < 0.05 * abs(ahead)
     assert abs(ahead - further) < 0.05 * abs(ahead)
+
+
+def test_friction_between_the_platforms_has_a_derivative_at_null_where_they_move_apart(model):
+    """In the second mode; in the first one, above, both platforms go the same way."""
+    w = 2 * np.pi * model.system.stuck.frequencies[1] * 0.998
+
+    def response(share: float) -> complex:
+        changed = CATALOGUE["platform_friction"].apply(model, {"force": 0.1 * share})
+        excitation = changed.excited_by(FORCE)
+        solution = solve(changed.system, excitation, linear_solution(changed.system, w, excitation), w)
+        assert solution.converged
+        return tip(changed, solution)
+
+    short, long, whole = ((response(h) / response(0.0) - 1) / h for h in (5e-4, 2e-3, 1.0))
+    assert abs(short) > 1e-3
+    assert abs(long - short) < 0.01 * abs(short)
+    assert abs(whole - short) < 0.1 * abs(short)
 
 
 @pytest.mark.parametrize("name", ["pressure_slope", "sub_patch_microslip"])
@@ -151,7 +174,7 @@ def test_mean_motion_is_a_harmonic_more(model):
         effect.apply(whole, {"share": 1.0})
 
 
-def test_all_sixteen_stack(model, at):
+def test_all_of_them_stack(model, at):
     """At null the response is that without any of them; at a twentieth of the typical size they are solved together."""
     stacked, mixed = model, model
     for effect in CATALOGUE.values():

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.special import gamma
 
 from updamp.effects.catalogue import CATALOGUE
 from updamp.effects.contact_faces import along_damper, up_the_face
@@ -149,6 +150,54 @@ def test_tip_dampers_lose_what_the_loss_factor_asks_for(model):
         work = power.sum(axis=(0, 2)).mean() * 2 * np.pi / w
         ratio = work / (np.pi * blades[mode, mode] * q**2) / (growth * np.abs(tips).mean() / PER)
         assert ratio == pytest.approx(1.0, rel=0.001)
+
+
+def work_of(group, amplitudes, w, harmonics):
+    """A cycle's work of an element whose directions move in phase by these amplitudes [J]."""
+    motion = np.zeros((1, len(amplitudes), harmonics.n_coefficients))
+    motion[0, :, 0] = amplitudes
+    _, power = over_period(group, _power(group.law), motion, w, harmonics, 4096)
+    return power.sum(axis=(0, 2)).mean() * 2 * np.pi / w
+
+
+def test_tips_lose_to_a_power_of_the_velocity_what_the_closed_form_says(model):
+    w, A, p = 2700.0, 3e-5, 1.8
+    groups = changed(model, "power_law_damping", force=0.4, exponent=p).system.groups[1:]
+    assert [group.rows.tolist() for group in groups] == [[[108]], [[109]]]
+    expected = 0.4 * A * (w * A / 0.1) ** p * 2 * np.sqrt(np.pi) * gamma(p / 2 + 1) / gamma(p / 2 + 1.5)
+    for group in groups:
+        assert work_of(group, [A], w, model.harmonics) == pytest.approx(expected, rel=1e-5)
+
+
+def test_each_tip_loses_to_its_own_friction_and_platforms_to_their_relative_motion(model):
+    """Four times force and amplitude where the motion is fast; nothing where both platforms move alike."""
+    w, A = 2700.0, 1e-4
+    left, right = changed(model, "tip_friction", left=0.01, right=0.03).system.groups[1:]
+    assert work_of(left, [A], w, model.harmonics) == pytest.approx(4 * 0.01 * A, rel=1e-3)
+    assert work_of(right, [A], w, model.harmonics) == pytest.approx(4 * 0.03 * A, rel=1e-3)
+    rubbing = changed(model, "platform_friction", force=0.2)
+    assert rubbing.elements[0].points == ("blade_left.platform.x", "blade_right.platform.x")
+    (group,) = rubbing.system.groups[1:]
+    assert work_of(group, [A, -A / 2], w, model.harmonics) == pytest.approx(4 * 0.2 * 1.5 * A, rel=1e-3)
+    assert abs(work_of(group, [A, A], w, model.harmonics)) < 1e-12 * A
+
+
+def test_friction_by_face_goes_opposite_ways_and_leaves_the_preload(model):
+    unequal = changed(model, "friction_by_face", difference=0.3)
+    ratio = entry(unequal, "mu") / entry(model, "mu")
+    np.testing.assert_allclose(ratio, np.where(model.patches.face == LEFT, 0.7, 1.3))
+    np.testing.assert_array_equal(entry(unequal, "n0"), entry(model, "n0"))
+
+
+@pytest.mark.parametrize("name", ["power_law_damping", "tip_friction", "platform_friction"])
+def test_effects_at_points_name_the_point_that_is_missing(model, name):
+    points = model.components.points
+    renamed = tuple(
+        point.replace("right.tip", "right.top").replace("right.platform", "right.ledge") for point in points
+    )
+    without = replace(model, components=replace(model.components, points=renamed))
+    with pytest.raises(ValueError, match=r"the model has no blade_right\.(tip|platform)\.x$"):
+        changed(without, name, **CATALOGUE[name].at_typical())
 
 
 def _power(law):

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from updamp.hbm.contact.iwan import REFERENCE_DISPLACEMENT, IwanMicroslip, IwanParameters, stiffness_and_slip_force
-from updamp.hbm.contact.quadratic_damper import QuadraticDamper, QuadraticDamperParameters
 
 N = 2048
 LAW = IwanMicroslip()
@@ -98,11 +97,3 @@ def test_nothing_moves_in_a_motion_of_nothing() -> None:
     slope = jax.jacfwd(lambda v: LAW.force(v, jnp.zeros_like(v), parameters(-0.4)))(u)
     assert not np.asarray(LAW.force(u, u, parameters(-0.4))).any()
     assert np.isfinite(np.asarray(slope)).all()
-
-
-def test_quadratic_damper_takes_what_its_docstring_says() -> None:
-    A, w, c = 2e-4, 500.0, 70.0
-    phase = 2 * np.pi * np.arange(N) / N
-    u, v = A * np.cos(phase)[:, None], -A * w * np.sin(phase)[:, None]
-    f = QuadraticDamper().force(jnp.asarray(u), jnp.asarray(v), QuadraticDamperParameters(jnp.asarray(c)))
-    assert area(u[:, 0], np.asarray(f)[:, 0]) == pytest.approx(8 / 3 * c * w**2 * A**3, rel=1e-4)
