@@ -23,6 +23,7 @@ from updamp.model.rig_files import is_modal, load_modal, load_rig
 from updamp.pictures.curves import comparison_picture
 from updamp.report.markup import drawn_units
 from updamp.report.page import write_report
+from updamp.report.sections.outcome import verdict_sentence
 from updamp.rig.questions import questions
 from updamp.rig.rig import Rig
 from updamp.workflow import stages
@@ -275,7 +276,5 @@ def pictures_of(folder: Path) -> dict[str, bytes]:
 
 
 def sentences(comparison: Comparison) -> Sequence[str]:
-    """What the terminal says in the end."""
-    if comparison.adequate:
-        return ("no misfit beyond repeatability",)
-    return tuple(finding.text for finding in comparison.findings)
+    """What the terminal says in the end: the verdict of the report, and what stands out."""
+    return (verdict_sentence(comparison), *(finding.text for finding in comparison.findings))
