@@ -23,7 +23,6 @@ from updamp.model.rig_files import is_modal, load_modal, load_rig
 from updamp.pictures.curves import comparison_picture
 from updamp.report.markup import drawn_units
 from updamp.report.page import write_report
-from updamp.report.sections.outcome import verdict_sentence
 from updamp.rig.questions import questions
 from updamp.rig.rig import Rig
 from updamp.workflow import stages
@@ -273,8 +272,3 @@ def pictures_of(folder: Path) -> dict[str, bytes]:
     }
     found = {caption: folder / "pictures" / name for name, caption in captions.items()}
     return {caption: path.read_bytes() for caption, path in found.items() if path.is_file()}
-
-
-def sentences(comparison: Comparison) -> Sequence[str]:
-    """What the terminal says in the end: the verdict of the report, and what stands out."""
-    return (verdict_sentence(comparison), *(finding.text for finding in comparison.findings))

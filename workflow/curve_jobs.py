@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
@@ -45,6 +46,7 @@ class CurveJob:
     output: Path
     finer: bool = False
     orders: tuple[int, ...] = ()
+    kind: ClassVar = ResponseCurve
 
     @property
     def name(self) -> str:
