@@ -32,13 +32,15 @@ def compare(
         one_thread()
         # On call: JAX takes seconds to load, and has to find the number of threads stated.
         from updamp.hbm.compilation_cache import keep_compiled
-        from updamp.workflow.compare_run import CompareFiles, run_compare, sentences
+        from updamp.report.sections.outcome import verdict_sentence
+        from updamp.workflow.compare_run import CompareFiles, run_compare
 
         keep_compiled()
         console = Console()
         files = CompareFiles(rig, measurement, out)
         workers = checked_workers(usual_workers() if jobs is None else jobs)
         comparison, _ = run_compare(files, chosen_mesh(rig, mesh), workers, console, tuple(finer or ()))
-        for sentence in sentences(comparison):
-            console.print(Text.assemble(("finding   ", "yellow"), sentence), soft_wrap=True)
+        console.print(Text.assemble(("verdict   ", "yellow"), verdict_sentence(comparison)), soft_wrap=True)
+        for finding in comparison.findings:
+            console.print(Text.assemble(("finding   ", "yellow"), finding.text), soft_wrap=True)
         console.print(f"{files.report}", highlight=False, soft_wrap=True)

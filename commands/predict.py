@@ -48,8 +48,8 @@ def run(
 ) -> None:
     """Run all stages: mesh, finite elements, static contact, response curves.
 
-    A stage whose input has not changed is taken from its file. After an interruption the same command goes on where
-    it stopped, in the middle of a curve too.
+    A stage or curve whose input has not changed is taken from its file, so that after an interruption the same command
+    goes on with what is missing.
     """
     with clean_errors(debug), interruptible():
         one_thread_for_numpy()

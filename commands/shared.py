@@ -74,4 +74,4 @@ def interruptible() -> Iterator[None]:
 
 def _go_on() -> str:
     command = shlex.join(["updamp", *sys.argv[1:]])
-    return f"\nInterrupted. What is solved so far is kept; to go on from there run again:\n  {command}"
+    return f"\nInterrupted. What is finished is kept; to go on from there run again:\n  {command}"

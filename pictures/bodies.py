@@ -42,7 +42,8 @@ def mesh(path: Path, rig_mesh: RigMesh) -> None:
 
 def _title(plotter: Plotter, text: str) -> None:
     plotter.set_background("white")
-    plotter.add_text(text, position=(0.02, 0.94), viewport=True, font_size=9, color=INK)
+    title = plotter.add_text(text, position=(0.02, 0.94), viewport=True, font_size=9, color=INK)
+    title.prop.background_color, title.prop.background_opacity = "white", 1.0  # what is drawn may reach behind it
 
 
 def _add_blades(plotter: Plotter, rig_mesh: RigMesh, edges: dict[str, Any]) -> None:

@@ -59,7 +59,7 @@ def _orbits(ax: Axes, rig: Rig, motion: Mapping[str, Floats]) -> float:
     x, y = outline(rig)
     largest = max(np.abs(values).max() for values in motion.values())
     reach = REACH * float(np.ptp(x))
-    enlarged = reach / largest if largest > 0 else 1.0  # in mm a m
+    enlarged = two_digits(reach / largest) if largest > 0 else 1e3  # in mm a m
     for side, colour in CORNERS.items():
         centre = 1e3 * corner_positions(rig)[side]
         over, up = (centre[i] + enlarged * motion[f"{side}.{axis}"] for i, axis in enumerate("xy"))
@@ -71,6 +71,12 @@ def _orbits(ax: Axes, rig: Rig, motion: Mapping[str, Floats]) -> float:
         )  # fmt: skip
     ax.set(xlim=(x.min() - 1.2 * reach, x.max() + 1.2 * reach), ylim=(y.min() - 1.2 * reach, y.max() + 0.3 * reach))
     return enlarged / 1e3
+
+
+def two_digits(value: float) -> float:
+    """The largest number of two digits, and zeros, that is not larger."""
+    last = 10.0 ** (np.floor(np.log10(value)) - 1)
+    return float(np.floor(value / last) * last)
 
 
 def _histories(ax: Axes, rig: Rig, motion: Mapping[str, Floats], force: float) -> None:

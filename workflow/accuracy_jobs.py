@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 from updamp.hbm.analysis.finer_points import PointErrors, point_errors
 from updamp.hbm.continuation.response_curve import ResponseCurve
@@ -23,6 +24,7 @@ class AccuracyJob:
     point: str
     key: str
     output: Path
+    kind: ClassVar = PointErrors
 
     @property
     def name(self) -> str:

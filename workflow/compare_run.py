@@ -272,10 +272,3 @@ def pictures_of(folder: Path) -> dict[str, bytes]:
     }
     found = {caption: folder / "pictures" / name for name, caption in captions.items()}
     return {caption: path.read_bytes() for caption, path in found.items() if path.is_file()}
-
-
-def sentences(comparison: Comparison) -> Sequence[str]:
-    """What the terminal says in the end."""
-    if comparison.adequate:
-        return ("no misfit beyond repeatability",)
-    return tuple(finding.text for finding in comparison.findings)

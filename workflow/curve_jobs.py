@@ -1,15 +1,14 @@
-"""The curves of a run: each traced in a process of its own, checkpointed, resumable.
+"""The curves of a run: each traced in a process of its own, one file a curve.
 
-A curve is one file. While it is being traced, what is solved so far stands in a partial file beside it, written
-every few seconds; the next run with the same key goes on from there.
+A curve that is interrupted is begun again. What continuation goes by is all that it has traced (no branch runs back
+over itself), the last steps and their tangents: one that went on from its points alone would be another computation,
+with other points and last digits.
 """
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-
-import numpy as np
+from typing import ClassVar
 
 from updamp.fem.reduced_model import ReducedModel
 from updamp.fem.static_contact.rest_state import StaticContact
@@ -23,8 +22,6 @@ from updamp.parallel.resources import Meter
 from updamp.rig.rig import Rig
 from updamp.workflow import store
 from updamp.workflow.job_pool import JobEnd, JobProgress
-
-CHECKPOINT_EVERY = 20.0  # s
 
 
 @dataclass(frozen=True)
@@ -45,14 +42,11 @@ class CurveJob:
     output: Path
     finer: bool = False
     orders: tuple[int, ...] = ()
+    kind: ClassVar = ResponseCurve
 
     @property
     def name(self) -> str:
         return f"{self.mode} {self.force:g} N{', more harmonics' if self.finer else ''}"
-
-    @property
-    def partial(self) -> Path:
-        return self.output.with_suffix(".partial.h5")
 
     @property
     def ease(self) -> tuple[float, ...]:
@@ -76,32 +70,20 @@ def trace_curve(
     job: CurveJob,
     report: Callable[[JobProgress], None] = lambda _: None,
     should_stop: Callable[[], bool] = lambda: False,
-    checkpoint_every: float = CHECKPOINT_EVERY,
     memory_of: int | None = None,
 ) -> JobEnd:
-    """Trace the job's curve, from its partial file on if that fits, and store it.
+    """Trace the job's curve and store it.
 
-    should_stop: asked after every point; if true, what is solved is kept in the partial file
-    checkpoint_every: [s]
+    should_stop: asked after every point; if true, nothing is stored
     memory_of: process whose memory (with all below it) is metered, this one by default
     """
     system, request = curve_problem(job)
-    earlier, stamp = _resumable(job)
-    last_written, curve = -np.inf, earlier
     with Meter(memory_of) as meter:
-        for curve in trace(system, request, earlier):
+        for curve in trace(system, request):
             report(_progress(curve, request.window, request.upwards))
-            if curve.complete or curve.stopped:
-                break
-            stop = should_stop()
-            if stop or time.monotonic() - last_written > checkpoint_every:
-                store.write(job.partial, curve, _stamp(job, stamp, meter))
-                last_written = time.monotonic()
-            if stop:
+            if not (curve.complete or curve.stopped) and should_stop():
                 return JobEnd.INTERRUPTED
-    assert curve is not None, "a trace hands out at least one curve"
-    store.write(job.output, curve, _stamp(job, stamp, meter))
-    job.partial.unlink(missing_ok=True)
+    store.write(job.output, curve, store.Stamp(job.key, {"hbm": meter.seconds}, (meter.interval,), meter.peak_memory))
     return JobEnd.FINISHED
 
 
@@ -116,21 +98,6 @@ def curve_problem(job: CurveJob) -> tuple[NonlinearSystem, CurveRequest]:
     observed = tuple(name for name in system.free.points if ".excitation." not in name)
     window = job.rig.study.modes[job.mode].window
     return system, CurveRequest(job.mode, model.excited_by(job.force), window, observed)
-
-
-def _resumable(job: CurveJob) -> tuple[ResponseCurve | None, store.Stamp]:
-    fresh = store.Stamp(job.key)
-    try:
-        stamp = store.read_stamp(job.partial)
-        return (store.read(job.partial, ResponseCurve), stamp) if stamp.key == job.key else (None, fresh)
-    except store.StoreError:  # none there, or one that was damaged: from the start then
-        return None, fresh
-
-
-def _stamp(job: CurveJob, earlier: store.Stamp, meter: Meter) -> store.Stamp:
-    intervals = (*earlier.intervals, meter.interval)
-    seconds = sum(end - start for start, end in intervals)
-    return store.Stamp(job.key, {"hbm": seconds}, intervals, max(earlier.peak_memory, meter.peak_memory))
 
 
 def _progress(curve: ResponseCurve, window: tuple[float, float], upwards: bool) -> JobProgress:

@@ -2,8 +2,9 @@
 
 import os
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, MutableMapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from dataclasses import dataclass
 from enum import Enum
@@ -81,17 +82,26 @@ def run_all(
     workers: int,
     report: Callable[[Job, JobProgress], None],
     finished: Callable[[JobOutcome], None],
+    following: Callable[[JobOutcome], Sequence[Job]] = lambda _: (),
 ) -> tuple[JobOutcome, ...]:
     """Run the jobs in `workers` processes; one that fails does not keep the others from being finished.
 
     report, finished: called in this process
+    following: which further jobs can be begun now that one is over
     raises: KeyboardInterrupt after an interruption, once every worker has stored what it has solved
     """
     context = get_context("spawn")  # forking a process that has threads (MKL, JAX, VTK) can hang
     messages = context.Queue()
     alive, held = context.Pipe(duplex=False)  # closed, it asks the workers to end: no lock that a killed one could hold
-    by_output = {str(job.output): job for job in jobs}
+    futures: dict[Future[JobOutcome], Job] = {}
+    by_output: dict[str, Job] = {}
     outcomes: list[JobOutcome] = []
+
+    def begin(those: Sequence[Job]) -> None:
+        for job in sorted(those, key=lambda job: job.ease):
+            by_output[str(job.output)] = job
+            futures[_submitted(pool, job)] = job
+
     with (
         held,
         alive,
@@ -99,10 +109,11 @@ def run_all(
         ProcessPoolExecutor(workers, mp_context=context, initializer=_start_worker, initargs=(messages, alive)) as pool,
     ):
         try:  # from the first task on: leaving the context would wait for all of them
-            futures = {pool.submit(_work, job): job for job in sorted(jobs, key=lambda job: job.ease)}
+            begin(jobs)
             for outcome in _outcomes(futures, messages, lambda name, progress: report(by_output[name], progress)):
                 outcomes.append(outcome)
                 finished(outcome)
+                begin(following(outcome))
         except BaseException:
             held.close()
             pool.shutdown(wait=False, cancel_futures=True)
@@ -111,11 +122,19 @@ def run_all(
     return tuple(outcomes)
 
 
+def _submitted(pool: ProcessPoolExecutor, job: Job) -> Future[JobOutcome]:
+    try:
+        return pool.submit(_work, job)
+    except BrokenProcessPool as error:  # a worker was killed: as those that were handed in before
+        lost: Future[JobOutcome] = Future()
+        lost.set_exception(error)
+        return lost
+
+
 def _outcomes(
-    futures: Mapping[Future[JobOutcome], Job], messages: Any, report: Callable[[str, JobProgress], None]
+    waiting: MutableMapping[Future[JobOutcome], Job], messages: Any, report: Callable[[str, JobProgress], None]
 ) -> Iterator[JobOutcome]:
-    """Each job's outcome as it comes, passing on progress in between."""
-    waiting = dict(futures)
+    """Each job's outcome as it comes, passing on progress in between. waiting: may grow meanwhile"""
     while waiting:
         with suppress(Empty):
             report(*messages.get(timeout=REPORT_EVERY))

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 from updamp.fem.reduced_model import ReducedModel
 from updamp.fem.static_contact.rest_state import StaticContact
@@ -29,6 +30,7 @@ class ResonanceJob:
     finite_elements: Path
     rest: Path
     output: Path
+    kind: ClassVar = ResonanceCurve
 
     @property
     def name(self) -> str:
@@ -36,8 +38,9 @@ class ResonanceJob:
 
     @property
     def ease(self) -> tuple[float, ...]:
+        """Takes as long as the curve at the highest force."""
         low, high = self.rig.study.modes[self.mode].window
-        return (low - high,)
+        return 0.0, -max(self.rig.study.force_levels), low - high
 
     def run(
         self, report: Callable[[JobProgress], None], should_stop: Callable[[], bool], memory_of: int | None

@@ -1,24 +1,18 @@
 """One run: the stages in order, each taken from its file where nothing that goes into it has changed."""
 
-import hashlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TypeVar
+from typing import Any
 
 from updamp.fem.finite_element_model import CoupledCheck, FiniteElementResult
 from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.geometry.rig_mesh import RigMesh
-from updamp.hbm.analysis.finer_points import PointErrors
-from updamp.hbm.continuation.response_curve import ResponseCurve
-from updamp.hbm.resonance.resonance_curve import ResonanceCurve
-from updamp.hbm.stability.branch_stability import BranchStability
 from updamp.parallel.resources import Meter
 from updamp.rig.questions import empty_windows, possible_resonances
 from updamp.rig.rig import Rig
 from updamp.workflow import stages, store
 from updamp.workflow.accuracy_jobs import AccuracyJob
-from updamp.workflow.adaptive_curves import AdaptiveCurveJob, of_these_harmonics
 from updamp.workflow.curve_jobs import CurveJob
 from updamp.workflow.job_pool import Job, JobEnd, JobOutcome, JobProgress, run_all
 from updamp.workflow.limits import check_size
@@ -26,12 +20,11 @@ from updamp.workflow.output_folder import check_folder
 from updamp.workflow.products import Product, Products, Stored, stored
 from updamp.workflow.progress import Display
 from updamp.workflow.resonance_jobs import ResonanceJob
+from updamp.workflow.run_jobs import RunJob, RunJobs, StageFiles
 from updamp.workflow.run_options import RunOptions
 from updamp.workflow.stability_jobs import StabilityJob
 from updamp.workflow.stage_functions import StageFunctions
 from updamp.workflow.stages import Stage
-
-AnyJob = TypeVar("AnyJob", bound=Job)
 
 FINITE_ELEMENT_STEPS = 8  # announced by the finite elements, for the progress bar
 
@@ -59,16 +52,14 @@ class Run:
     def _meshed(self) -> bool:
         """Whether the finite elements are there, from this machine or another."""
         try:
-            stamp = store.read_stamp(self.file(stages.FINITE_ELEMENTS.name))
+            stamp = store.read_stamp(self.files.file(stages.FINITE_ELEMENTS.name))
         except store.StoreError:
             return False
-        return stamp.key == self.key(stages.FINITE_ELEMENTS)
+        return stamp.key == self.files.key(stages.FINITE_ELEMENTS)
 
-    def file(self, name: str) -> Path:
-        return self.options.folder / "stages" / f"{name}.h5"
-
-    def key(self, stage: Stage, mode: str = "", force: float = 0.0) -> str:
-        return stage.key(self.rig, {"preset": self.options.preset, "mode": mode, "force": repr(force)})
+    @property
+    def files(self) -> StageFiles:
+        return StageFiles(self.rig, self.options)
 
     @property
     def response_point(self) -> str:
@@ -108,71 +99,18 @@ class Run:
             self.display.note("question", question)
 
     def _with_curves(self, done: Products, finite_elements: Path, rest: Path) -> Products:
-        jobs = self.jobs(finite_elements, rest)
-        base, extra = ([job for job in jobs if job.finer == kind] for kind in (False, True))
-        together = [*base, *extra] if self.rig.harmonic_balance.tolerance is None else base
-        found, failures = self._obtain_all(together, ResponseCurve)
-        traced = [(of_these_harmonics(job, found[job.output].product), found[job.output].product)
-                  for job in base if job.output in found]  # fmt: skip
-        if together is base:  # how far finer curves go is known now
-            orders = {(job.mode, job.force): job.orders for job, _ in traced}
-            extra = [
-                replace(job, orders=orders[job.mode, job.force]) for job in extra if (job.mode, job.force) in orders
-            ]
-            more, lost = self._obtain_all(extra, ResponseCurve)
-            found, failures = {**found, **more}, (*failures, *lost)
-        outputs = {job.output for job in extra}
-        done = replace(
+        given, failures = self._obtain_all(RunJobs(self.files, self.response_point, finite_elements, rest))
+        curves = [(job, one) for job, one in given if isinstance(job, CurveJob)]
+        return replace(
             done,
-            curves=tuple(found[job.output] for job in base if job.output in found),
-            finer=tuple(found[job.output] for job in extra if job.output in found),
-            failures=tuple(one for one in failures if one.job.output not in outputs),
-            unknown=tuple(one for one in failures if one.job.output in outputs),
+            curves=tuple(one for job, one in curves if not job.finer),
+            finer=tuple(one for job, one in curves if job.finer),
+            point_errors=tuple(one for job, one in given if isinstance(job, AccuracyJob)),
+            stability=tuple(one for job, one in given if isinstance(job, StabilityJob)),
+            resonances=tuple(one for job, one in given if isinstance(job, ResonanceJob)),
+            failures=tuple(one for one in failures if _is_curve(one.job)),
+            unknown=tuple(one for one in failures if not _is_curve(one.job)),
         )
-        done = self._with_stability(self._with_point_errors(done, traced), traced)
-        return self._with_resonances(done, finite_elements, rest)
-
-    def _with_point_errors(self, done: Products, curves: Sequence[tuple[CurveJob, ResponseCurve]]) -> Products:
-        if not self.options.accuracy:
-            return done
-        jobs = [
-            AccuracyJob(job, self.response_point, *self._about(stages.FINER_POINTS, job, curve))
-            for job, curve in curves
-        ]
-        found, failures = self._obtain_all(jobs, PointErrors)
-        errors = tuple(found[job.output] for job in jobs if job.output in found)
-        return replace(done, point_errors=errors, unknown=(*done.unknown, *failures))
-
-    def _with_stability(self, done: Products, curves: Sequence[tuple[CurveJob, ResponseCurve]]) -> Products:
-        if not self.options.stability:
-            return done
-        jobs = [
-            StabilityJob(job, self.response_point, *self._about(stages.STABILITY, job, curve)) for job, curve in curves
-        ]
-        found, failures = self._obtain_all(jobs, BranchStability)
-        stability = tuple(found[job.output] for job in jobs if job.output in found)
-        return replace(done, stability=stability, unknown=(*done.unknown, *failures))
-
-    def _with_resonances(self, done: Products, finite_elements: Path, rest: Path) -> Products:
-        if not self.options.resonance:
-            return done
-        jobs = [
-            ResonanceJob(
-                self.rig, mode, self.response_point, self.key(stages.RESONANCE, mode), finite_elements, rest,
-                self.file(f"{stages.RESONANCE.name}_{mode}"),
-            )
-            for mode in self.options.modes or tuple(self.rig.study.modes)
-        ]  # fmt: skip
-        found, failures = self._obtain_all(jobs, ResonanceCurve)
-        resonances = tuple(found[job.output] for job in jobs if job.output in found)
-        return replace(done, resonances=resonances, unknown=(*done.unknown, *failures))
-
-    def _about(self, stage: Stage, job: CurveJob, curve: ResponseCurve) -> tuple[str, Path]:
-        """Key and file of what a stage says about a curve. A curve that is traced once more, for its file was lost, may
-        have other points."""
-        key = self.key(stage, job.mode, job.force)
-        digest = hashlib.sha256(key.encode() + curve.frequency.tobytes()).hexdigest()
-        return digest, self.file(f"{stage.name}_{job.mode}_{job.force:.12g}N")
 
     def _mesh(self) -> Stored[RigMesh]:
         def compute(meter: Meter) -> tuple[RigMesh, Mapping[str, float]]:
@@ -218,7 +156,7 @@ class Run:
 
         compute: takes the running meter; returns the product and the wall time of its parts [s], by name
         """
-        path, key = self.file(stage.name), self.key(stage)
+        path, key = self.files.file(stage.name), self.files.key(stage)
         if (found := stored(path, kind, key)) is not None:
             self.display.unchanged(stage.name)
             return found
@@ -239,60 +177,51 @@ class Run:
 
         return progress
 
-    # --- the curves ---
+    # --- the curves, and what is said about them ---
 
-    def jobs(self, finite_elements: Path, rest: Path) -> tuple[CurveJob, ...]:
-        """One a mode and force, as the study or the options have them; two where the accuracy is asked for."""
-        modes = self.options.modes or tuple(self.rig.study.modes)
-        forces = self.options.forces or self.rig.study.force_levels
-        choices = [(mode, force) for mode in modes for force in forces]
-        base = [self._curve_job(stages.CURVE, *choice, finite_elements, rest) for choice in choices]
-        if not self.options.accuracy:
-            return tuple(base)
-        extra = [self._curve_job(stages.FINER_CURVE, *choice, finite_elements, rest) for choice in choices]
-        return (*base, *extra)
-
-    def _curve_job(self, stage: Stage, mode: str, force: float, finite_elements: Path, rest: Path) -> CurveJob:
-        finer, tolerance = stage is stages.FINER_CURVE, self.rig.harmonic_balance.tolerance
-        output = self.file(f"curve_{mode}_{force:.12g}N{'_finer' if finer else ''}")
-        key = self.key(stage, mode, force)
-        if tolerance is None or finer:
-            return CurveJob(self.rig, mode, force, key, finite_elements, rest, output, finer)
-        point = self.response_point
-        return AdaptiveCurveJob(
-            self.rig, mode, force, key, finite_elements, rest, output, point=point, tolerance=tolerance
-        )
-
-    def _obtain_all(
-        self, jobs: Sequence[AnyJob], kind: type[Product]
-    ) -> tuple[Mapping[Path, Stored[Product]], tuple[JobOutcome, ...]]:
-        """The jobs' products from their files if those fit, else computed and stored, shared over the processes; and
-        what became of those that were not finished.
+    def _obtain_all(self, jobs: RunJobs) -> tuple[list[tuple[RunJob, Stored[Any]]], list[JobOutcome]]:
+        """The jobs with their products, in the order of the study, from their files where those fit, else computed and
+        stored, shared over the processes; and what became of those that were not finished.
         """
-        found = _stored_products(jobs, kind)
-        missing = [job for job in jobs if job.output not in found]
-        for job in jobs:
-            if job.output in found:
-                self.display.unchanged(job.name)
-        if not missing:
-            return found, ()
-        in_all = self.display.together("in all", len(missing))
+        found: dict[Path, Stored[Any]] = {}
+
+        def missing(those: Iterable[RunJob]) -> Iterator[RunJob]:
+            """Those that have no file that fits, also of the ones that follow those that have."""
+            for job in those:
+                if (there := stored(job.output, job.kind, job.key)) is None:
+                    yield job
+                    continue
+                if job.name not in self.executed:
+                    self.display.unchanged(job.name)
+                found[job.output] = there
+                yield from missing(jobs.following(job, there.product))
+
+        outcomes = self._run_all(list(missing(jobs.at_once())), jobs, missing)
+        return _in_order(jobs, found), [one for one in outcomes if one.end is not JobEnd.FINISHED]
+
+    def _run_all(
+        self, first: Sequence[RunJob], jobs: RunJobs, missing: Callable[[Iterable[RunJob]], Iterable[RunJob]]
+    ) -> Sequence[JobOutcome]:
+        """missing: of jobs those of which there is no file, with what follows the others"""
+        if not first:
+            return ()
+        in_all = self.display.together("in all", sum(1 + jobs.count_following(job) for job in first))
 
         def progress(job: Job, reached: JobProgress) -> None:
-            self._on_progress(job, reached)
+            self.display.update(job.name, reached.share, reached.detail)
             in_all.update(job.name, reached.share)
 
         def end(outcome: JobOutcome) -> None:
             self._on_end(outcome)
             in_all.done(outcome.job.name)
 
-        outcomes = run_all(missing, min(self.options.workers, len(missing)), progress, end)
-        in_all.over()
-        found |= _stored_products(missing, kind)
-        return found, tuple(outcome for outcome in outcomes if outcome.end is not JobEnd.FINISHED)
+        def following(outcome: JobOutcome) -> Sequence[Job]:
+            assert isinstance(outcome.job, RunJob), "such were handed in"
+            return [job for job in missing([outcome.job]) if job is not outcome.job]
 
-    def _on_progress(self, job: Job, progress: JobProgress) -> None:
-        self.display.update(job.name, progress.share, progress.detail)
+        outcomes = run_all(first, self.options.workers, progress, end, following)
+        in_all.over()
+        return outcomes
 
     def _on_end(self, outcome: JobOutcome) -> None:
         name = outcome.job.name
@@ -305,10 +234,19 @@ class Run:
         show(name, sentence)
 
 
-def _stored_products(jobs: Iterable[Job], kind: type[Product]) -> dict[Path, Stored[Product]]:
-    """By file, those that are there."""
-    products = ((job.output, stored(job.output, kind, job.key)) for job in jobs)
-    return {path: product for path, product in products if product is not None}
+def _in_order(jobs: RunJobs, found: Mapping[Path, Stored[Any]]) -> list[tuple[RunJob, Stored[Any]]]:
+    """As the study has them, not as they were finished: files that are made of them have keys of them in this order."""
+    given: list[tuple[RunJob, Stored[Any]]] = []
+    for job in jobs.at_once():
+        if (there := found.get(job.output)) is not None:
+            after = jobs.following(job, there.product)
+            given += [(one, found[one.output]) for one in (job, *after) if one.output in found]
+    return given
+
+
+def _is_curve(job: Job) -> bool:
+    """One that the study asks for."""
+    return isinstance(job, CurveJob) and not job.finer
 
 
 def _check_names(option: str, given: Iterable[str], known: Iterable[str]) -> None:

@@ -93,7 +93,7 @@ def _with(path: Path, endings: Iterable[str]) -> list[Path]:
 
 BESIDE = (".svg", ".pdf", ".uff", ".mat")  # what is made beside a file and goes with it
 STATES = "states"  # among the names of outputs, which all have an ending
-CSV_VERSION, PICTURE_VERSION, VTU_VERSION = 3, 5, 1  # to be raised when a file of the same products looks different
+CSV_VERSION, PICTURE_VERSION, VTU_VERSION = 3, 6, 1  # to be raised when a file of the same products looks different
 
 
 def write_outputs(run: Run, products: Products) -> tuple[tuple[str, ...], str]:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.stability.branch_stability import BranchStability, State, branch_stability
@@ -29,6 +30,7 @@ class StabilityJob:
     point: str
     key: str
     output: Path
+    kind: ClassVar = BranchStability
 
     @property
     def name(self) -> str:

@@ -28,11 +28,11 @@ import scipy.linalg
 import typer
 from numpy.typing import NDArray
 
-from updamp.benchmarks.hidden_effects.cases import Case, chosen
+from updamp.benchmarks.hidden_effects.cases import Case
 from updamp.benchmarks.hidden_effects.in_turn import in_turn
 from updamp.benchmarks.hidden_effects.kinds_of_test import EASY, KINDS_OF_TEST, KindOfTest
 from updamp.benchmarks.hidden_effects.layout import Layout, read, write_whole
-from updamp.benchmarks.hidden_effects.version_2 import Draw, cases_of
+from updamp.benchmarks.hidden_effects.version_2 import Draw, Only, chosen_cases
 from updamp.benchmarks.virtual_rig.assembled import assembled
 from updamp.benchmarks.virtual_rig.bench import BODIES, Bench, Hidden, bench_of
 from updamp.benchmarks.virtual_rig.bodies import LABORATORY, bodies_of
@@ -236,12 +236,12 @@ def is_known(case: Case, layout: Layout) -> bool:
 def main(
     out: Annotated[Path, typer.Option(help="folder for expected/")] = Layout().folder,
     draw: Draw = None,
-    only: Annotated[list[str], typer.Option(help="case_012, a kind, a strength or an effect; repeatable")] = [],  # noqa: B006
+    only: Only = None,
     jobs: Annotated[int, typer.Option(min=1, help="processes")] = 1,
 ) -> None:
     """Expected score and visibility of every case with something hidden."""
     layout = Layout(out)
-    wanted = [case for case in chosen(cases_of(draw), only) if case.hidden and not is_known(case, layout)]
+    wanted = [case for case in chosen_cases(draw, only) if case.hidden and not is_known(case, layout)]
     in_turn(
         partial(compute, layout=layout), wanted, jobs, "expected scores", lambda computed: f"{computed.seconds:.0f} s"
     )

@@ -33,9 +33,13 @@ class Goal:
 
 
 def goal(name: str, wanted: str, hits: Iterable[bool], met: Callable[[int, int], bool]) -> Goal:
-    """met: of the count and of how many there are"""
+    """hits: one of each case; met: of the count and of how many there are"""
     each = list(hits)
-    k, n = sum(each), len(each)
+    return goal_of_counts(name, wanted, sum(each), len(each), met)
+
+
+def goal_of_counts(name: str, wanted: str, k: int, n: int, met: Callable[[int, int], bool]) -> Goal:
+    """k of n; met: of both"""
     if n == 0:
         nothing = (float("nan"), float("nan"))
         return Goal(name, wanted, 0, 0, float("nan"), nothing, nothing, None)

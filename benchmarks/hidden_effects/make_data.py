@@ -16,10 +16,10 @@ from typing import Annotated, Any
 
 import typer
 
-from updamp.benchmarks.hidden_effects.cases import Case, chosen
+from updamp.benchmarks.hidden_effects.cases import Case
 from updamp.benchmarks.hidden_effects.in_turn import in_turn
 from updamp.benchmarks.hidden_effects.layout import Layout, read, write_whole
-from updamp.benchmarks.hidden_effects.version_2 import Draw, cases_of
+from updamp.benchmarks.hidden_effects.version_2 import Draw, Only, chosen_cases
 from updamp.benchmarks.virtual_rig.bodies import bodies_of
 from updamp.benchmarks.virtual_rig.measurement import make_measurement
 from updamp.model.rig_files import load_rig
@@ -76,15 +76,12 @@ def is_made(case: Case, layout: Layout) -> bool:
 def main(
     out: Annotated[Path, typer.Option(help="folder for data/ and truth/")] = Layout().folder,
     jobs: Annotated[int, typer.Option(min=1, help="processes")] = 1,
-    only: Annotated[list[str], typer.Option(help="case_012, a kind, a strength or an effect; repeatable")] = [],  # noqa: B006
+    only: Only = None,
     draw: Draw = None,
     reveal: Annotated[bool, typer.Option("--list", help="list the cases, truth and all, and make nothing")] = False,
 ) -> None:
     layout = Layout(out)
-    try:
-        wanted = chosen(cases_of(draw), only)
-    except ValueError as error:
-        raise typer.BadParameter(str(error), param_hint="--only") from None
+    wanted = chosen_cases(draw, only)
     if reveal:
         for case in wanted:
             made = "made" if is_made(case, layout) else "-"

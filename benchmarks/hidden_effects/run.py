@@ -20,11 +20,11 @@ os.environ.update(thread_limits(1))
 import typer
 
 from updamp.benchmarks.harmonic_balance.results import commit_of_code
-from updamp.benchmarks.hidden_effects.cases import chosen
+from updamp.benchmarks.hidden_effects.cases import Case
 from updamp.benchmarks.hidden_effects.fitted_model import FINER, build, diagnose_case, place
 from updamp.benchmarks.hidden_effects.in_turn import in_turn
 from updamp.benchmarks.hidden_effects.layout import Layout, read, write_whole
-from updamp.benchmarks.hidden_effects.version_2 import Draw, cases_of
+from updamp.benchmarks.hidden_effects.version_2 import Draw, Only, chosen_cases
 from updamp.diagnosis.verdict import VERDICT_JSON
 from updamp.workflow.code_version import SEARCH, code_version
 
@@ -86,10 +86,10 @@ def diagnose(task: Task) -> Ran:
     return Ran(task.name, verdict.verdict, seconds)
 
 
-def tasks(layout: Layout, only: Sequence[str], draw: int | None = None) -> tuple[list[Task], list[str]]:
-    """Of cases that have data, and names of those that have none. raises: ValueError as `chosen`"""
+def tasks(layout: Layout, cases: Sequence[Case]) -> tuple[list[Task], list[str]]:
+    """Of cases that have data, and names of those that have none."""
     found, missing = [], []
-    for case in chosen(cases_of(draw), only):
+    for case in cases:
         if not layout.truth(case.name).is_file():
             missing.append(case.name)
             continue
@@ -102,16 +102,13 @@ def tasks(layout: Layout, only: Sequence[str], draw: int | None = None) -> tuple
 def main(
     folder: Annotated[Path, typer.Option(help="with data/; verdicts/ goes there")] = Layout().folder,
     jobs: Annotated[int, typer.Option(min=1, help="processes")] = 1,
-    only: Annotated[list[str], typer.Option(help="case_012, a kind, a strength or an effect; repeatable")] = [],  # noqa: B006
+    only: Only = None,
     draw: Draw = None,
     again: Annotated[bool, typer.Option("--again", help="those with a verdict too")] = False,
 ) -> None:
     """Diagnose every case that has data and no verdict yet."""
     layout = Layout(folder)
-    try:
-        found, missing = tasks(layout, only, draw)
-    except ValueError as error:
-        raise typer.BadParameter(str(error), param_hint="--only") from None
+    found, missing = tasks(layout, chosen_cases(draw, only))
     if missing:
         typer.echo(f"{len(missing)} cases have no data yet (make_data.py): {', '.join(missing)}", err=True)
     left = [task for task in found if again or not task.done]

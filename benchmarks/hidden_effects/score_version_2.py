@@ -12,7 +12,7 @@ from typing import Annotated, Any
 
 import typer
 
-from updamp.benchmarks.hidden_effects.goals import OUTSIDE, Goal, goal, median_seconds
+from updamp.benchmarks.hidden_effects.goals import OUTSIDE, Goal, goal_of_counts, median_seconds
 from updamp.benchmarks.hidden_effects.judgement import CONFIDENTLY_WRONG, CORRECT
 from updamp.benchmarks.hidden_effects.kinds_of_test import KINDS_OF_TEST
 from updamp.benchmarks.hidden_effects.layout import HERE, Layout, read, write_whole
@@ -59,8 +59,8 @@ def goals(cases: Sequence[ScoredCase]) -> tuple[Goal, ...]:
     n = counts(cases)
 
     def of(name: str, wanted: str, hits: str, all_of: str, share: float, most: bool = False) -> Goal:
-        each = [True] * n[hits] + [False] * (n[all_of] - n[hits])
-        return goal(name, wanted, each, lambda k, of: k <= share * of if most else k >= share * of)
+        met = (lambda k, of: k <= share * of) if most else (lambda k, of: k >= share * of)
+        return goal_of_counts(name, wanted, n[hits], n[all_of], met)
 
     return (
         of("right effect, or its group of two", "95 %", "single_right", "single", 0.95),

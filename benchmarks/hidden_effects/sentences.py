@@ -17,24 +17,24 @@ from typing import Annotated, Any
 
 import typer
 
-from updamp.benchmarks.hidden_effects.cases import Case, chosen
+from updamp.benchmarks.hidden_effects.cases import Case
 from updamp.benchmarks.hidden_effects.fitted_model import build
 from updamp.benchmarks.hidden_effects.in_turn import in_turn
 from updamp.benchmarks.hidden_effects.layout import HERE, Layout, read, write_whole
 from updamp.benchmarks.hidden_effects.sentence_rule import Judged, judged, laboratory_changes
 from updamp.benchmarks.hidden_effects.sentence_runs import FINER, FITTED, calibrated
-from updamp.benchmarks.hidden_effects.version_1 import version_1
+from updamp.benchmarks.hidden_effects.version_2 import Only, chosen_cases
 from updamp.benchmarks.virtual_rig.measurement import RIG
 from updamp.comparison.compare import comparison_of
 from updamp.comparison.comparison import COMPARISON_JSON, Comparison
 from updamp.hbm.compilation_cache import keep_compiled
-from updamp.workflow.compare_run import sentences
 
 USED = tuple(
     f"case_{n:03d}" for n in (17, 20, 28, 33, 35, 58, 67, 70, 94, 87, 29, 8, 84, 21, 75, 95, 3, 14)
 )  # fmt: skip
 DOCS = HERE / "NOTES.md"
 BEGIN, END = "<!-- sentences: sentences.py -->", "<!-- end of sentences -->"
+NOTHING = "no misfit beyond repeatability"
 
 
 def judge_case(case: Case, data: Layout, out: Path) -> dict[str, Any]:
@@ -57,7 +57,7 @@ def _row(case: Case, comparison: Comparison, verdict: Judged, seconds: float) ->
         "hidden": case.detail,
         "does": verdict.does,
         "excess": comparison.chi2_after / comparison.values,
-        "sentences": list(sentences(comparison)),
+        "sentences": [finding.text for finding in comparison.findings] or [NOTHING],
         "plain": verdict.plain,
         "mark": verdict.mark,
         "why": verdict.why,
@@ -92,14 +92,14 @@ def table(rows: Sequence[Mapping[str, Any]]) -> str:
 def main(
     data: Annotated[Path, typer.Option(help="folder with data/, as of make_data.py")] = Layout().folder,
     out: Annotated[Path, typer.Option(help="folder for calibrations and models")] = HERE / "sentences",
-    only: Annotated[list[str], typer.Option(help="case_012; repeatable")] = [],  # noqa: B006
+    only: Only = None,
     docs: Annotated[Path, typer.Option(help="file whose table is written anew")] = DOCS,
     jobs: Annotated[int, typer.Option(min=1, help="processes")] = 1,
 ) -> None:
     """Calibrate, say, judge, and write the table."""
     for preset in (FITTED, *FINER):
         build(RIG, preset, out / "models")
-    wanted = chosen(version_1(), tuple(only) or USED)
+    wanted = chosen_cases(None, only or USED)
     work = partial(judge_case, data=Layout(data), out=out)
     in_turn(work, wanted, jobs, "sentences", lambda row: str(row["sentences"][0]))
     done = [read(out / case / "sentences.json") for case in USED]

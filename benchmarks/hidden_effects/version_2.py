@@ -11,7 +11,7 @@ from typing import Annotated, TypeVar
 import numpy as np
 import typer
 
-from updamp.benchmarks.hidden_effects.cases import Case, Kind
+from updamp.benchmarks.hidden_effects.cases import Case, Kind, chosen
 from updamp.benchmarks.hidden_effects.kinds_of_test import KINDS_OF_TEST
 from updamp.benchmarks.hidden_effects.version_1 import PAIRS, version_1
 from updamp.benchmarks.virtual_rig.bench import STRENGTHS, Hidden
@@ -37,13 +37,22 @@ def version_2(draw: int) -> tuple[Case, ...]:
     )
 
 
-# The option that all commands choose by.
+# The options that all commands choose by.
+Only = Annotated[list[str] | None, typer.Option(help="case_012, a kind, a strength or an effect; repeatable")]
 Draw = Annotated[int | None, typer.Option(help="version 2, drawn from this number; version 1 by default")]
 
 
 def cases_of(draw: int | None) -> tuple[Case, ...]:
     """Of version 2 with this draw; of version 1 for None."""
     return version_1() if draw is None else version_2(draw)
+
+
+def chosen_cases(draw: int | None, only: Sequence[str] | None) -> tuple[Case, ...]:
+    """All, or those that are named. raises: typer.BadParameter naming what selects nothing"""
+    try:
+        return chosen(cases_of(draw), only or ())
+    except ValueError as error:
+        raise typer.BadParameter(str(error), param_hint="--only") from None
 
 
 def _something(rng: np.random.Generator) -> Iterator[tuple[Kind, tuple[Hidden, ...]]]:

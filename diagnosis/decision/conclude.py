@@ -12,7 +12,7 @@ from updamp.comparison.fit.repeat_scatter import scatter_of_repeats
 from updamp.diagnosis.candidate_models.baseline import unseen
 from updamp.diagnosis.candidate_models.refit import Refit
 from updamp.diagnosis.criteria import Criteria
-from updamp.diagnosis.decision.decide import Decision, far_off, reason_against
+from updamp.diagnosis.decision.decide import Decision, far_off, not_identifiable, reason_against
 from updamp.diagnosis.decision.explanations import explanations
 from updamp.diagnosis.decision.signature_curves import signatures
 from updamp.diagnosis.decision.verdict_strip import strip
@@ -107,7 +107,7 @@ def _candidate(
 
 def _not_fitted(tested: EffectScore, criteria: Criteria) -> str:
     if tested.visibility < criteria.visibility:
-        return "not identifiable with these data: the nuisance parameters can imitate it"
+        return not_identifiable(tested.visibility)
     if tested.score < criteria.search.score:
         return "the score test sees nothing of it"
     return "others explain more; it was not fitted, or the model with it has no response"

@@ -65,7 +65,7 @@ def reason_against(trial: Trial, evidence: Evidence, criteria: Criteria) -> str:
     for name in trial.effects:
         tested = evidence.test_of(name)
         if tested is not None and tested.visibility < criteria.visibility:
-            return f"{name} is not identifiable with these data: the nuisance parameters can imitate it"
+            return f"{name} is {not_identifiable(tested.visibility)}"
     if trial.delta_bic < criteria.delta_bic:
         return "the data do not ask for it"
     if not trial.full:
@@ -75,6 +75,12 @@ def reason_against(trial: Trial, evidence: Evidence, criteria: Criteria) -> str:
     if np.isfinite(trial.held_out) and trial.held_out > _allowed(evidence, criteria):
         return "runs that the fit never saw are not predicted better"
     return ""
+
+
+def not_identifiable(visibility: float) -> str:
+    """Why, in words. visibility: 0 where the effect has no signature"""
+    why = "calibration can imitate it" if visibility > 0 else "it changes nothing in them"
+    return f"not identifiable with these data: {why}"
 
 
 def within_scatter(evidence: Evidence) -> bool:

@@ -3,17 +3,25 @@
 import math
 from html import escape
 
+from scipy.stats import chi2
+
 from updamp.comparison.comparison import Comparison, Finding
-from updamp.report.markup import level_name, level_word, number
+from updamp.report.markup import level_name, level_word, number, paragraph
 from updamp.report.section import Content, Report, ReportSection
 
 FEW = 5  # findings that are not folded away
+RISK = 0.01  # chance that the misfit of an adequate model counts as larger than the scatter
+BEFORE_SEARCH = """The model that the search for the missing effect began with: calibrated, without any effect that the
+verdict on top of this page names. What of it stands out of the scatter:"""
 
 
 def render(report: Report) -> Content:
+    """Where the page has the verdict of a diagnosis, that is the only one."""
     comparison = report.comparison
-    kind = "good" if comparison.adequate else "bad"
-    html = f'<p class="verdict {kind}">{escape(verdict_sentence(comparison))}</p>'
+    if report.verdict is None:
+        html = f'<p class="verdict {_kind(comparison)}">{escape(verdict_sentence(comparison))}</p>'
+    else:
+        html = paragraph(BEFORE_SEARCH if comparison.findings else verdict_sentence(comparison))
     if comparison.findings:
         html += _findings([_finding(finding, comparison) for finding in comparison.findings])
     return Content(html + _cards(comparison))
@@ -37,7 +45,22 @@ def verdict_sentence(comparison: Comparison) -> str:
     if several == 0:
         return "The model does not describe the measurement: the misfit exceeds repeatability, without a clear pattern."
     things = "one thing stands" if several == 1 else f"{several} things stand"
+    if within_scatter(comparison):
+        return f"The misfit as a whole is of the size of the scatter; {things} out of it."
     return f"The model does not describe the measurement: {things} out of the scatter."
+
+
+def within_scatter(comparison: Comparison) -> bool:
+    """Whether chi-square is no larger than chance has it in all but RISK of the cases: what stands out then is too
+    small beside the scatter to be seen in the misfit as a whole."""
+    free = comparison.values - comparison.parameters
+    return free > 0 and float(chi2.sf(comparison.chi2_after, free)) >= RISK
+
+
+def _kind(comparison: Comparison) -> str:
+    if comparison.adequate:
+        return "good"
+    return "fair" if within_scatter(comparison) else "bad"
 
 
 def _finding(finding: Finding, comparison: Comparison) -> str:

@@ -15,6 +15,7 @@ from updamp.benchmarks.hidden_effects.fitted_model import FINER, build, place
 from updamp.benchmarks.hidden_effects.layout import Layout, write_whole
 from updamp.benchmarks.hidden_effects.run import Task, diagnose, tasks
 from updamp.benchmarks.hidden_effects.version_1 import version_1
+from updamp.benchmarks.hidden_effects.version_2 import chosen_cases
 from updamp.diagnosis.verdict import VERDICT_JSON, Confounding, ErrorReached, Verdict
 
 RIG = Path(__file__).parents[2] / "rigs" / "virtual_rig.toml"
@@ -47,7 +48,7 @@ def test_diagnosis_is_given_nothing_of_the_truth(layout: Layout, monkeypatch: py
         return ADEQUATE
 
     monkeypatch.setattr(run, "diagnose_case", seeing)
-    found, missing = tasks(layout, ("resolution", "pair"))
+    found, missing = tasks(layout, chosen_cases(None, ["resolution", "pair"]))
     assert len(missing) == 12
     assert {f.name for f in fields(Task)} == {"name", "rig", "preset", "measurement", "model", "out"}
     for task in found:
@@ -62,7 +63,7 @@ def test_diagnosis_is_given_nothing_of_the_truth(layout: Layout, monkeypatch: py
 
 def test_finished_cases_are_left_and_changed_ones_done_again(layout: Layout, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(run, "diagnose_case", lambda *_: ADEQUATE)
-    first, *others = tasks(layout, ("resolution",))[0]
+    first, *others = tasks(layout, chosen_cases(None, ["resolution"]))[0]
     assert not first.done
     diagnose(first)
     assert first.done
@@ -81,7 +82,7 @@ def test_verdicts_of_another_version_are_named(
     assert "another version" not in capsys.readouterr().err
     monkeypatch.setattr(run, "code_version", lambda *_: "code of another day")
     run.main(layout.folder, only=["resolution"])
-    names = ", ".join(task.name for task in tasks(layout, ("resolution",))[0])
+    names = ", ".join(task.name for task in tasks(layout, chosen_cases(None, ["resolution"]))[0])
     assert f"by another version of updamp: {names}; --again" in capsys.readouterr().err
     run.main(layout.folder, only=["resolution"], again=True)
     run.main(layout.folder, only=["resolution"])

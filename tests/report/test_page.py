@@ -156,6 +156,21 @@ def test_adequate_model_is_called_so(comparison: Comparison) -> None:
     assert "no misfit beyond repeatability" in page
 
 
+def test_a_misfit_of_the_size_of_the_scatter_is_not_called_a_failure(comparison: Comparison) -> None:
+    free = comparison.values - comparison.parameters
+    close, far = (build_page(Report(replace(comparison, chi2_after=r * free)), SECTIONS) for r in (0.99, 4.0))
+    assert 'class="verdict fair">The misfit as a whole is of the size of the scatter' in close
+    assert "does not describe" not in close
+    assert 'class="verdict bad">The model does not describe the measurement' in far
+
+
+def test_a_page_has_one_verdict(comparison: Comparison) -> None:
+    page = build_page(Report(comparison, synthetic_verdict(comparison)), SECTIONS)
+    assert page.count('class="verdict ') == 1
+    assert "does not describe the measurement" not in page
+    assert comparison.findings[0].text in page
+
+
 def test_every_verdict_has_its_words(comparison: Comparison) -> None:
     verdict = synthetic_verdict(comparison)
     group = ("shaker_attachment", "blade_mistuning")

@@ -3,11 +3,15 @@
 Not in numba's own place beside the source, which may be read-only. The folder is named by a hash of the sources here:
 numba itself would only see a change in the file of the function that is kept, not in those of the functions it calls.
 Nothing is reordered (no fastmath), so that results differ as little between machines as those of compiled C do.
+
+Processes that begin together compile each function once: one compiles, the others wait and read what it has kept.
 """
 
+import fcntl
 import hashlib
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -32,9 +36,30 @@ def kept(function: Callable[..., Any]) -> Any:
     before = config.CACHE_DIR
     config.CACHE_DIR = str(folder)
     try:
-        return numba.njit(error_model="numpy", cache=True)(function)
+        dispatcher = numba.njit(error_model="numpy", cache=True)(function)
     finally:
         config.CACHE_DIR = before
+    return _one_at_a_time(dispatcher, folder / f"{function.__module__}.{function.__name__}.lock")
+
+
+def _one_at_a_time(dispatcher: Any, lock: Path) -> Any:
+    """`compile` of numba's dispatcher looks for what is kept first; here with the lock held, of all processes."""
+    look_or_compile = dispatcher.compile
+
+    def compile_alone(signature: Any) -> Any:
+        with _held(lock):
+            return look_or_compile(signature)
+
+    dispatcher.compile = compile_alone
+    return dispatcher
+
+
+@contextmanager
+def _held(lock: Path) -> Iterator[None]:
+    """The system lets go of it where a process ends, however it ends."""
+    with lock.open("w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
 
 
 def _folder() -> Path | None:
