@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from updamp.effects.reading import Reading
 from updamp.hbm.continuation.branch import BranchPoint
-from updamp.hbm.newton.many_right_sides import apply_tangents, solve_many
+from updamp.hbm.newton.many_right_sides import solve_many
 from updamp.hbm.newton.structure_response import Loads, respond
+from updamp.hbm.newton.tangent import apply_tangent
 from updamp.hbm.problem.receptance import Receptance
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
@@ -97,7 +98,7 @@ def moves(point: BranchPoint, excitation: Excitation, changes: Sequence[Change],
     dx[..., :-1] = solve_many(jacobian, equation.departure, -dr[..., :-1], _TOLERANCE)
     dx[..., -1] = point.tangent_x
     forces = Loads.none(receptance, dx.shape[2])
-    forces.forces[:n] = -apply_tangents(system, equation.departure, dx)
+    forces.forces[:n] = -apply_tangent(system, equation.departure, dx)
     dy = respond(receptance, forces).at(rows)
     for j, difference in enumerate(differences):
         dy[..., j] += difference[1]

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from updamp.diagnosis.missing_force.resonant_mode import ResonantMode
 from updamp.hbm.newton.jacobian import factorise
-from updamp.hbm.newton.many_right_sides import apply_tangents
+from updamp.hbm.newton.tangent import apply_tangent
 from updamp.hbm.problem.modal_algebra import ModalResponse
 from updamp.hbm.problem.receptance import Receptance
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
@@ -192,7 +192,7 @@ def _linearised(held: HeldModes, excitation: Excitation, rows: Integers, x: Floa
     residual = x - held.excitation(excitation) - held.moved(relative, q) + held.apply(departure.value)
     dx = -jacobian.solve(residual)
     x_by_q = np.stack([jacobian.solve(held.moved(relative, unit)) for unit in units], axis=2)
-    changes = apply_tangents(system, departure, np.concatenate([dx[..., None], x_by_q], axis=2))
+    changes = apply_tangent(system, departure, np.concatenate([dx[..., None], x_by_q], axis=2))
     g, g_by_q = departure.value + changes[..., 0], changes[..., 1:]
     motion = held.excitation(excitation, rows) + held.moved(rows, q) - held.apply(g, rows)
     sensors = system.harmonics.amplitude(motion, 1)

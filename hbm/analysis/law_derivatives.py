@@ -1,6 +1,8 @@
-"""Derivatives of the elements' forces with respect to their law's parameters."""
+"""Derivatives of the elements' forces with respect to their law's parameters: from the tangent where the law tells how
+(`hbm/contact/parameter_moves.py`), else by forward-mode differentiation through the hysteresis.
+"""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Any
 
@@ -9,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.law import ContactLaw, force_for_analysis
+from updamp.hbm.contact.law import ContactLaw, LawOfMoves, force_for_analysis
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.problem.elements import ElementGroup, elements_a_batch, in_batches, samples
 
@@ -17,15 +19,44 @@ Floats = NDArray[np.float64]
 
 
 def law_derivatives(
-    group: ElementGroup, entries: tuple[str, ...], displacement: Floats, w: float, harmonics: Harmonics, n_time: int
-) -> dict[str, Floats]:
-    """df_nl/d(entry) of each element by its own parameters, by forward-mode differentiation through the hysteresis.
+    group: ElementGroup,
+    entries: tuple[str, ...],
+    displacement: Floats,
+    departure: Floats,
+    w: float,
+    harmonics: Harmonics,
+    n_time: int,
+) -> Mapping[str, Floats]:
+    """df_nl/d(entry) of each element by its own parameters, all of its copies together.
 
     entries: fields of the law's parameters; displacement: (n_elements, directions, n_coefficients) [m]
+    departure: (n_elements, directions, n_coefficients, directions, n_coefficients) tangent there, less the reference
+        springs, of all copies [N/m]
     returns: entry -> (n_elements, directions, n_coefficients, *shape of the entry of one element)
     """
-    derivatives = _compiled(group.law, entries, harmonics, n_time)(displacement, w, group.parameters)
-    return {entry: np.asarray(d) for entry, d in zip(entries, derivatives, strict=True)}
+    found, law = None, _as_law_of_moves(group.law)
+    if law is not None and 0 in harmonics.orders:
+        tangent, mean = _of_one(group, departure), harmonics.slices[0].start
+        found = law.parameter_derivatives(entries, displacement, tangent, group.values, mean)
+    if found is None:
+        evaluate = _compiled(group.law, entries, harmonics, n_time)
+        found = dict(zip(entries, map(np.asarray, evaluate(displacement, w, group.parameters)), strict=True))
+    return {entry: group.of_all_copies(derivative) for entry, derivative in found.items()}
+
+
+@lru_cache(maxsize=64)
+def _as_law_of_moves(law: ContactLaw) -> LawOfMoves | None:
+    """Kept by law: to look at a protocol takes as long as the derivatives."""
+    return law if isinstance(law, LawOfMoves) else None
+
+
+def _of_one(group: ElementGroup, departure: Floats) -> Floats:
+    """The tangent of one of each element's copies, its reference springs included."""
+    n, d, c = departure.shape[:3]
+    copies = np.ones(n) if group.copies is None else group.copies
+    tangent = departure / copies[:, None, None, None, None]
+    np.einsum("eii->ei", tangent.reshape(n, d * c, d * c))[:] += np.repeat(group.stiffness_of_one, c, axis=1)
+    return tangent
 
 
 @lru_cache(maxsize=32)

@@ -56,7 +56,13 @@ class SolvedPoint:
             entries = tuple(sorted({entry for place, entry in self.law_entries if place == i}))
             if entries:
                 derivatives = law_derivatives(
-                    group, entries, equation.x[group.rows], equation.w, system.harmonics, system.time_samples
+                    group,
+                    entries,
+                    equation.x[group.rows],
+                    equation.departure.tangents[i],
+                    equation.w,
+                    system.harmonics,
+                    system.time_samples,
                 )
                 found |= {(i, entry): d for entry, d in derivatives.items()}
         return found

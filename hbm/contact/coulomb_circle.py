@@ -1,5 +1,6 @@
 """Coupled Coulomb friction: the tangential force stays within the circle mu N; unilateral normal spring."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from updamp.hbm.contact import friction, sticking
 from updamp.hbm.contact.friction import FrictionParameters
+from updamp.hbm.contact.parameter_moves import friction_derivatives
 
 
 def radial_return(trial: jax.Array, limit: jax.Array) -> jax.Array:
@@ -43,6 +45,16 @@ class CoulombCircle:
         self, displacement: NDArray[np.float64], parameters: FrictionParameters, overshoot: float
     ) -> NDArray[np.bool_]:
         return sticking.stays_below_limit(displacement, parameters, sticking.circle_norm, overshoot)
+
+    def parameter_derivatives(
+        self,
+        entries: Sequence[str],
+        displacement: NDArray[np.float64],
+        tangent: NDArray[np.float64],
+        parameters: FrictionParameters,
+        mean: int,
+    ) -> Mapping[str, NDArray[np.float64]] | None:
+        return friction_derivatives(entries, displacement, tangent, parameters, mean)
 
     def normal_force(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
         return friction.normal_force(displacement, parameters)

@@ -1,5 +1,6 @@
 """Two uncoupled Jenkins elements (t1, t2) and a unilateral normal spring: the law of Pesaresi et al. 2017."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -12,6 +13,7 @@ from updamp.hbm.contact import friction, sticking
 from updamp.hbm.contact.event_march import march_slider
 from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.contact.law import CompiledForces
+from updamp.hbm.contact.parameter_moves import friction_derivatives
 from updamp.hbm.harmonics import Harmonics
 
 # A slider that moves by less than this share of the motion's largest value does not move: round-off is below a
@@ -60,6 +62,16 @@ class JenkinsBox:
         self, displacement: NDArray[np.float64], parameters: FrictionParameters, overshoot: float
     ) -> NDArray[np.bool_]:
         return sticking.stays_below_limit(displacement, parameters, sticking.box_norm, overshoot)
+
+    def parameter_derivatives(
+        self,
+        entries: Sequence[str],
+        displacement: NDArray[np.float64],
+        tangent: NDArray[np.float64],
+        parameters: FrictionParameters,
+        mean: int,
+    ) -> Mapping[str, NDArray[np.float64]] | None:
+        return friction_derivatives(entries, displacement, tangent, parameters, mean)
 
     def normal_force(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
         return friction.normal_force(displacement, parameters)

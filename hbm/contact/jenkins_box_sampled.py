@@ -1,5 +1,6 @@
 """The law of `jenkins_box` with its events taken at the samples, as most codes have it: to compare with them."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from updamp.hbm.contact import friction, sticking
 from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.contact.law import CompiledForces
+from updamp.hbm.contact.parameter_moves import friction_derivatives
 from updamp.hbm.harmonics import Harmonics
 
 
@@ -48,6 +50,16 @@ class SampledJenkinsBox:
         self, displacement: NDArray[np.float64], parameters: FrictionParameters, overshoot: float
     ) -> NDArray[np.bool_]:
         return sticking.stays_below_limit(displacement, parameters, sticking.box_norm, overshoot)
+
+    def parameter_derivatives(
+        self,
+        entries: Sequence[str],
+        displacement: NDArray[np.float64],
+        tangent: NDArray[np.float64],
+        parameters: FrictionParameters,
+        mean: int,
+    ) -> Mapping[str, NDArray[np.float64]] | None:
+        return friction_derivatives(entries, displacement, tangent, parameters, mean)
 
     def normal_force(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
         return friction.normal_force(displacement, parameters)

@@ -3,7 +3,7 @@
 History is a scan inside the call, the tangent comes from forward-mode differentiation, nothing is remembered.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol, runtime_checkable
 
 import jax
@@ -131,6 +131,22 @@ class CompiledLaw(ContactLaw, Protocol):
 
     def compiled(self, harmonics: Harmonics, n_time: int) -> CompiledForces | None:
         """None where a law inside is in JAX alone."""
+        ...
+
+
+@runtime_checkable
+class LawOfMoves(ContactLaw, Protocol):
+    """A law of which a parameter does what some motion does, so that its derivatives follow from the tangent."""
+
+    def parameter_derivatives(
+        self,
+        entries: Sequence[str],
+        displacement: NDArray[np.float64],
+        tangent: NDArray[np.float64],
+        parameters: Any,
+        mean: int,
+    ) -> Mapping[str, NDArray[np.float64]] | None:
+        """As `parameter_moves.friction_derivatives`; None where the tangent does not tell."""
         ...
 
 

@@ -93,5 +93,5 @@ class PredictorCorrector(Corrector):
             step = options.shortened(step)
         for recovery in options.recoveries:
             if points := recovery(self, traced):
-                return points, max(min(points[-1].step, options.first_step), 8 * options.smallest_step)
+                return points, options.recovered(points[-1].step)
         raise BranchStoppedError(last.frequency, solution.errors[-1], solution.status)

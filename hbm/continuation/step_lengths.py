@@ -12,7 +12,10 @@ class StepLengths:
     in radians, counts.
 
     first_step, smallest_step, largest_step: the corrector's failures shorten the step down to the smallest
-    short_step: steps up to this are shortened to a quarter, longer ones to a half: what stops short ones is a kink
+    short_step: what stops steps up to this is a kink
+    shortening: what a step that has failed is divided by: a long one, and a short one
+    after_recovery: the first step behind a place where no step was solved is no shorter than so many times the
+        smallest, so that it can be shortened
     wanted_iterations: steps grow where Newton needs fewer and shrink where it needs more
     most_growth: of a step over the one before, and the most that it shrinks by. After a step that had to be shortened
         there is none, as in the integration of differential equations (Hairer, Norsett and Wanner 1993, Solving
@@ -37,6 +40,8 @@ class StepLengths:
     smallest_step: float = 1e-4
     largest_step: float = 0.2
     short_step: float = 0.01
+    shortening: tuple[float, float] = (2.0, 4.0)
+    after_recovery: float = 8.0
     wanted_iterations: int = 4
     most_growth: float = 2.0
     frequency_scale: float = 0.5
@@ -56,6 +61,10 @@ class StepLengths:
             raise ValueError(f"frequency_scale = {self.frequency_scale}: it must be positive")
         if self.most_growth < 1:
             raise ValueError(f"most_growth = {self.most_growth}: at least 1")
+        if min(self.shortening) <= 1:
+            raise ValueError(f"shortening = {self.shortening}: each above 1")
+        if self.after_recovery < 1:
+            raise ValueError(f"after_recovery = {self.after_recovery}: at least 1")
         if not 0 < self.off_predicted < 1:
             raise ValueError(f"off_predicted = {self.off_predicted}: a share between 0 and 1")
         if not 0 < self.moved[0] < 1 < self.moved[1]:
@@ -70,7 +79,12 @@ class StepLengths:
         return tuple(dict.fromkeys(max(length, self.smallest_step) for length in lengths))
 
     def shortened(self, step: float) -> float:
-        return max(step / (2 if step > max(self.short_step, self.smallest_step) else 4), self.smallest_step)
+        long, short = self.shortening
+        return max(step / (long if step > max(self.short_step, self.smallest_step) else short), self.smallest_step)
+
+    def recovered(self, moved: float) -> float:
+        """The step to try behind a place where no step was solved, and that was left by a step of this length."""
+        return max(min(moved, self.first_step), self.after_recovery * self.smallest_step)
 
     def following(self, step: float, moved: float, iterations: int, shortened: bool) -> float:
         """The step to try after one that Newton has solved in so many iterations.

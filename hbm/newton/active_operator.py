@@ -32,18 +32,25 @@ class ActiveOperator:
         self._wanted = np.argsort(moved)[np.searchsorted(np.sort(moved), rows)]
         self._receptance, self._coefficients = receptance, system.harmonics.n_coefficients
         self._to_modes, self._from_modes = np.ascontiguousarray(stuck.phi[rows].T), stuck.phi[moved]
-        self._residual = stuck.residual[np.ix_(moved, rows)]
+        self._residual = stuck.residual[np.ix_(moved, rows)] if stuck.has_residual else None
 
     def __call__(self, active: Floats) -> Floats:
         """(n_active n_coefficients,) -> same"""
-        forces = active.reshape(-1, self._coefficients)
-        motion = thin_product(self._residual, forces)
-        motion += self._from_modes @ self._receptance.through_modes(self._to_modes @ forces)
+        return self.of_many(active.reshape(-1, self._coefficients, 1)).ravel()
+
+    def of_many(self, forces: Floats) -> Floats:
+        """(n_active, n_coefficients, n) -> same"""
+        c, p = forces.shape[1:]
+        columns = forces.reshape(len(forces), c * p)
+        through = self._receptance.through_modes((self._to_modes @ columns).reshape(-1, c, p))
+        motion = self._from_modes @ through.reshape(-1, c * p)
+        if self._residual is not None:
+            motion += thin_product(self._residual, columns)
         changed, start = np.empty_like(motion), 0
         for tangent in self._tangents:
             n, width = tangent.shape[:2]
-            stop = start + n * width // motion.shape[1]
-            product = tangent @ motion[start:stop].reshape(n, width, 1)
-            changed[start:stop] = product.reshape(-1, motion.shape[1])
+            stop = start + n * width // c
+            product = tangent @ motion[start:stop].reshape(n, width, p)
+            changed[start:stop] = product.reshape(-1, c * p)
             start = stop
-        return active + changed[self._wanted].ravel()
+        return forces + changed[self._wanted].reshape(forces.shape)

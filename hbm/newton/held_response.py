@@ -13,9 +13,9 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from updamp.hbm.newton.equation import Equation, evaluate, linear_solution
-from updamp.hbm.newton.many_right_sides import apply_tangents
 from updamp.hbm.newton.newton import NewtonOptions, Solution, Status
 from updamp.hbm.newton.structure_response import Loads, respond
+from updamp.hbm.newton.tangent import apply_tangent
 from updamp.hbm.problem.receptance import Receptance
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
@@ -110,7 +110,7 @@ def _condition(
 
     def by_x(dx: Floats) -> float:
         loads = Loads.none(receptance, 1)
-        loads.forces[: len(dx)] = -apply_tangents(receptance.system, departure, dx[..., None])
+        loads.forces[: len(dx)] = -apply_tangent(receptance.system, departure, dx[..., None])
         return relative(respond(receptance, loads).at(rows)[0, :, 0])
 
     return float(np.log(abs(amplitude) / held.amplitude)), by_x, relative(direct)

@@ -34,6 +34,10 @@ class ForceSolver(Protocol):
         """(n_relative, n_coefficients) -> same; start: a first guess, for those that iterate"""
         ...
 
+    def solve(self, right: Floats) -> Floats:
+        """Many at once, on the active rows alone, and never by iteration: (n_active, n_coefficients, n) -> same"""
+        ...
+
     @property
     def determinant_sign(self) -> float:
         """Of the Jacobian: 1, -1, or 0 where it is singular."""
@@ -106,7 +110,7 @@ def _solver(receptance: Receptance, departure: Departure, rows: Integers, near: 
     if unknowns <= (DIRECT_UP_TO if near is None else DIRECT_BESIDE_FACTORS):
         return DirectForces(receptance, departure, rows)
     if _without_residual(system) and len(system.stuck.omega_squared) < len(rows):
-        return ModalForces(receptance, departure)
+        return ModalForces(receptance, departure, rows)
     return KrylovForces(receptance, departure, rows, near)
 
 

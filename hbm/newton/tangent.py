@@ -15,12 +15,13 @@ NEGLIGIBLE = 1e-10
 
 
 def apply_tangent(system: NonlinearSystem, departure: Departure, displacement: Floats) -> Floats:
-    """T displacement: (n_relative, n_coefficients) [m] -> [N]"""
+    """T displacement: (n_relative, n_coefficients, ...) [m] -> same [N]"""
     forces = np.empty_like(displacement)
     for group, tangent in zip(system.groups, departure.tangents, strict=True):
         n, d, c = tangent.shape[:3]
-        product = tangent.reshape(n, d * c, d * c) @ displacement[group.rows].reshape(n, d * c, 1)
-        forces[group.rows] = product.reshape(n, d, c)
+        motion = displacement[group.rows]
+        product = tangent.reshape(n, d * c, d * c) @ motion.reshape(n, d * c, -1)
+        forces[group.rows] = product.reshape(motion.shape)
     return forces
 
 

@@ -54,7 +54,7 @@ def _backwards(corrector: Corrector, start: BranchPoint) -> Iterator[BranchPoint
     while step >= corrector.options.short_step:
         point, _ = corrector.step(traced, step)
         if point is None:
-            step /= 2
+            step = corrector.options.shortened(step)
             continue
         step = corrector.options.following(step, point.step, point.solution.iterations, False)
         traced = traced.extended([point])

@@ -17,10 +17,11 @@ class StepInPhase:
     """At resonance the phase goes on evenly where the frequency turns round in kinks that lie too close to each other
     for their far sides to be told apart.
 
-    lengths: of the steps, in units of arc
+    lengths: of the steps, in units of arc; moved: as in `StepLengths`, wider, since the frequency moves too
     """
 
     lengths: tuple[float, ...] = (1e-3, 3e-3, 0.01)
+    moved: tuple[float, float] = (0.5, 3.0)
 
     def __call__(self, corrector: Corrector, traced: TracedBranch) -> Sequence[BranchPoint]:
         last, system, excitation = traced.last, corrector.system, corrector.excitation
@@ -35,6 +36,7 @@ class StepInPhase:
             if not solution.converged or lies_on_last_points(traced.points, solution):
                 continue
             point = point_after(last, solution, excitation)
-            if step / 2 < point.step < 3 * step and not traced.contains(point):
+            least, most = self.moved
+            if least * step < point.step < most * step and not traced.contains(point):
                 return [point]
         return []

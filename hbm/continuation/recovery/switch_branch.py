@@ -41,8 +41,8 @@ _LITTLE_MEAN = 0.02
 class SwitchBranch:
     """A point in the direction in which the branch goes on beyond a kink.
 
-    ahead: arc beyond the last point at which the far side is looked at, rising; up to `furthest`, or four times the
-        smallest step: the kink lies within that step ahead of the last point
+    ahead: arc beyond the last point at which the far side is looked at, rising; up to `furthest`, or the last step but
+        the smallest that may have failed: the kink lies within that step ahead of the last point
     bisections: by which the kink is located between two of these
     steps: arc beyond the kink, tried in turn
     no_kink: cosine between two tangents above which there is no kink between them; no_kink_mean: and change of their
@@ -87,7 +87,7 @@ class SwitchBranch:
             direction = _direction(corrector, last, ahead, orientation)
             return None if direction is None or self._goes_on(last, direction) else direction
 
-        furthest = max(self.furthest, 4 * corrector.options.smallest_step)
+        furthest = max(self.furthest, max(corrector.options.shortening) * corrector.options.smallest_step)
         here = 0.0
         for there in (ahead for ahead in self.ahead if ahead <= furthest):
             direction = beyond(there)

@@ -128,11 +128,7 @@ def test_sign_of_the_determinant(solver):
         departure = replace(equation.departure, tangents=tangents)
         jacobian = factorise(equation.receptance, departure)
         rows = jacobian.rows
-        forces = (
-            solver(equation.receptance, departure)
-            if solver is ModalForces
-            else solver(equation.receptance, departure, rows)
-        )
+        forces = solver(equation.receptance, departure, rows)
         inverse = np.column_stack(
             [jacobian.solve(e.reshape(x.shape)).ravel() for e in np.eye(x.size)]  # J^-1 has the sign of J
         )

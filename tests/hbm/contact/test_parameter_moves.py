@@ -1,0 +1,79 @@
+"""Derivatives of the friction laws by their parameters, from the tangent: against differentiation in JAX."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from updamp.hbm.analysis import law_derivatives as by_parameters
+from updamp.hbm.contact.coulomb_circle import CoulombCircle
+from updamp.hbm.contact.friction import FrictionParameters
+from updamp.hbm.contact.jenkins_box import JenkinsBox
+from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
+from updamp.hbm.contact.parameter_moves import friction_derivatives
+from updamp.hbm.harmonics import Harmonics
+from updamp.hbm.problem.elements import ElementGroup, departures
+
+ENTRIES = FrictionParameters._fields
+HARMONICS, N_TIME, ELEMENTS = Harmonics((0, 1, 2, 3)), 64, 40
+
+
+def group_of(law, **changed):
+    """All different; a third is open at rest."""
+    rng = np.random.default_rng(11)
+    gap = np.where(np.arange(ELEMENTS) % 3 == 0, 1.0, 0.1) * rng.random(ELEMENTS)
+    values = {
+        "mu": 0.1 + rng.random(ELEMENTS), "kt": 0.5 + rng.random(ELEMENTS), "kn": 0.5 + rng.random(ELEMENTS),
+        "n0": 0.2 + 0.3 * rng.random(ELEMENTS), "t0": 0.05 * rng.normal(size=(ELEMENTS, 2)), "gap": gap,
+    }  # fmt: skip
+    rows = np.arange(3 * ELEMENTS).reshape(-1, 3)
+    return ElementGroup(law, FrictionParameters(**(values | changed)), rows)
+
+
+def motions():
+    """From motions that stick to gross slip and separation."""
+    rng = np.random.default_rng(12)
+    motion = rng.normal(size=(ELEMENTS, 3, 7)) * np.array([0.4, 2, 2, 0.3, 0.3, 0.2, 0.2])
+    return motion * np.geomspace(0.005, 2.0, ELEMENTS)[:, None, None]
+
+
+def both(group, monkeypatch):
+    """From the tangent, and with a law that does not tell."""
+    x = motions()
+    tangent = departures(group, x, 1.0, HARMONICS, N_TIME).tangent
+    arguments = group, ENTRIES, x, tangent, 1.0, HARMONICS, N_TIME
+    found = by_parameters.law_derivatives(*arguments)
+    monkeypatch.setattr(by_parameters, "_as_law_of_moves", lambda _: None)
+    return found, by_parameters.law_derivatives(*arguments)
+
+
+@pytest.mark.parametrize(
+    "law", [JenkinsBox(2), SampledJenkinsBox(2), CoulombCircle(3)], ids=lambda law: type(law).__name__
+)
+def test_from_the_tangent_as_by_differentiation(law, monkeypatch):
+    found, expected = both(group_of(law), monkeypatch)
+    for entry in ENTRIES:
+        scale = np.abs(expected[entry]).max()
+        assert scale > 0
+        np.testing.assert_allclose(found[entry], expected[entry], rtol=0, atol=1e-12 * scale, err_msg=entry)
+
+
+def test_all_copies_of_an_element_count(monkeypatch):
+    copies = 1.0 + np.arange(ELEMENTS) % 2
+    group = group_of(JenkinsBox(2))
+    one, _ = both(group, monkeypatch)
+    monkeypatch.undo()
+    for several in both(replace(group, copies=copies), monkeypatch):
+        for entry in ENTRIES:
+            expected = one[entry] * copies.reshape(-1, *[1] * (one[entry].ndim - 1))
+            np.testing.assert_allclose(several[entry], expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+
+
+def test_without_friction_the_tangent_does_not_tell(monkeypatch):
+    group = group_of(JenkinsBox(2), mu=np.zeros(ELEMENTS))
+    x = motions()
+    tangent = departures(group, x, 1.0, HARMONICS, N_TIME).tangent
+    assert friction_derivatives(("mu",), x, tangent, group.values, 0) is None
+    found, expected = both(group, monkeypatch)
+    np.testing.assert_array_equal(found["mu"], expected["mu"])
+    assert np.abs(found["mu"]).max() > 0
