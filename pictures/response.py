@@ -14,10 +14,10 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.hbm.continuation.smooth_branch import smooth_branch
 from updamp.hbm.continuation.sweeps import swept
 from updamp.hbm.stability.branch_stability import BranchStability
 from updamp.pictures.branch_lines import HATCH, draw_branch, hatch_gaps, key_of_stability
-from updamp.pictures.smooth_branch import smooth_branch
 from updamp.pictures.style import GREY, INK, figure, shades
 
 MM = 1e3  # m/N to mm/N
