@@ -13,6 +13,7 @@ from updamp.hbm.analysis.finer_points import PointErrors
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.resonance.resonance_curve import ResonanceCurve
 from updamp.hbm.stability.branch_stability import BranchStability
+from updamp.hbm.stability.detached_branches import DetachedBranches
 from updamp.parallel.resources import Meter
 from updamp.rig.questions import empty_windows, possible_resonances
 from updamp.rig.rig import Rig
@@ -20,6 +21,7 @@ from updamp.workflow import stages, store
 from updamp.workflow.accuracy_jobs import AccuracyJob
 from updamp.workflow.adaptive_curves import AdaptiveCurveJob, of_these_harmonics
 from updamp.workflow.curve_jobs import CurveJob
+from updamp.workflow.detached_jobs import DetachedJob, has_more
 from updamp.workflow.job_pool import Job, JobEnd, JobOutcome, JobProgress, run_all
 from updamp.workflow.limits import check_size
 from updamp.workflow.output_folder import check_folder
@@ -130,7 +132,7 @@ class Run:
             unknown=tuple(one for one in failures if one.job.output in outputs),
         )
         done = self._with_stability(self._with_point_errors(done, traced), traced)
-        return self._with_resonances(done, finite_elements, rest)
+        return self._with_detached(self._with_resonances(done, finite_elements, rest), traced)
 
     def _with_point_errors(self, done: Products, curves: Sequence[tuple[CurveJob, ResponseCurve]]) -> Products:
         if not self.options.accuracy:
@@ -166,6 +168,18 @@ class Run:
         found, failures = self._obtain_all(jobs, ResonanceCurve)
         resonances = tuple(found[job.output] for job in jobs if job.output in found)
         return replace(done, resonances=resonances, unknown=(*done.unknown, *failures))
+
+    def _with_detached(self, done: Products, curves: Sequence[tuple[CurveJob, ResponseCurve]]) -> Products:
+        followed, jobs = {entry.product.mode: entry for entry in done.resonances}, []
+        for job, curve in curves:
+            entry = followed.get(job.mode)
+            product, path, made = (entry.product, entry.path, entry.stamp.key) if entry else (None, None, "")
+            if has_more(curve, product, self.rig.study.modes[job.mode].window):
+                key, output = self._about(stages.DETACHED, job, curve)
+                jobs.append(DetachedJob(job, self.response_point, path, key + made, output))
+        found, failures = self._obtain_all(jobs, DetachedBranches)
+        detached = tuple(found[job.output] for job in jobs if job.output in found)
+        return replace(done, detached=detached, unknown=(*done.unknown, *failures))
 
     def _about(self, stage: Stage, job: CurveJob, curve: ResponseCurve) -> tuple[str, Path]:
         """Key and file of what a stage says about a curve. A curve that is traced once more, for its file was lost, may

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from updamp.hbm.continuation.completeness import half_width
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.continuation.smooth_branch import smooth_branch
+from updamp.hbm.newton.metric import to_lines
 
 Floats = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 # Flanks reach from the half-width to where the response has fallen to this share of the peak.
 FLANK_DOWN_TO = 0.1
@@ -75,17 +75,9 @@ def distances(curve: ResponseCurve, finer: ResponseCurve, point: str, width: flo
     near = smooth_branch(finer, point)
     if not len(near.frequency) or not np.isfinite(width):
         return np.full(len(curve), np.nan)
-    parts = list(near.pieces())
+    followed = np.diff(near.interval) <= 1
     apart = np.empty(len(curve))
     for i, (at, h) in enumerate(zip(curve.frequency, curve.receptance(point), strict=True)):
-        apart[i] = min(_to_lines(part.receptance / h - 1, (part.frequency - at) / width) for part in parts)
+        change, shift = (near.receptance / h - 1)[:, None].view(float), (near.frequency - at) / width
+        apart[i] = to_lines(np.column_stack([change, shift]))[0][followed].min()
     return apart
-
-
-def _to_lines(response: Complex, frequency: Floats) -> float:
-    """Distance of the origin to the straight lines between neighbouring places."""
-    places = np.column_stack([response.real, response.imag, frequency])
-    start, along = places[:-1], np.diff(places, axis=0)
-    length = np.maximum(np.einsum("ij,ij->i", along, along), np.finfo(float).tiny)
-    share = np.clip(-np.einsum("ij,ij->i", start, along) / length, 0.0, 1.0)
-    return float(np.linalg.norm(start + share[:, None] * along, axis=1).min())
