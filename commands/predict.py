@@ -88,6 +88,7 @@ def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
     """Whether every curve crossed its window and every picture was drawn."""
     from updamp.hbm.compilation_cache import keep_compiled
     from updamp.rig.questions import questions
+    from updamp.workflow.detached_summary import coexisting
     from updamp.workflow.progress import Display
     from updamp.workflow.run import Run
     from updamp.workflow.run_outputs import summarise, write_outputs
@@ -112,6 +113,8 @@ def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
         console.print(curves_table(summary["curves"]))
     for line in doubtful_peaks(summary.get("curves", ())):
         console.print(Text.assemble(("stability ", "yellow"), line), soft_wrap=True)
+    for line in coexisting(summary.get("curves", ())):
+        console.print(Text.assemble(("beside it ", "yellow"), line), soft_wrap=True)
     problems = [f"{c['mode']} {c['force_N']:g} N: {c['problem']}" for c in summary.get("curves", ()) if c["problem"]]
     problems += [f"{name}: {message}" for name, message in summary.get("failed_curves", {}).items()]
     problems += [undrawn] if undrawn else []

@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.hbm.continuation.smooth_branch import smooth_branch
 from updamp.hbm.stability.branch_stability import BranchStability, State
-from updamp.pictures.smooth_branch import smooth_branch
 from updamp.pictures.style import GREY
 
 MM = 1e3  # m/N to mm/N

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from updamp.comparison.comparison import CurvePair
 from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.hbm.continuation.smooth_branch import smooth_branch
 from updamp.hbm.resonance.resonance_curve import ResonanceCurve
 from updamp.pictures.branch_lines import hatch_gaps
-from updamp.pictures.smooth_branch import smooth_branch
 from updamp.pictures.style import BLUE, GREY, VERMILLION, NotebookFigure, figure, notebook_figure, shades
 
 MM = 1e3  # m/N to mm/N

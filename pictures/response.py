@@ -1,7 +1,7 @@
 """Frequency responses in mm/N: the resonances of all force levels, and the whole window beside the blades alone."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +14,10 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.hbm.continuation.smooth_branch import smooth_branch
 from updamp.hbm.continuation.sweeps import swept
 from updamp.hbm.stability.branch_stability import BranchStability
 from updamp.pictures.branch_lines import HATCH, draw_branch, hatch_gaps, key_of_stability
-from updamp.pictures.smooth_branch import smooth_branch
 from updamp.pictures.style import GREY, INK, figure, shades
 
 MM = 1e3  # m/N to mm/N
@@ -25,6 +25,7 @@ BAND = 0.2  # opacity of the numerical error
 WIDEST, FINEST = 3.2, 1.4  # lines, of the lowest and of the highest force: those that coincide are all seen
 SHOWN = 0.04  # of the largest peak: frequencies at which all is lower are left out beside the resonances
 ALONE = "without damper"
+DETACHED = (0, (5, 1, 1, 1))  # dashes and dots: of branches beside a curve
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +42,7 @@ class Responses:
 
     finer: curves with more harmonics; stability: by force, as far as it is known
     alone: the response without damper, None where it is not known
+    detached: branches that are no part of any of the curves, by force
     """
 
     mode: str
@@ -49,6 +51,7 @@ class Responses:
     finer: Sequence[ResponseCurve] = ()
     stability: Mapping[float, BranchStability] | None = None
     alone: LinearResponse | None = None
+    detached: Mapping[float, Sequence[ResponseCurve]] = field(default_factory=dict)
 
     def levels(self) -> list[tuple[ResponseCurve, Any, float]]:
         """Curves with their colours and widths"""
@@ -96,6 +99,9 @@ def _level(ax: Axes, drawn: Responses, curve: ResponseCurve, colour: Any, width:
     for finer in (one for one in drawn.finer if one.force == curve.force):
         _band(ax, curve, finer, drawn.point, colour)
     draw_branch(ax, curve, drawn.point, colour, drawn.stability_of(curve), linewidth=width)
+    for branch in drawn.detached.get(curve.force, ()):
+        for part in smooth_branch(branch, drawn.point).pieces():
+            ax.plot(part.frequency, MM * np.abs(part.receptance), color=colour, linewidth=FINEST, linestyle=DETACHED)
     frequency, peak = curve.peak(drawn.point)
     ax.plot(frequency, MM * peak, "o", color=colour, markeredgecolor="white", markersize=6, zorder=3)
     size = MM * np.abs(curve.receptance(drawn.point))
@@ -114,9 +120,10 @@ def _level(ax: Axes, drawn: Responses, curve: ResponseCurve, colour: Any, width:
 
 def _resonances(drawn: Responses) -> tuple[float, float]:
     """Frequencies with something to see on a linear scale, and a little more."""
-    sizes = [np.abs(curve.receptance(drawn.point)) for curve in drawn.curves]
+    shown = [*drawn.curves, *(branch for beside in drawn.detached.values() for branch in beside)]
+    sizes = [np.abs(curve.receptance(drawn.point)) for curve in shown]
     largest = max(float(size.max()) for size in sizes)
-    seen = [curve.frequency[size > SHOWN * largest] for curve, size in zip(drawn.curves, sizes, strict=True)]
+    seen = [curve.frequency[size > SHOWN * largest] for curve, size in zip(shown, sizes, strict=True)]
     places = np.concatenate([*seen, *(curve.gaps().ravel() for curve in drawn.curves if not curve.complete)])
     margin = 0.06 * float(np.ptp(places))
     ends = [float(f) for curve in drawn.curves for f in (curve.frequency.min(), curve.frequency.max())]
@@ -143,6 +150,8 @@ def _key_of_marks(drawn: Responses) -> list[Artist]:
         key.append(Patch(facecolor="none", edgecolor=GREY, hatch=HATCH, label="not followed"))
     if drawn.finer:
         key.append(Patch(facecolor=GREY, alpha=2 * BAND, label="band: change with more harmonics"))
+    if any(drawn.detached.values()):
+        key.append(Line2D([], [], color=GREY, linewidth=FINEST, linestyle=DETACHED, label="no part of the curve"))
     if drawn.alone is not None:
         key.append(Line2D([], [], color=GREY, linewidth=1.1, label=ALONE))
     return key

@@ -19,9 +19,9 @@ from updamp.fem.finite_element_model import FiniteElementResult
 from updamp.fem.static_contact.static_contact import static_contact
 from updamp.geometry.build_mesh import build_mesh
 from updamp.hbm.contact.friction import FrictionParameters
+from updamp.hbm.continuation.smooth_branch import BETWEEN
 from updamp.model.build import contact_group, rig_model
 from updamp.notebook.outcomes import ComparisonResult, DiagnosisResult
-from updamp.pictures.smooth_branch import BETWEEN
 from updamp.workflow import diagnose_run, model_of_rig
 from updamp.workflow.stage_functions import StageFunctions
 

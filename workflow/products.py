@@ -12,6 +12,7 @@ from updamp.hbm.analysis.finer_points import PointErrors
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.resonance.resonance_curve import ResonanceCurve
 from updamp.hbm.stability.branch_stability import BranchStability
+from updamp.hbm.stability.detached_branches import DetachedBranches
 from updamp.workflow import store
 from updamp.workflow.job_pool import JobOutcome
 
@@ -33,7 +34,7 @@ class Products:
 
     finer: the same curves with more harmonics, if they were asked for; point_errors: what finer samples
     and cycles change in them; stability: of the curves, as far as it is known
-    resonances: of the modes, followed in the force
+    resonances: of the modes, followed in the force; detached: branches beside curves, where there are any
     failures: curves that are not there; unknown: what was to be said about curves, and could not
     """
 
@@ -46,6 +47,7 @@ class Products:
     point_errors: tuple[Stored[PointErrors], ...] = ()
     stability: tuple[Stored[BranchStability], ...] = ()
     resonances: tuple[Stored[ResonanceCurve], ...] = ()
+    detached: tuple[Stored[DetachedBranches], ...] = ()
     failures: tuple[JobOutcome, ...] = ()
     unknown: tuple[JobOutcome, ...] = ()
 
@@ -53,12 +55,16 @@ class Products:
         """By force, of the curves it is known of."""
         return {entry.product.force: entry.product for entry in self.stability if entry.product.mode == mode}
 
+    def detached_of(self, mode: str) -> Mapping[float, DetachedBranches]:
+        """By force, of the curves that have branches beside them."""
+        return {entry.product.force: entry.product for entry in self.detached if entry.product.mode == mode}
+
     @property
     def stamps(self) -> tuple[store.Stamp, ...]:
         single = (self.mesh, self.finite_elements, self.coupled_check, self.static_contact)
         return tuple(
             entry.stamp
-            for entry in (*single, *self.curves, *self.finer, *self.stability, *self.resonances)
+            for entry in (*single, *self.curves, *self.finer, *self.stability, *self.resonances, *self.detached)
             if entry is not None
         )
 

@@ -99,9 +99,10 @@ class Run:
             self.display.note("question", question)
 
     def _with_curves(self, done: Products, finite_elements: Path, rest: Path) -> Products:
-        given, failures = self._obtain_all(RunJobs(self.files, self.response_point, finite_elements, rest))
+        jobs = RunJobs(self.files, self.response_point, finite_elements, rest)
+        given, failures = self._obtain_all(jobs, jobs.at_once())
         curves = [(job, one) for job, one in given if isinstance(job, CurveJob)]
-        return replace(
+        done = replace(
             done,
             curves=tuple(one for job, one in curves if not job.finer),
             finer=tuple(one for job, one in curves if job.finer),
@@ -111,6 +112,14 @@ class Run:
             failures=tuple(one for one in failures if _is_curve(one.job)),
             unknown=tuple(one for one in failures if not _is_curve(one.job)),
         )
+        return self._with_detached(done, jobs, curves)
+
+    def _with_detached(self, done: Products, jobs: RunJobs, curves: Sequence[tuple[CurveJob, Stored[Any]]]) -> Products:
+        """What lies beside curves: known once they and the resonances followed in force are."""
+        followed = {entry.product.mode: entry for entry in done.resonances}
+        beside = [jobs.beside(job, one.product, followed.get(job.mode)) for job, one in curves if not job.finer]
+        given, failures = self._obtain_all(jobs, [job for job in beside if job is not None])
+        return replace(done, detached=tuple(one for _, one in given), unknown=(*done.unknown, *failures))
 
     def _mesh(self) -> Stored[RigMesh]:
         def compute(meter: Meter) -> tuple[RigMesh, Mapping[str, float]]:
@@ -179,9 +188,11 @@ class Run:
 
     # --- the curves, and what is said about them ---
 
-    def _obtain_all(self, jobs: RunJobs) -> tuple[list[tuple[RunJob, Stored[Any]]], list[JobOutcome]]:
-        """The jobs with their products, in the order of the study, from their files where those fit, else computed and
-        stored, shared over the processes; and what became of those that were not finished.
+    def _obtain_all(
+        self, jobs: RunJobs, first: Sequence[RunJob]
+    ) -> tuple[list[tuple[RunJob, Stored[Any]]], list[JobOutcome]]:
+        """Some jobs, and those that follow them, with their products, in this order, from their files where those fit,
+        else computed and stored, shared over the processes; and what became of those that were not finished.
         """
         found: dict[Path, Stored[Any]] = {}
 
@@ -196,8 +207,8 @@ class Run:
                 found[job.output] = there
                 yield from missing(jobs.following(job, there.product))
 
-        outcomes = self._run_all(list(missing(jobs.at_once())), jobs, missing)
-        return _in_order(jobs, found), [one for one in outcomes if one.end is not JobEnd.FINISHED]
+        outcomes = self._run_all(list(missing(first)), jobs, missing)
+        return _in_order(jobs, first, found), [one for one in outcomes if one.end is not JobEnd.FINISHED]
 
     def _run_all(
         self, first: Sequence[RunJob], jobs: RunJobs, missing: Callable[[Iterable[RunJob]], Iterable[RunJob]]
@@ -234,10 +245,12 @@ class Run:
         show(name, sentence)
 
 
-def _in_order(jobs: RunJobs, found: Mapping[Path, Stored[Any]]) -> list[tuple[RunJob, Stored[Any]]]:
+def _in_order(
+    jobs: RunJobs, first: Sequence[RunJob], found: Mapping[Path, Stored[Any]]
+) -> list[tuple[RunJob, Stored[Any]]]:
     """As the study has them, not as they were finished: files that are made of them have keys of them in this order."""
     given: list[tuple[RunJob, Stored[Any]]] = []
-    for job in jobs.at_once():
+    for job in first:
         if (there := found.get(job.output)) is not None:
             after = jobs.following(job, there.product)
             given += [(one, found[one.output]) for one in (job, *after) if one.output in found]

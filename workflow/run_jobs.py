@@ -6,17 +6,20 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.hbm.resonance.resonance_curve import ResonanceCurve
 from updamp.rig.rig import Rig
 from updamp.workflow import stages
 from updamp.workflow.accuracy_jobs import AccuracyJob
 from updamp.workflow.adaptive_curves import AdaptiveCurveJob, of_these_harmonics
 from updamp.workflow.curve_jobs import CurveJob
+from updamp.workflow.detached_jobs import DetachedJob, has_more
+from updamp.workflow.products import Stored
 from updamp.workflow.resonance_jobs import ResonanceJob
 from updamp.workflow.run_options import RunOptions
 from updamp.workflow.stability_jobs import StabilityJob
 from updamp.workflow.stages import Stage
 
-RunJob = CurveJob | AccuracyJob | StabilityJob | ResonanceJob
+RunJob = CurveJob | AccuracyJob | StabilityJob | ResonanceJob | DetachedJob
 
 
 @dataclass(frozen=True)
@@ -68,6 +71,18 @@ class RunJobs:
             return 0
         chosen = self.files.rig.harmonic_balance.tolerance is not None
         return options.stability + options.accuracy * (1 + chosen)
+
+    def beside(
+        self, job: CurveJob, curve: ResponseCurve, followed: Stored[ResonanceCurve] | None
+    ) -> DetachedJob | None:
+        """Branches beside a curve, where there is anything to look at. followed: the mode's resonance in the force"""
+        product = followed.product if followed is not None else None
+        if not has_more(curve, product, self.files.rig.study.modes[job.mode].window):
+            return None
+        traced = of_these_harmonics(job, curve)
+        key, output = self._of_these_points(stages.DETACHED, traced, curve)
+        path, made = (followed.path, followed.stamp.key) if followed is not None else (None, "")
+        return DetachedJob(traced, self.point, path, key + made, output)
 
     def _about(self, traced: CurveJob, curve: ResponseCurve) -> Iterator[RunJob]:
         options = self.files.options

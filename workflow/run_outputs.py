@@ -165,6 +165,7 @@ def _of_curves(run: Run, products: Products) -> dict[str, Any]:
                 numerical_error(products, curve, run.response_point) if run.options.accuracy else None,
                 products.stability_of(curve.mode).get(curve.force),
                 _chosen(entry),
+                products.detached_of(curve.mode).get(curve.force),
             )
             for entry, curve in ((entry, entry.product) for entry in products.curves)
         ],
@@ -213,6 +214,7 @@ def _timing(products: Products) -> dict[str, float]:
         "hbm": (*products.curves, *products.finer),
         "stability": products.stability,
         "resonance": products.resonances,
+        "detached": products.detached,
         "accuracy": products.point_errors,
     }
     for name, entries in beside_each_other.items():

@@ -96,7 +96,8 @@ def _of_mode(run: Run, products: Products, mode: str, curves: Sequence[ResponseC
 
     def draw_responses(path: Path) -> None:
         others, alone = [curve.product for curve in finer], blades_alone(run, products, curves)
-        drawn = response.Responses(mode, point, curves, others, products.stability_of(mode), alone)
+        detached = {force: found.branches for force, found in products.detached_of(mode).items()}
+        drawn = response.Responses(mode, point, curves, others, products.stability_of(mode), alone, detached)
         response.frequency_responses(path, drawn)
 
     def draw_states(path: Path) -> None:
@@ -113,6 +114,7 @@ def _of_mode(run: Run, products: Products, mode: str, curves: Sequence[ResponseC
         resonance_against_force(path, mode, followed.product if followed else None, peaks)
 
     sources = [point, *keys, *(curve.stamp.key for curve in finer), *stability_keys(products, mode)]
+    sources += [entry.stamp.key for entry in products.detached if entry.product.mode == mode]
     return [
         plot(f"frf_{mode}", sources, draw_responses),
         plot(f"contact_states_{mode}", [point, *keys], draw_states),

@@ -89,7 +89,7 @@ STATIC_CONTACT = Stage(
 )
 CURVE = Stage(
     name="curve",
-    version=12,
+    version=13,
     sections=(
         "damper_model",
         "material.loss_factor",
@@ -118,6 +118,9 @@ RESONANCE = Stage(
 )
 
 STABILITY = Stage(name="stability", version=3, sections=(), after=(CURVE,), choices=("force",))
+
+# Branches at the curve's force that are no part of it; the resonance followed in force may lead to some.
+DETACHED = Stage(name="detached", version=1, sections=(), after=(CURVE,), choices=("force",))
 
 # Only where a run says how accurate it is.
 FINER_POINTS = Stage(name="finer_points", version=1, sections=(), after=(CURVE,), choices=("force",))

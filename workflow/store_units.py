@@ -90,5 +90,6 @@ UNITS: Mapping[str, Mapping[str, str]] = {
         "samples": "%, Hz, %",
         "cycles": "%, Hz, %",
     },
+    "DetachedBranches": {"force": "N", "state": "1", "seconds": "s"},
     "ChosenHarmonics": {"force": "N", "orders": "1", "tried": "1"},
 }

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from updamp.hbm.continuation.completeness import half_width
 from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.hbm.continuation.smooth_branch import smooth_branch
+from updamp.hbm.newton.metric import to_lines
 
 Floats = NDArray[np.float64]
 
@@ -25,8 +27,7 @@ class CurveError:
 
     orders: harmonics of the finer curve; peak_percent, half_width_percent: in percent of the first one's
     resonance_hertz: shift of the peak's frequency
-    flank_percent: largest change of the amplitude at the same frequency beyond the half-width, down to a tenth of the
-        peak, in percent of it
+    flank_percent: largest distance to the finer curve (`distances`) beyond the half-width, down to a tenth of the peak
     complete: whether the finer curve is; if not, its peak may be another one
     """
 
@@ -46,26 +47,37 @@ def curve_error(curve: ResponseCurve, finer: ResponseCurve, point: str) -> Curve
     sizes = [np.abs(one.receptance(point)) for one in (curve, finer)]
     widths = [half_width(one.frequency, size) for one, size in zip((curve, finer), sizes, strict=True)]
     flank = (np.abs(curve.frequency - at) > widths[0]) & (sizes[0] > FLANK_DOWN_TO * peak)
-    changes = _changes(curve.frequency[flank], sizes[0][flank], finer.frequency, sizes[1])
+    apart = distances(curve, finer, point, widths[0])[flank]
     return CurveError(
         orders=finer.orders,
         peak_percent=100 * (finer_peak / peak - 1),
         resonance_hertz=finer_at - at,
         half_width_percent=100 * (widths[1] / widths[0] - 1) if np.isfinite(widths).all() else np.nan,
-        flank_percent=100 * float(np.nanmax(np.abs(changes), initial=0.0)) if len(changes) else np.nan,
+        flank_percent=100 * float(apart.max()) if len(apart) else np.nan,
         complete=finer.complete,
     )
 
 
-def _changes(frequency: Floats, size: Floats, finer_frequency: Floats, finer_size: Floats) -> Floats:
-    """(n,) relative change to the finer branch's nearest sheet at each frequency; not a number where there is none."""
-    changes = np.full(len(frequency), np.nan)
-    start, end = finer_frequency[:-1], finer_frequency[1:]
-    for i, at in enumerate(frequency):
-        across = np.flatnonzero((np.minimum(start, end) <= at) & (at <= np.maximum(start, end)) & (start != end))
-        if len(across):
-            share = (at - start[across]) / (end - start)[across]
-            there = finer_size[across] + share * (finer_size[across + 1] - finer_size[across])
-            change = there / size[i] - 1
-            changes[i] = change[np.argmin(np.abs(change))]
-    return changes
+def distances(curve: ResponseCurve, finer: ResponseCurve, point: str, width: float) -> Floats:
+    """(n,) from each point of a curve to the nearest one of the finer branch: across the branch, where the change at
+    fixed frequency grows without bound as a flank becomes vertical.
+
+    d^2 = |h' / h - 1|^2 + ((f' - f) / width)^2, least over the points (f', h') of the finer branch, h the receptance at
+    `point`, width the half-width [Hz]. Both parts weigh the same: a linear resonance is h = 1 / (1 + i s), s the
+    frequency in half-widths off resonance, |d ln h / ds| = 1 / sqrt(1 + s^2) <= 1, so that a shift counts for no more
+    than the change that it makes on such a resonance where that is largest. Where a branch runs at a slope g =
+    |d ln h / ds| and the finer one beside it differs by e at fixed frequency, d = e / sqrt(1 + g^2): the change of the
+    response on a shallow flank, the shift e / g in half-widths on a steep one. It is the metric of continuation
+    (hbm/newton/metric.py) at one point.
+
+    returns: not a number where the finer curve has no branch, or the width is not finite
+    """
+    near = smooth_branch(finer, point)
+    if not len(near.frequency) or not np.isfinite(width):
+        return np.full(len(curve), np.nan)
+    followed = np.diff(near.interval) <= 1
+    apart = np.empty(len(curve))
+    for i, (at, h) in enumerate(zip(curve.frequency, curve.receptance(point), strict=True)):
+        change, shift = (near.receptance / h - 1)[:, None].view(float), (near.frequency - at) / width
+        apart[i] = to_lines(np.column_stack([change, shift]))[0][followed].min()
+    return apart

@@ -2,24 +2,23 @@
 
 Most curves are one segment, from one end of the window to the other. Where that one stops, or winds for long, the
 curve is traced from the other end too, until the two meet; where they do not, from further starts between their ends,
-in both directions (hbm/continuation/pieces.py).
+in both directions (hbm/continuation/pieces.py). What is found on the way and is no part of the branch is kept beside it
+(hbm/continuation/detached.py).
 """
 
 import time
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 
-import numpy as np
-
-from updamp.hbm.continuation.branch import BranchPoint, branch_point
 from updamp.hbm.continuation.completeness import shortcoming
-from updamp.hbm.continuation.continuation import continue_branch
-from updamp.hbm.continuation.curve_records import CurveRequest, Records, put_together
+from updamp.hbm.continuation.curve_records import CurveRequest, put_together
+from updamp.hbm.continuation.detached import apart, middle, missing
 from updamp.hbm.continuation.extremes import with_extremes_solved
-from updamp.hbm.continuation.pieces import BranchSegment, Pieces
-from updamp.hbm.continuation.predictor_corrector import CONNECTED
+from updamp.hbm.continuation.half_problem import HalfProblem
+from updamp.hbm.continuation.pieces import Pieces
 from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.hbm.continuation.segments import from_end, segment_from
 from updamp.hbm.continuation.starts import starts
 from updamp.hbm.problem.system import NonlinearSystem
 
@@ -41,19 +40,15 @@ def trace(
     resume_from: an interrupted curve of the same system and request; only what follows it is solved
     raises: nothing; a branch that cannot go on ends the curve with its sentence in `stopped`
     """
-    row = request.excitation.row
-    if (driven := system.half_driven_at(row)) is None:
+    if (half := HalfProblem.of(system, request)) is None:
         yield from _traced(system, request, resume_from)
         return
-    half, mirror = driven
-    excitation = replace(request.excitation, row=row - system.free.n_relative + half.free.n_relative)
-    if resume_from is not None and len(resume_from):
-        resume_from = replace(resume_from, displacement=mirror.halved(resume_from.displacement))
+    if resume_from is not None:
+        resume_from = half.halved(resume_from)
     shown = whole = None
-    for curve in _traced(half, replace(request, excitation=excitation), resume_from):
+    for curve in _traced(half.system, half.request, resume_from):
         if whole is None or curve is not shown:
-            shown = curve
-            whole = replace(curve, displacement=mirror.whole(curve.displacement)) if len(curve) else curve
+            shown, whole = curve, half.whole(curve)
         yield whole
 
 
@@ -72,8 +67,8 @@ def _traced(
         yield resume_from
         return
     earlier = resume_from if resume_from is not None and len(resume_from) >= 2 else None
-    first = _segment(system, request, request.upwards, started, earlier)
-    pieces = Pieces(first, _segment(system, request, not request.upwards, started))
+    first = from_end(system, request, request.upwards, started, earlier)
+    pieces = Pieces(first, from_end(system, request, not request.upwards, started))
     shown = first.records.curve()
     for _ in _advances(system, request, pieces, started):
         if not len(shown) <= len(first.records) < (1 + _COPIED) * len(shown):
@@ -120,7 +115,7 @@ def _from_further_starts(
         start = next((point for point in starts(system, request, ends) if not pieces.knows(point)), None)
         if start is None or not left:
             return
-        pair = [_segment_from(system, request, start, upwards, started) for upwards in (True, False)]
+        pair = [segment_from(system, request, start, upwards, started) for upwards in (True, False)]
         pieces.add(start, *pair)
         for _ in range(min(request.assembly.connecting, left)):
             going = [segment for segment in pair if segment.active and not pieces.connected]
@@ -135,46 +130,10 @@ def _from_further_starts(
 def _finished(system: NonlinearSystem, request: CurveRequest, pieces: Pieces) -> ResponseCurve:
     parts = [(part.segment.records, part.backwards, part.gap) for part in pieces.parts()]
     curve = put_together(pieces.first.records, parts)
+    beside = [apart(pieces.first.records, *chain) for chain in pieces.detached()]
+    scale_w = request.options.scale_w(request.window)
+    curve = replace(curve, detached=tuple(one for one in beside if missing(curve, [middle(one)], scale_w)))
     why = shortcoming(curve, request.window, request.assembly.limits)
     curve = curve if why else with_extremes_solved(system, request, curve)
     ends = "; ".join(segment.end_sentence for segment in pieces.open_ends())
     return replace(curve, complete=not why, stopped=f"{why}. {ends}" if why else "")
-
-
-def _segment(
-    system: NonlinearSystem, request: CurveRequest, upwards: bool, started: float, earlier: ResponseCurve | None = None
-) -> BranchSegment:
-    """From the lower end of the window (upwards) or the upper one; earlier: what there is of it"""
-    resumed = _last_points(system, request, earlier) if earlier is not None else ()
-    points = _followed(system, request, upwards, resumed)
-    return BranchSegment(Records(system, request, started, earlier), 1.0 if upwards else -1.0, points, resumed)
-
-
-def _segment_from(
-    system: NonlinearSystem, request: CurveRequest, start: BranchPoint, upwards: bool, started: float
-) -> BranchSegment:
-    """From a start that the segment upwards records, and the other one does not."""
-    sign = 1.0 if upwards else -1.0
-    if np.sign(start.tangent_w) != sign:
-        start = start.turned()
-    points = _followed(system, request, upwards, [start])
-    records = Records(system, request, started)
-    if upwards:
-        records.add(replace(start, after_gap=False))
-    return BranchSegment(records, sign, points, [start])
-
-
-def _followed(
-    system: NonlinearSystem, request: CurveRequest, upwards: bool, resumed: Sequence[BranchPoint]
-) -> Iterator[BranchPoint]:
-    """Without jumps: where the branch cannot be followed, other segments lead on."""
-    options = replace(request.options, recoveries=CONNECTED)
-    return continue_branch(system, request.excitation, request.window, options, upwards, resumed)
-
-
-def _last_points(system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve) -> Sequence[BranchPoint]:
-    """The last two points of a stored curve as points of a branch, tangents computed anew."""
-    scale_w = request.options.scale_w(request.window)
-    places = [(curve.displacement[i], 2 * np.pi * curve.frequency[i]) for i in (-2, -1)]
-    direction = (places[1][0] - places[0][0], places[1][1] - places[0][1])
-    return [branch_point(system, request.excitation, x, w, scale_w, direction) for x, w in places]

@@ -38,6 +38,8 @@ class CurveOptions:
     there: how close to it a point is at it, as a share of the length of the points about it: what is read is off by the
         square of it beside a smooth extreme; on a flank that ends in a kink 1e-3 were 0.3 % of the height
     limits: of the gaps in a complete curve
+    detached: so many points at most either way on a branch beside the curve, traced from a solution that the curve does
+        not have: as many in all as `connecting`, for what is found there need not lead anywhere
     """
 
     from_one_end: int = 200
@@ -50,6 +52,7 @@ class CurveOptions:
     points_at_extreme: int = 20
     there: float = 1e-4
     limits: CompletenessLimits = field(default_factory=CompletenessLimits)
+    detached: int = 300
 
 
 @dataclass(frozen=True, eq=False)

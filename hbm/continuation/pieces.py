@@ -121,6 +121,8 @@ class Pieces:
         self._starts: list[BranchPoint] = []
         self._joint: dict[BranchSegment, BranchSegment] = {}  # the segment whose end this one's end is
         self._along: dict[BranchSegment, tuple[BranchSegment, int]] = {}  # chord on which the last point lay
+        self._closed: set[BranchSegment] = set()  # that met the other one from their start
+        self._known: set[BranchSegment] = set()  # that led to what another one had traced, and are not joined to it
 
     def add(self, start: BranchPoint, up: BranchSegment, down: BranchSegment) -> None:
         """Two segments from one start."""
@@ -169,11 +171,19 @@ class Pieces:
         if self.connected:
             return _with_points(forwards)
         backwards = self._chain(self.second)
-        known = {part.segment for part in (*forwards, *backwards)}
-        between = self._others(known)
+        between = [chain for chain in self._others() if chain[0].segment not in self._closed]
         returned = [Part(part.segment, not part.backwards) for part in reversed(backwards)]
         chains = [forwards, *sorted(between, key=lambda c: self.first.sign * _middle(c)), returned]
         return [part for chain in chains for part in _after_gap(_with_points(chain))]
+
+    def detached(self) -> Sequence[tuple[Sequence[Part], bool]]:
+        """Chains that are no part of the curve, and whether each closes. While the window's ends are not connected,
+        only those that close: of the others it is not known."""
+        chains = [(_with_points(chain), chain[0].segment in self._closed) for chain in self._others()]
+        return [
+            (chain, closed) for chain, closed in chains
+            if closed or (self.connected and not any(part.segment in self._known for part in chain))
+        ]  # fmt: skip
 
     def _segment_at(self, moving: BranchSegment, point: BranchPoint) -> tuple[BranchSegment, int] | None:
         for other in self.segments:
@@ -188,11 +198,17 @@ class Pieces:
             if moving in self._other_way:
                 moving.records.cut(len(moving.records) - 2)
                 moving.end("it ran along what another segment had traced")
+                self._known.add(moving)
             return
-        closed = self._other_way.get(moving) is other
         taken = other in self._joint and self._leads_to_window(self._joint[other])
         moving.end("it met what another segment had traced")
-        if closed or taken:
+        if self._other_way.get(moving) is other:
+            moving.records.cut(len(moving.records) - 2)
+            other.cut_at(chord)
+            self._closed |= {moving, other}
+            return
+        if taken or self.connected:
+            self._known.add(moving)
             return
         if (left := self._joint.pop(other, None)) is not None:
             del self._joint[left]
@@ -221,12 +237,17 @@ class Pieces:
             segment = onwards
         return parts
 
-    def _others(self, known: set[BranchSegment]) -> Iterable[list[Part]]:
-        """Chains of segments that are not known, each once; a lone point is no branch."""
+    def _others(self) -> Iterable[list[Part]]:
+        """Chains of segments that are not on those from the window's ends, each once; a lone point is no branch."""
+        from_ends = [self._chain(segment) for segment in (self.first, self.second)]
+        if self.connected and self.second not in {part.segment for part in from_ends[0]}:
+            del from_ends[1]  # a branch of its own from the other end
+        known = {part.segment for chain in from_ends for part in chain}
         for segment in self.segments:
             if segment in known or segment in self._joint:
                 continue
-            chain = [Part(segment, backwards=True), *self._chain(self._other_way[segment])]
+            onwards = self._other_way.get(segment)
+            chain = [Part(segment, backwards=True), *(self._chain(onwards) if onwards else ())]
             known |= {part.segment for part in chain}
             if sum(len(part.segment.records) for part in chain) < 2:
                 continue

@@ -46,6 +46,7 @@ class ResponseCurve:
     complete: whether it is the whole branch through its window (hbm/continuation/completeness.py)
     stopped: why not, if it is not ("" otherwise)
     seconds: processor wall time spent
+    detached: branches at the same force that are no part of it, as far as they were met: `complete` where they close
     """
 
     mode: str
@@ -65,6 +66,7 @@ class ResponseCurve:
     complete: bool
     stopped: str
     seconds: float
+    detached: tuple["ResponseCurve", ...] = ()
 
     def __len__(self) -> int:
         return len(self.frequency)

@@ -53,3 +53,12 @@ class Metric:
 
     def length(self, move: Move) -> float:
         return float(np.sqrt(self.product(move, move)))
+
+
+def to_lines(places: Floats) -> tuple[Floats, Floats]:
+    """From the origin to each of the straight lines between neighbouring places (n, dimensions): distance (n - 1,), and
+    where on the line the nearest place is, from 0 to 1."""
+    start, along = places[:-1], np.diff(places, axis=0)
+    length = np.maximum(np.einsum("ij,ij->i", along, along), np.finfo(float).tiny)
+    share = np.clip(-np.einsum("ij,ij->i", start, along) / length, 0.0, 1.0)
+    return np.linalg.norm(start + share[:, None] * along, axis=1), share

@@ -132,6 +132,11 @@ def test_frequency_responses_with_folds_and_a_stopped_branch(tmp_path):
     assert labels == ["peak", "jump, sweep up", "jump, sweep down", "not followed"]
     one = response.Responses("IP", "blade_right.tip.x", curves[:1])
     assert [mark.get_label() for mark in response._key_of_marks(one)] == ["peak"]
+    response.frequency_responses(tmp_path / "one.png", one)
+    beside = replace(one, detached={0.1: [softening_curve(force=0.1, centre=418.0)]})
+    response.frequency_responses(tmp_path / "beside.png", beside)
+    assert [mark.get_label() for mark in response._key_of_marks(beside)] == ["peak", "no part of the curve"]
+    assert (tmp_path / "one.png").read_bytes() != (tmp_path / "beside.png").read_bytes()
 
 
 def test_what_is_unstable_or_not_known_is_drawn_otherwise(tmp_path):

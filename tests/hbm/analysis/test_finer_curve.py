@@ -4,10 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.curves import softening_curve
 
-from updamp.hbm.analysis.finer_curve import curve_error
+from updamp.hbm.analysis.finer_curve import curve_error, distances
+from updamp.hbm.continuation.completeness import half_width
 from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.hbm.continuation.sweeps import swept
 
+TIP = "blade_right.tip.x"
 FREQUENCY, LOSS = np.linspace(80.0, 120.0, 4001), 0.02
 
 
@@ -32,10 +36,24 @@ def test_height_frequency_and_width_are_compared():
     assert error.complete
 
 
-def test_flanks_are_compared_at_the_same_frequency():
+def test_on_a_shallow_flank_the_distance_is_the_change_at_the_same_frequency():
     error = curve_error(linear_curve(100.0, LOSS), linear_curve(100.0, LOSS, 1.07), "tip")
     assert error.flank_percent == pytest.approx(7.0, abs=0.1)
     assert error.resonance_hertz == pytest.approx(0.0, abs=1e-6)
+
+
+def test_beside_a_jump_the_distance_is_the_shift_in_half_widths():
+    """At a fixed frequency between both folds the response has changed by half or more: one of them has jumped."""
+    curve, shift = softening_curve(softening=5.0, n=401), 0.06
+    finer = replace(curve, frequency=curve.frequency + shift)
+    fold = int(curve.frequency[: len(curve) // 2].argmax())
+    jumps = swept(curve, upwards=True).jumps, swept(finer, upwards=True).jumps
+    assert jumps[1] - jumps[0] == pytest.approx(shift), "the folds move by as much"
+    width = half_width(curve.frequency, np.abs(curve.receptance(TIP)))
+    apart = distances(curve, finer, TIP, width)
+    assert apart[fold] == pytest.approx(shift / width, rel=1e-2), "where the branch is vertical"
+    assert (apart <= shift / width * (1 + 1e-9)).all()
+    assert curve_error(curve, finer, TIP).flank_percent == pytest.approx(100 * shift / width, rel=0.05)
 
 
 def test_of_several_sheets_the_nearest_counts():

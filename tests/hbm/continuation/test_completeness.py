@@ -7,8 +7,7 @@ import pytest
 from support.peers import one_degree_of_freedom, solved
 
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
-from updamp.hbm.continuation import continuation
-from updamp.hbm.continuation import curve as curve_module
+from updamp.hbm.continuation import continuation, segments
 from updamp.hbm.continuation.completeness import half_width, shortcoming
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions, continue_branch, first_point
 from updamp.hbm.continuation.curve import CurveRequest, trace
@@ -43,7 +42,7 @@ def ending(place, from_starts=True):
 def test_what_stops_both_segments_is_passed_from_starts_between_them(monkeypatch):
     system, request = linear_oscillator()
     *_, whole = trace(system, request)
-    monkeypatch.setattr(curve_module, "continue_branch", ending(np.quantile(WINDOW, (0.5, 0.6)), from_starts=False))
+    monkeypatch.setattr(segments, "continue_branch", ending(np.quantile(WINDOW, (0.5, 0.6)), from_starts=False))
     *_, passed = trace(system, request)
     assert passed.complete
     assert not passed.after_gap.any()
@@ -56,7 +55,7 @@ def test_a_place_that_nothing_passes_makes_the_curve_incomplete(monkeypatch):
     system, request = linear_oscillator()
     *_, whole = trace(system, request)
     at = whole.peak("mass")[0]
-    monkeypatch.setattr(curve_module, "continue_branch", ending((0.9 * at, 1.1 * at)))
+    monkeypatch.setattr(segments, "continue_branch", ending((0.9 * at, 1.1 * at)))
     *_, curve = trace(system, request)
     assert not curve.complete
     assert "not followed between" in curve.stopped
@@ -84,7 +83,7 @@ def test_a_branch_that_comes_back_is_traced_from_the_other_end(monkeypatch):
                 yield from (*points[-2::-1], below)
                 return
 
-    monkeypatch.setattr(curve_module, "continue_branch", turning)
+    monkeypatch.setattr(segments, "continue_branch", turning)
     *_, curve = trace(system, request)
     assert curve.complete
     assert curve.frequency.max() >= WINDOW[1]

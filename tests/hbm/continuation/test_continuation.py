@@ -9,7 +9,7 @@ from support.peers import blades_and_damper_system, one_degree_of_freedom, solve
 
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
-from updamp.hbm.continuation import curve as curve_module
+from updamp.hbm.continuation import segments
 from updamp.hbm.continuation.completeness import CompletenessLimits
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions, continue_branch
 from updamp.hbm.continuation.corrector import Corrector
@@ -184,7 +184,7 @@ def test_a_branch_that_stops_is_met_from_the_other_end(duffing, monkeypatch):
                 raise BranchStoppedError(point.frequency, 1.0, Status.STALLED)
             yield point
 
-    monkeypatch.setattr(curve_module, "continue_branch", interrupted)
+    monkeypatch.setattr(segments, "continue_branch", interrupted)
     *_, joined = trace(system, request)
     assert joined.complete
     assert not joined.stopped

@@ -7,7 +7,7 @@ import pytest
 from support.peers import one_degree_of_freedom, solved
 
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
-from updamp.hbm.continuation import curve as curve_module
+from updamp.hbm.continuation import segments
 from updamp.hbm.continuation.continuation import ContinuationOptions, continue_branch
 from updamp.hbm.continuation.curve import CurveRequest, trace
 from updamp.hbm.continuation.curve_records import CurveOptions
@@ -79,7 +79,7 @@ def test_what_a_segment_traced_on_another_branch_is_left_out(hysteresis, monkeyp
         while True:
             yield from continue_branch(system, excitation, (window[0], lost), options, False, ())
 
-    monkeypatch.setattr(curve_module, "continue_branch", on_another_branch)
+    monkeypatch.setattr(segments, "continue_branch", on_another_branch)
     *_, curve = trace(system, request)
     assert curve.complete
     assert not curve.after_gap.any()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support.curves import softening_curve
 
-from updamp.pictures.smooth_branch import BETWEEN, followed, smooth_branch
+from updamp.hbm.continuation.smooth_branch import BETWEEN, followed, smooth_branch
 
 POINT = "blade_right.tip.x"
 
