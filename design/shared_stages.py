@@ -1,7 +1,8 @@
 """Stages of many designs in one folder, each product under its own key: what two designs share is computed once.
 
 The keys are those of a run (`workflow/stages.py`): a design that changes friction alone finds the finite elements of
-any other one. A lock keeps two processes from computing the same product at the same time.
+any other one, and one that changes the damper alone the blade. A lock keeps two processes from computing the same
+product at the same time.
 """
 
 import fcntl
@@ -11,7 +12,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
 
-from updamp.fem.finite_element_model import FiniteElementResult
+from updamp.fem.finite_element_model import ComponentModel, FiniteElementResult, joined
+from updamp.fem.rig_components import RigComponents
 from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.geometry.rig_mesh import RigMesh
 from updamp.hbm.continuation.response_curve import ResponseCurve
@@ -44,9 +46,16 @@ class SharedStages:
 
     def finite_elements(self) -> FiniteElementResult:
         def compute() -> FiniteElementResult:
-            return self.functions.finite_elements(self.rig, self.mesh(), False, lambda _: None)
+            return joined(self._component(stages.BLADE), self._component(stages.DAMPER), self.mesh().contacts)
 
         return self._obtain(stages.FINITE_ELEMENTS, FiniteElementResult, compute)
+
+    def _component(self, stage: Stage) -> ComponentModel:
+        def compute() -> ComponentModel:
+            with RigComponents(self.mesh(), self.rig) as parts:
+                return self.functions.component(stage)(parts)
+
+        return self._obtain(stage, ComponentModel, compute)
 
     def static_contact(self) -> StaticContact:
         def compute() -> StaticContact:

@@ -105,7 +105,7 @@ def test_a_run_writes_all_it_promises(finished):
     names = {path.name for path in (out / "stages").glob("*.h5")}
     of_curves = {f"{kind}_{mode}_0.01N.h5" for kind in ("curve", "stability") for mode in ("OOP", "IP")}
     of_modes = {f"resonance_{mode}.h5" for mode in ("OOP", "IP")}
-    assert names == {f"{stage.name}.h5" for stage in stages.STAGES[:4]} | of_curves | of_modes
+    assert names == {f"{stage.name}.h5" for stage in stages.STAGES[:6]} | of_curves | of_modes
 
 
 def test_the_summary_has_its_keys_and_sound_numbers(finished):
@@ -233,7 +233,7 @@ def products_again(finished, tmp_path, overrides, functions, **options):
 
 
 def test_after_a_change_of_friction_no_finite_elements_are_run(finished, tmp_path):
-    functions = StageFunctions(must_not_run, must_not_run, must_not_run)
+    functions = StageFunctions(*4 * [must_not_run])
     again, products = products_again(finished, tmp_path, {"contact.friction_coefficient": 0.5}, functions)
     assert again.executed[0] == "static_contact"
     curves = {"OOP 0.01 N", "IP 0.01 N"}
@@ -241,8 +241,16 @@ def test_after_a_change_of_friction_no_finite_elements_are_run(finished, tmp_pat
     assert all(curve.product.complete for curve in products.curves)
 
 
+def test_after_a_change_of_the_damper_the_blade_is_kept(finished, tmp_path):
+    functions = StageFunctions(blade=must_not_run)
+    change = {"damper.base_height": "2.5 mm"}
+    again, products = products_again(finished, tmp_path, change, functions, until=stages.COUPLED_CHECK)
+    assert again.executed == ["mesh", "damper", "finite_elements", "coupled_check"]
+    assert products.coupled_check.product.largest_difference < 1e-3, "the check has a blade of its own"
+
+
 def test_after_a_change_of_contact_stiffness_the_check_alone_is_made_again(finished, tmp_path):
-    functions = StageFunctions(must_not_run, must_not_run, static_contact=must_not_run)
+    functions = StageFunctions(*3 * [must_not_run], static_contact=must_not_run)
     change = {"contact.normal_stiffness": "30000 N/mm^3"}
     again, products = products_again(finished, tmp_path, change, functions, until=stages.COUPLED_CHECK)
     assert again.executed == ["coupled_check"]
@@ -253,7 +261,7 @@ def test_after_a_change_of_contact_stiffness_the_check_alone_is_made_again(finis
 
 
 def test_the_check_can_be_left_out(finished, tmp_path):
-    functions = StageFunctions(must_not_run, must_not_run, must_not_run, must_not_run)
+    functions = StageFunctions(*5 * [must_not_run])
     change = {"contact.normal_stiffness": "30000 N/mm^3"}
     again, products = products_again(
         finished, tmp_path, change, functions, check=False, until=stages.STATIC_CONTACT
@@ -266,7 +274,7 @@ def test_another_force_is_one_more_curve_and_a_damaged_file_is_made_anew(finishe
     rig, out, _ = finished
     shutil.copytree(out, tmp_path / "out")
     (tmp_path / "out" / "stages" / "static_contact.h5").write_bytes(b"damaged")
-    functions = StageFunctions(must_not_run, must_not_run, must_not_run)
+    functions = StageFunctions(*4 * [must_not_run])
     options = RunOptions("small", tmp_path / "out", modes=("OOP",), forces=(0.01, 0.02), stability=True)
     again = Run(load_rig(rig), options, Display(Console(file=io.StringIO())), functions)
     products = again.products()

@@ -10,7 +10,9 @@ from support.study_runs import run
 
 from updamp.design.design_rig import write_design_rig
 from updamp.design.outputs import write_outputs
+from updamp.design.shared_stages import SharedStages
 from updamp.design.tracked_modes import mode_references, tracked_mode
+from updamp.fem.finite_element_model import finite_element_model
 from updamp.fem.static_contact.static_contact import static_contact
 from updamp.geometry.build_mesh import build_mesh
 from updamp.geometry.outlines import area, blade_outline, damper_mass, damper_outline
@@ -115,6 +117,20 @@ def test_friction_alone_needs_no_finite_elements(studied):
     executed = [one.executed for one in result.records if one.outcome == "done"]
     assert executed == [("static_contact",)] * 2, "the finite elements are those of the rig as it stands"
     assert len(list((folder / "out" / "stages").glob("finite_elements_*.h5"))) == 1
+
+
+def test_the_damper_alone_leaves_the_blade_alone(studied):
+    folder, _ = studied
+    shared = folder / "out" / "stages"
+    blades = set(shared.glob("blade_*.h5"))
+    lower = SharedStages(load_rig(folder / "rig.toml", {"damper.base_height": "2.5 mm"}), "tiny", shared)
+    other = lower.finite_elements().reduced
+    assert lower.executed == ["mesh", "damper", "finite_elements"]
+    assert set(shared.glob("blade_*.h5")) == blades
+    whole = finite_element_model(lower.mesh(), lower.rig).reduced
+    for one, two in zip(other.components, whole.components, strict=True):
+        np.testing.assert_allclose(one.omega, two.omega, rtol=1e-9)
+        np.testing.assert_allclose(one.residual, two.residual, atol=1e-9 * np.abs(two.residual).max())
 
 
 def test_contacts_at_the_peak_are_told_apart_and_friction_takes_its_share(studied):
