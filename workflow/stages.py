@@ -162,6 +162,17 @@ RESONANCE = Stage(
     optional=CURVE.optional,
 )
 
+# The same at some forces alone, as a design study asks for it.
+PEAKS = Stage(
+    name="peaks",
+    version=1,
+    sections=(*CURVE.sections, "excitation"),
+    after=(STATIC_CONTACT,),
+    choices=("point", "forces", "frequency", "points"),
+    optional=CURVE.optional,
+    part_of=(RESONANCE,),
+)
+
 STABILITY = Stage(name="stability", version=3, sections=(), after=(CURVE,), choices=("force",))
 
 # Only where a run says how accurate it is.

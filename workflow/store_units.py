@@ -77,6 +77,7 @@ UNITS: Mapping[str, Mapping[str, str]] = {
         "complete": "1",
         "seconds": "s",
     },
+    "FollowedPeaks": {"given_up": "1"},
     "BranchStability": {
         "force": "N",
         "state": "1",
