@@ -7,6 +7,7 @@ from updamp.design.page.page import write_page
 from updamp.design.run_study import StudyResult
 from updamp.design.study_json import write_study_json
 from updamp.design.table import best_records, problem_of, write_csv, write_parquet
+from updamp.pictures.corner import corner, drawn_of
 
 _SHOWN = 12  # designs on the terminal at most
 _VALUE, _BETWEEN = 9, 2  # characters of a value, and to the next one
@@ -27,8 +28,6 @@ def _posterior(result: StudyResult) -> tuple[str, ...]:
     draws = result.method.draws if result.method else {}
     if not draws:
         return ()
-    from updamp.pictures.corner import corner, drawn_of  # matplotlib takes a second
-
     folder, variables = result.folder.path, result.study.variables
     units = {one.name: one.unit for one in variables}
     lines = [",".join(f"{name} [{units[name]}]" if units[name] else name for name in draws)]

@@ -92,9 +92,9 @@ class Emulator:
         second_order = (np.arange(terms.shape[1]) > n_variables).astype(float)
         weight = 1 / (1 + np.square(residuals).mean(axis=1))
         fits = [_ridge(terms, residuals, weight, held * second_order) for held in _HELD]
-        best = [min(fits, key=lambda fit, i=i: fit[1][i]) for i in range(residuals.shape[1])]
-        coefficients = np.stack([fit[0][:, i] for i, fit in enumerate(best)], axis=1)
-        return Emulator(coefficients, np.array([fit[1][i] for i, fit in enumerate(best)]))
+        coefficients, errors = (np.stack(part) for part in zip(*fits, strict=True))
+        best, targets = errors.argmin(axis=0), np.arange(residuals.shape[1])
+        return Emulator(coefficients[best, :, targets].T, errors[best, targets])
 
     def log_likelihood(self, shares: Floats) -> Floats:
         """(n,)"""
