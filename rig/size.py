@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from updamp.rig.rig import MeshDivisions, Rig
 
 COMPONENTS_OF_3D = 3
-VECTORS_A_MODE = 2.5  # least: modes are sought in a space of several vectors each (fem/block_lanczos.py)
+VECTORS_A_MODE = 2.5  # that ARPACK is given (fem/modes.py: 60 for 24)
 
 
 @dataclass(frozen=True)
