@@ -15,8 +15,8 @@ import typer
 from updamp.fem.component import Component, FactorisedComponent, factorised
 from updamp.fem.coupled_modes import coupled_modes_full, static_flexibility
 from updamp.fem.coupling import COUPLINGS, Coupling
-from updamp.fem.finite_element_model import assemble_rig
 from updamp.fem.interface import blade_interface, damper_interface
+from updamp.fem.rig_components import assemble_rig
 from updamp.fem.solvers import solver_named
 from updamp.fem.springs import ContactStiffness, Springs, on_damper, stuck_contact
 from updamp.geometry.build_mesh import build_mesh

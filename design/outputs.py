@@ -7,6 +7,7 @@ from updamp.design.page.page import write_page
 from updamp.design.run_study import StudyResult
 from updamp.design.study_json import write_study_json
 from updamp.design.table import best_records, problem_of, write_csv, write_parquet
+from updamp.pictures.corner import corner, drawn_of
 
 _SHOWN = 12  # designs on the terminal at most
 _VALUE, _BETWEEN = 9, 2  # characters of a value, and to the next one
@@ -19,7 +20,21 @@ def write_outputs(result: StudyResult) -> tuple[str, ...]:
     write_parquet(folder / "designs.parquet", result.study, result.records)
     write_study_json(folder / "study.json", result)
     write_page(folder / "study.html", result)
-    return "designs.csv", "designs.parquet", "study.json", "study.html"
+    return "designs.csv", "designs.parquet", "study.json", "study.html", *_posterior(result)
+
+
+def _posterior(result: StudyResult) -> tuple[str, ...]:
+    """Where the method gives one: its draws as a table, and their picture."""
+    draws = result.method.draws if result.method else {}
+    if not draws:
+        return ()
+    folder, variables = result.folder.path, result.study.variables
+    units = {one.name: one.unit for one in variables}
+    lines = [",".join(f"{name} [{units[name]}]" if units[name] else name for name in draws)]
+    lines += [",".join(f"{value:.6g}" for value in row) for row in zip(*draws.values(), strict=True)]
+    (folder / "posterior.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    corner(folder / "posterior.png", drawn_of(draws, units, {one.name: (one.lower, one.upper) for one in variables}))
+    return "posterior.csv", "posterior.png"
 
 
 def best_table(result: StudyResult, width: int) -> Table:

@@ -3,7 +3,7 @@
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -116,9 +116,9 @@ def run_study(study: DesignStudy, out: Path, jobs: int, scheduler: str, display:
     """
     folder = StudyFolder(out.resolve())
     rig = own_copy(study.rig, folder.rig)
-    given = DesignInput(folder.rig, {}, study.mesh, folder.stages, (), _peaks(study))
+    given = DesignInput(folder.rig, {}, study.mesh, folder.stages, (), _peaks(study), study.most_points)
     references = _references(study, rig, given, display)
-    given = DesignInput(folder.rig, {}, study.mesh, folder.stages, references, given.peaks)
+    given = replace(given, references=references)
     task = Task(given, study.responses, _setup(study, rig))
     records = RecordFolder(folder.designs)
     stated, own = read_toml(folder.rig, "a rig file"), tuple(e.file for e in rig.effects if e.file is not None)
@@ -186,7 +186,8 @@ def _setup(study: DesignStudy, rig: AnyRig) -> str:
     versions = {stage.name: stage.version for stage in stages.STAGES}
     responses = [(type(one).__name__, json.loads(one.model_dump_json())) for one in study.responses]
     places = [(one.name, one.path, one.unit) for one in study.variables]
-    return _hash(VERSION, json.loads(to_json(rig)), study.mesh, versions, responses, places)
+    given_up = [] if study.most_points is None else [study.most_points]
+    return _hash(VERSION, json.loads(to_json(rig)), study.mesh, versions, responses, places, *given_up)
 
 
 def _hash(*parts: Any) -> str:

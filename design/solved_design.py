@@ -1,17 +1,28 @@
 """One design, solved as far as its responses ask: stages from the common folder, resonances and curves on demand."""
 
+from collections import deque
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from itertools import islice
 from pathlib import Path
 from typing import Any, TypeVar
 
 from updamp.design.rig_numbers import AnyRig
-from updamp.design.shared_stages import SharedStages
-from updamp.design.solved_peak import CURVE, RESONANCE_ONLY, PeakRequest, SolvedPeak, followed_peaks, peak_of_curve
+from updamp.design.shared_stages import SharedStages, given_up
+from updamp.design.solved_peak import (
+    CURVE,
+    RESONANCE_ONLY,
+    FollowedPeaks,
+    PeakRequest,
+    SolvedPeak,
+    followed_peaks,
+    peak_of_curve,
+    resonance_request,
+)
 from updamp.design.tracked_modes import ModeReference, TrackedMode, UnknownResponseError, tracked_mode
 from updamp.effects.rig_model import RigModel
 from updamp.fem.static_contact.rest_state import StaticContact
-from updamp.hbm.continuation.curve import CurveRequest, whole_curve
+from updamp.hbm.continuation.curve import CurveRequest, trace
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.model.build import modal_model, rig_model
 from updamp.model.rig_files import load_any
@@ -26,6 +37,7 @@ T = TypeVar("T")
 class DesignInput:
     """rig: file; changes: by dotted path, as `load_any` takes them; mesh: preset; store: common folder of the stages
     references: the study's modes; peaks: all that the responses will ask for, so that each resonance is followed once
+    most_points: of one resonance followed in the force, and of one whole curve; what takes more is not known
     """
 
     rig: Path
@@ -34,6 +46,7 @@ class DesignInput:
     store: Path
     references: tuple[ModeReference, ...] = ()
     peaks: tuple[PeakRequest, ...] = ()
+    most_points: int | None = None
 
 
 @dataclass(eq=False)
@@ -85,11 +98,11 @@ class SolvedDesign:
         if request.by == CURVE:
             self.routes[request] = CURVE
             return peak_of_curve(self.curve(request.mode, request.force), request.point or self.observed)
-        peaks, stopped = self._followed(request.mode, request.point)
-        if request.force in peaks:
-            self.routes[request] = peaks[request.force].by
-            return peaks[request.force]
-        if request.by == RESONANCE_ONLY:
+        followed, stopped = self._followed(request.mode, request.point)
+        if followed is not None and (peak := followed.at(request.force)) is not None:
+            self.routes[request] = peak.by
+            return peak
+        if request.by == RESONANCE_ONLY or (followed is not None and followed.given_up):
             raise UnknownResponseError(stopped)
         self.routes[request] = f"{CURVE}, since {stopped}"
         try:
@@ -101,12 +114,21 @@ class SolvedDesign:
         """The whole response curve through the mode's window, as far as it could be followed [N]."""
         return self._once(("curve", mode, force), lambda: self._traced(mode, force))
 
-    def _followed(self, mode: str, point: str) -> tuple[dict[float, SolvedPeak], str]:
-        """All forces of the study in this mode at once."""
+    def _followed(self, mode: str, point: str) -> tuple[FollowedPeaks | None, str]:
+        """All forces of the study in this mode at once, and why the last was not reached ("" where it was)."""
         wanted = {p.force for p in self.given.peaks if (p.mode, p.point) == (mode, point) and p.by != CURVE}
 
-        def follow() -> tuple[dict[float, SolvedPeak], str]:
-            return followed_peaks(self.model, mode, point or self.observed, self.mode(mode), sorted(wanted))
+        def follow() -> tuple[FollowedPeaks | None, str]:
+            stuck, most = self.mode(mode), self.given.most_points
+            request = resonance_request(self.model, mode, point or self.observed, stuck, sorted(wanted), most)
+            try:
+                if isinstance(self.rig, ModalRig):
+                    found = followed_peaks(self.model, request)
+                else:
+                    found = self._stages(self._moved(mode, stuck.window)).peaks(self.model, request)
+            except ValueError as error:  # no stuck mode in the window
+                return None, str(error)
+            return found, found.met.stopped
 
         return self._once(("followed", mode, point), follow)
 
@@ -131,11 +153,13 @@ class SolvedDesign:
         return moved
 
     def _traced(self, mode: str, force: float) -> ResponseCurve:
-        if isinstance(self.rig, ModalRig):
-            points = tuple(p for p in self.model.system.free.points if ".excitation." not in p)
-            request = CurveRequest(mode, self.model.excited_by(force), self.mode(mode).window, points)
-            return whole_curve(self.model.system, request)
-        return self._stages(self._moved(mode, self.mode(mode).window)).curve(mode, force)
+        most = self.given.most_points
+        if not isinstance(self.rig, ModalRig):
+            return self._stages(self._moved(mode, self.mode(mode).window)).curve(mode, force, most)
+        points = tuple(p for p in self.model.system.free.points if ".excitation." not in p)
+        request = CurveRequest(mode, self.model.excited_by(force), self.mode(mode).window, points)
+        (curve,) = deque(islice(trace(self.model.system, request), most), maxlen=1)
+        return curve if curve.complete or curve.stopped else replace(curve, stopped=given_up(len(curve)))
 
     def _stages(self, rig: Rig) -> SharedStages:
         return SharedStages(rig, self.given.mesh, self.given.store, executed=self.executed)

@@ -1,7 +1,7 @@
 """The response at one resonance, whichever way it was found."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from updamp.effects.rig_model import RigModel
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.resonance.conditions import MaximumResonance
 from updamp.hbm.resonance.resonance_curve import ResonanceCurve, ResonanceRequest, whole_resonance
+from updamp.hbm.resonance.resonance_steps import ResonanceOptions
 
 RESONANCE, RESONANCE_ONLY, CURVE = "resonance", "resonance_only", "curve"
 
@@ -40,31 +41,46 @@ class SolvedPeak:
     by: str
 
 
-def followed_peaks(
-    model: RigModel, mode: str, point: str, stuck: TrackedMode, forces: Sequence[float]
-) -> tuple[dict[float, SolvedPeak], str]:
-    """Peaks at the forces [N, rising] that the resonance reaches, and why it stopped before the last ("" where not).
+@dataclass(frozen=True, eq=False)
+class FollowedPeaks:
+    """A resonance followed in the force: where it met the forces that were asked for.
+
+    met: at these forces alone, with the reason why the following ones were not reached
+    given_up: whether that is because it took too many points; the whole curve then takes many too
+    """
+
+    met: ResonanceCurve
+    given_up: bool
+
+    def at(self, force: float) -> SolvedPeak | None:
+        """[N]; None where it was not reached"""
+        at = np.flatnonzero(np.isclose(self.met.force, force, rtol=1e-9))
+        return _of_resonance(self.met, int(at[0])) if len(at) else None
+
+
+def followed_peaks(model: RigModel, request: ResonanceRequest) -> FollowedPeaks:
+    """What stops on the way is said in `met.stopped`. raises: ValueError where the window has no stuck mode"""
+    whole, options = whole_resonance(model.system, request), request.options or ResonanceOptions()
+    given_up = not whole.complete and len(whole) >= options.max_points
+    if given_up:
+        far = f"it took more than {options.max_points} points, the last at {whole.force[-1]:.4g} N"
+        whole = replace(whole, stopped=f"the resonance was given up: {far}")
+    return FollowedPeaks(whole.at_forces() if len(whole) else whole, given_up)
+
+
+def resonance_request(
+    model: RigModel, mode: str, point: str, stuck: TrackedMode, forces: Sequence[float], most_points: int | None
+) -> ResonanceRequest:
+    """Of the peaks at the forces [N, rising], from a hundredth of the first on, where the structure is all but linear.
 
     stuck: the mode where it lies now; another one in its window is not taken for it
-    Following begins at a hundredth of the first force, where the structure is all but linear.
+    most_points: of the resonance; None: as many as are usual
     """
-    request = ResonanceRequest(
-        mode, model.excitation, point, stuck.window, (forces[0] / 100, *forces), MaximumResonance(),
+    options = ResonanceOptions() if most_points is None else ResonanceOptions(max_points=most_points)
+    return ResonanceRequest(
+        mode, model.excitation, point, stuck.window, (forces[0] / 100, *forces), MaximumResonance(), options,
         mode_frequency=stuck.frequency,
     )  # fmt: skip
-    try:
-        whole = whole_resonance(model.system, request)
-    except ValueError as error:  # no stuck mode in the window
-        return {}, str(error)
-    if not len(whole):
-        return {}, whole.stopped
-    met = whole.at_forces()
-    peaks = {}
-    for force in forces:
-        at = np.flatnonzero(np.isclose(met.force, force, rtol=1e-9))
-        if len(at):
-            peaks[force] = _of_resonance(met, int(at[0]))
-    return peaks, whole.stopped
 
 
 def _of_resonance(met: ResonanceCurve, i: int) -> SolvedPeak:

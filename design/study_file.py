@@ -20,6 +20,7 @@ from updamp.design.methods import (  # noqa: F401  # importing the files registe
     morris,
     nsga2,
     one_at_a_time,
+    posterior,
     sobol,
     sobol_indices,
     tpe,
@@ -48,17 +49,21 @@ class StudyError(ValueError):
 
 class StudyTable(InputTable):
     """[study]. rig, out: sought from the study file's folder; mesh: preset of the rig file
-    jobs: designs that are solved at the same time"""
+    jobs: designs that are solved at the same time
+    most_points: of one resonance followed in the force, and of one whole curve; what takes more is not known. Points
+        of a curve are those of all its pieces
+    """
 
     rig: Annotated[str, Field(examples=["../pesaresi2017.toml"])]
     mesh: str = "small"
     out: str | None = None
     jobs: Annotated[int, Field(strict=True, ge=1)] | None = None
+    most_points: Annotated[int, Field(strict=True, ge=10)] | None = None
 
 
 @dataclass(frozen=True)
 class DesignStudy:
-    """rig: file; out: folder; jobs: None where the file does not say; the rest as in the file, resolved"""
+    """rig: file; out: folder; jobs, most_points: None where the file does not say; the rest as in the file, resolved"""
 
     name: str
     rig: Path
@@ -71,6 +76,7 @@ class DesignStudy:
     constraints: tuple[Constraint, ...]
     method: Method
     method_name: str
+    most_points: int | None
 
 
 def read_study(path: Path) -> DesignStudy:
@@ -101,7 +107,7 @@ def read_study(path: Path) -> DesignStudy:
     out = path.parent / head.out if head.out else None
     return DesignStudy(
         path.stem, rig_path, head.mesh, out, head.jobs, variables, responses, objectives, constraints, method,
-        method_name,
+        method_name, head.most_points,
     )  # fmt: skip
 
 

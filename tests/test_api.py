@@ -9,13 +9,12 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from support import measured_beam
-from support.plain_rig import plain_reduced_model
+from support.plain_rig import plain_blade, plain_damper, plain_reduced_model
 from support.synthetic_comparison import features_only, synthetic_comparison
 from support.synthetic_verdict import synthetic_verdict
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from updamp import api
-from updamp.fem.finite_element_model import FiniteElementResult
 from updamp.fem.static_contact.static_contact import static_contact
 from updamp.geometry.build_mesh import build_mesh
 from updamp.hbm.contact.friction import FrictionParameters
@@ -38,15 +37,9 @@ values = { depth = "0.3 um" }
 """
 
 
-def plain_finite_elements(rig, mesh, check, progress) -> FiniteElementResult:  # noqa: ARG001
-    reduced = plain_reduced_model(rig, mesh.contacts)
-    nothing = np.zeros(0)
-    return FiniteElementResult(reduced, nothing, nothing, nothing, None)
-
-
 @pytest.fixture
 def no_finite_elements(monkeypatch: pytest.MonkeyPatch) -> None:
-    quick = StageFunctions(finite_elements=plain_finite_elements)
+    quick = StageFunctions(blade=plain_blade, damper=plain_damper)
     monkeypatch.setattr(model_of_rig, "StageFunctions", lambda: quick)
 
 

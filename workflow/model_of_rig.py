@@ -5,7 +5,9 @@ from pathlib import Path
 from rich.console import Console
 
 from updamp.effects.rig_model import RigModel
+from updamp.fem.finite_element_model import joined
 from updamp.fem.reduced_model import ReducedModel
+from updamp.fem.rig_components import RigComponents
 from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.model.build import modal_model, rig_model
 from updamp.rig.modal_rig import ModalRig
@@ -40,7 +42,8 @@ def model_of_rig(
 def _computed(rig: Rig, preset: str, functions: StageFunctions) -> tuple[ReducedModel, StaticContact]:
     check_size(rig, preset)
     mesh = functions.mesh(rig, preset)
-    reduced = functions.finite_elements(rig, mesh, False, lambda _: None).reduced
+    with RigComponents(mesh, rig) as parts:
+        reduced = joined(functions.blade(parts), functions.damper(parts), mesh.contacts).reduced
     return reduced, functions.static_contact(rig, reduced)
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Generic, TypeVar
 
-from updamp.fem.finite_element_model import CoupledCheck, FiniteElementResult
+from updamp.fem.finite_element_model import ComponentModel, CoupledCheck, FiniteElementResult
 from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.geometry.rig_mesh import RigMesh
 from updamp.hbm.analysis.finer_points import PointErrors
@@ -32,6 +32,7 @@ class Stored(Generic[Product]):
 class Products:
     """What the stages have given, None where the run did not get so far; curves in the order of the study.
 
+    components: blade and damper, which the finite elements are put together from
     finer: the same curves with more harmonics, if they were asked for; point_errors: what finer samples
     and cycles change in them; stability: of the curves, as far as it is known
     resonances: of the modes, followed in the force; detached: branches beside curves, where there are any
@@ -39,6 +40,7 @@ class Products:
     """
 
     mesh: Stored[RigMesh]
+    components: tuple[Stored[ComponentModel], ...] = ()
     finite_elements: Stored[FiniteElementResult] | None = None
     coupled_check: Stored[CoupledCheck] | None = None
     static_contact: Stored[StaticContact] | None = None
@@ -61,7 +63,7 @@ class Products:
 
     @property
     def stamps(self) -> tuple[store.Stamp, ...]:
-        single = (self.mesh, self.finite_elements, self.coupled_check, self.static_contact)
+        single = (self.mesh, *self.components, self.finite_elements, self.coupled_check, self.static_contact)
         return tuple(
             entry.stamp
             for entry in (*single, *self.curves, *self.finer, *self.stability, *self.resonances, *self.detached)

@@ -5,7 +5,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from updamp.fem.finite_element_model import CoupledCheck, FiniteElementResult
+from updamp.fem.finite_element_model import ComponentModel, CoupledCheck, FiniteElementResult, joined
+from updamp.fem.rig_components import RigComponents
 from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.geometry.rig_mesh import RigMesh
 from updamp.parallel.resources import Meter
@@ -26,7 +27,7 @@ from updamp.workflow.stability_jobs import StabilityJob
 from updamp.workflow.stage_functions import StageFunctions
 from updamp.workflow.stages import Stage
 
-FINITE_ELEMENT_STEPS = 8  # announced by the finite elements, for the progress bar
+COMPONENT_STEPS = 4  # announced by the finite elements of one component, for the progress bar
 
 
 @dataclass(eq=False)
@@ -50,12 +51,14 @@ class Run:
         check_size(self.rig, self.options.preset, self._meshed())
 
     def _meshed(self) -> bool:
-        """Whether the finite elements are there, from this machine or another."""
+        """Whether both components are there, from this machine or another."""
         try:
-            stamp = store.read_stamp(self.files.file(stages.FINITE_ELEMENTS.name))
+            return all(
+                store.read_stamp(self.files.file(stage.name)).key == self.files.key(stage)
+                for stage in (stages.BLADE, stages.DAMPER)
+            )
         except store.StoreError:
             return False
-        return stamp.key == self.files.key(stages.FINITE_ELEMENTS)
 
     @property
     def files(self) -> StageFiles:
@@ -77,11 +80,11 @@ class Run:
         raises: what the stages raise; KeyboardInterrupt after an interruption, with all that is solved on disk
         """
         done = Products(self._mesh())
-        if not self.wanted(stages.FINITE_ELEMENTS):
+        if not self.wanted(stages.BLADE):
             return done
-        finite_elements, check = self._finite_elements(done.mesh.product)
-        done = replace(done, finite_elements=finite_elements, coupled_check=check)
-        if not self.wanted(stages.STATIC_CONTACT):
+        done = self._with_finite_elements(done)
+        finite_elements, check = done.finite_elements, done.coupled_check
+        if finite_elements is None or not self.wanted(stages.STATIC_CONTACT):
             return done
         rest = self._static_contact(finite_elements.product)
         done = replace(done, static_contact=rest)
@@ -128,25 +131,40 @@ class Run:
 
         return self._obtain(stages.MESH, RigMesh, compute)
 
-    def _finite_elements(self, mesh: RigMesh) -> tuple[Stored[FiniteElementResult], Stored[CoupledCheck] | None]:
-        """Both stages: the check shares the factorisation of the blade where the finite elements have to be run."""
-        check = self.options.check and self.wanted(stages.COUPLED_CHECK)
-        fresh: list[FiniteElementResult] = []
+    def _with_finite_elements(self, done: Products) -> Products:
+        """As far as the run goes. The components share their factorisations with the check where they are made now."""
+        with RigComponents(done.mesh.product, self.rig) as parts:
+            for stage in (stages.BLADE, stages.DAMPER):
+                if self.wanted(stage):
+                    done = replace(done, components=(*done.components, self._component(stage, parts)))
+            if not self.wanted(stages.FINITE_ELEMENTS):
+                return done
+            finite_elements = self._joined(done)
+            done = replace(done, finite_elements=finite_elements)
+            if not self.options.check or not self.wanted(stages.COUPLED_CHECK):
+                return done
+            return replace(done, coupled_check=self._coupled_check(parts, finite_elements.product))
 
-        def reduce(_: Meter) -> tuple[FiniteElementResult, Mapping[str, float]]:
-            progress = self._steps(stages.FINITE_ELEMENTS.name, FINITE_ELEMENT_STEPS)
-            fresh.append(self.functions.finite_elements(self.rig, mesh, check, progress))
-            seconds = {name: value for name, value in fresh[0].seconds.items() if name != stages.COUPLED_CHECK.name}
-            return replace(fresh[0], coupled=None), seconds
+    def _joined(self, done: Products) -> Stored[FiniteElementResult]:
+        def compute(_: Meter) -> tuple[FiniteElementResult, Mapping[str, float]]:
+            blade, damper = (component.product for component in done.components)
+            return joined(blade, damper, done.mesh.product.contacts), {}
 
-        def compare(meter: Meter) -> tuple[CoupledCheck, Mapping[str, float]]:
-            if fresh and fresh[0].coupled is not None:
-                return fresh[0].coupled, {"coupled_check": fresh[0].seconds.get("coupled_check", 0.0)}
-            result = self.functions.coupled_check(self.rig, mesh, finite_elements.product.reduced)
-            return result, {"coupled_check": meter.seconds}
+        return self._obtain(stages.FINITE_ELEMENTS, FiniteElementResult, compute)
 
-        finite_elements = self._obtain(stages.FINITE_ELEMENTS, FiniteElementResult, reduce)
-        return finite_elements, self._obtain(stages.COUPLED_CHECK, CoupledCheck, compare) if check else None
+    def _component(self, stage: Stage, parts: RigComponents) -> Stored[ComponentModel]:
+        def compute(_: Meter) -> tuple[ComponentModel, Mapping[str, float]]:
+            parts.clock.progress = self._steps(stage.name, COMPONENT_STEPS)
+            return parts.clock.timed(lambda: self.functions.component(stage)(parts))
+
+        return self._obtain(stage, ComponentModel, compute)
+
+    def _coupled_check(self, parts: RigComponents, finite_elements: FiniteElementResult) -> Stored[CoupledCheck]:
+        def compute(_: Meter) -> tuple[CoupledCheck, Mapping[str, float]]:
+            parts.clock.progress = self._steps(stages.COUPLED_CHECK.name, 1 + COMPONENT_STEPS)
+            return parts.clock.timed(lambda: self.functions.coupled_check(parts, finite_elements.reduced))
+
+        return self._obtain(stages.COUPLED_CHECK, CoupledCheck, compute)
 
     def _static_contact(self, finite_elements: FiniteElementResult) -> Stored[StaticContact]:
         def compute(meter: Meter) -> tuple[StaticContact, Mapping[str, float]]:

@@ -4,15 +4,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from updamp.fem import finite_element_model as fem
-from updamp.fem.finite_element_model import CoupledCheck, FiniteElementResult
+from updamp.fem.finite_element_model import ComponentModel, CoupledCheck
 from updamp.fem.reduced_model import ReducedModel
+from updamp.fem.rig_components import BLADE, DAMPER, RigComponents
 from updamp.fem.springs import ContactStiffness
 from updamp.fem.static_contact import static_contact as at_rest
 from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.geometry.rig_mesh import RigMesh
 from updamp.rig.rig import Rig
-
-Progress = Callable[[str], None]
+from updamp.workflow import stages
+from updamp.workflow.stages import Stage
 
 
 def build_mesh(rig: Rig, preset: str) -> RigMesh:
@@ -22,17 +23,18 @@ def build_mesh(rig: Rig, preset: str) -> RigMesh:
     return build_mesh(rig, preset)
 
 
-def finite_elements(rig: Rig, mesh: RigMesh, check: bool, progress: Progress) -> FiniteElementResult:
-    """check: whether to make the coupled check while the factorisation of the blade is at hand"""
-    return fem.finite_element_model(mesh, rig, _stiffness(rig) if check else None, progress)
+def blade(parts: RigComponents) -> ComponentModel:
+    return fem.component_model(parts, BLADE)
 
 
-def coupled_check(rig: Rig, mesh: RigMesh, reduced: ReducedModel) -> CoupledCheck:
-    return fem.coupled_check(mesh, rig, reduced, _stiffness(rig))
+def damper(parts: RigComponents) -> ComponentModel:
+    return fem.component_model(parts, DAMPER)
 
 
-def _stiffness(rig: Rig) -> ContactStiffness:
-    return ContactStiffness(rig.contact.tangential_stiffness, rig.contact.normal_stiffness)
+def coupled_check(parts: RigComponents, reduced: ReducedModel) -> CoupledCheck:
+    """Finds the factorisations at hand where the components were made just now."""
+    contact = parts.rig.contact
+    return fem.coupled_check(parts, reduced, ContactStiffness(contact.tangential_stiffness, contact.normal_stiffness))
 
 
 def static_contact(rig: Rig, reduced: ReducedModel) -> StaticContact:
@@ -44,6 +46,11 @@ class StageFunctions:
     """One function a stage; a test may put a quicker one in the place of the finite elements."""
 
     mesh: Callable[[Rig, str], RigMesh] = build_mesh
-    finite_elements: Callable[[Rig, RigMesh, bool, Progress], FiniteElementResult] = finite_elements
-    coupled_check: Callable[[Rig, RigMesh, ReducedModel], CoupledCheck] = coupled_check
+    blade: Callable[[RigComponents], ComponentModel] = blade
+    damper: Callable[[RigComponents], ComponentModel] = damper
+    coupled_check: Callable[[RigComponents, ReducedModel], CoupledCheck] = coupled_check
     static_contact: Callable[[Rig, ReducedModel], StaticContact] = static_contact
+
+    def component(self, stage: Stage) -> Callable[[RigComponents], ComponentModel]:
+        """stage: BLADE or DAMPER"""
+        return {stages.BLADE: self.blade, stages.DAMPER: self.damper}[stage]

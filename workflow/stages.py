@@ -31,6 +31,8 @@ class Stage:
     optional: further ones, which enter where the file states something there: keys from before they existed still hold
     choices: what else distinguishes one product from another: "force" is the excitation's amplitude
     after: the stages whose products it takes
+    part_of: stages of whose products it takes a part alone: what that depends on stands among its own sections, and
+        only the versions of these stages enter
     """
 
     name: str
@@ -39,6 +41,7 @@ class Stage:
     after: tuple["Stage", ...] = ()
     choices: tuple[str, ...] = ()
     optional: tuple[str, ...] = ()
+    part_of: tuple["Stage", ...] = ()
 
     def key(self, rig: StatedRig, choice: Mapping[str, str]) -> str:
         """SHA-256 of all that goes into the product, hexadecimal.
@@ -52,6 +55,7 @@ class Stage:
             "rig": rig.digest(*(section.format(**choice) for section in sections)),
             "choices": {name: choice[name] for name in self.choices},
             "after": [stage.key(rig, choice) for stage in self.after],
+            "part_of": [(stage.name, stage.version) for stage in self.part_of],
         }
         return hashlib.sha256(json.dumps(ingredients, sort_keys=True).encode()).hexdigest()
 
@@ -63,18 +67,59 @@ MESH = Stage(
     version=1,
     sections=("blade", "platform", "damper", "excitation.height", "response", "mesh.{preset}"),
 )
-FINITE_ELEMENTS = Stage(
-    name="finite_elements",
+
+_ELASTIC = (
+    "material.youngs_modulus",
+    "material.poissons_ratio",
+    "material.density",
+    "contact.coupling",
+    "reduction",
+)
+# The faces where both meet, and the contact elements over them; the width is common too.
+_FACES = (
+    "blade.width",
+    "platform",
+    "damper.face_start",
+    "damper.face_length",
+    "mesh.{preset}.width",
+    "mesh.{preset}.face",
+    "mesh.{preset}.contact_elements",
+)
+BLADE = Stage(
+    name="blade",
     version=1,
     sections=(
-        "material.youngs_modulus",
-        "material.poissons_ratio",
-        "material.density",
-        "contact.coupling",
-        "reduction",
+        *_ELASTIC,
+        *_FACES,
+        "blade",
+        "excitation.height",
+        "response",
+        "mesh.{preset}.platform_outer",
+        "mesh.{preset}.platform_inner",
+        "mesh.{preset}.platform_height",
+        "mesh.{preset}.stem_thickness",
+        "mesh.{preset}.stem_below_excitation",
+        "mesh.{preset}.stem_below_platform",
+        "mesh.{preset}.stem_above_platform",
+        "mesh.{preset}.stem_top",
     ),
-    after=(MESH,),
+    part_of=(MESH,),
 )
+DAMPER = Stage(
+    name="damper",
+    version=1,
+    sections=(
+        *_ELASTIC,
+        *_FACES,
+        "damper",
+        "mesh.{preset}.damper_across",
+        "mesh.{preset}.damper_apex",
+        "mesh.{preset}.damper_base",
+    ),
+    part_of=(MESH,),
+)
+# Both put together: a moment's work.
+FINITE_ELEMENTS = Stage(name="finite_elements", version=2, sections=(), after=(BLADE, DAMPER))
 COUPLED_CHECK = Stage(
     name="coupled_check",
     version=1,
@@ -117,6 +162,17 @@ RESONANCE = Stage(
     optional=CURVE.optional,
 )
 
+# The same at some forces alone, as a design study asks for it.
+PEAKS = Stage(
+    name="peaks",
+    version=1,
+    sections=(*CURVE.sections, "excitation"),
+    after=(STATIC_CONTACT,),
+    choices=("point", "forces", "frequency", "points"),
+    optional=CURVE.optional,
+    part_of=(RESONANCE,),
+)
+
 STABILITY = Stage(name="stability", version=3, sections=(), after=(CURVE,), choices=("force",))
 
 # Branches at the curve's force that are no part of it; the resonance followed in force may lead to some.
@@ -126,4 +182,4 @@ DETACHED = Stage(name="detached", version=1, sections=(), after=(CURVE,), choice
 FINER_POINTS = Stage(name="finer_points", version=1, sections=(), after=(CURVE,), choices=("force",))
 FINER_CURVE = Stage(name="finer_curve", version=1, sections=(), after=(CURVE,), choices=("force",))
 
-STAGES = (MESH, FINITE_ELEMENTS, COUPLED_CHECK, STATIC_CONTACT, CURVE)
+STAGES = (MESH, BLADE, DAMPER, FINITE_ELEMENTS, COUPLED_CHECK, STATIC_CONTACT, CURVE)

@@ -23,8 +23,8 @@ UNITS: Mapping[str, Mapping[str, str]] = {
         "blade_frequencies": "Hz",
         "damper_frequencies": "Hz",
         "blade_shapes": "kg^-1/2",
-        "seconds": "s",
     },
+    "ComponentModel": {"frequencies": "Hz", "shapes": "kg^-1/2", "max_relative_residual": "1"},
     "CoupledCheck": {
         "full": "Hz",
         "reduced": "Hz",
@@ -77,6 +77,7 @@ UNITS: Mapping[str, Mapping[str, str]] = {
         "complete": "1",
         "seconds": "s",
     },
+    "FollowedPeaks": {"given_up": "1"},
     "BranchStability": {
         "force": "N",
         "state": "1",

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from updamp.fem.component import Component, factorised
 from updamp.fem.coupling import coupling_named
-from updamp.fem.finite_element_model import assemble_rig
 from updamp.fem.reduction import ReductionOptions, component_modes, reduce_component
+from updamp.fem.rig_components import assemble_rig
 from updamp.fem.solvers import solver_named
 from updamp.geometry.build_mesh import build_mesh
 from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements

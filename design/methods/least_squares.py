@@ -32,13 +32,7 @@ class LeastSquares(Method):
     rounds: Annotated[int, Field(strict=True, ge=1)] = 20
 
     def problem(self, variables: Sequence[Variable], objectives: Sequence[Objective]) -> str:
-        if not objectives:
-            return 'targets are missing; add [[objectives]] with goal = "target", target and tolerance'
-        other = next((one for one in objectives if not isinstance(one.goal, Target)), None)
-        if other is not None:
-            return f'the objective "{other.response}" is to be {other.goal.words}d; give all of them goal = "target"'
-        whole = next((one.name for one in variables if one.whole), None)
-        return f'the variable "{whole}" is an integer, which has no derivative; take it out' if whole else ""
+        return only_targets(variables, objectives)
 
     def run(self, problem: Problem, evaluate: Evaluate) -> MethodResult:
         """raises: ValueError where a response is not known at the start, or on both sides of a design"""
@@ -49,6 +43,17 @@ class LeastSquares(Method):
             xtol=self.accuracy, ftol=self.accuracy, max_nfev=self.rounds,
         )  # fmt: skip
         return _result(problem, found, misfit)
+
+
+def only_targets(variables: Sequence[Variable], objectives: Sequence[Objective]) -> str:
+    """Why a method that meets targets by derivatives cannot be used, "" where it can."""
+    if not objectives:
+        return 'targets are missing; add [[objectives]] with goal = "target", target and tolerance'
+    other = next((one for one in objectives if not isinstance(one.goal, Target)), None)
+    if other is not None:
+        return f'the objective "{other.response}" is to be {other.goal.words}d; give all of them goal = "target"'
+    whole = next((one.name for one in variables if one.whole), None)
+    return f'the variable "{whole}" is an integer, which has no derivative; take it out' if whole else ""
 
 
 class _Misfit:

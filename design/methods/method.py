@@ -74,11 +74,13 @@ class Sensitivity:
 @dataclass(frozen=True)
 class MethodResult:
     """What a method says beside the designs. summary: of a fit or a search, as it goes into study.json
-    notes: sentences for the terminal and the page"""
+    notes: sentences for the terminal and the page
+    draws: of a posterior, variable -> (n,) equally probable values; none where the method draws none"""
 
     sensitivities: tuple[Sensitivity, ...] = ()
     summary: Mapping[str, Any] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    draws: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
 
 
 class Method(InputTable):

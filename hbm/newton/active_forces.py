@@ -45,12 +45,12 @@ class DirectForces:
 
     def solve_roughly(self, right: Floats) -> Floats:
         """On the active rows, in single precision: (n_active n_coefficients,) -> same. A preconditioner needs no more,
-        and half the memory is read."""
+        and half the memory is read. It is scaled by its largest entry, which single precision may not hold."""
         factors, pivots = self._single
-        order = self._place.ravel()
+        order, size = self._place.ravel(), float(np.abs(right).max()) or 1.0
         ordered = np.empty(len(order), np.float32)
-        ordered[order] = right
-        return np.asarray(sgetrs(factors, pivots, ordered, trans=1, overwrite_b=True)[0][order], np.float64)
+        ordered[order] = right / size
+        return size * np.asarray(sgetrs(factors, pivots, ordered, trans=1, overwrite_b=True)[0][order], np.float64)
 
     def solve(self, right: Floats) -> Floats:
         """On the active rows, (n_active, n_coefficients, ...) -> same"""

@@ -38,7 +38,8 @@ def turned(
         dw = turn / line.y_by_frequency.imag if line.y_by_frequency.imag else 0.0
         z = state.z - line.by_frequency * dw / np.exp(state.log_force)
         guess = replace(state, z=z, w=state.w + dw, phase=state.phase + turn)
-        found = at_phase(problem, guess, constant_force_plane(guess), options)
+        nearby = replace(problem, near=line.jacobian.factors)
+        found = at_phase(nearby, guess, constant_force_plane(guess), options)
         off, moved = (float(np.linalg.norm(found.state.z - there.z)) / size for there in (guess, state))
         if (found.converged and lengths.as_predicted(off, moved)) or abs(turn) < lengths.smallest_step:
             return found

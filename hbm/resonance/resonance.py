@@ -13,6 +13,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from updamp.hbm.newton import observe
+from updamp.hbm.newton.active_forces import DirectForces
 from updamp.hbm.newton.equation import Equation, evaluate
 from updamp.hbm.newton.jacobian import Jacobian
 from updamp.hbm.newton.metric import Metric
@@ -28,11 +29,14 @@ PHASE_TOLERANCE = 1e-7  # [rad]; an error e of the phase is one of e^2 / 2 of th
 
 @dataclass(frozen=True, eq=False)
 class ResonanceProblem:
-    """excited, observed: rows of the linear model that the force acts on and whose first harmonic is followed"""
+    """excited, observed: rows of the linear model that the force acts on and whose first harmonic is followed
+    near: factors at a similar point, to solve by iteration with them in place of new ones
+    """
 
     system: NonlinearSystem
     excited: int
     observed: int
+    near: DirectForces | None = None
 
     def excitation(self, log_force: float) -> Excitation:
         """log_force: ln of the force in N"""
@@ -109,7 +113,7 @@ def linearise(problem: ResonanceProblem, equation: Equation, log_force: float) -
     """raises: scipy.linalg.LinAlgError where a tangent is not finite"""
     excitation, receptance = problem.excitation(log_force), equation.receptance
     stuck, harmonics = problem.system.stuck, problem.system.harmonics
-    jacobian = equation.factorised()
+    jacobian = equation.factorised(near=problem.near)
     residual = jacobian.solve(equation.residual)
     frequency = jacobian.solve(equation.frequency_derivative(excitation))
     by_log_force = jacobian.solve(-receptance.excitation(excitation))
@@ -197,7 +201,8 @@ class ResonanceSolution:
 
     @cached_property
     def linearised(self) -> Linearised:
-        return linearise(self.problem, self.equation, self.state.log_force)
+        """With factors of its own: the sign of the determinant comes with them."""
+        return linearise(replace(self.problem, near=None), self.equation, self.state.log_force)
 
 
 def at_phase(

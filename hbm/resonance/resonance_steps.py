@@ -3,7 +3,7 @@ they have ended elsewhere than the branch goes.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import scipy.linalg
 
@@ -106,7 +106,8 @@ class ResonanceSteps:
     ) -> tuple[FollowedResonance | None, ResonanceSolution]:
         metric = self.branch.metric
         plane = Hyperplane(guess, normal, metric.on_curve(last.state))
-        solution = self.condition.solve(self.problem, guess, plane, self.options.corrector)
+        nearby = replace(self.problem, near=last.solution.linearised.jacobian.factors)
+        solution = self.condition.solve(nearby, guess, plane, self.options.corrector)
         if not solution.converged:
             return None, solution
         moved = metric.distance(last.state, solution.state)

@@ -106,7 +106,7 @@ def test_a_run_writes_all_it_promises(finished):
     names = {path.name for path in (out / "stages").glob("*.h5")}
     of_curves = {f"{kind}_{mode}_0.01N.h5" for kind in ("curve", "stability") for mode in ("OOP", "IP")}
     of_modes = {f"resonance_{mode}.h5" for mode in ("OOP", "IP")}
-    assert names == {f"{stage.name}.h5" for stage in stages.STAGES[:4]} | of_curves | of_modes
+    assert names == {f"{stage.name}.h5" for stage in stages.STAGES[:6]} | of_curves | of_modes
 
 
 def test_the_summary_has_its_keys_and_sound_numbers(finished):
@@ -206,7 +206,7 @@ def test_a_second_run_does_nothing_and_is_quick(finished):
     result = run_command("run", rig, "--mesh", "small", "--out", out, "--jobs", 2, "--no-accuracy")
     assert result.exit_code == 0, result.output
     assert time.perf_counter() - started < 15
-    assert result.output.count("unchanged") == 10
+    assert result.output.count("unchanged") == 12
     assert {path: path.stat().st_mtime_ns for path in before} == before
     second = json.loads((out / "summary.json").read_text())
     assert second["timing_s"]["total"] < first["timing_s"]["total"]
@@ -234,7 +234,7 @@ def products_again(finished, tmp_path, overrides, functions, **options):
 
 
 def test_after_a_change_of_friction_no_finite_elements_are_run(finished, tmp_path):
-    functions = StageFunctions(must_not_run, must_not_run, must_not_run)
+    functions = StageFunctions(*4 * [must_not_run])
     again, products = products_again(finished, tmp_path, {"contact.friction_coefficient": 0.5}, functions)
     assert again.executed[0] == "static_contact"
     curves = {"OOP 0.01 N", "IP 0.01 N"}
@@ -242,8 +242,16 @@ def test_after_a_change_of_friction_no_finite_elements_are_run(finished, tmp_pat
     assert all(curve.product.complete for curve in products.curves)
 
 
+def test_after_a_change_of_the_damper_the_blade_is_kept(finished, tmp_path):
+    functions = StageFunctions(blade=must_not_run)
+    change = {"damper.base_height": "2.5 mm"}
+    again, products = products_again(finished, tmp_path, change, functions, until=stages.COUPLED_CHECK)
+    assert again.executed == ["mesh", "damper", "finite_elements", "coupled_check"]
+    assert products.coupled_check.product.largest_difference < 1e-3, "the check has a blade of its own"
+
+
 def test_after_a_change_of_contact_stiffness_the_check_alone_is_made_again(finished, tmp_path):
-    functions = StageFunctions(must_not_run, must_not_run, static_contact=must_not_run)
+    functions = StageFunctions(*3 * [must_not_run], static_contact=must_not_run)
     change = {"contact.normal_stiffness": "30000 N/mm^3"}
     again, products = products_again(finished, tmp_path, change, functions, until=stages.COUPLED_CHECK)
     assert again.executed == ["coupled_check"]
@@ -254,7 +262,7 @@ def test_after_a_change_of_contact_stiffness_the_check_alone_is_made_again(finis
 
 
 def test_the_check_can_be_left_out(finished, tmp_path):
-    functions = StageFunctions(must_not_run, must_not_run, must_not_run, must_not_run)
+    functions = StageFunctions(*5 * [must_not_run])
     change = {"contact.normal_stiffness": "30000 N/mm^3"}
     again, products = products_again(
         finished, tmp_path, change, functions, check=False, until=stages.STATIC_CONTACT
@@ -267,7 +275,7 @@ def test_another_force_is_one_more_curve_and_a_damaged_file_is_made_anew(finishe
     rig, out, _ = finished
     shutil.copytree(out, tmp_path / "out")
     (tmp_path / "out" / "stages" / "static_contact.h5").write_bytes(b"damaged")
-    functions = StageFunctions(must_not_run, must_not_run, must_not_run)
+    functions = StageFunctions(*4 * [must_not_run])
     options = RunOptions("small", tmp_path / "out", modes=("OOP",), forces=(0.01, 0.02), stability=True)
     again = Run(load_rig(rig), options, Display(Console(file=io.StringIO())), functions)
     products = again.products()
@@ -376,7 +384,10 @@ def test_an_interruption_is_survived(finished, tmp_path):
         (("run", RIG, "--mesh", "small", "--out", "x", "--mode", "XY"), "--mode XY: the rig file has OOP, IP"),
         (("run", RIG, "--mesh", "small", "--out", "x", "--force", "3.84"), "--force 3.84: state its unit"),
         (("run", RIG, "--mesh", "small", "--out", "x", "--force", "-1 N"), "--force -1 N: out of range"),
-        (("run", RIG, "--mesh", "small", "--out", "x", "--until", "lunch"), "--until lunch: the stages are mesh, fin"),
+        (
+            ("run", RIG, "--mesh", "small", "--out", "x", "--until", "lunch"),
+            "--until lunch: the stages are mesh, b",
+        ),
         (("run", RIG, "--mesh", "small", "--out", "x", "--jobs", "0"), "--jobs 0: at least 1"),
         (("check", "missing.toml"), "missing.toml: no such file"),
         (("show", "nowhere"), "nowhere/summary.json: no such file; make it with: updamp run RIG"),

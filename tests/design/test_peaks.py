@@ -8,6 +8,9 @@ from support.modal_study import RIG, write_study
 from support.study_runs import run
 
 from updamp.design import solved_design
+from updamp.design.solved_peak import FollowedPeaks, followed_peaks
+from updamp.hbm.continuation.curve import whole_curve
+from updamp.hbm.resonance.resonance_curve import COLUMNS
 
 CUBIC = '[[effects]]\nname = "joint_cubic"\nvalues = { coefficient = "1e11 N/m^3" }\n'
 
@@ -88,9 +91,16 @@ def test_peak_and_jump_are_the_same_by_all_ways(hardening):
     assert set(lightly.routes.values()) == {"resonance", "curve"}
 
 
+def stopping(model, request):
+    """A resonance that meets none of its forces."""
+    met = followed_peaks(model, request).met
+    none = {name: getattr(met, name)[:0] for name in COLUMNS}
+    return FollowedPeaks(replace(met, **none, complete=False, stopped="the resonance stops at 0.5 N"), False)
+
+
 def test_where_following_stops_the_curve_is_taken_and_it_is_said(hardening, monkeypatch):
     followed = run(hardening, out=hardening.parent / "before").records
-    monkeypatch.setattr(solved_design, "followed_peaks", lambda *_: ({}, "the resonance stops at 0.5 N"))
+    monkeypatch.setattr(solved_design, "followed_peaks", stopping)
     for one, before in zip(run(hardening).records, followed, strict=True):
         assert one.responses["followed"] == pytest.approx(before.responses["followed"], rel=1e-3)
         assert "first 1 N: curve, since the resonance stops at 0.5 N" in [f"{a}: {b}" for a, b in one.routes.items()]
@@ -98,21 +108,30 @@ def test_where_following_stops_the_curve_is_taken_and_it_is_said(hardening, monk
 
 def test_nothing_falls_back_that_is_not_to(hardening, monkeypatch):
     hardening.write_text(hardening.read_text().replace('force = "1 N"\n', 'force = "1 N"\nby = "resonance_only"\n', 1))
-    monkeypatch.setattr(solved_design, "followed_peaks", lambda *_: ({}, "the resonance stops at 0.5 N"))
+    monkeypatch.setattr(solved_design, "followed_peaks", stopping)
     for one in run(hardening).records:
         assert one.unknown["followed"] == "the resonance stops at 0.5 N"
         assert one.responses["read_off"] is not None
 
 
 def test_a_curve_that_is_not_complete_has_no_peak(hardening, monkeypatch):
-    whole = solved_design.whole_curve
-
     def cut_off(system, request):
-        return replace(whole(system, request), complete=False, stopped="it stopped at 81 Hz")
+        yield replace(whole_curve(system, request), complete=False, stopped="it stopped at 81 Hz")
 
-    monkeypatch.setattr(solved_design, "whole_curve", cut_off)
+    monkeypatch.setattr(solved_design, "trace", cut_off)
     for one in run(hardening).records:
         assert one.responses["read_off"] is None
         assert one.unknown["read_off"] == "the curve first at 1 N is not complete: it stopped at 81 Hz"
         assert one.responses["followed"] is not None
         assert one.outcome == "partly"
+
+
+def test_what_takes_more_points_than_the_study_allows_is_not_known(hardening):
+    whole = run(hardening, out=hardening.parent / "before").records
+    hardening.write_text(hardening.read_text().replace('out = "out"\n', 'out = "out"\nmost_points = 10\n'))
+    for one, before in zip(run(hardening).records, whole, strict=True):
+        assert one.setup != before.setup, "another limit is another study"
+        assert one.responses["followed"] is None
+        assert one.unknown["followed"].startswith("the resonance was given up: it took more than 10 points, the last")
+        assert one.unknown["read_off"] == "the curve first at 1 N is not complete: it was given up after 10 points"
+        assert before.responses["followed"] is not None

@@ -1,5 +1,6 @@
 """Designs of a rig with geometry on the coarsest mesh: what is shared, what cannot be built, modes that move."""
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,7 +11,9 @@ from support.study_runs import run
 
 from updamp.design.design_rig import write_design_rig
 from updamp.design.outputs import write_outputs
+from updamp.design.shared_stages import SharedStages
 from updamp.design.tracked_modes import mode_references, tracked_mode
+from updamp.fem.finite_element_model import finite_element_model
 from updamp.fem.static_contact.static_contact import static_contact
 from updamp.geometry.build_mesh import build_mesh
 from updamp.geometry.outlines import area, blade_outline, damper_mass, damper_outline
@@ -113,8 +116,38 @@ def test_a_geometry_that_cannot_be_built_is_recorded_with_its_reason(studied):
 def test_friction_alone_needs_no_finite_elements(studied):
     folder, result = studied
     executed = [one.executed for one in result.records if one.outcome == "done"]
-    assert executed == [("static_contact",)] * 2, "the finite elements are those of the rig as it stands"
+    assert executed == [("static_contact", "peaks OOP")] * 2, "the finite elements are those of the rig as it stands"
     assert len(list((folder / "out" / "stages").glob("finite_elements_*.h5"))) == 1
+
+
+def test_the_damper_alone_leaves_the_blade_alone(studied):
+    folder, _ = studied
+    shared = folder / "out" / "stages"
+    blades = set(shared.glob("blade_*.h5"))
+    lower = SharedStages(load_rig(folder / "rig.toml", {"damper.base_height": "2.5 mm"}), "tiny", shared)
+    other = lower.finite_elements().reduced
+    assert lower.executed == ["mesh", "damper", "finite_elements"]
+    assert set(shared.glob("blade_*.h5")) == blades
+    whole = finite_element_model(lower.mesh(), lower.rig).reduced
+    for one, two in zip(other.components, whole.components, strict=True):
+        np.testing.assert_allclose(one.omega, two.omega, rtol=1e-9)
+        np.testing.assert_allclose(one.residual, two.residual, atol=1e-9 * np.abs(two.residual).max())
+
+
+def test_a_response_that_is_added_later_finds_the_peak(studied):
+    folder, result = studied
+    added = '[[responses]]\nname = "at"\nkind = "resonance_frequency"\nmode = "OOP"\nforce = "8 N"\n\n[method]'
+    (folder / "added.toml").write_text(STUDY.replace("[method]", added).replace("70 deg", "20.1 deg"))
+    shutil.copytree(folder / "out", folder / "more")
+    more = run(folder / "added.toml", out=folder / "more").records
+    before = {tuple(one.values.values()): one for one in result.records}
+    again = [one for one in more if tuple(one.values.values()) in before]
+    assert len(again) == 2, "the designs at 20 degrees"
+    for one in again:
+        assert one.executed == (), "stages and peaks are in the common folder"
+        assert one.responses["at"] == pytest.approx(one.responses["oop"], rel=0.05)
+        old = before[tuple(one.values.values())].responses
+        assert {name: one.responses[name] for name in old} == old
 
 
 def test_contacts_at_the_peak_are_told_apart_and_friction_takes_its_share(studied):

@@ -12,8 +12,9 @@ from updamp.effects.clamp_flexibility import EFFECT, participation, rigid_rotati
 from updamp.effects.rig_model import RigModel
 from updamp.fem.component import factorised
 from updamp.fem.coupling import coupling_named
-from updamp.fem.finite_element_model import assemble_rig, finite_element_model
+from updamp.fem.finite_element_model import finite_element_model
 from updamp.fem.modes import normal_modes
+from updamp.fem.rig_components import assemble_rig
 from updamp.fem.solvers import solver_named
 from updamp.fem.static_contact.static_contact import static_contact
 from updamp.geometry.build_mesh import build_mesh

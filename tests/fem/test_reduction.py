@@ -9,10 +9,10 @@ from scipy.sparse.linalg import splu
 
 from updamp.fem.component import Component, factorised
 from updamp.fem.coupling import patch
-from updamp.fem.finite_element_model import assemble_rig
 from updamp.fem.modes import Modes
 from updamp.fem.reduced_model import ReducedComponent
 from updamp.fem.reduction import ReductionOptions, component_modes, mirrored_component, reduce_component
+from updamp.fem.rig_components import assemble_rig
 from updamp.fem.solvers.pardiso import pardiso
 
 TOLERANCE = 1e-3  # what the reduction promises

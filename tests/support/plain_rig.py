@@ -7,7 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from updamp.fem.finite_element_model import ComponentModel
 from updamp.fem.reduced_model import ReducedComponent, ReducedModel
+from updamp.fem.rig_components import RigComponents
 from updamp.fem.static_contact.static_contact import static_contact
 from updamp.geometry.build_mesh import build_mesh
 from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements
@@ -25,6 +27,20 @@ TINY_PRESET = "\n[mesh.tiny]\n" + "".join(f"{name} = {value}\n" for name, value 
 
 LOCAL_FLEXIBILITY = 2e-10  # m/N, of each contact degree of freedom
 BLADE_MODES = ((269.0, 0), (1500.0, 2), (4000.0, 1))  # Hz, direction
+
+
+def plain_blade(parts: RigComponents) -> ComponentModel:
+    """In the place of the finite elements of the blade."""
+    return _component(_blade("blade_right", parts.rig, parts.mesh.contacts, RIGHT))
+
+
+def plain_damper(parts: RigComponents) -> ComponentModel:
+    return _component(_damper(parts.rig, parts.mesh.contacts))
+
+
+def _component(reduced: ReducedComponent) -> ComponentModel:
+    nothing = np.zeros(0)
+    return ComponentModel(reduced, nothing, nothing, 1e-12)
 
 
 def plain_reduced_model(rig: Rig, contacts: ContactElements) -> ReducedModel:

@@ -10,13 +10,12 @@ import numpy as np
 import pytest
 from PIL import Image
 from rich.console import Console
-from support.plain_rig import around_first_stuck_mode, plain_reduced_model
+from support.plain_rig import around_first_stuck_mode, plain_blade, plain_damper
 from typer.testing import CliRunner
 
 from updamp.comparison.comparison import COMPARISON_JSON, Calibrated
 from updamp.diagnosis.verdict import VERDICT_JSON, Candidate, Confounding, ErrorReached, FittedParameter, Step, Verdict
 from updamp.effects.catalogue import CATALOGUE
-from updamp.fem.finite_element_model import FiniteElementResult
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.model.rig_files import load_any, load_modal, load_rig
 from updamp.pipeline import app
@@ -401,10 +400,6 @@ def test_run_takes_the_new_file_and_traces_curves_only(rig, diagnosed, tmp_path)
     text = rig.read_text(encoding="utf-8")
     text = text.replace('["432 Hz", "450 Hz"]', f'["{short[0]}", "{short[1]}"]').replace("= 128", "= 64")
     rig.write_text(text.replace('law = "jenkins_box"', 'law = "jenkins_box_sampled"'), encoding="utf-8")
-    nothing = np.zeros(0)
-
-    def plain(rig, mesh, *_):
-        return FiniteElementResult(plain_reduced_model(rig, mesh.contacts), nothing, nothing, nothing, None)
 
     def must_not_run(*_):
         raise AssertionError("this stage has to come from its file")
@@ -414,11 +409,11 @@ def test_run_takes_the_new_file_and_traces_curves_only(rig, diagnosed, tmp_path)
         made = Run(load_rig(path), wanted, Display(Console(file=io.StringIO())), functions)
         return made, made.products()
 
-    run(rig, StageFunctions(finite_elements=plain), until=STATIC_CONTACT)
+    run(rig, StageFunctions(blade=plain_blade, damper=plain_damper), until=STATIC_CONTACT)
     heavy = candidate("shaker_attachment", 0.6, mass=1.0, dashpot=1000.0)
     VERDICT_JSON.write(diagnosed / "diagnosis.json", verdict(candidates=(heavy,)))
     new = add(rig, ["shaker_attachment"], diagnosed).rig
-    again, done = run(new, StageFunctions(must_not_run, must_not_run, must_not_run, must_not_run))
+    again, done = run(new, StageFunctions(*5 * [must_not_run]))
     assert again.executed == ["OOP 0.1 N"]
     assert done.failures == ()
     curve = store.read(tmp_path / "out" / "stages" / "curve_OOP_0.1N.h5", ResponseCurve)

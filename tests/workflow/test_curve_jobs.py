@@ -29,7 +29,7 @@ def jobs(tmp_path_factory):
     mesh = build_mesh(rig, "small")
     reduced = plain_reduced_model(rig, mesh.contacts)
     nothing = np.zeros(0)
-    store.write(folder / "fe.h5", FiniteElementResult(reduced, nothing, nothing, nothing, None), Stamp("fe"))
+    store.write(folder / "fe.h5", FiniteElementResult(reduced, nothing, nothing, nothing), Stamp("fe"))
     store.write(folder / "rest.h5", static_contact(reduced, rig), Stamp("rest"))
     return tuple(
         CurveJob(rig, "OOP", force, f"key {force}", folder / "fe.h5", folder / "rest.h5", folder / f"{force}.h5")

@@ -15,6 +15,8 @@ CHANGES = {
     "contact.friction_coefficient": 0.4,
     "contact.normal_stiffness": "50000 N/mm^3",
     "damper.face_length": "4.5 mm",
+    "damper.base_height": "2.5 mm",
+    "blade.thickness": "7.2 mm",
     "material.loss_factor": 0.002,
     "study.modes.OOP.window": ["430 Hz", "450 Hz"],
     "mesh.small.face": 5,
@@ -42,6 +44,14 @@ def test_the_reason_names_the_input_with_both_values():
     assert told["curve IP"] == "contact.friction_coefficient: 0.6 -> 0.4, static_contact runs again"
     assert told["finite_elements"] == ""
     assert [one.path for one in other_changes(new, old, explain(new, old, "small"))] == ["name"]
+
+
+def test_a_change_of_the_damper_leaves_the_blade_alone():
+    old, new = load_rig(RIG), load_rig(RIG, {"damper.base_height": "2.5 mm"})
+    told = {one.name: one for one in explain(new, old, "small")}
+    assert not told["blade"].again
+    assert told["damper"].because == "damper.base_height: 0.003 -> 0.0025"
+    assert told["finite_elements"].because == "damper runs again"
 
 
 def test_an_effect_that_is_new_is_named():

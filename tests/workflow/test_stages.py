@@ -2,14 +2,17 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from updamp.geometry.build_mesh import build_mesh
 from updamp.model.rig_files import load_rig
 from updamp.workflow import stages
 
 RIG = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
-ALL = {"mesh", "finite_elements", "coupled_check", "static_contact", "curve"}
+ALL = {"mesh", "blade", "damper", "finite_elements", "coupled_check", "static_contact", "curve"}
 AFTER_THE_MESH = ALL - {"mesh"}
+BLADE_ALONE, DAMPER_ALONE = ALL - {"damper"}, ALL - {"blade"}
 
 
 def keys(overrides=None, **choice):
@@ -38,9 +41,16 @@ def changed(a, b):
         ({"reduction.modes": 12}, AFTER_THE_MESH),
         ({"harmonic_balance.harmonics": [0, 1]}, {"curve"}),
         ({"excitation.blade": "left"}, {"curve"}),
-        ({"excitation.height": "19 mm"}, ALL),
-        ({"response.below_top": "25 mm"}, ALL),
-        ({"blade.thickness": "7.4 mm"}, ALL),
+        ({"excitation.height": "19 mm"}, BLADE_ALONE),
+        ({"response.below_top": "25 mm"}, BLADE_ALONE),
+        ({"blade.thickness": "7.4 mm"}, BLADE_ALONE),
+        ({"mesh.small.stem_top": 4}, BLADE_ALONE),
+        ({"damper.base_height": "2 mm"}, DAMPER_ALONE),
+        ({"damper.apex_height": "0.5 mm"}, DAMPER_ALONE),
+        ({"mesh.small.damper_across": 6}, DAMPER_ALONE),
+        ({"damper.face_length": "4.5 mm"}, ALL),
+        ({"platform.underside_angle": "31 deg"}, ALL),
+        ({"blade.width": "14 mm"}, ALL),
         ({"mesh.small.width": 10}, ALL),
         ({"mesh.full.width": 42}, set()),
         ({"study.modes.OOP.window": ["430 Hz", "450 Hz"]}, {"curve"}),
@@ -53,6 +63,37 @@ def changed(a, b):
 )  # fmt: skip
 def test_only_what_depends_on_a_change_runs_again(override, again):
     assert changed(keys(), keys(override)) == again
+
+
+CHANGES = {
+    "blade.height": "151 mm", "blade.thickness": "7.1 mm", "blade.width": "15.1 mm", "blade.axis_offset": "30.1 mm",
+    "platform.top": "43.4 mm", "platform.gap": "4.1 mm", "platform.edge_thickness": "2.1 mm",
+    "platform.underside_angle": "30.5 deg", "damper.face_start": "2.1 mm", "damper.face_length": "4.9 mm",
+    "damper.apex_height": "0.5 mm", "damper.apex_flat": "3.1 mm", "damper.base_height": "3.1 mm",
+    "excitation.height": "10.4 mm", "response.below_top": "21 mm",
+    **{f"mesh.small.{name}": step for name, step in {
+        "width": 14, "face": 5, "platform_outer": 3, "platform_inner": 2, "platform_height": 4, "stem_thickness": 3,
+        "stem_below_excitation": 4, "stem_below_platform": 2, "stem_above_platform": 13, "stem_top": 4,
+        "damper_across": 5, "damper_apex": 2, "damper_base": 2, "contact_elements": 74,
+    }.items()},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("path", CHANGES)
+def test_a_component_that_is_kept_has_the_same_mesh_and_contacts(path):
+    """Whatever number of the geometry changes: where the key of a component is the same, so is what it is made from."""
+    again = changed(keys(), keys({path: CHANGES[path]}))
+    old, new = (build_mesh(load_rig(RIG, change), "small") for change in ({}, {path: CHANGES[path]}))
+    for name in {"blade", "damper"} - again:
+        one, other = getattr(old, name), getattr(new, name)
+        for of in ("vertices", "hexahedra"):
+            np.testing.assert_array_equal(getattr(one, of), getattr(other, of))
+        assert one.points == other.points
+        assert set(one.faces) == set(other.faces)
+        for group in one.faces:
+            np.testing.assert_array_equal(one.faces[group], other.faces[group])
+        for of in ("triangle", "area", "tangent1", "normal"):
+            np.testing.assert_array_equal(getattr(old.contacts, of), getattr(new.contacts, of))
 
 
 def test_every_curve_has_its_own_key():
@@ -68,5 +109,5 @@ def test_a_new_version_of_a_stage_runs_it_and_what_follows(monkeypatch):
     before = keys()
     newer = stages.Stage(**{**stages.STATIC_CONTACT.__dict__, "version": stages.STATIC_CONTACT.version + 1})
     curve = stages.Stage(**{**stages.CURVE.__dict__, "after": (newer,)})
-    monkeypatch.setattr(stages, "STAGES", (*stages.STAGES[:3], newer, curve))
+    monkeypatch.setattr(stages, "STAGES", (*stages.STAGES[:5], newer, curve))
     assert changed(before, keys()) == {"static_contact", "curve"}
