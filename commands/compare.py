@@ -7,8 +7,19 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from updamp.commands.shared import Debug, Finer, Jobs, Mesh, RigFile, chosen_mesh, clean_errors, interruptible
-from updamp.parallel.resources import checked_workers, one_thread, usual_workers
+from updamp.commands.shared import (
+    Debug,
+    Finer,
+    Jobs,
+    Mesh,
+    OutOfRun,
+    RigFile,
+    chosen_jobs,
+    chosen_mesh,
+    clean_errors,
+    interruptible,
+)
+from updamp.parallel.resources import one_thread
 
 
 def compare(
@@ -16,9 +27,7 @@ def compare(
     measurement: Annotated[
         Path, typer.Argument(metavar="MEASUREMENT", help="measurement.toml, or a file of stated features.")
     ],
-    out: Annotated[
-        Path, typer.Option("--out", "-o", help="Folder for all that is written; that of a run, to use its model.")
-    ],
+    out: OutOfRun,
     mesh: Mesh = None,
     finer: Finer = None,
     jobs: Jobs = None,
@@ -38,8 +47,7 @@ def compare(
         keep_compiled()
         console = Console()
         files = CompareFiles(rig, measurement, out)
-        workers = checked_workers(usual_workers() if jobs is None else jobs)
-        comparison, _ = run_compare(files, chosen_mesh(rig, mesh), workers, console, tuple(finer or ()))
+        comparison, _ = run_compare(files, chosen_mesh(rig, mesh), chosen_jobs(jobs), console, tuple(finer or ()))
         console.print(Text.assemble(("verdict   ", "yellow"), verdict_sentence(comparison)), soft_wrap=True)
         for finding in comparison.findings:
             console.print(Text.assemble(("finding   ", "yellow"), finding.text), soft_wrap=True)

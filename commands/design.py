@@ -7,7 +7,16 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from updamp.commands.shared import Debug, Mesh, RigFile, chosen_mesh, clean_errors, interruptible
+from updamp.commands.shared import (
+    Debug,
+    JobsOfStudy,
+    Mesh,
+    OutOfStudy,
+    RigFile,
+    chosen_mesh,
+    clean_errors,
+    interruptible,
+)
 from updamp.parallel.ending import INTERRUPTED
 from updamp.parallel.resources import one_thread, usual_workers
 
@@ -16,20 +25,8 @@ from updamp.parallel.resources import one_thread, usual_workers
 
 def design(
     study: Annotated[Path, typer.Argument(metavar="STUDY", help="Study file, such as rigs/studies/friction.toml.")],
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", "-o", help="Folder for all that is written.", show_default="`out` of the study file"),
-    ] = None,
-    jobs: Annotated[
-        int | None,
-        typer.Option(
-            "--jobs",
-            "-j",
-            min=1,
-            help="Designs solved at the same time.",
-            show_default="`jobs` of STUDY, or the CPUs, at most 4",
-        ),
-    ] = None,
+    out: OutOfStudy = None,
+    jobs: JobsOfStudy = None,
     scheduler: Annotated[
         str,
         typer.Option(metavar="ADDRESS", help="Of a Dask scheduler whose workers solve designs, in the same folders."),

@@ -7,8 +7,19 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from updamp.commands.shared import Debug, Finer, Jobs, Mesh, RigFile, chosen_mesh, clean_errors, interruptible
-from updamp.parallel.resources import checked_workers, one_thread, usual_workers
+from updamp.commands.shared import (
+    Debug,
+    Finer,
+    Jobs,
+    Mesh,
+    OutOfRun,
+    RigFile,
+    chosen_jobs,
+    chosen_mesh,
+    clean_errors,
+    interruptible,
+)
+from updamp.parallel.resources import one_thread
 
 # On call, as everywhere in this folder: JAX takes seconds to load, and has to find the number of threads stated.
 if TYPE_CHECKING:
@@ -22,39 +33,44 @@ Out = Annotated[
 ]
 
 
+HoldOut = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="Run that no fit is to see; may be repeated.",
+        show_default="the second highest level of each mode with three or more",
+    ),
+]
+HoldOutMode = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="MODE",
+        help="Mode of which no fit is to see a run: the verdict is judged on it. May be repeated, and besides "
+        "--hold-out.",
+    ),
+]
+OwnEffect = Annotated[
+    list[Path] | None, typer.Option(help="Python file of an effect of your own to look for; may be repeated.")
+]
+Scheduler = Annotated[
+    str, typer.Option(metavar="ADDRESS", help="Of a Dask scheduler whose workers trace branches and run fits.")
+]
+NextMeasurement = Annotated[
+    bool, typer.Option(help="Look for the measurement that would tell apart what is left; takes a minute or two.")
+]
+
+
 def diagnose(
     rig: RigFile,
     measurement: Annotated[Path, typer.Argument(metavar="MEASUREMENT", help="measurement.toml.")],
-    out: Annotated[
-        Path, typer.Option("--out", "-o", help="Folder for all that is written; that of a run, to use its model.")
-    ],
+    out: OutOfRun,
     mesh: Mesh = None,
     finer: Finer = None,
-    hold_out: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Run that no fit is to see; may be repeated.",
-            show_default="the second highest level of each mode with three or more",
-        ),
-    ] = None,
-    hold_out_mode: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="MODE",
-            help="Mode of which no fit is to see a run: the verdict is judged on it. May be repeated, and besides "
-            "--hold-out.",
-        ),
-    ] = None,
-    effect: Annotated[
-        list[Path] | None, typer.Option(help="Python file of an effect of your own to look for; may be repeated.")
-    ] = None,
+    hold_out: HoldOut = None,
+    hold_out_mode: HoldOutMode = None,
+    effect: OwnEffect = None,
     jobs: Jobs = None,
-    scheduler: Annotated[
-        str, typer.Option(metavar="ADDRESS", help="Of a Dask scheduler whose workers trace branches and run fits.")
-    ] = "",
-    next_measurement: Annotated[
-        bool, typer.Option(help="Look for the measurement that would tell apart what is left; takes a minute or two.")
-    ] = True,
+    scheduler: Scheduler = "",
+    next_measurement: NextMeasurement = True,
     debug: Debug = False,
 ) -> None:
     """Say which physical effect the model lacks: diagnosis.json and report.html.
@@ -70,14 +86,10 @@ def diagnose(
         from updamp.workflow.diagnose_run import diagnose as search_effects
 
         keep_compiled()
+        held_out, modes = tuple(hold_out) if hold_out else None, tuple(hold_out_mode or ())
+        own, workers = tuple(effect or ()), chosen_jobs(jobs)
         options = DiagnoseOptions(
-            finer=tuple(finer or ()),
-            held_out=tuple(hold_out) if hold_out else None,
-            held_out_modes=tuple(hold_out_mode or ()),
-            own=tuple(effect or ()),
-            jobs=checked_workers(usual_workers() if jobs is None else jobs),
-            scheduler=scheduler,
-            next_measurement=next_measurement,
+            tuple(finer or ()), held_out, modes, own, workers, scheduler, next_measurement=next_measurement
         )
         files, console = CompareFiles(rig, measurement, out), Console()
         verdict = search_effects(files, chosen_mesh(rig, mesh), options, console)

@@ -18,32 +18,41 @@ if TYPE_CHECKING:
     from updamp.workflow.run_options import RunOptions
 
 
+Out = Annotated[
+    Path, typer.Option("--out", "-o", help="Folder for all that is written; the same one to resume or to reuse.")
+]
+Modes = Annotated[list[str] | None, typer.Option(help="Only this mode of the study; may be repeated.")]
+Forces = Annotated[list[str] | None, typer.Option(help='Only this amplitude, such as "3.84 N"; may be repeated.')]
+Pictures = Annotated[bool, typer.Option(help="Whether to draw pictures.")]
+Check = Annotated[bool, typer.Option(help="Whether to compare the reduced with the full coupled model.")]
+Accuracy = Annotated[
+    bool,
+    typer.Option(
+        help="Whether to state every curve's error, traced again with more harmonics: two to four times as long."
+    ),
+]
+Stability = Annotated[
+    bool, typer.Option(help="Whether to say of every point whether it is stable: a third of the curves' time.")
+]
+Resonance = Annotated[
+    bool, typer.Option(help="Whether to follow every mode's resonance in the force: peak against force as a line.")
+]
+Until = Annotated[str | None, typer.Option(help=f"Last stage: {', '.join(s.name for s in stages.STAGES)}.")]
+
+
 def run(
     rig: RigFile,
-    out: Annotated[
-        Path, typer.Option("--out", "-o", help="Folder for all that is written; the same one to resume or to reuse.")
-    ],
+    out: Out,
     mesh: Mesh = None,
     jobs: Jobs = None,
-    mode: Annotated[list[str] | None, typer.Option(help="Only this mode of the study; may be repeated.")] = None,
-    force: Annotated[
-        list[str] | None, typer.Option(help='Only this amplitude, such as "3.84 N"; may be repeated.')
-    ] = None,
-    pictures: Annotated[bool, typer.Option(help="Whether to draw pictures.")] = True,
-    check: Annotated[bool, typer.Option(help="Whether to compare the reduced with the full coupled model.")] = True,
-    accuracy: Annotated[
-        bool,
-        typer.Option(
-            help="Whether to state every curve's error, traced again with more harmonics: two to four times as long."
-        ),
-    ] = True,
-    stability: Annotated[
-        bool, typer.Option(help="Whether to say of every point whether it is stable: a third of the curves' time.")
-    ] = True,
-    resonance: Annotated[
-        bool, typer.Option(help="Whether to follow every mode's resonance in the force: peak against force as a line.")
-    ] = True,
-    until: Annotated[str | None, typer.Option(help=f"Last stage: {', '.join(s.name for s in stages.STAGES)}.")] = None,
+    mode: Modes = None,
+    force: Forces = None,
+    pictures: Pictures = True,
+    check: Check = True,
+    accuracy: Accuracy = True,
+    stability: Stability = True,
+    resonance: Resonance = True,
+    until: Until = None,
     debug: Debug = False,
 ) -> None:
     """Run all stages: mesh, finite elements, static contact, response curves.
@@ -53,35 +62,34 @@ def run(
     """
     with clean_errors(debug), interruptible():
         one_thread_for_numpy()
-        from updamp.model.rig_files import is_modal, load_any, load_rig
 
         forces, last = tuple(_force(text) for text in force or ()), _stage(until)
         with Meter() as meter:
-            if is_modal(rig):
-                load_any(rig)  # what is wrong with it comes first
-                raise ValueError(
-                    f"{rig}: gives modes, not dimensions, so there is nothing to mesh; use it with: updamp compare "
-                    f"{rig} MEASUREMENT --out DIR (or diagnose), or from Python with updamp.api.response_curve"
-                )
-            loaded = load_rig(rig)
+            loaded = _rig_with_dimensions(rig)
             from updamp.workflow.run_options import RunOptions  # once the rig file is known to be sound
 
+            preset = mesh if mesh is not None else next(iter(loaded.mesh))
+            workers = jobs if jobs is not None else usual_workers()
             options = RunOptions(
-                preset=mesh if mesh is not None else next(iter(loaded.mesh)),
-                folder=out,
-                workers=jobs if jobs is not None else usual_workers(),
-                modes=tuple(mode or ()),
-                forces=forces,
-                check=check,
-                pictures=pictures,
-                accuracy=accuracy,
-                stability=stability,
-                resonance=resonance,
-                until=last,
-            )
+                preset, out, workers, tuple(mode or ()), forces,
+                check=check, pictures=pictures, accuracy=accuracy, stability=stability, resonance=resonance, until=last,
+            )  # fmt: skip
             complete = _run(loaded, options, meter)
     if not complete:
         raise typer.Exit(INCOMPLETE)
+
+
+def _rig_with_dimensions(file: Path) -> "Rig":
+    """raises: RigError; ValueError where the rig is given by its modes"""
+    from updamp.model.rig_files import is_modal, load_any, load_rig
+
+    if is_modal(file):
+        load_any(file)  # what is wrong with it comes first
+        raise ValueError(
+            f"{file}: gives modes, not dimensions, so there is nothing to mesh; use it with: updamp compare "
+            f"{file} MEASUREMENT --out DIR (or diagnose), or from Python with updamp.api.response_curve"
+        )
+    return load_rig(file)
 
 
 def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:

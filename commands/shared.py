@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from updamp.parallel.ending import INTERRUPTED, Command, heard
+from updamp.parallel.resources import checked_workers, usual_workers
 
 BAD_INPUT, INCOMPLETE = 2, 1
 
@@ -28,6 +29,23 @@ Finer = Annotated[
     list[str] | None,
     typer.Option(help="Preset with a finer mesh: what it changes counts as numerical error. May be repeated."),
 ]
+OutOfRun = Annotated[
+    Path, typer.Option("--out", "-o", help="Folder for all that is written; that of a run, to use its model.")
+]
+OutOfStudy = Annotated[
+    Path | None,
+    typer.Option("--out", "-o", help="Folder for all that is written.", show_default="`out` of the study file"),
+]
+JobsOfStudy = Annotated[
+    int | None,
+    typer.Option(
+        "--jobs",
+        "-j",
+        min=1,
+        help="Processes at the same time.",
+        show_default="`jobs` of STUDY, or the CPUs, at most 4",
+    ),
+]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 
 
@@ -37,6 +55,11 @@ def chosen_mesh(rig: Path, mesh: str | None) -> str:
 
     presets = getattr(load_any(rig), "mesh", {})
     return mesh if mesh is not None else next(iter(presets), "")
+
+
+def chosen_jobs(jobs: int | None) -> int:
+    """raises: ValueError where the memory does not hold as many"""
+    return checked_workers(usual_workers() if jobs is None else jobs)
 
 
 @contextmanager

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from updamp.commands.shared import Debug, clean_errors, interruptible
+from updamp.commands.shared import Debug, JobsOfStudy, OutOfStudy, clean_errors, interruptible
 from updamp.parallel.ending import INTERRUPTED
 from updamp.parallel.resources import one_thread, usual_workers
 
@@ -19,32 +19,15 @@ def study(
         str | None,
         typer.Option("--mesh", "-m", help="Mesh preset of the rig file.", show_default="`mesh` of the study file"),
     ] = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out",
-            "-o",
-            help="Folder for all that is written.",
-            show_default="`out` of the study file, a folder a mesh",
-        ),
-    ] = None,
-    jobs: Annotated[
-        int | None,
-        typer.Option(
-            "--jobs",
-            "-j",
-            min=1,
-            help="Curves traced at the same time.",
-            show_default="`jobs` of STUDY, or the CPUs, at most 4",
-        ),
-    ] = None,
+    out: OutOfStudy = None,
+    jobs: JobsOfStudy = None,
     solve: Annotated[bool, typer.Option(help="Whether to trace curves; without, what is there is shown.")] = True,
     debug: Debug = False,
 ) -> None:
     """Run a parameter study: response curves of many variants of a rig, their pictures, findings that are checked.
 
-    Every curve is kept as soon as it is traced; the same command goes on after an interruption, in the middle of a
-    curve too. Writes study.html, study.json and pictures. docs/parameter_study.md has all words of a study file.
+    Every curve is kept as soon as it is traced; the same command goes on after an interruption. Writes study.html,
+    study.json and pictures. docs/parameter_study.md has all words of a study file.
     """
     with clean_errors(debug), interruptible():
         one_thread()

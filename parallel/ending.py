@@ -11,7 +11,8 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from multiprocessing import active_children
 from multiprocessing.connection import Connection, wait
 from types import FrameType
@@ -66,6 +67,16 @@ def end_children(grace: float = GRACE_OF_WORKERS) -> None:
             del children[sentinel]  # type: ignore[arg-type]
     for child in children.values():
         child.kill()
+
+
+@contextmanager
+def deaf_children() -> Iterator[None]:
+    """Processes that are begun inside do not hear Ctrl-C, not even while they load: it is for their parent."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 class Command:

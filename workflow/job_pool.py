@@ -2,7 +2,7 @@
 
 import os
 import time
-from collections.abc import Callable, Iterator, MutableMapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
@@ -15,7 +15,7 @@ from queue import Empty
 from typing import Any, Protocol
 
 from updamp.hbm.compilation_cache import keep_compiled
-from updamp.parallel.ending import Worker, end_children
+from updamp.parallel.ending import Worker, deaf_children, end_children
 from updamp.parallel.resources import environment, thread_limits
 from updamp.parallel.workers import LOST
 
@@ -93,15 +93,7 @@ def run_all(
     context = get_context("spawn")  # forking a process that has threads (MKL, JAX, VTK) can hang
     messages = context.Queue()
     alive, held = context.Pipe(duplex=False)  # closed, it asks the workers to end: no lock that a killed one could hold
-    futures: dict[Future[JobOutcome], Job] = {}
-    by_output: dict[str, Job] = {}
     outcomes: list[JobOutcome] = []
-
-    def begin(those: Sequence[Job]) -> None:
-        for job in sorted(those, key=lambda job: job.ease):
-            by_output[str(job.output)] = job
-            futures[_submitted(pool, job)] = job
-
     with (
         held,
         alive,
@@ -109,11 +101,12 @@ def run_all(
         ProcessPoolExecutor(workers, mp_context=context, initializer=_start_worker, initargs=(messages, alive)) as pool,
     ):
         try:  # from the first task on: leaving the context would wait for all of them
-            begin(jobs)
-            for outcome in _outcomes(futures, messages, lambda name, progress: report(by_output[name], progress)):
+            begun = _Begun(pool)
+            begun.add(jobs)
+            for outcome in begun.outcomes(messages, report):
                 outcomes.append(outcome)
                 finished(outcome)
-                begin(following(outcome))
+                begun.add(following(outcome))
         except BaseException:
             held.close()
             pool.shutdown(wait=False, cancel_futures=True)
@@ -122,26 +115,38 @@ def run_all(
     return tuple(outcomes)
 
 
-def _submitted(pool: ProcessPoolExecutor, job: Job) -> Future[JobOutcome]:
-    try:
-        return pool.submit(_work, job)
-    except BrokenProcessPool as error:  # a worker was killed: as those that were handed in before
-        lost: Future[JobOutcome] = Future()
-        lost.set_exception(error)
-        return lost
+class _Begun:
+    """The jobs that a pool was handed, and what becomes of them. It changes as jobs are added and end."""
 
+    def __init__(self, pool: ProcessPoolExecutor) -> None:
+        self._pool = pool
+        self._waiting: dict[Future[JobOutcome], Job] = {}
+        self._by_output: dict[str, Job] = {}
 
-def _outcomes(
-    waiting: MutableMapping[Future[JobOutcome], Job], messages: Any, report: Callable[[str, JobProgress], None]
-) -> Iterator[JobOutcome]:
-    """Each job's outcome as it comes, passing on progress in between. waiting: may grow meanwhile"""
-    while waiting:
-        with suppress(Empty):
-            report(*messages.get(timeout=REPORT_EVERY))
-        for future in [f for f in waiting if f.done()]:
-            job = waiting.pop(future)
-            error = future.exception()  # of the pool: a worker was killed
-            yield future.result() if error is None else JobOutcome(job, JobEnd.FAILED, LOST)
+    def add(self, jobs: Sequence[Job]) -> None:
+        for job in sorted(jobs, key=lambda job: job.ease):
+            self._by_output[str(job.output)] = job
+            self._waiting[self._submitted(job)] = job
+
+    def _submitted(self, job: Job) -> Future[JobOutcome]:
+        try:
+            with deaf_children():
+                return self._pool.submit(_work, job)
+        except BrokenProcessPool as error:  # a worker was killed: as those that were handed in before
+            lost: Future[JobOutcome] = Future()
+            lost.set_exception(error)
+            return lost
+
+    def outcomes(self, messages: Any, report: Callable[[Job, JobProgress], None]) -> Iterator[JobOutcome]:
+        """Each job's outcome as it comes, passing on progress in between; jobs may be added meanwhile."""
+        while self._waiting:
+            with suppress(Empty):
+                output, progress = messages.get(timeout=REPORT_EVERY)
+                report(self._by_output[output], progress)
+            for future in [f for f in self._waiting if f.done()]:
+                job = self._waiting.pop(future)
+                error = future.exception()  # of the pool: a worker was killed
+                yield future.result() if error is None else JobOutcome(job, JobEnd.FAILED, LOST)
 
 
 _messages: Any = None

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.broken.folders import KilledJob
 from support.plain_rig import around_first_stuck_mode, plain_reduced_model
 
 from updamp.fem.finite_element_model import FiniteElementResult
@@ -78,3 +79,22 @@ def test_a_curve_that_fails_leaves_the_others(jobs):
         shares = [p.share for p in progress[job.name]]
         assert shares == sorted(shares)
         assert 0 <= shares[0] <= shares[-1] <= 1
+
+
+def test_what_follows_a_job_is_begun_when_that_is_over(jobs, tmp_path):
+    first, second = (replace(job, output=tmp_path / job.output.name) for job in jobs)
+    begun_with = []
+
+    def following(outcome):
+        begun_with.append(outcome.job.output.is_file())
+        return [second] if outcome.job == first else []
+
+    outcomes = run_all([first], 2, lambda *_: None, lambda _: None, following)
+    assert [outcome.job for outcome in outcomes] == [first, second]
+    assert begun_with == [True, True]
+
+
+def test_what_follows_a_killed_worker_is_lost_with_it(tmp_path):
+    first, second = KilledJob(tmp_path / "first"), KilledJob(tmp_path / "second")
+    outcomes = run_all([first], 1, lambda *_: None, lambda _: None, lambda o: [second] if o.job == first else [])
+    assert [(outcome.job, outcome.end) for outcome in outcomes] == [(first, JobEnd.FAILED), (second, JobEnd.FAILED)]
