@@ -25,7 +25,7 @@ from updamp.hbm.resonance.resonance_steps import ResonanceOptions
 from updamp.parallel.resources import Meter
 from updamp.rig.rig import Rig
 from updamp.workflow import stages, store
-from updamp.workflow.curve_jobs import CurveJob, trace_curve
+from updamp.workflow.curve_jobs import CurveJob, traced
 from updamp.workflow.job_pool import JobEnd
 from updamp.workflow.products import stored
 from updamp.workflow.stage_functions import StageFunctions
@@ -79,22 +79,19 @@ class SharedStages:
         return self._kept(stages.PEAKS, key, FollowedPeaks, lambda: followed_peaks(model, request), f" {request.mode}")
 
     def curve(self, mode: str, force: float, most_points: int | None = None) -> ResponseCurve:
-        """Through the mode's window in the rig [N]; one that was interrupted goes on from its partial file.
+        """Through the mode's window in the rig [N].
 
-        most_points: what takes more is given up: handed out as far as it is, and gone on with when more are allowed
+        most_points: what takes more is given up: handed out as far as it is, and traced again when more are allowed
         """
         job = self.curve_job(mode, force)
         with _alone(job.output):
             if (found := stored(job.output, ResponseCurve, job.key)) is not None:
                 return found.product
             self.static_contact()
-            traced = count(1)
-            end = trace_curve(job, should_stop=lambda: most_points is not None and next(traced) >= most_points)
+            points = count(1)
+            end, curve = traced(job, should_stop=lambda: most_points is not None and next(points) >= most_points)
             self.executed.append(f"{stages.CURVE.name} {mode} {force:g} N")
-            if end is JobEnd.FINISHED:
-                return store.read(job.output, ResponseCurve)
-            curve = store.read(job.partial, ResponseCurve)
-            return replace(curve, stopped=given_up(len(curve)))
+            return curve if end is JobEnd.FINISHED else replace(curve, stopped=given_up(len(curve)))
 
     def curve_job(self, mode: str, force: float) -> CurveJob:
         """What traces the curve [N], once the stages before are in their files."""

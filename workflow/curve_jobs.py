@@ -72,7 +72,17 @@ def trace_curve(
     should_stop: Callable[[], bool] = lambda: False,
     memory_of: int | None = None,
 ) -> JobEnd:
-    """Trace the job's curve and store it.
+    """Trace the job's curve and store it. Arguments as for `traced`."""
+    return traced(job, report, should_stop, memory_of)[0]
+
+
+def traced(
+    job: CurveJob,
+    report: Callable[[JobProgress], None] = lambda _: None,
+    should_stop: Callable[[], bool] = lambda: False,
+    memory_of: int | None = None,
+) -> tuple[JobEnd, ResponseCurve]:
+    """The job's curve, stored where it was not stopped; else as far as it came.
 
     should_stop: asked after every point; if true, nothing is stored
     memory_of: process whose memory (with all below it) is metered, this one by default
@@ -82,9 +92,9 @@ def trace_curve(
         for curve in trace(system, request):
             report(_progress(curve, request.window, request.upwards))
             if not (curve.complete or curve.stopped) and should_stop():
-                return JobEnd.INTERRUPTED
+                return JobEnd.INTERRUPTED, curve
     store.write(job.output, curve, store.Stamp(job.key, {"hbm": meter.seconds}, (meter.interval,), meter.peak_memory))
-    return JobEnd.FINISHED
+    return JobEnd.FINISHED, curve
 
 
 def curve_problem(job: CurveJob) -> tuple[NonlinearSystem, CurveRequest]:

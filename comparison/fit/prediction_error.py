@@ -2,8 +2,9 @@
 
 A prediction has the scatter of a run, and what the fit leaves open: parameters, and the numerical error of a level
 that no fit has seen. With covariance P of the fit's parameters and columns C of a whitened residual r by them, the
-covariance of r is 1 + C P C^T for a model that lacks nothing (posterior predictive distribution: A. Gelman and others,
-Bayesian Data Analysis, 3rd ed. (2013), section 14.3).
+covariance of r is 1 + C P C^T (posterior predictive distribution: A. Gelman and others, Bayesian Data Analysis, 3rd ed.
+(2013), section 14.3). All of it is that of a model which lacks nothing: P is what the sensors' noise leaves open, and
+a fit that fails is not granted more.
 """
 
 from dataclasses import dataclass
@@ -38,13 +39,21 @@ def prediction_error(fitted: Fit, plan: Plan, branches_of: Branches = in_turn) -
         return PredictionError()
     branches = predict_branches(fitted.parametrisation, fitted.u, plan, None, branches_of)
     compared = compare_at(fitted.parametrisation, fitted.u, plan, branches, fitted.compared.scatter)
-    return of_compared(compared, fitted.covariance)
+    return of_compared(compared, fitted)
 
 
-def of_compared(compared: Compared, covariance: Floats) -> PredictionError:
-    """covariance: (p, p) of the fit's parameters"""
+def of_compared(compared: Compared, fitted: Fit) -> PredictionError:
+    """compared: the fit on runs that it has not seen"""
     error = float(np.sqrt(compared.mean_squared_misfit))
-    return PredictionError(error, uncertain_misfit(*compared.equations(of_sensors=True), covariance), compared.values)
+    misfit = uncertain_misfit(*compared.equations(of_sensors=True), _covariance(fitted))
+    return PredictionError(error, misfit, compared.values)
+
+
+def _covariance(fitted: Fit) -> Floats:
+    """(p, p) of the parameters, of a model that lacks nothing."""
+    _, columns = fitted.compared.equations(of_sensors=True)
+    information = columns.T @ columns + np.diag(1 / fitted.parametrisation.deviation**2)
+    return np.asarray(np.linalg.pinv(information, hermitian=True), dtype=np.float64)
 
 
 def uncertain_misfit(residual: Floats, columns: Floats, covariance: Floats) -> float:

@@ -28,7 +28,7 @@ def if_repeatable(fitted: Fit, start: Baseline, branches_of: Branches = in_turn)
         held_out = PredictionError()
         if held:
             other = compare_at(p, u, unseen.if_repeatable(repeatability), held, scatter)
-            held_out = of_compared(other, fitted.covariance)
+            held_out = of_compared(other, fitted)
         found.append(
             IfRepeatable(repeatability, one.mean_squared_misfit, misfit(p, one), held_out.error, held_out.misfit)
         )

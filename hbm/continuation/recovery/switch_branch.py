@@ -73,7 +73,8 @@ class SwitchBranch:
             move = (solution.x - x, solution.w - w)
             length = last.metric.length(move)
             straight = last.metric.product((dx, dw), move) > self.straight * length and length < self.longest * step
-            if straight and _oriented_alike(point, last) and not lies_on_last_points(traced.points, solution):
+            off = last.metric.length((solution.x - arc.x0, solution.w - arc.w0))
+            if straight and corrector.options.as_predicted(off, step) and _oriented_alike(point, last) and not lies_on_last_points(traced.points, solution):
                 return [point]
         return []
 
