@@ -44,8 +44,8 @@ PAIR = ("joint_microslip", "joint_cubic")
 
 
 def test_nothing_is_named_at_the_stated_repeatability(found: SearchResult, verdict: Verdict) -> None:
-    """6.5 %, drift from run to run held at 1e-4. The pair that explains the data asks for runs that are farther off than
-    that, which is said first."""
+    """6.5 %, drift from run to run held at 1e-4. The pair that explains the data asks for runs that are farther off,
+    which is said first."""
     assert verdict.verdict == "undecidable"
     assert verdict.effects == ()
     assert "joint_microslip and joint_cubic would explain the data with it" in verdict.sentence

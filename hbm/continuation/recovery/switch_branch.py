@@ -74,7 +74,12 @@ class SwitchBranch:
             length = last.metric.length(move)
             straight = last.metric.product((dx, dw), move) > self.straight * length and length < self.longest * step
             off = last.metric.length((solution.x - arc.x0, solution.w - arc.w0))
-            if straight and corrector.options.as_predicted(off, step) and _oriented_alike(point, last) and not lies_on_last_points(traced.points, solution):
+            if (
+                straight
+                and corrector.options.as_predicted(off, step)
+                and _oriented_alike(point, last)
+                and not lies_on_last_points(traced.points, solution)
+            ):
                 return [point]
         return []
 
