@@ -203,11 +203,12 @@ def _fit_linear(
     return now
 
 
-def _covariance(parametrisation: Parametrisation, compared: Compared) -> Floats:
-    _, columns = compared.equations()
+def covariance_of(parametrisation: Parametrisation, compared: Compared, of_sensors: bool = False) -> Floats:
+    """(p, p) of the parameters. of_sensors: as of a model that lacks nothing (`Compared.equations`)"""
+    _, columns = compared.equations(of_sensors)
     information = columns.T @ columns + np.diag(1 / parametrisation.deviation**2)
     return np.asarray(np.linalg.pinv(information), dtype=np.float64)
 
 
 def _result(parametrisation: Parametrisation, compared: Compared, success: bool, message: str) -> Fit:
-    return Fit(parametrisation, compared, _covariance(parametrisation, compared), success, message)
+    return Fit(parametrisation, compared, covariance_of(parametrisation, compared), success, message)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.fit.compared import Compared, compare_at, predict_branches
-from updamp.comparison.fit.fit import Fit
+from updamp.comparison.fit.fit import Fit, covariance_of
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 
@@ -45,15 +45,9 @@ def prediction_error(fitted: Fit, plan: Plan, branches_of: Branches = in_turn) -
 def of_compared(compared: Compared, fitted: Fit) -> PredictionError:
     """compared: the fit on runs that it has not seen"""
     error = float(np.sqrt(compared.mean_squared_misfit))
-    misfit = uncertain_misfit(*compared.equations(of_sensors=True), _covariance(fitted))
+    covariance = covariance_of(fitted.parametrisation, fitted.compared, of_sensors=True)
+    misfit = uncertain_misfit(*compared.equations(of_sensors=True), covariance)
     return PredictionError(error, misfit, compared.values)
-
-
-def _covariance(fitted: Fit) -> Floats:
-    """(p, p) of the parameters, of a model that lacks nothing."""
-    _, columns = fitted.compared.equations(of_sensors=True)
-    information = columns.T @ columns + np.diag(1 / fitted.parametrisation.deviation**2)
-    return np.asarray(np.linalg.pinv(information, hermitian=True), dtype=np.float64)
 
 
 def uncertain_misfit(residual: Floats, columns: Floats, covariance: Floats) -> float:
