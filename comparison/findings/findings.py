@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 
 FREQUENCY, DAMPING, SENSOR, AMPLITUDE = "frequency", "damping", "sensor", "amplitude"
 # Chance that an adequate model is called inadequate by any of the tests.
-_RISK = 0.01
+RISK = 0.01
 # Prior size of a misfit, which keeps directions that the data do not tell at zero: relative; of a resonance as a
 # share of the measured window, over which the model is taken as linear here. Shifts of all tests alike are what Young's
 # modulus is for: they are left to it.
@@ -164,7 +164,7 @@ def lack_of_fit(fit: Fit) -> float:
 
 def findings(fit: Fit, plan: Plan, found: Sequence[Misfit]) -> tuple[Finding, ...]:
     """Sentences on the misfits that stand out; none where the model is adequate."""
-    limit = float(norm.isf(_RISK / 2 / max(len(found), 1)))
+    limit = float(norm.isf(RISK / 2 / max(len(found), 1)))
     standing = [m for m in found if abs(m.significance) > limit]
     sentences: list[Finding] = []
     for quantity in (FREQUENCY, DAMPING):
@@ -174,7 +174,7 @@ def findings(fit: Fit, plan: Plan, found: Sequence[Misfit]) -> tuple[Finding, ..
     sentences += [_of_amplitude(m) for m in standing if m.direction.quantity == AMPLITUDE]
     sentences += [_of_sensor(m) for m in standing if m.direction.quantity == SENSOR]
     sentences.sort(key=lambda f: -abs(f.significance))
-    if not sentences and lack_of_fit(fit) < _RISK:
+    if not sentences and lack_of_fit(fit) < RISK:
         sentences.append(_of_all(fit, plan))
     return tuple(sentences)
 

@@ -1,6 +1,5 @@
 """Coupled Coulomb friction: the tangential force stays within the circle mu N; unilateral normal spring."""
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -46,15 +45,7 @@ class CoulombCircle:
     ) -> NDArray[np.bool_]:
         return sticking.stays_below_limit(displacement, parameters, sticking.circle_norm, overshoot)
 
-    def parameter_derivatives(
-        self,
-        entries: Sequence[str],
-        displacement: NDArray[np.float64],
-        tangent: NDArray[np.float64],
-        parameters: FrictionParameters,
-        mean: int,
-    ) -> Mapping[str, NDArray[np.float64]] | None:
-        return friction_derivatives(entries, displacement, tangent, parameters, mean)
+    parameter_derivatives = staticmethod(friction_derivatives)
 
     def normal_force(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
         return friction.normal_force(displacement, parameters)

@@ -1,6 +1,5 @@
 """Two uncoupled Jenkins elements (t1, t2) and a unilateral normal spring: the law of Pesaresi et al. 2017."""
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -63,15 +62,7 @@ class JenkinsBox:
     ) -> NDArray[np.bool_]:
         return sticking.stays_below_limit(displacement, parameters, sticking.box_norm, overshoot)
 
-    def parameter_derivatives(
-        self,
-        entries: Sequence[str],
-        displacement: NDArray[np.float64],
-        tangent: NDArray[np.float64],
-        parameters: FrictionParameters,
-        mean: int,
-    ) -> Mapping[str, NDArray[np.float64]] | None:
-        return friction_derivatives(entries, displacement, tangent, parameters, mean)
+    parameter_derivatives = staticmethod(friction_derivatives)
 
     def normal_force(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
         return friction.normal_force(displacement, parameters)

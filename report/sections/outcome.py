@@ -6,11 +6,11 @@ from html import escape
 from scipy.stats import chi2
 
 from updamp.comparison.comparison import Comparison, Finding
+from updamp.comparison.findings.findings import RISK
 from updamp.report.markup import level_name, level_word, number, paragraph
 from updamp.report.section import Content, Report, ReportSection
 
 FEW = 5  # findings that are not folded away
-RISK = 0.01  # chance that the misfit of an adequate model counts as larger than the scatter
 BEFORE_SEARCH = """The model that the search for the missing effect began with: calibrated, without any effect that the
 verdict on top of this page names. What of it stands out of the scatter:"""
 
