@@ -162,7 +162,8 @@ def contents(path: Path) -> dict[str, bytes]:
 
     def take(name: str, entry: h5py.Group | h5py.Dataset) -> None:
         if isinstance(entry, h5py.Dataset) and not set(name.split("/")) & set(TIMES):
-            found[name] = np.asarray(entry[()]).tobytes()
+            values = np.asarray(entry[()])  # texts come as objects, whose own bytes are addresses
+            found[name] = repr(values.tolist()).encode() if values.dtype.hasobject else values.tobytes()
 
     if path.is_file():
         with h5py.File(path, "r") as file:

@@ -2,6 +2,11 @@
 
 pypardiso's own `solve` compares and copies the whole matrix at each call and leaves PARDISO's defaults on, which for
 positive definite matrices cost twice the factor and seven times the solve. So the library it loaded is called directly.
+
+The same system has the same solution to the last digit on one machine, whatever else is loaded. Without MKL's conditional
+numerical reproducibility its last digits depend on the OpenMP library that it finds in the process (GNU's once gmsh is
+loaded, else Intel's), and with threads on chance. The number of threads enters in one place: where large systems are
+solved for many right-hand sides at once, one thread has other last digits than several.
 """
 
 import ctypes
@@ -18,6 +23,10 @@ _POSITIVE_DEFINITE = 2
 # Unknowns from which on MKL's threads help: with fewer a solve takes milliseconds, and they wait for each other (13,554
 # on two busy cores: 24 modes in 1.5 s by one thread, 7 s by two; 87,909: 13 and 19 s).
 _ENOUGH_FOR_THREADS = 50_000
+# oneMKL's developer reference, "Conditional Numerical Reproducibility Control" and "pardiso iparm parameter": the machine's
+# best branch of code, fixed; the dissection in parallel would rule it out; the work is cut into as many parts as stated,
+# and so summed up, whatever the number of threads that share them: four, for up to four threads.
+_FIXED_BRANCH, _DISSECTION, _PARTS = 2, 2, 4
 _MEANING = {
     -2: "not enough memory; use the solver 'amg' or a coarser mesh",
     -4: "the matrix is not positive definite; check that the component is clamped and its material sound",
@@ -41,12 +50,13 @@ class PardisoFactorisation:
     """See Factorisation."""
 
     def __init__(self, library: ctypes.CDLL, matrix: sparse.bsr_array) -> None:
+        library.MKL_CBWR_Set(_FIXED_BRANCH)  # refused, to no harm, once it is set
         self._routine = library.pardiso
         self._set_threads = library.MKL_Set_Num_Threads_Local  # 0: as they were stated for all
         self._handle = np.zeros(64, dtype=np.int64)
         self._parameters = np.zeros(64, dtype=np.int32)
         self._parameters[0] = 1  # take the values given here
-        self._parameters[1] = 3  # nested dissection in parallel
+        self._parameters[1], self._parameters[33] = _DISSECTION, _PARTS
         self._permutation = np.zeros(1, dtype=np.int32)
         self._indptr, self._indices, self._data = upper_triangle(matrix, first=1)
         self._size = matrix.shape[0]

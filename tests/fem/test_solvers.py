@@ -1,5 +1,7 @@
 """All solvers solve the same systems and give the same modes; what they cannot do they say."""
 
+import os
+import subprocess
 import sys
 
 import numpy as np
@@ -97,3 +99,44 @@ def test_missing_solver_names_how_to_get_it(prepared, monkeypatch, name: str, mo
 def test_unknown_solver_is_refused() -> None:
     with pytest.raises(ValueError, match=r"reduction.solver = 'magic' is unknown; choose one of pardiso, cholmod, amg"):
         solver_named("magic")
+
+
+REPEATED = """
+import hashlib, sys
+{first}
+import numpy as np
+from scipy import sparse
+from updamp.fem import solvers
+sys.modules["updamp.fem.solvers.pardiso"]._ENOUGH_FOR_THREADS = 0
+line = sparse.diags_array([-np.ones(19), 2.5 * np.ones(20), -np.ones(19)], offsets=[-1, 0, 1])
+one = sparse.eye_array(20)
+grid = sparse.kron(sparse.kron(line, one), one) + sparse.kron(one, sparse.kron(line, one) + sparse.kron(one, line))
+matrix = sparse.bsr_array(sparse.kron(grid, 0.2 * np.ones((3, 3)) + np.eye(3)).tobsr((3, 3)))
+rhs = np.random.default_rng(3).standard_normal((24_000, 4))
+for i in range(2):
+    somewhere_else = np.zeros(1000 + 77 * i)
+    factor = solvers.solver_named("pardiso")(matrix, rhs)
+    print(*(hashlib.sha256(factor.solve(one).tobytes()).hexdigest()[:12] for one in (rhs[:, 0], rhs)))
+    factor.close()
+"""
+
+
+def digests(first: str, threads: str) -> list[list[str]]:
+    """Of the solutions for one and for four right-hand sides, twice, in a process of its own. first: its first line"""
+    run = subprocess.run(
+        [sys.executable, "-c", REPEATED.format(first=first)],
+        env={**os.environ, "MKL_NUM_THREADS": threads},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return [line.split() for line in run.stdout.splitlines()]
+
+
+def test_last_digits_do_not_depend_on_chance_or_on_what_else_is_loaded() -> None:
+    """gmsh brings the OpenMP library of GNU, which MKL uses where it finds it."""
+    available("pardiso")
+    alone, with_gmsh, one_thread = digests("", "2"), digests("import gmsh", "2"), digests("", "1")
+    assert alone[0] == alone[1] == with_gmsh[0] == with_gmsh[1]
+    assert one_thread[0] == one_thread[1]
+    assert one_thread[0][0] == alone[0][0]  # for one right-hand side, whatever the number of threads
