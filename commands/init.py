@@ -1,5 +1,7 @@
 """The command that begins: `updamp init`."""
 
+import shutil
+import sys
 from importlib.resources import files
 from pathlib import Path
 from typing import Annotated
@@ -37,10 +39,17 @@ def init(
         write_example(folder)
         console = Console()
         console.print(f"{folder} is made. In it, one after the other:", highlight=False)
-        for command, purpose in (("cd " + str(folder), ""), *STEPS):
+        first = [(command, "") for command in (*activation(), f"cd {folder}")]
+        for command, purpose in (*first, *STEPS):
             console.print(f"  {command}", highlight=False, soft_wrap=True)
             if purpose:
                 console.print(f"      {purpose}", style="dim", highlight=False, soft_wrap=True)
+
+
+def activation() -> tuple[str, ...]:
+    """What lets a shell find `updamp`, where this one does not: it was called by its path, from an environment."""
+    script = Path(sys.prefix) / "bin" / "activate"
+    return () if shutil.which("updamp") or not script.is_file() else (f"source {script}",)
 
 
 def write_example(folder: Path) -> None:

@@ -11,14 +11,17 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from concurrent.futures import Future, ProcessPoolExecutor
 from multiprocessing import active_children
 from multiprocessing.connection import Connection, wait
 from types import FrameType
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 import psutil
+
+P = ParamSpec("P")
+R = TypeVar("R")
 
 # A command ends within 10 s of SIGTERM or Ctrl-C: workers store what they have and end, those that do not are ended,
 # then the command comes to its end, or is ended too.
@@ -69,14 +72,15 @@ def end_children(grace: float = GRACE_OF_WORKERS) -> None:
         child.kill()
 
 
-@contextmanager
-def deaf_children() -> Iterator[None]:
-    """Processes that are begun inside do not hear Ctrl-C, not even while they load: it is for their parent."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+class DeafProcesses(ProcessPoolExecutor):
+    """Its processes, which begin with a task, do not hear Ctrl-C, not even while they load: it is for their parent."""
+
+    def submit(self, fn: Callable[P, R], /, *args: P.args, **kwargs: P.kwargs) -> Future[R]:
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            return super().submit(fn, *args, **kwargs)
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 class Command:

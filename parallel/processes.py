@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from updamp.hbm.compilation_cache import keep_compiled, keeps_compiled
-from updamp.parallel.ending import Worker, end_children
+from updamp.parallel.ending import DeafProcesses, Worker, end_children
 from updamp.parallel.resources import environment, thread_limits
 from updamp.parallel.workers import Elsewhere, Workers, here
 
@@ -27,7 +27,7 @@ def processes(number: int) -> Iterator[ProcessPoolExecutor]:
     context = get_context("spawn")  # forking a process that has threads (MKL, JAX) can hang
     alive, held = context.Pipe(duplex=False)
     with held, alive, environment(thread_limits(1)):
-        pool = ProcessPoolExecutor(number, context, _begin, (alive, keeps_compiled()))
+        pool = DeafProcesses(number, context, _begin, (alive, keeps_compiled()))
         try:
             yield pool
         except BaseException:

@@ -2,37 +2,24 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import ClassVar
 
 from updamp.hbm.analysis.finer_points import PointErrors, point_errors
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.parallel.resources import Meter
 from updamp.workflow import store
-from updamp.workflow.curve_jobs import CurveJob, curve_problem
+from updamp.workflow.about_curve import JobAboutCurve
+from updamp.workflow.curve_jobs import curve_problem
 from updamp.workflow.job_pool import JobEnd, JobProgress
 
 
 @dataclass(frozen=True)
-class AccuracyJob:
-    """Of the curve that `curve` leaves.
+class AccuracyJob(JobAboutCurve):
+    """Of the curve that `curve` leaves: errors at its peak and beside it."""
 
-    point: where the peak is taken; key: of the errors; output: their file
-    """
-
-    curve: CurveJob
-    point: str
-    key: str
-    output: Path
     kind: ClassVar = PointErrors
-
-    @property
-    def name(self) -> str:
-        return f"{self.curve.name}, samples and cycles"
-
-    @property
-    def ease(self) -> tuple[float, ...]:
-        return self.curve.ease
+    about: ClassVar = "samples and cycles"
+    part: ClassVar = "accuracy"
 
     def run(
         self, report: Callable[[JobProgress], None], should_stop: Callable[[], bool], memory_of: int | None
@@ -44,8 +31,7 @@ class AccuracyJob:
         with Meter(memory_of) as meter:
             system, request = curve_problem(self.curve)
             found = point_errors(system, request, store.read(self.curve.output, ResponseCurve), self.point)
-        stamp = store.Stamp(self.key, {"accuracy": meter.seconds}, (meter.interval,), meter.peak_memory)
-        store.write(self.output, found, stamp)
+        self.keep(found, meter)
         return JobEnd.FINISHED
 
     def conclusion(self) -> tuple[bool, str]:

@@ -15,32 +15,22 @@ from updamp.hbm.resonance.resonance_curve import ResonanceCurve
 from updamp.hbm.stability.detached_branches import DetachedBranches, detached_branches
 from updamp.parallel.resources import Meter
 from updamp.workflow import store
-from updamp.workflow.curve_jobs import CurveJob, curve_problem
+from updamp.workflow.about_curve import JobAboutCurve
+from updamp.workflow.curve_jobs import curve_problem
 from updamp.workflow.job_pool import JobEnd, JobProgress
 
 
 @dataclass(frozen=True)
-class DetachedJob:
-    """Of the curve that `curve` leaves.
+class DetachedJob(JobAboutCurve):
+    """Of the curve that `curve` leaves: branches beside it.
 
-    point: where the peak is taken; resonance: file of the mode's resonance, None where it was not followed
-    key: of the branches; output: their file
+    resonance: file of the mode's resonance, None where it was not followed
     """
 
-    curve: CurveJob
-    point: str
     resonance: Path | None
-    key: str
-    output: Path
     kind: ClassVar = DetachedBranches
-
-    @property
-    def name(self) -> str:
-        return f"{self.curve.name}, detached branches"
-
-    @property
-    def ease(self) -> tuple[float, ...]:
-        return self.curve.ease
+    about: ClassVar = "detached branches"
+    part: ClassVar = "detached"
 
     def run(
         self, report: Callable[[JobProgress], None], should_stop: Callable[[], bool], memory_of: int | None
@@ -54,8 +44,7 @@ class DetachedJob:
             followed = store.read(self.resonance, ResonanceCurve) if self.resonance is not None else None
             places = resonances_at(curve, followed) if followed is not None else []
             found = detached_branches(system, request, curve, self.point, places)
-        stamp = store.Stamp(self.key, {"detached": meter.seconds}, (meter.interval,), meter.peak_memory)
-        store.write(self.output, found, stamp)
+        self.keep(found, meter)
         return JobEnd.FINISHED
 
     def conclusion(self) -> tuple[bool, str]:

@@ -15,7 +15,7 @@ from queue import Empty
 from typing import Any, Protocol
 
 from updamp.hbm.compilation_cache import keep_compiled
-from updamp.parallel.ending import Worker, deaf_children, end_children
+from updamp.parallel.ending import DeafProcesses, Worker, end_children
 from updamp.parallel.resources import environment, thread_limits
 from updamp.parallel.workers import LOST
 
@@ -98,7 +98,7 @@ def run_all(
         held,
         alive,
         environment(thread_limits(1)),
-        ProcessPoolExecutor(workers, mp_context=context, initializer=_start_worker, initargs=(messages, alive)) as pool,
+        DeafProcesses(workers, mp_context=context, initializer=_start_worker, initargs=(messages, alive)) as pool,
     ):
         try:  # from the first task on: leaving the context would wait for all of them
             begun = _Begun(pool)
@@ -130,8 +130,7 @@ class _Begun:
 
     def _submitted(self, job: Job) -> Future[JobOutcome]:
         try:
-            with deaf_children():
-                return self._pool.submit(_work, job)
+            return self._pool.submit(_work, job)
         except BrokenProcessPool as error:  # a worker was killed: as those that were handed in before
             lost: Future[JobOutcome] = Future()
             lost.set_exception(error)

@@ -82,7 +82,7 @@ class RunJobs:
         traced = of_these_harmonics(job, curve)
         key, output = self._of_these_points(stages.DETACHED, traced, curve)
         path, made = (followed.path, followed.stamp.key) if followed is not None else (None, "")
-        return DetachedJob(traced, self.point, path, key + made, output)
+        return DetachedJob(traced, self.point, key + made, output, path)
 
     def _about(self, traced: CurveJob, curve: ResponseCurve) -> Iterator[RunJob]:
         options = self.files.options

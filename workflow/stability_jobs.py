@@ -2,14 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import ClassVar
 
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.stability.branch_stability import BranchStability, State, branch_stability
 from updamp.parallel.resources import Meter
 from updamp.workflow import store
-from updamp.workflow.curve_jobs import CurveJob, curve_problem
+from updamp.workflow.about_curve import JobAboutCurve
+from updamp.workflow.curve_jobs import curve_problem
 from updamp.workflow.job_pool import JobEnd, JobProgress
 
 SPOKEN = (State.STABLE, State.UNSTABLE, State.UNKNOWN)
@@ -20,25 +20,12 @@ class StoppedError(Exception):
 
 
 @dataclass(frozen=True)
-class StabilityJob:
-    """Of the curve that `curve` leaves.
+class StabilityJob(JobAboutCurve):
+    """Of the curve that `curve` leaves: whether its points are stable."""
 
-    point: where the peak is taken; key: of the stability; output: its file
-    """
-
-    curve: CurveJob
-    point: str
-    key: str
-    output: Path
     kind: ClassVar = BranchStability
-
-    @property
-    def name(self) -> str:
-        return f"{self.curve.name}, stability"
-
-    @property
-    def ease(self) -> tuple[float, ...]:
-        return self.curve.ease
+    about: ClassVar = "stability"
+    part: ClassVar = "stability"
 
     def run(
         self, report: Callable[[JobProgress], None], should_stop: Callable[[], bool], memory_of: int | None
@@ -59,8 +46,7 @@ class StabilityJob:
                 found = branch_stability(system, store.read(self.curve.output, ResponseCurve), self.point, report=at)
             except StoppedError:
                 return JobEnd.INTERRUPTED
-        stamp = store.Stamp(self.key, {"stability": meter.seconds}, (meter.interval,), meter.peak_memory)
-        store.write(self.output, found, stamp)
+        self.keep(found, meter)
         return JobEnd.FINISHED
 
     def conclusion(self) -> tuple[bool, str]:

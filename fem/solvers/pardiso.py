@@ -3,10 +3,10 @@
 pypardiso's own `solve` compares and copies the whole matrix at each call and leaves PARDISO's defaults on, which for
 positive definite matrices cost twice the factor and seven times the solve. So the library it loaded is called directly.
 
-The same system has the same solution to the last digit on one machine, whatever else is loaded. Without MKL's conditional
-numerical reproducibility its last digits depend on the OpenMP library that it finds in the process (GNU's once gmsh is
-loaded, else Intel's), and with threads on chance. The number of threads enters in one place: where large systems are
-solved for many right-hand sides at once, one thread has other last digits than several.
+The same system has the same solution to the last digit on one machine, whatever else is loaded. Without MKL's
+conditional numerical reproducibility its last digits depend on the OpenMP library that it finds in the process (GNU's
+once gmsh is loaded, else Intel's), and with threads on chance. The number of threads enters in one place: where large
+systems are solved for many right-hand sides at once, one thread has other last digits than several.
 """
 
 import ctypes
@@ -23,9 +23,9 @@ _POSITIVE_DEFINITE = 2
 # Unknowns from which on MKL's threads help: with fewer a solve takes milliseconds, and they wait for each other (13,554
 # on two busy cores: 24 modes in 1.5 s by one thread, 7 s by two; 87,909: 13 and 19 s).
 _ENOUGH_FOR_THREADS = 50_000
-# oneMKL's developer reference, "Conditional Numerical Reproducibility Control" and "pardiso iparm parameter": the machine's
-# best branch of code, fixed; the dissection in parallel would rule it out; the work is cut into as many parts as stated,
-# and so summed up, whatever the number of threads that share them: four, for up to four threads.
+# oneMKL's developer reference, "Conditional Numerical Reproducibility Control" and "pardiso iparm parameter": the best
+# branch of code for the machine, fixed; a dissection that is not parallel, which would rule it out; and the work cut
+# into so many parts, whatever the number of threads that share them: four, for up to four threads.
 _FIXED_BRANCH, _DISSECTION, _PARTS = 2, 2, 4
 _MEANING = {
     -2: "not enough memory; use the solver 'amg' or a coarser mesh",
