@@ -33,6 +33,7 @@ def _loop(ax: Axes, loop: ForceLoop) -> None:
     ax.set_title(f"{loop.name}: {list(STATES)[loop.state]}", fontsize=9)
     ax.set_xlabel("displacement up the slope [µm]", fontsize=8)
     ax.set_ylabel("tangential force [N]", fontsize=8)
+    ax.locator_params(axis="x", nbins=3)  # more of them collide
     ax.tick_params(labelsize=7)
 
 

@@ -11,6 +11,9 @@ from updamp.pictures.style import BLUE, VERMILLION, figure
 from updamp.pictures.variants import PeakPoint, force_axis, from_zero
 
 MM = 1e3  # m/N to mm/N
+# Relative: what a resonance drifts by from run to run where a test states nothing (docs/measurements.md). An axis that
+# shows less makes round-off look like a difference.
+LEAST_SHOWN = 1e-4
 
 
 def resonance_against_force(path: Path, mode: str, followed: ResonanceCurve | None, peaks: Sequence[PeakPoint]) -> None:
@@ -33,9 +36,17 @@ def resonance_against_force(path: Path, mode: str, followed: ResonanceCurve | No
         from_zero(axes[0])
         axes[1].set(ylabel="frequency [Hz]")
         axes[1].ticklabel_format(axis="y", useOffset=False)
+        _not_finer_than_a_test(axes[1])
         axes[2].set(ylabel="loss factor [%]")
         if axes[2].lines:
             from_zero(axes[2])
         for ax in axes:
             force_axis(ax, sorted({one.force for one in peaks}))
         drawing.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
+
+
+def _not_finer_than_a_test(ax: Axes) -> None:
+    low, high = ax.get_ylim()
+    middle = (low + high) / 2
+    half = max(high - low, LEAST_SHOWN * middle) / 2
+    ax.set_ylim(middle - half, middle + half)

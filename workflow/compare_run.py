@@ -84,7 +84,7 @@ def run_compare(
                 inputs.rig_effects,
                 branches,
             )
-        display.done("comparison", f"{len(comparison.findings)} findings")
+        display.done("comparison", f"findings: {len(comparison.findings)}")
         files.out.mkdir(parents=True, exist_ok=True)
         COMPARISON_JSON.write(files.comparison, comparison)
         write_report(comparison, files.report, pictures_of(files.out))

@@ -12,6 +12,7 @@ signature that calibration cannot imitate; below 0.2 these data cannot show it. 
 by fitting it. Held-out gain: fall of the misfit on force levels and mode that no fit saw.</p>"""
 HEAD = ("Effect", "Score", "Visibility", "", "Predicted Δχ²", "Obtained Δχ²", "ΔBIC", "Held-out gain", "Verdict")
 VISIBLE = 0.2
+DECIMALS = 3  # of deviations and of chi-square: what is smaller is round-off
 PARAMETER_HEAD = ("Effect", "Parameter", "Fitted", "95 % interval", "Absent at", "Physical bounds")
 ROW_HEIGHT = 34  # px
 
@@ -36,12 +37,10 @@ def _row(each: Candidate) -> tuple[str, ...]:
     visibility = number(each.visibility, 2)
     return (
         f'<strong>{escape(each.name)}</strong><br><span class="small">{escape(each.sentence)}</span>',
-        number(each.score, 3),
+        number(round(each.score, DECIMALS), 3),
         visibility if each.visibility >= VISIBLE else f'<strong class="far">{visibility}</strong>',
         f'<span class="narrow">{bar(each.visibility)}</span>',
-        number(each.predicted_drop, 3),
-        number(each.obtained_drop, 3),
-        number(each.delta_bic, 3),
+        *(number(round(value, DECIMALS), 3) for value in (each.predicted_drop, each.obtained_drop, each.delta_bic)),
         MISSING if math.isnan(each.held_out_gain) else percent(each.held_out_gain),
         f'<span class="wrapped">{"<strong>accepted</strong>" if each.accepted else escape(each.reason)}</span>',
     )
