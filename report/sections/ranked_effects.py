@@ -10,7 +10,17 @@ from updamp.report.section import Content, Report, ReportSection
 TEXT = """<p>Score: how far the effect stands out of the scatter, in standard deviations. Visibility: the share of its
 signature that calibration cannot imitate; below 0.2 these data cannot show it. Predicted: by the score test; obtained:
 by fitting it. Held-out gain: fall of the misfit on force levels and mode that no fit saw.</p>"""
-HEAD = ("Effect", "Score", "Visibility", "", "Predicted Δχ²", "Obtained Δχ²", "ΔBIC", "Held-out gain", "Verdict")
+HEAD = (
+    "Effect",
+    "Score",
+    "Visibility",
+    "",
+    "Predicted Δχ²",
+    "Obtained Δχ²",
+    "ΔBIC",
+    "Held-out gain",
+    '<span class="wrapped">Verdict</span>',
+)
 VISIBLE = 0.2
 DECIMALS = 3  # of deviations and of chi-square: what is smaller is round-off
 PARAMETER_HEAD = ("Effect", "Parameter", "Fitted", "95 % interval", "Absent at", "Physical bounds")
