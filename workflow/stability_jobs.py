@@ -10,13 +10,9 @@ from updamp.hbm.stability.branch_stability import BranchStability, State, branch
 from updamp.parallel.resources import Meter
 from updamp.workflow import store
 from updamp.workflow.curve_jobs import CurveJob, curve_problem
-from updamp.workflow.job_pool import JobEnd, JobProgress
+from updamp.workflow.job_pool import JobEnd, JobProgress, StoppedError
 
 SPOKEN = (State.STABLE, State.UNSTABLE, State.UNKNOWN)
-
-
-class StoppedError(Exception):
-    """The run was interrupted."""
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from updamp.hbm.time_marching.laws import Box, Cubic, LawInTime, LawStep, Slider
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-# The laws that are written out for a step. Effects that change a law give it a class of its own, and are not among them.
+# Laws that are written out for a step. Effects that change a law give it a class of its own, and are not among them.
 IN_TIME: Mapping[type, Callable[[Any], LawInTime]] = {
     JenkinsBox: Box.of,
     SampledJenkinsBox: Box.of,

@@ -2,9 +2,9 @@
 
 A is the same in all steps, and from one to the next few contacts change between stick, slip and open. So the inverse of
 1 + A T is kept for the tangents T of some earlier step, and only elements that differ enter a system to be solved
-(Woodbury). It is made anew once these solutions have cost as much as that would ("rent or buy": never more than twice the
-work of the best choice; Karlin et al. 1988, Algorithmica 3, 79-119). Friction and unilateral springs are piecewise linear,
-so that the iteration ends exactly.
+(Woodbury). It is made anew once these solutions have cost as much as that would ("rent or buy": never more than twice
+the work of the best choice; Karlin et al. 1988, Algorithmica 3, 79-119). Friction and unilateral springs are piecewise
+linear, so that the iteration ends exactly.
 """
 
 from collections.abc import Sequence
@@ -78,9 +78,7 @@ class Equilibrium:
         if not n_active:
             return move
         self.spent += 2 * n_active**3 / 3 + 2 * n_active**2 + 8 * len(r) * n_active
-        picked = [
-            (self.contacts.rows[g][some], changes[g][some]) for g, some in enumerate(active) if len(some)
-        ]
+        picked = [(self.contacts.rows[g][some], changes[g][some]) for g, some in enumerate(active) if len(some)]
         rows = np.concatenate([one.ravel() for one, _ in picked])
         columns = np.hstack([times_blocks(self.flexibility, *one) for one in picked])
         return move - columns @ np.linalg.solve(np.eye(len(rows)) + columns[rows], move[rows])

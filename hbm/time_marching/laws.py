@@ -1,8 +1,8 @@
 """Contact laws written out for one step in time, the history a state: forces, tangents, and where sliders end.
 
-A second writing beside hbm/contact/, which takes a settled period at once: nothing is shared but the parameters. Sliders
-are implicit: that of the end of a step follows from the displacement there (return mapping; Simo and Hughes 1998,
-Computational Inelasticity, sec. 1.4).
+A second writing beside hbm/contact/, which takes a settled period at once: nothing is shared but the parameters. Where
+a slider ends follows from the displacement at the end of the step (return mapping; Simo and Hughes 1998, Computational
+Inelasticity, sec. 1.4).
 """
 
 from typing import NamedTuple, Protocol
@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 class LawStep(NamedTuple):
     """At the end of a step, of n elements with d directions and s sliders each.
 
-    force: (n, d) less that at rest [N]; slider: (n, s) moved on [m]; tangent: (n, d, d) of the force by the displacement
+    force: (n, d) less that at rest [N]; slider: (n, s) moved on [m]; tangent: (n, d, d) of the force by u [N/m]
     by_slider: (n, s) of the force in the slider's own direction by where it stood before [N/m]
     """
 
@@ -139,5 +139,3 @@ def along(law: LawInTime, motion: Floats) -> Floats:
     for u in (*motion, *motion):
         slider = law.step(u, slider).slider
     return slider
-
-

@@ -3,8 +3,8 @@
     q'' + C q' + omega^2 q = phi_e^T p(t) - phi_x^T f,   x = phi_x q + R_xe p(t) - R_xx f,   f = law(x, sliders)
 
 Average acceleration (Newmark 1959, J. Eng. Mech. Div. ASCE 85, 67-94: gamma = 1/2, beta = 1/4) for the modes, stable at
-any step and without damping of its own; the residual flexibility answers at once. Both give x = x* - A f at the end of a
-step (equilibrium.py). Beside the linear model's arrays it shares nothing with the harmonic balance.
+any step and without damping of its own; the residual flexibility answers at once. Both give x = x* - A f at the end of
+a step (equilibrium.py). Beside the linear model's arrays it shares nothing with the harmonic balance.
 """
 
 from dataclasses import dataclass, replace
@@ -75,8 +75,8 @@ class March:
 
     @property
     def h(self) -> float:
-        """The period over the steps [s], longer by (w h)^2 / 12 ("prewarped"): so the rule is exact for linear motion at
-        w, and a resonance as narrow as 0.4 Hz is not shifted; higher harmonics keep their error of (k w h)^2 / 12.
+        """The period over the steps [s], longer by (w h)^2 / 12 ("prewarped"): so the rule is exact for linear motion
+        at w, and a resonance as narrow as 0.4 Hz is not shifted; higher harmonics keep their error of (k w h)^2 / 12.
         """
         return float(2 / self.w * np.tan(np.pi / self.steps))
 
@@ -146,16 +146,27 @@ class March:
 
         x: (n_relative, n_coefficients) [m], a solution of `system` at w and the excitation
         """
-        harmonics, w, model = system.harmonics, self.w, self.model
-        modal = -self.phi.T @ system.element_forces(x, w)
-        for k in harmonics.orders:
-            load = harmonics.amplitude(modal, k) + self.excitation.force * model.phi[self.excitation.row] * (k == 1)
-            harmonics.set_amplitude(modal, k, np.linalg.solve(model.modal_dynamic_stiffness(k * w), load))
+        harmonics, w, modal = system.harmonics, self.w, self.modal(system, x)
         now, rate = harmonics.synthesis(self.steps)[[0, -1]], w * harmonics.synthesis_rate(self.steps)[0]
         squared = np.repeat(harmonics.orders, [2 if k else 1 for k in harmonics.orders]) ** 2
         sliders = self.contacts.along(harmonics.synthesis(SAMPLES) @ x.T)
         acceleration = -modal @ (w**2 * squared * now[0])
         return State(modal @ now[0], modal @ rate, acceleration, sliders, x @ now[0], x @ (now[0] - now[1]))
+
+    def modal(self, system: NonlinearSystem, x: Floats) -> Floats:
+        """(m, n_coefficients) of the modes in a motion of the harmonic balance, as in `start`"""
+        harmonics = system.harmonics
+        modal = -self.phi.T @ system.element_forces(x, self.w)
+        excited = self.excitation.force * self.model.phi[self.excitation.row]
+        for k in harmonics.orders:
+            load = harmonics.amplitude(modal, k) + excited * (k == 1)
+            harmonics.set_amplitude(modal, k, np.linalg.solve(self.model.modal_dynamic_stiffness(k * self.w), load))
+        return modal
+
+    def kinetic_energy(self, system: NonlinearSystem, x: Floats) -> float:
+        """Largest over a period of that motion [J]"""
+        velocity = self.w * self.modal(system, x) @ system.harmonics.synthesis_rate(self.steps).T
+        return float((velocity**2).sum(axis=0).max() / 2)
 
 
 def viscous_at(model: LinearModel, w: float) -> LinearModel:
