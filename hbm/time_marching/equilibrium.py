@@ -88,7 +88,7 @@ class Equilibrium:
         system = np.eye(len(self.compliance))
         for rows, tangent in zip(self.contacts.rows, self.tangents, strict=True):
             system[:, rows.ravel()] += times_blocks(self.compliance, rows, tangent)
-        self.inverse = np.linalg.inv(system)
+        self.inverse = np.asarray(np.linalg.inv(system), dtype=np.float64)
         self.flexibility = self.inverse @ self.compliance
 
 

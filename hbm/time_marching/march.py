@@ -45,13 +45,13 @@ class Period(NamedTuple):
 
     @property
     def amplitude(self) -> complex:
-        return first_harmonic(self.samples)
+        return complex(first_harmonic(self.samples))
 
 
-def first_harmonic(samples: Floats) -> complex:
-    """Complex amplitude of samples over a period, as in hbm/harmonics.py; further axes are kept."""
+def first_harmonic(samples: Floats) -> NDArray[np.complex128]:
+    """Complex amplitude (...) of samples (n, ...) over a period, as in hbm/harmonics.py."""
     n = len(samples)
-    return complex(2 / n * np.exp(-2j * np.pi * np.arange(n) / n) @ samples)
+    return np.asarray(2 / n * np.exp(-2j * np.pi * np.arange(n) / n) @ samples)
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +84,9 @@ class March:
     def step_matrices(self) -> tuple[Floats, Floats, Floats, Floats]:
         """What q, v, a and the load at the end give to q at the end of a step, if no contact presses."""
         one, C, h = np.eye(len(self.model.omega_squared)), self.model.viscous, self.h
-        S = np.linalg.inv(4 / h**2 * one + 2 / h * C + np.diag(self.model.omega_squared))
+        S: Floats = np.asarray(
+            np.linalg.inv(4 / h**2 * one + 2 / h * C + np.diag(self.model.omega_squared)), np.float64
+        )
         load = self.excitation.force * (S @ self.model.phi[self.excitation.row])
         return S @ (4 / h**2 * one + 2 / h * C), S @ (4 / h * one + C), S, load
 
@@ -160,7 +162,8 @@ class March:
         excited = self.excitation.force * self.model.phi[self.excitation.row]
         for k in harmonics.orders:
             load = harmonics.amplitude(modal, k) + excited * (k == 1)
-            harmonics.set_amplitude(modal, k, np.linalg.solve(self.model.modal_dynamic_stiffness(k * self.w), load))
+            amplitude = np.linalg.solve(self.model.modal_dynamic_stiffness(k * self.w), load)
+            harmonics.set_amplitude(modal, k, amplitude.astype(np.complex128))
         return modal
 
     def kinetic_energy(self, system: NonlinearSystem, x: Floats) -> float:

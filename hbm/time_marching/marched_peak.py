@@ -49,6 +49,8 @@ class MarchOptions:
         on either side (benchmarks/harmonic_balance/NOTES.md)
     last: periods whose mean change is that of the end: one beat of the rig's damper, at 100 Hz, against the blades
     change: reach beyond which the motion is another one, relative
+    linear: moved by more, changes are not taken as linear any more, and no growth is fitted to them: terms of second
+        order are of this share
 
     raises: ValueError naming the option that is out of range
     """
@@ -57,12 +59,13 @@ class MarchOptions:
     steps: int = 64
     last: int = 5
     change: float = CompletenessLimits.change
+    linear: float = 0.01
 
     def __post_init__(self) -> None:
-        if not (self.steps >= 16 and 1 <= self.last <= self.periods and 0 < self.change < 1):
+        if not (self.steps >= 16 and 1 <= self.last <= self.periods and 0 < self.linear <= self.change < 1):
             raise ValueError(
-                f"steps = {self.steps}: at least 16; last = {self.last}: from 1 to periods = {self.periods}; change = "
-                f"{self.change}: between 0 and 1"
+                f"steps = {self.steps}: at least 16; last = {self.last}: from 1 to periods = {self.periods}; linear = "
+                f"{self.linear}: above 0, up to change = {self.change}, which is below 1"
             )
 
 
@@ -150,7 +153,8 @@ def _march(
     march: March, state: State, periods: int, report: Callable[[float], None]
 ) -> tuple[list[State], list[complex], str]:
     """As far as it goes, and why no further"""
-    states, amplitudes = [state], []
+    states: list[State] = [state]
+    amplitudes: list[complex] = []
     for done in range(periods):
         report(done / periods)
         try:
@@ -163,9 +167,8 @@ def _march(
 
 
 def _growth(march: March, states: list[State], moved: Floats, options: MarchOptions) -> Growth:
-    """From the periods that are near the start: beyond, what grows is no longer small. Displacement and velocity of the
-    modes count by their energy."""
-    near = len(moved) if (moved <= options.change).all() else int((moved > options.change).argmax())
+    """From the periods that are near the start. Displacement and velocity of the modes count by their energy."""
+    near = len(moved) if (moved <= options.linear).all() else int((moved > options.linear).argmax())
     omega = np.sqrt(np.maximum(march.model.omega_squared, 0.0))
     z = np.array([np.concatenate([omega * state.q, state.v]) for state in states[: near + 1]])
     changes = np.diff(z, axis=0)
