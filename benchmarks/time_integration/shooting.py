@@ -43,7 +43,7 @@ def _differentiated(march, d, law):
     pull = np.zeros((n, 3, k))
     pull[:, :2] = law.by_slider[:, :, None] * d.slider
     right = march.phi @ free - march.compliance @ pull.reshape(3 * n, k)
-    x = np.linalg.solve(np.eye(3 * n) + times_blocks(march.compliance, rows, law.tangent), right).reshape(n, 3, k)
+    x = np.linalg.solve(np.eye(3 * n) + times_blocks(march.compliance, [law.tangent]), right).reshape(n, 3, k)
     force = law.tangent @ x + pull
     q = free - by_a @ (march.phi.T @ force.reshape(3 * n, k))
     slider = x[:, :2] - force[:, :2] / contacts.kt[:, None, None]

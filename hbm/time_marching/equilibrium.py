@@ -74,28 +74,33 @@ class Equilibrium:
         move = -self.inverse @ r
         changes = [step.tangent - kept for step, kept in zip(steps, self.tangents, strict=True)]
         active = [np.flatnonzero(change.any(axis=(1, 2))) for change in changes]
-        n_active = sum(change.shape[1] * len(some) for change, some in zip(changes, active, strict=True))
-        if not n_active:
+        rows = np.concatenate([of[some].ravel() for of, some in zip(self.contacts.rows, active, strict=True)])
+        if not len(rows):
             return move
-        self.spent += 2 * n_active**3 / 3 + 2 * n_active**2 + 8 * len(r) * n_active
-        picked = [(self.contacts.rows[g][some], changes[g][some]) for g, some in enumerate(active) if len(some)]
-        rows = np.concatenate([one.ravel() for one, _ in picked])
-        columns = np.hstack([times_blocks(self.flexibility, *one) for one in picked])
-        return move - columns @ np.linalg.solve(np.eye(len(rows)) + columns[rows], move[rows])
+        picked = [change[some] for change, some in zip(changes, active, strict=True)]
+        self.spent += 2 * len(rows) ** 3 / 3 + 2 * len(rows) ** 2 + 2 * len(r) ** 2
+        system = times_blocks(self.flexibility[np.ix_(rows, rows)], picked)
+        system.flat[:: len(rows) + 1] += 1.0
+        there = np.linalg.solve(system, move[rows])
+        pull = np.zeros_like(r)
+        pull[rows] = times_blocks(there[None], [block.transpose(0, 2, 1) for block in picked])[0]
+        return move - self.flexibility @ pull
 
     def _keep(self, steps: Sequence[LawStep]) -> None:
         self.tangents, self.spent = [step.tangent for step in steps], 0.0
         system = np.eye(len(self.compliance))
-        for rows, tangent in zip(self.contacts.rows, self.tangents, strict=True):
-            system[:, rows.ravel()] += times_blocks(self.compliance, rows, tangent)
+        rows = np.concatenate([of.ravel() for of in self.contacts.rows])
+        system[:, rows] += times_blocks(self.compliance[:, rows], self.tangents)
         self.inverse = np.asarray(np.linalg.inv(system), dtype=np.float64)
         self.flexibility = self.inverse @ self.compliance
 
 
-def times_blocks(matrix: Floats, rows: Integers, blocks: Floats) -> Floats:
-    """(r, n d): columns of `matrix` at rows (n, d), times the block diagonal matrix of blocks (n, d, d)."""
-    n, d = rows.shape
-    picked = matrix[:, rows.ravel()]
-    if d == 1:
-        return np.asarray(picked * blocks.ravel())
-    return np.asarray((picked.reshape(-1, n, d).transpose(1, 0, 2) @ blocks).transpose(1, 0, 2).reshape(-1, n * d))
+def times_blocks(matrix: Floats, blocks: Sequence[Floats]) -> Floats:
+    """(r, c), times a block diagonal matrix: of each group (n, d, d), its n d rows following those of the one before."""
+    done, start = np.zeros_like(matrix), 0
+    for block in blocks:
+        n, d = block.shape[:2]
+        for i, j in np.argwhere(block.any(axis=0)):  # few of them are not zero throughout
+            done[:, start + j : start + n * d : d] += matrix[:, start + i : start + n * d : d] * block[:, i, j]
+        start += n * d
+    return done
