@@ -70,10 +70,13 @@ class Products:
     @property
     def stamps(self) -> tuple[store.Stamp, ...]:
         single = (self.mesh, *self.components, self.finite_elements, self.coupled_check, self.static_contact)
-        about = (*self.stability, *self.marched, *self.resonances, *self.detached)
-        stamps = [entry.stamp for entry in single if entry is not None]
-        stamps += [entry.stamp for entry in (*self.curves, *self.finer)]
-        return (*stamps, *(entry.stamp for entry in about))
+        return tuple(
+            entry.stamp
+            for entry in (
+                *single, *self.curves, *self.finer, *self.stability, *self.marched, *self.resonances, *self.detached
+            )
+            if entry is not None
+        )  # fmt: skip
 
 
 def stored(path: Path, kind: type[Product], key: str) -> Stored[Product] | None:

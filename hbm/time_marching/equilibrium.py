@@ -96,7 +96,7 @@ class Equilibrium:
 
 
 def times_blocks(matrix: Floats, blocks: Sequence[Floats]) -> Floats:
-    """(r, c), times a block diagonal matrix: of each group (n, d, d), its n d rows following those of the one before."""
+    """(r, c), times a block diagonal matrix: of each group (n, d, d), its n d rows after those of the group before."""
     done, start = np.zeros_like(matrix), 0
     for block in blocks:
         n, d = block.shape[:2]
