@@ -41,7 +41,7 @@ def _differentiated(march, d, law):
     assert np.array_equal(rows.ravel(), np.arange(3 * n))
     free = by_q @ d.q + by_v @ d.v + by_a @ d.a
     pull = np.zeros((n, 3, k))
-    pull[:, :2] = law.by_slider[:, :, None] * d.slider
+    pull[:, :2] = -law.tangent[:, (0, 1), (0, 1), None] * d.slider
     right = march.phi @ free - march.compliance @ pull.reshape(3 * n, k)
     x = np.linalg.solve(np.eye(3 * n) + times_blocks(march.compliance, [law.tangent]), right).reshape(n, 3, k)
     force = law.tangent @ x + pull

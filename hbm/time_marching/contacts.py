@@ -7,20 +7,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.hbm.contact.coulomb_circle import CoulombCircle
 from updamp.hbm.contact.jenkins import Jenkins
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
 from updamp.hbm.contact.springs import CubicSpring, UnilateralSpring
 from updamp.hbm.problem.elements import ElementGroup
-from updamp.hbm.time_marching.laws import Box, Cubic, LawInTime, LawStep, Slider, Unilateral, along
+from updamp.hbm.time_marching.laws import Box, Circle, Cubic, LawInTime, LawStep, Slider, Unilateral, along
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 # Laws that are written out for a step. Effects that change a law give it a class of its own, and are not among them.
 IN_TIME: Mapping[type, Callable[[Any], LawInTime]] = {
-    JenkinsBox: Box.of,
-    SampledJenkinsBox: Box.of,
+    JenkinsBox: lambda p: Box(*p),
+    SampledJenkinsBox: lambda p: Box(*p),
+    CoulombCircle: lambda p: Circle(*p),
     Jenkins: Slider.of,
     CubicSpring: Cubic,
     UnilateralSpring: Unilateral,

@@ -10,7 +10,6 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.contact.jenkins import JenkinsParameters
 from updamp.hbm.contact.springs import CubicParameters, UnilateralParameters
 
@@ -20,14 +19,13 @@ Floats = NDArray[np.float64]
 class LawStep(NamedTuple):
     """At the end of a step, of n elements with d directions and s sliders each.
 
-    force: (n, d) less that at rest [N]; slider: (n, s) moved on [m]; tangent: (n, d, d) of the force by u [N/m]
-    by_slider: (n, s) of the force in the slider's own direction by where it stood before [N/m]
+    force: (n, d) less that at rest [N]; slider: (n, s) moved on [m]; tangent: (n, d, d) of the force by u [N/m], with
+    opposite sign that by where the sliders stood before
     """
 
     force: Floats
     slider: Floats
     tangent: Floats
-    by_slider: Floats
 
 
 class LawInTime(Protocol):
@@ -42,8 +40,9 @@ class LawInTime(Protocol):
         ...
 
 
-class Box(NamedTuple):
-    """Two Jenkins elements of equal stiffness and a unilateral normal spring: entries as in `FrictionParameters`."""
+class Friction(NamedTuple):
+    """A slider behind a spring in the plane of the contact and a unilateral normal spring: entries as in
+    `FrictionParameters`. The laws differ in what they do with a trial force beyond the limit."""
 
     mu: Floats
     kt: Floats
@@ -52,26 +51,52 @@ class Box(NamedTuple):
     t0: Floats
     gap: Floats
 
-    @classmethod
-    def of(cls, p: FrictionParameters) -> "Box":
-        return cls(*(np.asarray(value) for value in p))
-
     def at_rest(self) -> Floats:
         return -self.t0 / self.kt[:, None]
 
-    def step(self, u: Floats, slider: Floats) -> LawStep:
-        normal = np.maximum(self.n0 + self.kn * (u[:, 2] - self.gap), 0.0)
-        limit, kt = (self.mu * normal)[:, None], self.kt[:, None]
-        trial = kt * (u[:, :2] - slider)
-        sticks, closed = np.abs(trial) <= limit, normal > 0
-        total = np.where(sticks, trial, np.sign(trial) * limit)
+    def normal(self, u: Floats) -> Floats:
+        """(n,) pressing force, preload included [N]"""
+        return np.maximum(self.n0 + self.kn * (u[:, 2] - self.gap), 0.0)
+
+    def result(self, u: Floats, total: Floats, by_trial: Floats, by_limit: Floats) -> LawStep:
+        """total: (n, 2) tangential force [N]; by_trial: (n, 2, 2), by_limit: (n, 2) its derivatives by the trial
+        force and by the limit [-]"""
+        normal = self.normal(u)
+        stiffness = self.kn * (normal > 0)
         tangent = np.zeros((len(u), 3, 3))
-        tangent[:, (0, 1), (0, 1)] = np.where(sticks, kt, 0.0)
-        tangent[:, :2, 2] = np.where(sticks, 0.0, np.sign(trial) * (self.mu * self.kn * closed)[:, None])
-        tangent[:, 2, 2] = self.kn * closed
+        tangent[:, :2, :2] = by_trial * self.kt[:, None, None]
+        tangent[:, :2, 2] = by_limit * (self.mu * stiffness)[:, None]
+        tangent[:, 2, 2] = stiffness
         rest = np.maximum(self.n0 - self.kn * self.gap, 0.0)
         force = np.column_stack([total - self.t0, normal - rest])
-        return LawStep(force, u[:, :2] - total / kt, tangent, np.where(sticks, -kt, 0.0))
+        return LawStep(force, u[:, :2] - total / self.kt[:, None], tangent)
+
+
+class Box(Friction):
+    """Each direction has the limit mu N of its own."""
+
+    def step(self, u: Floats, slider: Floats) -> LawStep:
+        limit = (self.mu * self.normal(u))[:, None]
+        trial = self.kt[:, None] * (u[:, :2] - slider)
+        sticks, sign = np.abs(trial) <= limit, np.sign(trial)
+        by_trial = np.zeros((len(u), 2, 2))
+        by_trial[:, (0, 1), (0, 1)] = sticks
+        return self.result(u, np.where(sticks, trial, sign * limit), by_trial, np.where(sticks, 0.0, sign))
+
+
+class Circle(Friction):
+    """The force stays within the circle mu N, drawn back along its radius."""
+
+    def step(self, u: Floats, slider: Floats) -> LawStep:
+        limit = self.mu * self.normal(u)
+        trial = self.kt[:, None] * (u[:, :2] - slider)
+        size = np.hypot(trial[:, 0], trial[:, 1])
+        sticks = size <= limit
+        radial = trial / np.where(sticks, 1.0, size)[:, None]
+        share = np.where(sticks, 1.0, limit / np.where(sticks, 1.0, size))
+        along_radius = np.where(sticks, 0.0, share)[:, None, None] * radial[:, :, None] * radial[:, None, :]
+        by_trial = share[:, None, None] * np.eye(2) - along_radius
+        return self.result(u, share[:, None] * trial, by_trial, np.where(sticks[:, None], 0.0, radial))
 
 
 class Slider(NamedTuple):
@@ -93,7 +118,7 @@ class Slider(NamedTuple):
         sticks = np.abs(trial) <= limit
         force = np.where(sticks, trial, np.sign(trial) * limit)
         stiffness = np.where(sticks, kt, 0.0)
-        return LawStep(force, u - force / kt, stiffness[:, :, None], -stiffness)
+        return LawStep(force, u - force / kt, stiffness[:, :, None])
 
 
 class Spring:
@@ -106,7 +131,7 @@ class Spring:
         return self.nothing
 
     def _step(self, force: Floats, stiffness: Floats) -> LawStep:
-        return LawStep(force, self.nothing, stiffness[:, :, None], self.nothing)
+        return LawStep(force, self.nothing, stiffness[:, :, None])
 
 
 class Cubic(Spring):
