@@ -99,17 +99,19 @@ class MarchedPeak:
     @property
     def sentence(self) -> str:
         """What a person needs to know."""
-        moved, n = f"{100 * self.moved:.2g} %", self.periods
-        if self.verdict == Verdict.STAYS and not n:
+        verdict, n = Verdict(self.verdict), self.periods
+        if verdict is Verdict.NOT_CHECKED:
+            return f"not checked: {self.reason}"
+        if not n:
             return "stays: nothing slips or opens, and the stuck structure is damped"
-        reach = f"{100 * self.reach:.2g} %"
-        return {
-            Verdict.NOT_CHECKED: f"not checked: {self.reason}",
-            Verdict.STAYS: f"stays: {moved} in {n} periods marched in time, bound for {reach}",
-            Verdict.MOVES: f"moves: {moved} in {n} periods marched in time, and on; the harmonic balance has too few "
-            "harmonics there, or no such motion exists at this frequency",
-            Verdict.LEAVES: f"leaves, growing by {self.growth:.3g} 1/s: {moved} in {n} periods marched in time",
-        }[Verdict(self.verdict)]
+        moved = f"{100 * self.moved:.2g} % in {n} periods marched in time"
+        found = {
+            Verdict.STAYS: f"stays: {moved}, bound for {100 * self.reach:.2g} %",
+            Verdict.MOVES: f"moves: {moved}, and on; the harmonic balance has too few harmonics there, or no such motion "
+            "exists at this frequency",
+            Verdict.LEAVES: f"leaves, growing by {self.growth:.3g} 1/s: {moved}",
+        }[verdict]
+        return f"{found} (no further: {self.reason})" if self.reason else found
 
 
 def marched_peak(
@@ -159,7 +161,7 @@ def _march(
         report(done / periods)
         try:
             period = march.period(states[-1])
-        except MarchError as error:
+        except (MarchError, np.linalg.LinAlgError) as error:
             return states, amplitudes, f"after {len(amplitudes)} periods: {error}"
         states.append(period.state)
         amplitudes.append(period.amplitude)

@@ -102,6 +102,23 @@ def test_a_march_that_fails_is_not_silent(hardening, monkeypatch):
     assert found.sentence == "not checked: after 0 periods: no equilibrium today"
 
 
+def test_a_march_that_ends_early_is_judged_by_what_there_is_and_says_so(hardening, monkeypatch):
+    system, excitation, curve = hardening
+    solve, steps = Equilibrium.solve, []
+
+    def fails_after_eight_periods(*args):
+        steps.append(None)
+        if len(steps) > 8 * 64:
+            raise MarchError("no equilibrium today")
+        return solve(*args)
+
+    monkeypatch.setattr(Equilibrium, "solve", fails_after_eight_periods)
+    found = marched_peak(system, excitation, at(curve, turning_points(curve.frequency)[0] - 6), "mass")
+    assert found.verdict == Verdict.STAYS
+    assert found.periods == 8
+    assert found.sentence.endswith("(no further: after 8 periods: no equilibrium today)")
+
+
 def test_a_curve_without_points_is_not_checked(hardening):
     system, excitation, curve = hardening
     nothing = replace(curve, **{name: getattr(curve, name)[:0] for name in OF_POINTS})
