@@ -107,8 +107,8 @@ class MarchedPeak:
         moved = f"{100 * self.moved:.2g} % in {n} periods marched in time"
         found = {
             Verdict.STAYS: f"stays: {moved}, bound for {100 * self.reach:.2g} %",
-            Verdict.MOVES: f"moves: {moved}, and on; the harmonic balance has too few harmonics there, or no such motion "
-            "exists at this frequency",
+            Verdict.MOVES: f"moves: {moved}, and on; the harmonic balance has too few harmonics there, or no such "
+            "motion exists at this frequency",
             Verdict.LEAVES: f"leaves, growing by {self.growth:.3g} 1/s: {moved}",
         }[verdict]
         return f"{found} (no further: {self.reason})" if self.reason else found
