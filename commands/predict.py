@@ -34,6 +34,10 @@ Accuracy = Annotated[
 Stability = Annotated[
     bool, typer.Option(help="Whether to say of every point whether it is stable: a third of the curves' time.")
 ]
+Marching = Annotated[
+    bool,
+    typer.Option(help="Whether to march a few periods in time from every curve's peak, to see whether it stays."),
+]
 Resonance = Annotated[
     bool, typer.Option(help="Whether to follow every mode's resonance in the force: peak against force as a line.")
 ]
@@ -51,6 +55,7 @@ def run(
     check: Check = True,
     accuracy: Accuracy = True,
     stability: Stability = True,
+    marching: Marching = True,
     resonance: Resonance = True,
     until: Until = None,
     debug: Debug = False,
@@ -72,7 +77,8 @@ def run(
             workers = jobs if jobs is not None else usual_workers()
             options = RunOptions(
                 preset, out, workers, tuple(mode or ()), forces,
-                check=check, pictures=pictures, accuracy=accuracy, stability=stability, resonance=resonance, until=last,
+                check=check, pictures=pictures, accuracy=accuracy, stability=stability, marching=marching,
+                resonance=resonance, until=last,
             )  # fmt: skip
             complete = _run(loaded, options, meter)
     if not complete:
@@ -97,6 +103,7 @@ def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
     from updamp.hbm.compilation_cache import keep_compiled
     from updamp.rig.questions import questions
     from updamp.workflow.detached_summary import coexisting
+    from updamp.workflow.marching_summary import moving_peaks
     from updamp.workflow.progress import Display
     from updamp.workflow.run import Run
     from updamp.workflow.run_outputs import summarise, write_outputs
@@ -121,6 +128,8 @@ def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
         console.print(curves_table(summary["curves"]))
     for line in doubtful_peaks(summary.get("curves", ())):
         console.print(Text.assemble(("stability ", "yellow"), line), soft_wrap=True)
+    for line in moving_peaks(summary.get("curves", ())):
+        console.print(Text.assemble(("in time ", "yellow"), line), soft_wrap=True)
     for line in coexisting(summary.get("curves", ())):
         console.print(Text.assemble(("beside it ", "yellow"), line), soft_wrap=True)
     problems = [f"{c['mode']} {c['force_N']:g} N: {c['problem']}" for c in summary.get("curves", ()) if c["problem"]]

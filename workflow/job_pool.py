@@ -38,6 +38,10 @@ class JobEnd(Enum):
     FAILED = "failed"
 
 
+class StoppedError(Exception):
+    """The run was interrupted: what a job raises to get out of a computation."""
+
+
 class Job(Protocol):
     """A piece of work that leaves one file."""
 

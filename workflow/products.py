@@ -13,6 +13,7 @@ from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.resonance.resonance_curve import ResonanceCurve
 from updamp.hbm.stability.branch_stability import BranchStability
 from updamp.hbm.stability.detached_branches import DetachedBranches
+from updamp.hbm.time_marching.marched_peak import MarchedPeak
 from updamp.workflow import store
 from updamp.workflow.job_pool import JobOutcome
 
@@ -34,7 +35,7 @@ class Products:
 
     components: blade and damper, which the finite elements are put together from
     finer: the same curves with more harmonics, if they were asked for; point_errors: what finer samples
-    and cycles change in them; stability: of the curves, as far as it is known
+    and cycles change in them; stability: of the curves, as far as it is known; marched: their peaks, marched in time
     resonances: of the modes, followed in the force; detached: branches beside curves, where there are any
     failures: curves that are not there; unknown: what was to be said about curves, and could not
     """
@@ -48,6 +49,7 @@ class Products:
     finer: tuple[Stored[ResponseCurve], ...] = ()
     point_errors: tuple[Stored[PointErrors], ...] = ()
     stability: tuple[Stored[BranchStability], ...] = ()
+    marched: tuple[Stored[MarchedPeak], ...] = ()
     resonances: tuple[Stored[ResonanceCurve], ...] = ()
     detached: tuple[Stored[DetachedBranches], ...] = ()
     failures: tuple[JobOutcome, ...] = ()
@@ -56,6 +58,10 @@ class Products:
     def stability_of(self, mode: str) -> Mapping[float, BranchStability]:
         """By force, of the curves it is known of."""
         return {entry.product.force: entry.product for entry in self.stability if entry.product.mode == mode}
+
+    def marched_of(self, mode: str) -> Mapping[float, MarchedPeak]:
+        """By force, of the curves whose peaks were marched in time."""
+        return {entry.product.force: entry.product for entry in self.marched if entry.product.mode == mode}
 
     def detached_of(self, mode: str) -> Mapping[float, DetachedBranches]:
         """By force, of the curves that have branches beside them."""
@@ -66,9 +72,11 @@ class Products:
         single = (self.mesh, *self.components, self.finite_elements, self.coupled_check, self.static_contact)
         return tuple(
             entry.stamp
-            for entry in (*single, *self.curves, *self.finer, *self.stability, *self.resonances, *self.detached)
+            for entry in (
+                *single, *self.curves, *self.finer, *self.stability, *self.marched, *self.resonances, *self.detached
+            )
             if entry is not None
-        )
+        )  # fmt: skip
 
 
 def stored(path: Path, kind: type[Product], key: str) -> Stored[Product] | None:

@@ -17,6 +17,7 @@ from updamp.workflow.accuracy_jobs import AccuracyJob
 from updamp.workflow.curve_jobs import CurveJob
 from updamp.workflow.job_pool import Job, JobEnd, JobOutcome, JobProgress, run_all
 from updamp.workflow.limits import check_size
+from updamp.workflow.marching_jobs import MarchingJob
 from updamp.workflow.output_folder import check_folder
 from updamp.workflow.products import Product, Products, Stored, stored
 from updamp.workflow.progress import Display
@@ -111,6 +112,7 @@ class Run:
             finer=tuple(one for job, one in curves if job.finer),
             point_errors=tuple(one for job, one in given if isinstance(job, AccuracyJob)),
             stability=tuple(one for job, one in given if isinstance(job, StabilityJob)),
+            marched=tuple(one for job, one in given if isinstance(job, MarchingJob)),
             resonances=tuple(one for job, one in given if isinstance(job, ResonanceJob)),
             failures=tuple(one for one in failures if _is_curve(one.job)),
             unknown=tuple(one for one in failures if not _is_curve(one.job)),

@@ -13,13 +13,14 @@ from updamp.workflow.accuracy_jobs import AccuracyJob
 from updamp.workflow.adaptive_curves import AdaptiveCurveJob, of_these_harmonics
 from updamp.workflow.curve_jobs import CurveJob
 from updamp.workflow.detached_jobs import DetachedJob, has_more
+from updamp.workflow.marching_jobs import MarchingJob
 from updamp.workflow.products import Stored
 from updamp.workflow.resonance_jobs import ResonanceJob
 from updamp.workflow.run_options import RunOptions
 from updamp.workflow.stability_jobs import StabilityJob
 from updamp.workflow.stages import Stage
 
-RunJob = CurveJob | AccuracyJob | StabilityJob | ResonanceJob | DetachedJob
+RunJob = CurveJob | AccuracyJob | StabilityJob | MarchingJob | ResonanceJob | DetachedJob
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,7 @@ class RunJobs:
         if not isinstance(job, CurveJob) or job.finer:
             return 0
         chosen = self.files.rig.harmonic_balance.tolerance is not None
-        return options.stability + options.accuracy * (1 + chosen)
+        return options.stability + options.marching + options.accuracy * (1 + chosen)
 
     def beside(
         self, job: CurveJob, curve: ResponseCurve, followed: Stored[ResonanceCurve] | None
@@ -90,6 +91,8 @@ class RunJobs:
             yield AccuracyJob(traced, self.point, *self._of_these_points(stages.FINER_POINTS, traced, curve))
         if options.stability:
             yield StabilityJob(traced, self.point, *self._of_these_points(stages.STABILITY, traced, curve))
+        if options.marching:
+            yield MarchingJob(traced, self.point, *self._of_these_points(stages.MARCHED_PEAK, traced, curve))
         if options.accuracy and self.files.rig.harmonic_balance.tolerance is not None:
             yield replace(self._finer_curve(traced.mode, traced.force), orders=traced.orders)
 

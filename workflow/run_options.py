@@ -15,6 +15,7 @@ class RunOptions:
     stability: whether to say of every point whether it is stable
     accuracy: whether to trace every curve again with more harmonics, to state its numerical error; what fails of that
         is not known, and the curve is no less complete
+    marching: whether to march a few periods in time from every curve's peak, to see whether the motion stays
     resonance: whether to follow every mode's resonance in the force, through all levels of the study
     check: whether to compare the reduced with the full coupled model; until: last stage, None for all
     raises: ValueError naming the option that is out of range
@@ -29,6 +30,7 @@ class RunOptions:
     pictures: bool = True
     accuracy: bool = False
     stability: bool = False
+    marching: bool = False
     resonance: bool = False
     until: Stage | None = None
 

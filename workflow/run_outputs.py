@@ -166,6 +166,7 @@ def _of_curves(run: Run, products: Products) -> dict[str, Any]:
                 products.stability_of(curve.mode).get(curve.force),
                 _chosen(entry),
                 products.detached_of(curve.mode).get(curve.force),
+                products.marched_of(curve.mode).get(curve.force),
             )
             for entry, curve in ((entry, entry.product) for entry in products.curves)
         ],
@@ -213,6 +214,7 @@ def _timing(products: Products) -> dict[str, float]:
     beside_each_other: dict[str, Sequence[Stored[Any]]] = {
         "hbm": (*products.curves, *products.finer),
         "stability": products.stability,
+        "marching": products.marched,
         "resonance": products.resonances,
         "detached": products.detached,
         "accuracy": products.point_errors,

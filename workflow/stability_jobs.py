@@ -10,13 +10,9 @@ from updamp.parallel.resources import Meter
 from updamp.workflow import store
 from updamp.workflow.about_curve import JobAboutCurve
 from updamp.workflow.curve_jobs import curve_problem
-from updamp.workflow.job_pool import JobEnd, JobProgress
+from updamp.workflow.job_pool import JobEnd, JobProgress, StoppedError
 
 SPOKEN = (State.STABLE, State.UNSTABLE, State.UNKNOWN)
-
-
-class StoppedError(Exception):
-    """The run was interrupted."""
 
 
 @dataclass(frozen=True)

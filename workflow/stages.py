@@ -178,6 +178,9 @@ STABILITY = Stage(name="stability", version=3, sections=(), after=(CURVE,), choi
 # Branches at the curve's force that are no part of it; the resonance followed in force may lead to some.
 DETACHED = Stage(name="detached", version=1, sections=(), after=(CURVE,), choices=("force",))
 
+# A few periods from the peak, marched in time.
+MARCHED_PEAK = Stage(name="marched_peak", version=1, sections=(), after=(CURVE,), choices=("force",))
+
 # Only where a run says how accurate it is.
 FINER_POINTS = Stage(name="finer_points", version=1, sections=(), after=(CURVE,), choices=("force",))
 FINER_CURVE = Stage(name="finer_curve", version=1, sections=(), after=(CURVE,), choices=("force",))

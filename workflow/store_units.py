@@ -91,6 +91,17 @@ UNITS: Mapping[str, Mapping[str, str]] = {
         "samples": "%, Hz, %",
         "cycles": "%, Hz, %",
     },
+    "MarchedPeak": {
+        "force": "N",
+        "frequency": "Hz",
+        "amplitude": "m",
+        "moved": "1",
+        "reach": "1",
+        "growth": "1/s",
+        "growth_error": "1",
+        "verdict": "1",
+        "seconds": "s",
+    },
     "DetachedBranches": {"force": "N", "state": "1", "seconds": "s"},
     "ChosenHarmonics": {"force": "N", "orders": "1", "tried": "1"},
 }

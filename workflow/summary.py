@@ -18,10 +18,12 @@ from updamp.hbm.resonance.quadrature import quadrature_resonances
 from updamp.hbm.resonance.resonance_curve import ResonanceCurve
 from updamp.hbm.stability.branch_stability import BranchStability
 from updamp.hbm.stability.detached_branches import DetachedBranches
+from updamp.hbm.time_marching.marched_peak import MarchedPeak
 from updamp.parallel.whole_file import write_whole
 from updamp.workflow.accuracy_summary import error_cells
 from updamp.workflow.adaptive_curves import ChosenHarmonics
 from updamp.workflow.detached_summary import detached_entries
+from updamp.workflow.marching_summary import marching_entry, marching_remark
 from updamp.workflow.output_folder import SUMMARY
 from updamp.workflow.stability_summary import stability_entry
 
@@ -83,11 +85,12 @@ def curve_entry(
     stability: BranchStability | None = None,
     chosen: ChosenHarmonics | None = None,
     detached: DetachedBranches | None = None,
+    marched: MarchedPeak | None = None,
 ) -> dict[str, Any]:
     """point: where the peak is taken, first harmonic; a branch that found no point at all has no peak
 
     numerical_error: where the run says how accurate it is; chosen: where the harmonics were chosen for this curve
-    detached: where branches were found that are no part of it
+    detached: where branches were found that are no part of it; marched: where the peak was marched in time
     """
     entry: dict[str, Any] = {
         "mode": curve.mode,
@@ -104,6 +107,7 @@ def curve_entry(
         "harmonics_chosen": {"highest_tried": list(chosen.tried), "status": chosen.status} if chosen else None,
         "numerical_error": numerical_error,
         "stability": stability_entry(curve, stability, point) if stability is not None else None,
+        "marching": marching_entry(marched) if marched is not None else None,
         "detached": detached_entries(detached, point),
     }
     if len(curve):
@@ -257,6 +261,7 @@ def _remark(entry: Mapping[str, Any]) -> str:
     remarks = ["[red]not complete[/]"] if entry["problem"] else []
     remarks += ["[red]unstable[/]"] if peak == "unstable" else []
     remarks += ["stable?"] if peak == "unknown" else []
+    remarks += marching_remark(entry)
     higher = any(
         one["peak_receptance_mm_per_N"] > entry["peak_receptance_mm_per_N"] for one in entry.get("detached", ())
     )

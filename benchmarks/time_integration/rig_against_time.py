@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from updamp.benchmarks.time_integration.rig_march import Box, March, Periodic, Plane, State, shoot
+from updamp.benchmarks.time_integration.shooting import Periodic, Plane, shoot
 from updamp.fem.reduced_model import ReducedModel
 from updamp.fem.static_contact.static_contact import static_contact
 from updamp.hbm.analysis.accuracy import solve_again
@@ -21,6 +21,7 @@ from updamp.hbm.newton import observe
 from updamp.hbm.newton.equation import evaluate
 from updamp.hbm.newton.observe import contact_states
 from updamp.hbm.problem.system import NonlinearSystem
+from updamp.hbm.time_marching.march import March
 from updamp.model.build import rig_model
 from updamp.rig.rig import Rig
 
@@ -88,9 +89,10 @@ class Problem:
 
     def march(self, point: BranchPoint, near: BranchPoint | None = None, steps: int = 1024) -> Periodic:
         """On the plane across the branch at `point`, started from `near` (a finer solution there)."""
-        start, excited = near or point, self.request.excitation
-        march = March(self.system.free, self.law(), excited.row, self.row, excited.force, start.w, steps)
-        return shoot(march, self.start(start), self._plane(point))
+        start = near or point
+        march = March.of(self.system, self.request.excitation, self.row, start.w, steps)
+        state = march.start(start.solution.equation.receptance.system, start.x)
+        return shoot(march, state, self._plane(point))
 
     def difference(self, point: BranchPoint, marched: Periodic) -> Difference:
         share = abs(self.amplitude(point)) / abs(marched.amplitude) - 1
@@ -108,13 +110,6 @@ class Problem:
         share = abs(self.amplitude(finer)) / abs(self.amplitude(point)) - 1
         return float(np.hypot(share, 2 * (finer.w / point.w - 1) / self.loss))
 
-    def law(self) -> Box:
-        (group,) = self.system.groups
-        p = group.parameters
-        assert not np.any(p.gap), "the marched law knows no gap"
-        assert not np.any(p.t0), "nor tangential forces at rest"
-        return Box(*(np.asarray(value) for value in (p.mu, p.kt, p.kn, p.n0)))
-
     def _plane(self, point: BranchPoint) -> Plane:
         small = 1e-5 * point.metric.length((point.x, 0.0))
         ahead = evaluate(
@@ -123,19 +118,3 @@ class Problem:
         X = self.amplitude(point)
         rate = point.tangent_w * point.w / point.metric.scale_w**2
         return Plane(X, point.w, (self._amplitude(ahead) - X) / small, rate)
-
-    def start(self, point: BranchPoint) -> State:
-        """The harmonic balance's motion at t = 0; sliders where that motion leaves them that start from rest."""
-        equation, model = point.solution.equation, self.system.free
-        system = equation.receptance.system
-        harmonics, w, x = system.harmonics, point.w, point.x
-        modal = -model.phi[: model.n_relative].T @ system.element_forces(x, w)
-        for k in harmonics.orders:
-            load = harmonics.amplitude(modal, k)
-            load = load + self.request.excitation.force * model.phi[self.request.excitation.row] * (k == 1)
-            harmonics.set_amplitude(modal, k, np.linalg.solve(model.modal_dynamic_stiffness(k * w), load))
-        now, rate = harmonics.synthesis(64)[0], w * harmonics.synthesis_rate(64)[0]
-        squared = np.repeat(harmonics.orders, [2 if k else 1 for k in harmonics.orders]) ** 2
-        motion = harmonics.synthesis(512) @ x.T
-        sliders = self.law().along(motion.reshape(512, -1, 3))
-        return State(modal @ now, modal @ rate, -modal @ (w**2 * squared * now), sliders, x @ now)

@@ -104,7 +104,7 @@ def test_a_run_writes_all_it_promises(finished):
     for name in ("blade_left", "blade_right", "damper", "contacts"):
         assert (out / "mesh" / f"{name}.vtu").exists()
     names = {path.name for path in (out / "stages").glob("*.h5")}
-    of_curves = {f"{kind}_{mode}_0.01N.h5" for kind in ("curve", "stability") for mode in ("OOP", "IP")}
+    of_curves = {f"{kind}_{mode}_0.01N.h5" for kind in ("curve", "stability", "marched_peak") for mode in ("OOP", "IP")}
     of_modes = {f"resonance_{mode}.h5" for mode in ("OOP", "IP")}
     assert names == {f"{stage.name}.h5" for stage in stages.STAGES[:6]} | of_curves | of_modes
 
@@ -125,6 +125,8 @@ def test_the_summary_has_its_keys_and_sound_numbers(finished):
         assert entry["energy_balance_error"] < 0.01
         assert entry["stability"]["peak"] == "stable"
         assert entry["stability"]["points"] == {"stable": entry["points"], "unstable": 0, "unknown": 0}
+        assert entry["marching"]["verdict"] == "stays"
+        assert entry["marching"]["periods"] == 0, "all contacts stick"
         assert entry["stability"]["unstable_Hz"] == entry["stability"]["unknown_Hz"] == []
     for entry, followed in zip(summary["curves"], summary["resonances"], strict=True):
         assert followed["complete"]
@@ -206,7 +208,7 @@ def test_a_second_run_does_nothing_and_is_quick(finished):
     result = run_command("run", rig, "--mesh", "small", "--out", out, "--jobs", 2, "--no-accuracy")
     assert result.exit_code == 0, result.output
     assert time.perf_counter() - started < 15
-    assert result.output.count("unchanged") == 12
+    assert result.output.count("unchanged") == 14
     assert {path: path.stat().st_mtime_ns for path in before} == before
     second = json.loads((out / "summary.json").read_text())
     assert second["timing_s"]["total"] < first["timing_s"]["total"]

@@ -12,11 +12,12 @@ from pathlib import Path
 import pytest
 
 from updamp.benchmarks.time_integration.rig_against_time import MarchedCase, Problem
-from updamp.benchmarks.time_integration.rig_march import March, Plane, shoot
+from updamp.benchmarks.time_integration.shooting import Plane, shoot
 from updamp.fem.finite_element_model import finite_element_model
 from updamp.fem.reduced_model import ReducedModel
 from updamp.geometry.build_mesh import build_mesh
 from updamp.hbm.newton.observe import ContactState
+from updamp.hbm.time_marching.march import March
 from updamp.model.rig_files import load_rig
 from updamp.rig.rig import Rig
 
@@ -84,8 +85,9 @@ def test_a_march_without_residual_flexibility_is_told_apart():
     case, friction, _ = CASES["stick"]
     problem = Problem.of(reduced(), rig_with(friction), case)
     point = max(problem.branch(), key=lambda point: abs(problem.amplitude(point)))
-    excited, free = problem.request.excitation, problem.system.free
-    rigid = replace(free, residual=0 * free.residual)
-    march = March(rigid, problem.law(), excited.row, problem.row, excited.force, point.w, STEPS)
-    marched = shoot(march, problem.start(point), Plane(problem.amplitude(point), point.w))
+    free = problem.system.free
+    rigid = replace(problem.system, free=replace(free, residual=0 * free.residual))
+    march = March.of(rigid, problem.request.excitation, problem.row, point.w, STEPS)
+    start = march.start(point.solution.equation.receptance.system, point.x)
+    marched = shoot(march, start, Plane(problem.amplitude(point), point.w))
     assert abs(abs(marched.amplitude) / abs(problem.amplitude(point)) - 1) > 0.2

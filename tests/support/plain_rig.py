@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from updamp.fem.finite_element_model import ComponentModel
+from updamp.fem.finite_element_model import ComponentModel, FiniteElementResult
 from updamp.fem.reduced_model import ReducedComponent, ReducedModel
 from updamp.fem.rig_components import RigComponents
 from updamp.fem.static_contact.static_contact import static_contact
@@ -16,6 +16,8 @@ from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements
 from updamp.model.build import rig_model
 from updamp.model.rig_files import load_rig
 from updamp.rig.rig import Rig
+from updamp.workflow import store
+from updamp.workflow.curve_jobs import CurveJob
 
 # A mesh preset for the virtual rig as coarse as it can be; as it stands in a rig file below.
 TINY = {
@@ -48,6 +50,18 @@ def plain_reduced_model(rig: Rig, contacts: ContactElements) -> ReducedModel:
         _blade("blade_left", rig, contacts, LEFT), _blade("blade_right", rig, contacts, RIGHT),
         _damper(rig, contacts), contacts, 1e-12,
     )  # fmt: skip
+
+
+def curve_jobs(path: Path, forces: tuple[float, ...], folder: Path) -> tuple[CurveJob, ...]:
+    """Curves of the plain rig near its first stuck mode, with the files of the stages before in the folder."""
+    rig = load_rig(path, {"study.modes.OOP.window": around_first_stuck_mode(path, 2.0)})
+    reduced, nothing = plain_reduced_model(rig, build_mesh(rig, "small").contacts), np.zeros(0)
+    store.write(folder / "fe.h5", FiniteElementResult(reduced, nothing, nothing, nothing), store.Stamp("fe"))
+    store.write(folder / "rest.h5", static_contact(reduced, rig), store.Stamp("rest"))
+    return tuple(
+        CurveJob(rig, "OOP", force, f"key {force}", folder / "fe.h5", folder / "rest.h5", folder / f"{force}.h5")
+        for force in forces
+    )
 
 
 def around_first_stuck_mode(path: Path, half_width: float) -> tuple[str, str]:

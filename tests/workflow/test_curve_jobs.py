@@ -6,17 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.broken.folders import KilledJob
-from support.plain_rig import around_first_stuck_mode, plain_reduced_model
+from support.plain_rig import curve_jobs
 
-from updamp.fem.finite_element_model import FiniteElementResult
-from updamp.fem.static_contact.static_contact import static_contact
-from updamp.geometry.build_mesh import build_mesh
 from updamp.hbm.continuation.response_curve import ResponseCurve
-from updamp.model.rig_files import load_rig
 from updamp.workflow import store
-from updamp.workflow.curve_jobs import CurveJob, trace_curve
+from updamp.workflow.curve_jobs import trace_curve
 from updamp.workflow.job_pool import JobEnd, run_all
-from updamp.workflow.store import Stamp
 
 RIG = Path(__file__).parents[1] / "data" / "short_faces.toml"
 POINT = "blade_right.tip.x"
@@ -25,17 +20,7 @@ POINT = "blade_right.tip.x"
 @pytest.fixture(scope="module")
 def jobs(tmp_path_factory):
     """Two curves of a plain rig near its first stuck mode; the larger force makes the contacts slip."""
-    folder = tmp_path_factory.mktemp("curves")
-    rig = load_rig(RIG, {"study.modes.OOP.window": around_first_stuck_mode(RIG, 2.0)})
-    mesh = build_mesh(rig, "small")
-    reduced = plain_reduced_model(rig, mesh.contacts)
-    nothing = np.zeros(0)
-    store.write(folder / "fe.h5", FiniteElementResult(reduced, nothing, nothing, nothing), Stamp("fe"))
-    store.write(folder / "rest.h5", static_contact(reduced, rig), Stamp("rest"))
-    return tuple(
-        CurveJob(rig, "OOP", force, f"key {force}", folder / "fe.h5", folder / "rest.h5", folder / f"{force}.h5")
-        for force in (0.2, 1.0)
-    )
+    return curve_jobs(RIG, (0.2, 1.0), tmp_path_factory.mktemp("curves"))
 
 
 @pytest.fixture(scope="module")

@@ -19,6 +19,7 @@ ENTRY = {
     "seconds": 234.0,
     "problem": "it stopped",
     "stability": {"peak": "unstable"},
+    "marching": {"verdict": "leaves"},
 }
 
 
@@ -30,5 +31,5 @@ def test_no_number_and_no_word_is_cut_off():
     words = text.split()
     for word in ("0.0961", "0.01053", "437.26", "-18", "-0.001", "426.80", "426.72", "397.12", "1234", "234"):
         assert word in words
-    for word in ("complete,", "unstable", "points"):
+    for word in ("complete,", "unstable,", "leaves", "points"):
         assert word in words
