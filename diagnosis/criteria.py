@@ -16,7 +16,8 @@ class SearchEffort:
 
     score: of the score test, below which an effect is not looked for in the data
     short, full: how many effects at most get a short refit, and a full one
-    close: mean squared misfit after a short refit, over that of the best one, up to which an effect gets a full one
+    close: mean squared misfit after a short refit, over that of the best one, up to which an effect gets a full one;
+        likewise of the misfits that are expected to be left, to get a short one once another effect explains the data
     nearly: share of the best effect's fall of mean squared misfit from which on another one is fitted in full too, and
         the next one has second effects looked for beside it
     comparable: mean squared misfit, over that of the best one, beyond which it does not count as nearly as good

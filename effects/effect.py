@@ -33,6 +33,11 @@ class EffectParameter:
     def two_sided(self) -> bool:
         return self.lower < self.null < self.upper
 
+    @property
+    def whole(self) -> float:
+        """The end farthest from the null, in typical sizes; the typical size itself where there is no such end."""
+        return max((abs((end - self.null) / (self.typical - self.null)) for end in self.ends), default=1.0)
+
 
 @dataclass(frozen=True)
 class Effect:
@@ -62,6 +67,16 @@ class Effect:
     def has_two_signs(self) -> bool:
         """Whether the effect turned round makes sense too."""
         return all(p.two_sided for p in self.parameters)
+
+    @property
+    def sizes(self) -> tuple[tuple[float, ...], ...]:
+        """Where a search begins, in typical sizes of the parameters: there, turned round where that makes sense too,
+        and whole where it may be and first order from elsewhere does not lead there."""
+        n = len(self.parameters)
+        found = [(1.0,) * n, (-1.0,) * n] if self.has_two_signs else [(1.0,) * n]
+        if self.finite_step and any(p.ends for p in self.parameters):
+            found.append(tuple(p.whole for p in self.parameters))
+        return tuple(found)
 
     def at_null(self) -> dict[str, float]:
         return {p.name: p.null for p in self.parameters}

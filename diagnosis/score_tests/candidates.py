@@ -39,12 +39,12 @@ def fit_tasks(
     visible = [s for s in scored if s.visibility >= criteria.visibility]
     if start.fitted.parametrisation.base.contacts is None:
         return [FitTask((s.effect,), (), full=True) for s in visible]
-    by_score = {s.effect.name: s for s in visible if s.score >= criteria.search.score}
+    by_score = {s.effect.name: s for s in visible if _is_worth_a_fit(s, start, criteria)}
     if not fails_badly(start.fitted):
         far = _is_far_from_given(start)
         return [
             FitTask(
-                (s.effect,), _starts(s.step), False, as_given=_typical(s.effect) if far or s.effect.finite_step else ()
+                (s.effect,), _starts(s.step), False, as_given=_sizes(s.effect) if far or s.effect.finite_step else ()
             )
             for s in by_score.values()
         ]
@@ -53,10 +53,11 @@ def fit_tasks(
     by_probe = {p.effect.name: p for p in probes(start, tried, progress, workers)}
     found = []
     for name in _by_turns(tuple(by_probe), tuple(by_score)):
-        given = (by_probe[name].start,) if name in by_probe else ()
+        probe = by_probe.get(name)
+        given, expected = ((probe.start,), probe.misfit) if probe else ((), np.inf)
         calibrated = _starts(by_score[name].step) if name in by_score else ()
         effect = next(e for e in effects if e.name == name)
-        found.append(FitTask((effect,), calibrated, full=False, as_given=given))
+        found.append(FitTask((effect,), calibrated, full=False, as_given=given, expected=expected))
     return found
 
 
@@ -75,11 +76,19 @@ def _is_far_from_given(start: Baseline) -> bool:
     return bool(np.any(np.abs(start.fitted.u[:n]) > p.deviation[:n]))
 
 
-def _typical(effect: Effect) -> tuple[Floats, ...]:
+def _is_worth_a_fit(scored: Score, start: Baseline, criteria: Criteria) -> bool:
+    """By the score test; where first order does not hold over an effect's size, wherever the model may lack
+    something."""
+    if scored.score >= criteria.search.score:
+        return True
+    compared = start.fitted.compared
+    return scored.effect.finite_step and criteria.is_doubtful(compared.mean_squared_misfit, compared.values)
+
+
+def _sizes(effect: Effect) -> tuple[Floats, ...]:
     """Beside the model as given: there, and where an effect has no derivative at its null value, first order leads
     nowhere."""
-    size = np.ones(len(effect.parameters))
-    return (size, -size) if effect.has_two_signs else (size,)
+    return tuple(np.array(size) for size in effect.sizes)
 
 
 def _starts(step: Floats) -> tuple[Floats, ...]:

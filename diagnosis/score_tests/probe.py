@@ -3,10 +3,11 @@
 About a calibrated model that lacks something large, first order tells little: calibration has led it astray, and
 effects of the contacts are not linear that far (an uneven pressure acts with its square at first). So each effect is
 put into the model as given at its typical size, with both signs where it has two, and the rest is linear from there;
-once more from where that leads if it leads as far as it may.
+once more from where that leads if it leads as far as it may. An effect without a derivative at its null value is not
+linear in its size either: it is put in whole too, where it may be (`Effect.sizes`).
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -79,7 +80,7 @@ class _About:
 
 
 def _best_of(about: _About, effect: Effect) -> Probe | None:
-    tried = [_probe(about, effect, np.full(len(effect.parameters), sign)) for sign in _signs(effect)]
+    tried = [_probe(about, effect, np.array(size)) for size in effect.sizes]
     best = min((t for t in tried if t is not None), key=_misfit, default=None)
     if best is None or not _at_its_end(best):
         return best
@@ -104,12 +105,6 @@ def highest_levels(plan: Plan) -> tuple[int, ...]:
         if best is None or condition.level > plan.conditions[best].level:
             highest[condition.mode] = i
     return tuple(sorted(highest.values()))
-
-
-def _signs(effect: Effect) -> Iterator[float]:
-    yield 1.0
-    if effect.has_two_signs:
-        yield -1.0
 
 
 def _probe(about: _About, effect: Effect, size: Floats) -> Probe | None:

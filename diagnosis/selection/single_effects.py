@@ -1,6 +1,6 @@
 """Which single effect explains the data: short fits of those that look most likely, full ones of the best."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -33,8 +33,9 @@ def try_singles(fits: FitContext, effects: Sequence[Effect], scored: Sequence[Sc
     half, enough = (len(wanted) + 1) // 2, _left(start, 1 - criteria.search.promising)
     found: CandidateFits = {}
     first = 1 if fails_badly(start.fitted) else half
+    expected = {tuple(e.name for e in task.effects): task.expected for task in wanted}
     for some in (wanted[:first], wanted[first:half], wanted[half:]):
-        found |= fits.results(_unless_explained(fits, some, found, scored))
+        found |= fits.results(_unless_explained(fits, some, found, scored, expected))
         promising = [r for r in best_first(found)[:1] if r.trial.excess < enough]
         found |= fits.full([r for r in promising if not r.trial.full])
         found |= refits_with_own_numerics(fits, found)
@@ -104,15 +105,27 @@ def _comes_close(one: Refit, best: Refit, start: Baseline, criteria: Criteria) -
 
 
 def _unless_explained(
-    fits: FitContext, some: Sequence[FitTask], found: CandidateFits, scored: Sequence[Score]
+    fits: FitContext,
+    some: Sequence[FitTask],
+    found: CandidateFits,
+    scored: Sequence[Score],
+    expected: Mapping[tuple[str, ...], float],
 ) -> Sequence[FitTask]:
     """All of them as long as none before explains a misfit, on runs that no fit saw too; then only those that look like
-    it."""
+    it, or promise to come as close. About a model that fails badly looks alone say little.
+
+    expected: `FitTask.expected` by the names of the effects
+    """
     best, criteria = min(found.values(), key=lambda r: r.trial.excess, default=None), fits.criteria
     if best is None or not fits.explains(best.trial):
         return some
     if best.refit.delta_bic < criteria.delta_bic:
         return ()  # the data ask for none of the best, as where nothing is missing
     matrix, names = np.abs(cosines(scored)), [s.effect.name for s in scored]
-    alike = matrix[names.index(best.trial.effects[0])]
-    return [a for a in some if alike[names.index(a.effects[0].name)] > criteria.search.cosine_to_refit]
+    alike = dict(zip(names, matrix[names.index(best.trial.effects[0])], strict=True))
+    promised = criteria.search.close * expected[best.trial.effects]
+    return [
+        task
+        for task in some
+        if alike[task.effects[0].name] > criteria.search.cosine_to_refit or task.expected <= promised < np.inf
+    ]

@@ -82,3 +82,19 @@ def test_what_leads_as_far_as_it_may_is_tried_once_more_from_there(start):
     (near,), (found,) = probes(start, (ASKEW,)), probes(start, (small,))
     assert 0.2 * abs(found.start[0]) == pytest.approx(0.8 * abs(near.start[0]), rel=0.2)
     assert abs(found.start[0]) > 3.5
+
+
+def test_a_share_that_first_acts_the_other_way_is_tried_whole(start):
+    """At its typical size, 0.2, it softens, and the more of it the softer: only the whole of it stiffens as the data
+    ask for."""
+    share = Effect(
+        "share",
+        "part of something counts",
+        (EffectParameter("share", 0.0, 0.0, 1.0, 0.2, "", "test", ends=(1.0,)),),
+        lambda model, values: by_spring(model, STIFFNESS * (2.5 * values["share"] ** 2 - 1.5 * values["share"])),
+        finite_step=True,
+    )
+    (found,) = probes(start, (share,))
+    assert 0.2 * found.start[0] == pytest.approx(1.0, rel=0.1)
+    (smaller,) = probes(start, (replace(share, finite_step=False),))
+    assert smaller.misfit > 2 * found.misfit

@@ -39,6 +39,12 @@ def effect(name, parameter, typical, apply):
 SPRING = effect("spring", "k", 2e3, lambda m, v: attached(m, points={"b.x": 1.0}, stiffness=v["k"]))
 DASHPOT = effect("dashpot", "c", 2.0, lambda m, v: attached(m, points={"a.x": 1.0}, dashpot=v["c"]))
 TWIN = effect("twin", "k", 1e3, lambda m, v: attached(m, points={"b.x": 1.0}, stiffness=v["k"]))
+SQUARE = Effect(
+    "square",
+    "something is askew",
+    (EffectParameter("size", 0.0, -2.0, 2.0, 0.8, "", "test"),),
+    lambda m, v: attached(m, points={"b.x": 1.0}, stiffness=3e4 * v["size"] ** 2),
+)
 WEAKER = effect("weaker", "share", 0.3, lambda m, v: m.with_contacts(n0=m.contacts.parameters.n0 * np.exp(-v["share"])))
 
 
@@ -128,6 +134,16 @@ def test_what_looks_the_same_is_called_inseparable():
     assert decision.outcome == "inseparable"
     assert set(decision.group) == {"spring", "twin"}
     assert any({a, b} == {"spring", "twin"} and cosine > 0.99 for a, b, cosine in result.evidence.alike)
+
+
+def test_what_explains_the_data_as_well_is_fitted_however_little_it_looks_alike_to_first_order():
+    """Two that act with their squares: about the calibrated model neither has a signature, so that none looked like the
+    first one that was fitted, and that one was called identified."""
+    one, other = (replace(SQUARE, name=name) for name in ("square", "other_square"))
+    result = found(3e4, (one, DASHPOT, other))
+    assert {("square",), ("other_square",)} <= set(result.refits)
+    decision = decide(result.evidence, Criteria())
+    assert (decision.outcome, set(decision.group)) == ("inseparable", {"square", "other_square"})
 
 
 def test_an_effect_without_a_place_in_the_model_is_refused_with_its_reason():
