@@ -70,8 +70,8 @@ def refit(
     full: bool,
     near: Fit | None = None,
 ) -> Refit | None:
-    """The fit with further effects, from the best start; about a model that does not fail badly the better one of two,
-    from the model as given and from the calibrated one. None where the model has no response at any start.
+    """The fit with further effects: the better one of two, from the best start beside the model as given and from the
+    best one beside the calibrated model. None where the model has no response at any start.
 
     Models without contacts are quick to trace: they are always fitted in full, by `fit_from_far`, whatever the starts.
 
@@ -90,9 +90,7 @@ def refit(
         [p.with_further(given, start) for start in starts.as_given],
         [p.with_further(base.u, start) for start in starts.calibrated],
     ]
-    # a model that nearly fits is a valley of its own: no start beside it is better before it is fitted
-    if fails_badly(base):
-        kinds = [[*kinds[0], *kinds[1]]]
+    # the calibrated model is a valley of its own: no start beside it is better before it is fitted
     found = [_fit_from(base, plan, extended, kind, full) for kind in kinds]
     return max(
         (assessed(base, fitted, effects, criteria) for fitted in found if fitted is not None),

@@ -10,6 +10,7 @@ from updamp.comparison.fit import numerical_gate
 from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.diagnosis.candidate_models.baseline import baseline
+from updamp.diagnosis.candidate_models.refit import Starts, refit
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.score_tests.candidates import fit_tasks
 from updamp.diagnosis.score_tests.probe import highest_levels, probes
@@ -98,3 +99,19 @@ def test_a_share_that_first_acts_the_other_way_is_tried_whole(start):
     assert 0.2 * found.start[0] == pytest.approx(1.0, rel=0.1)
     (smaller,) = probes(start, (replace(share, finite_step=False),))
     assert smaller.misfit > 2 * found.misfit
+
+
+def test_a_fit_begins_beside_the_model_as_given_though_it_is_worse_there_before_it_is_fitted(start):
+    """The whole share is five times as stiff as the data ask for, so that the calibrated model with next to nothing of
+    it, from where it only softens, fits better at first."""
+    share = Effect(
+        "share",
+        "part of something counts",
+        (EffectParameter("share", 0.0, 0.0, 1.0, 0.2, "", "test", ends=(1.0,)),),
+        lambda model, values: by_spring(model, STIFFNESS * (8 * values["share"] ** 2 - 3 * values["share"])),
+        finite_step=True,
+    )
+    starts = Starts((np.array([5.0]),), (np.array([0.01]),))
+    found = refit(start.fitted, start.train_plan, (share,), starts, Criteria(), full=True)
+    share_found = found.fitted.parametrisation.values(found.fitted.u)["share"]["share"]
+    assert 8 * share_found**2 - 3 * share_found == pytest.approx(1.0, rel=0.05)
