@@ -45,8 +45,8 @@ class Verdict(IntEnum):
 class MarchOptions:
     """periods: marched. A change that grows by e within them is told: at 400 Hz a growth of 20 1/s with 20 periods
     steps: a period. The third harmonic's frequency is off by (3 * 2 pi / steps)^2 / 12, 0.7 % with 64; the rig's
-        motions moved by up to a quarter less or more than with 256, where verdicts lie a factor of seven from the limit
-        on either side (benchmarks/harmonic_balance/NOTES.md)
+        motions moved by up to a third less than with 256, where its verdicts lie a factor of four or more from the
+        limit (benchmarks/harmonic_balance/NOTES.md); IP at 17 N with harmonics 0-7, bound for 11 to 16 %, does not
     last: periods whose mean change is that of the end: one beat of the rig's damper, at 100 Hz, against the blades
     change: reach beyond which the motion is another one, relative
     linear: moved by more, changes are not taken as linear any more, and no growth is fitted to them: terms of second
