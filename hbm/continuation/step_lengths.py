@@ -46,7 +46,7 @@ class StepLengths:
     most_growth: float = 2.0
     frequency_scale: float = 0.5
     moved: tuple[float, float] = (0.5, 1.6)
-    off_predicted: float = 0.1
+    off_predicted: float = 0.05
     sharp_turns: float = 2e-3
     bend_within: float = 4.0
     bend_cosine: float = 0.9

@@ -34,6 +34,8 @@ class ResonanceOptions(StepLengths):
         least: what does not is another branch, or the same one on its way back
     beyond_kinks: where no smaller step is solved contacts change their states: so far ahead [arc] the tangent of the
         branch beyond is taken, and steps of the lengths after the kink are tried along it
+    off_predicted: wider than a curve's: with 0.3, 0.2 and 0.1 the same resonance was met (benchmarks/harmonic_balance/
+        NOTES.md)
     max_points: at most this many points; lowest_start: the force may be lowered to this share of the first force to
     find a beginning
 
@@ -43,6 +45,7 @@ class ResonanceOptions(StepLengths):
     first_step: float = 0.1
     largest_step: float = 0.4
     wanted_iterations: int = 5
+    off_predicted: float = 0.1
     straight: float = 0.5
     beyond_kinks: tuple[float, ...] = (1e-4, 3e-4, 1e-3, 3e-3, 0.01)
     max_points: int = 1000
