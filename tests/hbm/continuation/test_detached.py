@@ -53,7 +53,8 @@ def test_the_loop_closes_and_has_both_other_resonances(loop):
     assert sizes[-1] == pytest.approx(resonances()[2], rel=1e-3)
     assert np.abs(loop.amplitude("mass")).min() <= resonances()[1] * (1 + 1e-3)
     steps = np.abs(np.diff(loop.amplitude("mass")))
-    assert steps[-1] <= steps[:-1].max(), "no gap where it closes"
+    # where two segments meet, what one has traced of the other's last step is left out: up to a step of each
+    assert steps[-1] <= 2 * steps[:-1].max(), "no gap where it closes"
 
 
 def test_what_is_known_is_not_traced_again(traced, loop):
