@@ -18,6 +18,9 @@ from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 # Most steps in the force; folds of faces that separate take some hundred. Where they were many more, they led nowhere.
 _FORCE_STEPS = 400
+# `StepLengths.off_predicted` of these steps. Wider than a curve's: any solution at the force begins a curve, which the
+# segment from its other end has to meet; a sampled law's branch, which is rough, takes more than those steps with half.
+_OFF_PREDICTED = 0.1
 # Forces that are tried as small enough, a factor sqrt(10) apart: down to a million times below the one asked for.
 _SMALL_FORCES = 13
 
@@ -69,6 +72,7 @@ def by_force_continuation(
     raises: BranchStoppedError where the branch stops, or does not come to that force in `_FORCE_STEPS` steps
     """
     ramp, target = ForceRamp(excitation.row, w), float(np.log(excitation.force))
+    options = replace(options, off_predicted=max(options.off_predicted, _OFF_PREDICTED))
     stepper = PredictorCorrector(system, ramp, options, 1.0)
     traced, step = TracedBranch.through([_small_force(system, ramp, target, options)]), options.first_step
     for _ in range(_FORCE_STEPS):
