@@ -7,15 +7,13 @@ import numpy as np
 from updamp.hbm.contact.compiled import jenkins_box, jenkins_box_sampled
 from updamp.hbm.contact.compiled.kernel_forces import KernelForces
 from updamp.hbm.contact.compiled.tables import tables
-from updamp.hbm.contact.event_march import most_corners
 from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.harmonics import Harmonics
 
 
 def between_samples(cycles: int, harmonics: Harmonics, n_time: int) -> KernelForces:
     """Of `JenkinsBox`."""
-    most = most_corners(n_time), most_corners(2 * n_time)
-    law, arguments = jenkins_box, (cycles, most, tables(harmonics, n_time))
+    law, arguments = jenkins_box, (cycles, tables(harmonics, n_time))
     return KernelForces(law.force_with_tangent, law.perturbed_tangent, law.loop_areas, _own, arguments)
 
 

@@ -5,118 +5,153 @@ from typing import Any
 import numpy as np
 
 from updamp.hbm.contact.compiled.at_rest import rests, stays_closed
-from updamp.hbm.contact.compiled.keeping import kept
+from updamp.hbm.contact.compiled.cubic import positive
+from updamp.hbm.contact.compiled.event_grid import build_grid, find_openings, new_grid, new_openings, new_path
+from updamp.hbm.contact.compiled.keeping import inner, kept
 from updamp.hbm.contact.compiled.normal import (
+    add_missing,
+    add_missing_tangent,
     identity,
+    limit_rows,
     set_limits,
+    write_block,
     write_normal,
-    write_normal_tangent,
     write_tangential,
 )
-from updamp.hbm.contact.compiled.segments import positive
-from updamp.hbm.contact.compiled.slider import (
-    Rows,
-    add_force,
-    add_tangent,
-    find_corners,
-    march,
-    new_path,
-    new_scratch,
-    new_slider,
-)
+from updamp.hbm.contact.compiled.slider import Rows, add_force, add_tangent, march, new_scratch, new_slider
 from updamp.hbm.contact.compiled.tables import GrowingTables, Tables, loop_area, sample, slope
 
 
 @kept
 def force_with_tangent(
-    numbers: Any, displacement: Any, p: Any, cycles: int, most: Any, tables: Tables, force: Any, tangent: Any
+    numbers: Any, displacement: Any, p: Any, cycles: int, tables: Tables, force: Any, tangent: Any
 ) -> None:
     """Writes force (n_elements, 3, n_coefficients) [N] of the elements of these numbers, and tangent (n_elements, 3,
     n_coefficients, 3, n_coefficients) [N/m] unless that has no elements.
 
     displacement: like force [m]; p: FrictionParameters, mu of shape (n_elements, 1), or (n_elements, n_time) where it
         varies over the period
-    most: corners that are followed of the path, and of where it was pushed to (`event_march.most_corners`)
     """
     c, n = tables.synthesis.shape
-    slider, path, out, pressing = new_slider(tables.shares), new_path(n), new_scratch(tables.shares), np.empty(n + 1)
-    rows = Rows(tables.values, tables.slopes, tables.values.copy())
+    path, grid, openings, pressing, rate, missing = _room(n, c)
+    slider, out = new_slider(len(grid.share), n), new_scratch(len(grid.share), tables.weights)
+    rows, own = _rows_of(tables)
     for e in numbers:
         coefficients, kt, kn = displacement[e], p.kt[e], p.kn[e]
-        sample(coefficients[2], tables.synthesis, pressing)
-        pressing += p.n0[e] / kn - p.gap[e]
-        write_normal(coefficients[2], pressing, p, e, most[0], tables, force, tangent, out.by_u)
-        ratio = set_limits(p.mu[e], kn / kt, pressing, tables.values, path.p, rows.p)
+        _press(coefficients[2], p, e, tables, pressing, rate)
+        find_openings(pressing, rate, openings)
+        missing[:] = 0.0
+        add_missing(pressing, rate, openings, tables.weights, missing)
+        write_normal(pressing, missing, coefficients[2], p.n0[e] - kn * p.gap[e], kn, tables.constant, force[e, 2])
+        if len(tangent):
+            _write_normal_tangent(pressing, openings, kn, rows, tables.weights, out, tangent[e, 2], False)
+        ratio, p_rows = set_limits(p.mu[e], kn / kt, pressing, path.p), limit_rows(p.mu[e], rows, 1.0, own)
+        slope(path.p, path.dp)
+        find_openings(path.p, path.dp, openings)
         for d in range(2):
             sample(coefficients[d], tables.synthesis, path.u)
             slope(path.u, path.du)
-            march(path, ratio, -p.t0[e, d] / kt, cycles, most[1], slider)
-            find_corners(path, ratio, most[0], slider)
+            build_grid(path, ratio, openings, grid)
+            march(grid, path, ratio, -p.t0[e, d] / kt, cycles, slider)
             out.force[:] = coefficients[d]
-            add_force(path, ratio, slider, tables.shares, out.force)
+            add_force(grid, path, ratio, slider, tables.weights, out)
             for a in range(c):
                 force[e, d, a] = kt * out.force[a] - p.t0[e, d] * tables.constant[a]
             if len(tangent):
                 identity(out.by_u)
                 out.by_p[:] = 0.0
-                add_tangent(path, rows, ratio, slider, tables.shares, 1.0, out)
+                add_tangent(grid, path, rows, p_rows, ratio, slider, tables.weights, 1.0, out)
                 write_tangential(kt, out.by_u, out.by_p, d, tangent[e, d])
 
 
 @kept
 def perturbed_tangent(
-    numbers: Any,
-    displacement: Any,
-    p: Any,
-    cycles: int,
-    most: Any,
-    tables: Tables,
-    growing: GrowingTables,
-    tangent: Any,
+    numbers: Any, displacement: Any, p: Any, cycles: int, tables: Tables, growing: GrowingTables, tangent: Any
 ) -> None:
     """Writes the tangent of `force_with_tangent` to a perturbation that grows (`hbm/stability/perturbed_forces.py`).
 
     tangent: complex
     """
-    n = tables.synthesis.shape[1]
-    slider, path, out = new_slider(growing.shares), new_path(n), new_scratch(growing.shares)
-    pressing, rows = np.empty(n + 1), Rows(growing.values, growing.slopes, growing.values.copy())
+    c, n = tables.synthesis.shape
+    path, grid, openings, pressing, rate, _ = _room(n, c)
+    slider, out = new_slider(len(grid.share), n), new_scratch(len(grid.share), growing.weights)
+    rows, own = _rows_of(growing)
     for e in numbers:
         coefficients, kt, kn = displacement[e], p.kt[e], p.kn[e]
-        sample(coefficients[2], tables.synthesis, pressing)
-        pressing += p.n0[e] / kn - p.gap[e]
-        write_normal_tangent(pressing, kn, most[0], growing, tangent[e, 2], out.by_u, stays_closed(pressing))
-        ratio = set_limits(p.mu[e], kn / kt, pressing, growing.values, path.p, rows.p)
+        _press(coefficients[2], p, e, tables, pressing, rate)
+        find_openings(pressing, rate, openings)
+        closed = stays_closed(pressing)
+        _write_normal_tangent(pressing, openings, kn, rows, growing.weights, out, tangent[e, 2], closed)
+        ratio = set_limits(p.mu[e], kn / kt, pressing, path.p)
+        p_rows = limit_rows(p.mu[e], rows, growing.last_period, own)
+        slope(path.p, path.dp)
+        find_openings(path.p, path.dp, openings)
         for d in range(2):
             sample(coefficients[d], tables.synthesis, path.u)
             slope(path.u, path.du)
-            march(path, ratio, -p.t0[e, d] / kt, cycles, most[1], slider)
-            find_corners(path, ratio, most[0], slider)
+            build_grid(path, ratio, openings, grid)
+            march(grid, path, ratio, -p.t0[e, d] / kt, cycles, slider)
             identity(out.by_u)
             out.by_p[:] = 0.0
-            if not rests(path.u, slider.source, slider.position):
-                add_tangent(path, rows, ratio, slider, growing.shares, growing.last_period, out)
+            if not rests(path.u, grid.sample, slider.position):
+                add_tangent(grid, path, rows, p_rows, ratio, slider, growing.weights, growing.last_period, out)
             write_tangential(kt, out.by_u, out.by_p, d, tangent[e, d])
 
 
 @kept
-def loop_areas(numbers: Any, displacement: Any, p: Any, cycles: int, most: Any, tables: Tables, areas: Any) -> None:
+def loop_areas(numbers: Any, displacement: Any, p: Any, cycles: int, tables: Tables, areas: Any) -> None:
     """Writes (len(numbers),) areas of the force loops [J], of the forces at the samples."""
-    n = tables.synthesis.shape[1]
-    slider, path, pressing, force = new_slider(tables.shares), new_path(n), np.empty(n + 1), np.empty(n + 1)
-    p_rows = tables.values.copy()
+    c, n = tables.synthesis.shape
+    path, grid, openings, pressing, force, _ = _room(n, c)
+    slider = new_slider(len(grid.share), n)
     for i, e in enumerate(numbers):
         kt, kn = p.kt[e], p.kn[e]
-        sample(displacement[e, 2], tables.synthesis, pressing)
-        pressing += p.n0[e] / kn - p.gap[e]
+        _press(displacement[e, 2], p, e, tables, pressing, force)
         for t in range(n + 1):
             force[t] = kn * positive(pressing[t])
         areas[i] = loop_area(pressing, force)
-        ratio = set_limits(p.mu[e], kn / kt, pressing, tables.values, path.p, p_rows)
+        ratio = set_limits(p.mu[e], kn / kt, pressing, path.p)
+        slope(path.p, path.dp)
+        find_openings(path.p, path.dp, openings)
         for d in range(2):
             sample(displacement[e, d], tables.synthesis, path.u)
             slope(path.u, path.du)
-            march(path, ratio, -p.t0[e, d] / kt, cycles, most[1], slider)
+            build_grid(path, ratio, openings, grid)
+            march(grid, path, ratio, -p.t0[e, d] / kt, cycles, slider)
             for t in range(n + 1):
-                force[t] = kt * (path.u[t] - slider.position[slider.source[t]])
+                force[t] = kt * (path.u[t] - slider.position[grid.sample[t]])
             areas[i] += loop_area(path.u, force)
+
+
+@inner
+def _room(n: int, c: int) -> Any:
+    return new_path(n), new_grid(n), new_openings(n), np.empty(n + 1), np.empty(n + 1), np.empty(c)
+
+
+@inner
+def _rows_of(tables: Any) -> Any:
+    """Of a motion, and room for those of a slip limit."""
+    values = tables.values
+    own = Rows(np.empty_like(values), np.empty_like(values), np.empty_like(values))
+    return Rows(values, tables.slopes, tables.hats), own
+
+
+@inner
+def _press(coefficients: Any, p: Any, e: int, tables: Tables, pressing: Any, rate: Any) -> None:
+    sample(coefficients, tables.synthesis, pressing)
+    pressing += p.n0[e] / p.kn[e] - p.gap[e]
+    slope(pressing, rate)
+
+
+@inner
+def _write_normal_tangent(
+    pressing: Any, openings: Any, kn: float, rows: Rows, weights: Any, out: Any, tangent: Any, closed: bool
+) -> None:
+    """tangent: (n_coefficients, 3, n_coefficients); closed: whether the contact is taken to be so over the period"""
+    tangent[:] = 0.0
+    if pressing.max() <= 0:
+        return
+    identity(out.by_u)
+    if not closed:
+        add_missing_tangent(pressing, openings, weights, rows, out.p, out.by_u)
+    write_block(kn, out.by_u, tangent[:, 2, :])

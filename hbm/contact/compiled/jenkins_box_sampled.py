@@ -9,14 +9,16 @@ import numpy as np
 
 from updamp.hbm.contact.compiled.at_rest import rests, stays_closed
 from updamp.hbm.contact.compiled.keeping import inner, kept
+from updamp.hbm.contact.compiled.cubic import positive
 from updamp.hbm.contact.compiled.normal import (
+    add_missing_samples,
+    add_missing_samples_tangent,
     identity,
     set_limits,
+    write_block,
     write_normal,
-    write_normal_tangent,
     write_tangential,
 )
-from updamp.hbm.contact.compiled.segments import positive
 from updamp.hbm.contact.compiled.tables import (
     GrowingTables,
     Tables,
@@ -36,13 +38,18 @@ def force_with_tangent(
     pressing, u, limit = np.empty(n + 1), np.empty(n + 1), np.empty(n + 1)
     position, source = np.empty(n), np.empty(n, dtype=np.int64)
     by_u, by_p, columns = np.empty((c, c)), np.empty((c, c)), (np.empty((n + 1, c)), np.empty((n + 1, c)))
-    p_rows = tables.values.copy()
+    p_rows, missing = tables.values.copy(), np.empty(c)
     for e in numbers:
         coefficients, kt, kn = displacement[e], p.kt[e], p.kn[e]
         sample(coefficients[2], tables.synthesis, pressing)
         pressing += p.n0[e] / kn - p.gap[e]
-        write_normal(coefficients[2], pressing, p, e, 0, tables, force, tangent, by_u)
-        ratio = set_limits(p.mu[e], kn / kt, pressing, tables.values, limit, p_rows)
+        missing[:] = 0.0
+        add_missing_samples(pressing, tables.shares, missing)
+        write_normal(pressing, missing, coefficients[2], p.n0[e] - kn * p.gap[e], kn, tables.constant, force[e, 2])
+        if len(tangent):
+            _write_normal_tangent(pressing, kn, tables, by_u, tangent[e, 2], False)
+        ratio = set_limits(p.mu[e], kn / kt, pressing, limit)
+        _write_limit_rows(p.mu[e], tables.values, p_rows)
         for t in range(n):
             limit[t] = ratio * positive(limit[t])
         for d in range(2):
@@ -75,8 +82,9 @@ def perturbed_tangent(
         coefficients, kt, kn = displacement[e], p.kt[e], p.kn[e]
         sample(coefficients[2], tables.synthesis, pressing)
         pressing += p.n0[e] / kn - p.gap[e]
-        write_normal_tangent(pressing, kn, 0, growing, tangent[e, 2], by_u, stays_closed(pressing))
-        ratio = set_limits(p.mu[e], kn / kt, pressing, growing.values, limit, p_rows)
+        _write_normal_tangent(pressing, kn, growing, by_u, tangent[e, 2], stays_closed(pressing))
+        ratio = set_limits(p.mu[e], kn / kt, pressing, limit)
+        _write_limit_rows(p.mu[e], growing.values, p_rows)
         for t in range(n):
             limit[t] = ratio * positive(limit[t])
         for d in range(2):
@@ -95,12 +103,11 @@ def loop_areas(numbers: Any, displacement: Any, p: Any, cycles: int, tables: Tab
     n = tables.synthesis.shape[1]
     pressing, u, force, limit = np.empty(n + 1), np.empty(n + 1), np.empty(n + 1), np.empty(n + 1)
     position, source = np.empty(n), np.empty(n, dtype=np.int64)
-    p_rows = tables.values.copy()
     for i, e in enumerate(numbers):
         kt, kn = p.kt[e], p.kn[e]
         sample(displacement[e, 2], tables.synthesis, pressing)
         pressing += p.n0[e] / kn - p.gap[e]
-        ratio = set_limits(p.mu[e], kn / kt, pressing, tables.values, limit, p_rows)
+        ratio = set_limits(p.mu[e], kn / kt, pressing, limit)
         for t in range(n + 1):
             limit[t], force[t] = ratio * positive(limit[t]), kn * positive(pressing[t])
         areas[i] = loop_area(pressing, force)
@@ -110,6 +117,27 @@ def loop_areas(numbers: Any, displacement: Any, p: Any, cycles: int, tables: Tab
             for t in range(n + 1):
                 force[t] = kt * (u[t] - position[t % n])
             areas[i] += loop_area(u, force)
+
+
+@inner
+def _write_normal_tangent(pressing: Any, kn: float, tables: Any, by_p: Any, tangent: Any, closed: bool) -> None:
+    """As in jenkins_box.py beside this file; by_p: (n_coefficients, n_coefficients), scratch"""
+    tangent[:] = 0.0
+    if pressing.max() <= 0:
+        return
+    identity(by_p)
+    if not closed:
+        add_missing_samples_tangent(pressing, tables.shares, tables.values, by_p)
+    write_block(kn, by_p, tangent[:, 2, :])
+
+
+@inner
+def _write_limit_rows(mu: Any, values: Any, p_rows: Any) -> None:
+    """Derivatives of what sets the slip limit (`normal.set_limits`); p_rows: those of the compression at first"""
+    if len(mu) > 1:
+        for t in range(len(values)):
+            for a in range(values.shape[1]):
+                p_rows[t, a] = mu[t % len(mu)] * values[t, a]
 
 
 @inner

@@ -4,94 +4,103 @@ from typing import Any
 
 import numpy as np
 
-from updamp.hbm.contact.compiled.corners import contact_corner, contact_corner_slopes
+from updamp.hbm.contact.compiled.cubic import basis_halves, halves, positive
+from updamp.hbm.contact.compiled.event_grid import Openings, compression_of, parts
 from updamp.hbm.contact.compiled.keeping import inner
-from updamp.hbm.contact.compiled.segments import positive, positive_slope
-from updamp.hbm.contact.compiled.tables import Tables, add_outer, add_products
+from updamp.hbm.contact.compiled.slider import Columns, Rows, add_numbers, empty, multiply
+from updamp.hbm.contact.compiled.tables import add_outer, hat_rows, slope_rows
 
 
 @inner
-def write_normal(
-    coefficients: Any, pressing: Any, p: Any, e: int, most: int, tables: Tables, force: Any, tangent: Any, scratch: Any
-) -> None:
-    """Writes the normal force of element e and its tangent, as `force_with_tangent` in jenkins_box.py beside this file.
+def write_normal(pressing: Any, missing: Any, coefficients: Any, rest: float, kn: float, constant: Any, out: Any) -> None:
+    """Writes the normal force, (n_coefficients,) [N], of a motion of these coefficients [m].
 
-    pressing: (n_time + 1,) compression [m]; most: corners followed between the samples, 0 for none
-    scratch: (n_coefficients, n_coefficients)
+    pressing: (n_time + 1,) compression [m]; missing: coefficients of what a spring that always presses has less while
+    the contact is open, over kn (`add_missing`); rest: n0 - kn gap [N]; constant: as in `Tables`
     """
-    kn, rest = p.kn[e], p.n0[e] - p.kn[e] * p.gap[e]
-    out = force[e, 2]
-    if pressing.max() <= 0:  # open throughout: exactly nothing, where the difference below leaves round-off
-        for a in range(len(out)):
-            out[a] = -positive(rest) * tables.constant[a]
-        if len(tangent):
-            tangent[e, 2] = 0.0
-        return
     for a in range(len(out)):
-        out[a] = coefficients[a] + (rest - positive(rest)) / kn * tables.constant[a]
-    _add_openings(pressing, tables.shares, most, out)
-    for a in range(len(out)):
-        out[a] *= kn
-    if len(tangent):
-        write_normal_tangent(pressing, kn, most, tables, tangent[e, 2], scratch, False)
+        if pressing.max() <= 0:  # open throughout: exactly nothing, where the difference leaves round-off
+            out[a] = -positive(rest) * constant[a]
+        else:
+            out[a] = kn * (coefficients[a] + missing[a]) + (rest - positive(rest)) * constant[a]
 
 
 @inner
-def write_normal_tangent(
-    pressing: Any, kn: float, most: int, tables: Any, tangent: Any, scratch: Any, closed: bool
-) -> None:
-    """Writes tangent, (n_coefficients, 3, n_coefficients), as `write_normal`; tables: `Tables` or `GrowingTables`
-
-    closed: whether the contact is taken to be so over the whole period
-    """
-    tangent[:] = 0.0
-    if pressing.max() <= 0:
-        return
-    identity(scratch)
-    if not closed:
-        _add_openings_tangent(pressing, tables, most, scratch)
-    write_block(kn, scratch, tangent[:, 2, :])
+def add_missing(p: Any, dp: Any, openings: Openings, weights: Any, out: Any) -> None:
+    """p, dp: (n_time + 1,) compression and its slope; out: (n_coefficients,)"""
+    for j in range(len(p) - 1):
+        part = parts(not p[j] > 0, openings.first[j], openings.second[j])
+        for begin, end in ((part[0], part[1]), (part[2], part[3])):
+            if end > begin:
+                start, after = halves(compression_of(p, dp, j), begin, end)
+                for a in range(len(out)):
+                    out[a] -= weights[j, a] * start + weights[j + 1, a] * after
 
 
 @inner
-def _add_openings(p: Any, shares: Any, most: int, force: Any) -> None:
-    """Adds to the force of a spring that always presses, over kn, what is missing while the contact is open."""
-    found = 0
+def add_missing_tangent(p: Any, openings: Openings, weights: Any, rows: Rows, columns: Columns, by_p: Any) -> None:
+    """Derivatives of what `add_missing` adds; rows: of the compression"""
+    n = len(p) - 1
+    empty(columns)
+    for j in range(n):
+        part = parts(not p[j] > 0, openings.first[j], openings.second[j])
+        before = _whole(p, openings, j) and _whole(p, openings, (j - 1) % n)
+        if before:  # open on both sides of the sample: the hat is one
+            for a in range(len(by_p)):
+                columns.hats[j, a] -= weights[j, a]
+        for begin, end in ((part[0], part[1]), (part[2], part[3])):
+            if end > begin:
+                by = basis_halves(begin, end)
+                if not before:
+                    add_numbers(by[0], j, -1.0, weights[j], columns)
+                if not (_whole(p, openings, j) and _whole(p, openings, (j + 1) % n)):
+                    add_numbers(by[1], j, -1.0, weights[j + 1], columns)
+    multiply(columns, rows, by_p)
+
+
+@inner
+def _whole(p: Any, openings: Openings, j: int) -> bool:
+    """Whether the contact is open throughout the segment."""
+    return not p[j] > 0 and openings.first[j] < 0
+
+
+@inner
+def add_missing_samples(p: Any, shares: Any, out: Any) -> None:
+    """As `add_missing`, of the samples alone."""
     for j in range(len(p) - 1):
         if p[j] < 0:
-            for a in range(len(force)):
-                force[a] -= shares[j, a] * p[j]
-        if (p[j] > 0) != (p[j + 1] > 0) and found < most:
-            found += 1
-            integral, moment = contact_corner(p[j], p[j + 1])
-            for a in range(len(force)):
-                force[a] += shares[j, a] * (integral - moment) + shares[j + 1, a] * moment
+            for a in range(len(out)):
+                out[a] -= shares[j, a] * p[j]
 
 
 @inner
-def _add_openings_tangent(p: Any, tables: Any, most: int, by_p: Any) -> None:
-    """Derivatives of what `_add_openings` adds."""
-    shares, values = tables.shares, tables.values
-    found, missing = 0, np.zeros(shares.shape, shares.dtype)
+def add_missing_samples_tangent(p: Any, shares: Any, values: Any, by_p: Any) -> None:
+    """Derivatives of what `add_missing_samples` adds, at 0 the mean of both sides, as JAX has it."""
     for j in range(len(p) - 1):
-        for a in range(shares.shape[1]):
-            missing[j, a] = (positive_slope(p[j]) - 1) * shares[j, a]
-        if (p[j] > 0) != (p[j + 1] > 0) and found < most:
-            found += 1
-            integral, moment = contact_corner_slopes(p[j], p[j + 1])
-            for q in range(2):
-                add_outer(shares[j], integral[q] - moment[q], values[j + q], by_p)
-                add_outer(shares[j + 1], moment[q], values[j + q], by_p)
-    add_products(missing, values, by_p)
+        if not p[j] > 0:
+            add_outer(shares[j], -1.0 if p[j] < 0 else -0.5, values[j], by_p)
 
 
 @inner
-def set_limits(mu: Any, ratio: float, pressing: Any, values: Any, p: Any, by_p: Any) -> float:
-    """Writes compressions p, (n_time + 1,), and their derivatives by_p by the coefficients, (n_time + 1,
-    n_coefficients), and returns what p is multiplied by for the slip limit over kt (`event_march._friction`).
+def limit_rows(mu: Any, of_pressing: Rows, last_period: Any, own: Rows) -> Rows:
+    """Rows of what sets the slip limit, `set_limits`: those of the compression, or own ones where friction varies."""
+    if len(mu) == 1:
+        return of_pressing
+    n = len(mu)
+    for t in range(n + 1):
+        for a in range(own.values.shape[1]):
+            own.values[t, a] = mu[t % n] * of_pressing.values[t, a]
+    slope_rows(own.values, last_period, own.slopes)
+    hat_rows(own.values, own.slopes, last_period, own.hats)
+    return own
 
-    mu: (1,), or (n_time,) where friction varies over the period; values: derivatives of `pressing`, as which by_p comes
-    ratio: kn / kt
+
+@inner
+def set_limits(mu: Any, ratio: float, pressing: Any, p: Any) -> float:
+    """Writes compressions p, (n_time + 1,), and returns what p is multiplied by for the slip limit over kt
+    (`event_march._friction`).
+
+    mu: (1,), or (n_time,) where friction varies over the period; ratio: kn / kt
     """
     if len(mu) == 1:
         p[:] = pressing
@@ -99,8 +108,6 @@ def set_limits(mu: Any, ratio: float, pressing: Any, values: Any, p: Any, by_p: 
     n = len(mu)
     for t in range(n + 1):
         p[t] = mu[t % n] * pressing[t]
-        for a in range(by_p.shape[1]):
-            by_p[t, a] = mu[t % n] * values[t, a]
     return ratio
 
 

@@ -1,8 +1,9 @@
-"""The march of a slider through its segments, and its force's Fourier coefficients with their tangent.
+"""The march of a slider from node to node, and its force's Fourier coefficients with their tangent.
 
-A slider always stands where one segment put it, its source. So the tangent is a sum over sources: what the samples of
-that source add to the coefficients, times the derivatives of the one position. Beside it there are the few segments
-with a corner, which have a share of their own.
+The path of the slider, w(t), is a constant where it sticks, the motion less the limit where it slips, the motion itself
+where the contact is open. What it takes from the force of the spring alone are the integrals of its path against the
+harmonics, piece by piece. The path is continuous, so that no derivative is needed of where a piece ends. A slider
+always stands where one node put it, its source, and these are few: the tangent of what sticks is a sum over sources.
 """
 
 from typing import Any, NamedTuple
@@ -10,247 +11,286 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.compiled.corners import corner, corner_slopes
-from updamp.hbm.contact.compiled.keeping import inner
-from updamp.hbm.contact.compiled.segments import (
-    DU0,
-    DU1,
-    N_CORNER,
-    P0,
-    P1,
-    U0,
-    U1,
-    W0,
-    W1,
-    end_of,
-    has_corner,
-    positive,
-    positive_slope,
-    push,
-    push_slopes,
-    turned,
+from updamp.hbm.contact.compiled.cubic import (
+    WHOLE_END,
+    WHOLE_START,
+    basis,
+    basis_halves,
+    halves,
+    less,
+    rise_through,
+    slope,
 )
+from updamp.hbm.contact.compiled.event_grid import Grid, Path, compression_of, motion_of
+from updamp.hbm.contact.compiled.keeping import inner
 from updamp.hbm.contact.compiled.tables import add_outer, add_products, size_of_change
 
 Floats = NDArray[np.float64]
 
-
-class Path(NamedTuple):
-    """Motion at the samples, all (n_time + 1,): u of the spring's end [m] and its slope du a sample, p the compression
-    that sets the limit [m] (`event_march._friction`)."""
-
-    u: Floats
-    du: Floats
-    p: Floats
+# Whole segments in which the slider does one thing; MIXED where it does several, or stands.
+MIXED, OPEN, UP, DOWN = 0, 1, 2, 3
 
 
 class Slider(NamedTuple):
-    """source: (n_time + 1,) where the slider stands at each sample: pushed up by the segment of this number, down from
-    n_time on, at first at 2 n_time
-    position: (2 n_time + 1,) of each source in use [m]; inside: whether it lies within the segment, not at its end
-    up, down: (n_time,) where each segment pushes to [m]; corner: whether its path is followed between the samples
-    columns: (2 n_time + 1, n_coefficients) what the samples of each source add to the coefficients
-    ends_u, ends_p: (n_time + 1, n_coefficients) the same of those that stand where the segment ends, at this sample,
-        times the derivatives of their position by u and p there
+    """position: of the slider at each node [m]; source: the node that put it there, -1 where it stands as at first
+    side: of each source, 1 where it pushed up to u less the limit, -1 down to u plus the limit, 0 where there is no limit
+    slips: share of the segment from which on it slips before the next node
+    whole: (n_time,) what it does in each segment
     """
 
-    source: NDArray[np.int64]
     position: Floats
-    inside: NDArray[np.bool_]
-    up: Floats
-    down: Floats
-    corner: NDArray[np.bool_]
-    columns: Floats
-    ends_u: Floats
-    ends_p: Floats
+    source: NDArray[np.int64]
+    side: Floats
+    slips: Floats
+    whole: NDArray[np.int64]
 
 
 class Rows(NamedTuple):
-    """Derivatives of u, du and p by the coefficients, each (n_time + 1, n_coefficients), real or complex."""
+    """Derivatives by the coefficients of the samples of a motion, of their slopes, and of its integral against each
+    sample's hat, each (n_time + 1, n_coefficients), real or complex."""
 
-    u: NDArray[Any]
-    du: NDArray[Any]
-    p: NDArray[Any]
+    values: NDArray[Any]
+    slopes: NDArray[Any]
+    hats: NDArray[Any]
+
+
+class Columns(NamedTuple):
+    """What u or p of the slider's path add to the coefficients, to be multiplied by `Rows`: all (n_time + 1,
+    n_coefficients); touched: (n_time + 1,) whether values and slopes have any"""
+
+    values: NDArray[Any]
+    slopes: NDArray[Any]
+    hats: NDArray[Any]
+    touched: NDArray[np.bool_]
 
 
 class Scratch(NamedTuple):
     """Of one direction. force: (n_coefficients,) [m], over kt; by_u, by_p: its derivatives (n_coefficients,
-    n_coefficients); row_u, row_p: (n_coefficients,); by: (2, N_CORNER)"""
+    n_coefficients); integrals: (n_time + 1,) of the path against each hat [m]; start, end: (n_coefficients,)
+    sources: (n_nodes, n_coefficients) what stands where each node put it adds to the coefficients"""
 
     force: Floats
-    by_u: Floats
-    by_p: Floats
-    row_u: Floats
-    row_p: Floats
-    by: Floats
+    by_u: NDArray[Any]
+    by_p: NDArray[Any]
+    integrals: Floats
+    start: NDArray[Any]
+    end: NDArray[Any]
+    sources: NDArray[Any]
+    u: Columns
+    p: Columns
 
 
 @inner
-def new_path(n: int) -> Path:
-    return Path(np.empty(n + 1), np.empty(n + 1), np.empty(n + 1))
+def new_slider(n_nodes: int, n: int) -> Slider:
+    source, whole = np.empty(n_nodes, dtype=np.int64), np.empty(n, dtype=np.int64)
+    return Slider(np.empty(n_nodes), source, np.empty(n_nodes), np.empty(n_nodes), whole)
 
 
 @inner
-def new_slider(shares: Any) -> Slider:
-    """shares: (n_time + 1, n_coefficients); what belongs to tangents is of their kind of numbers"""
-    n, c, kind = len(shares) - 1, shares.shape[1], shares.dtype
-    source, inside = np.empty(n + 1, dtype=np.int64), np.empty(2 * n + 1, dtype=np.bool_)
-    columns = np.empty((2 * n + 1, c), kind)
-    ends_u, ends_p = np.empty((n + 1, c), kind), np.empty((n + 1, c), kind)
-    up, down, corners = np.empty(n), np.empty(n), np.empty(n, dtype=np.bool_)
-    return Slider(source, np.empty(2 * n + 1), inside, up, down, corners, columns, ends_u, ends_p)
+def new_columns(weights: Any) -> Columns:
+    one = np.zeros(weights.shape, weights.dtype)
+    return Columns(one, one.copy(), one.copy(), np.zeros(len(one), dtype=np.bool_))
 
 
 @inner
-def new_scratch(shares: Any) -> Scratch:
-    c, kind = shares.shape[1], shares.dtype
+def new_scratch(n_nodes: int, weights: Any) -> Scratch:
+    """weights: `Tables.weights`; what belongs to tangents is of their kind of numbers"""
+    c, kind = weights.shape[1], weights.dtype
     square, row = np.empty((c, c), kind), np.empty(c, kind)
-    return Scratch(np.empty(c), square, square.copy(), row, row.copy(), np.empty((2, N_CORNER)))
+    integrals, sources = np.empty(len(weights)), np.empty((n_nodes, c), kind)
+    columns = new_columns(weights), new_columns(weights)
+    return Scratch(np.empty(c), square, square.copy(), integrals, row, row.copy(), sources, columns[0], columns[1])
 
 
 @inner
-def segment(path: Path, j: int) -> Any:
-    """See `segments.py`."""
-    u, du, p = path
-    return u[j], u[j + 1], du[j], du[j + 1], p[j], p[j + 1]
+def march(grid: Grid, path: Path, ratio: float, first: float, cycles: int, slider: Slider) -> None:
+    """first: where the slider rests [m]"""
+    n, stands, source = grid.count[0], first, -1
+    for cycle in range(cycles):
+        # the node at the end is the first one of the next period
+        for k in range(n + 1 if cycle == cycles - 1 else n):
+            up, down = grid.u[k] - grid.limit[k], grid.u[k] + grid.limit[k]
+            if grid.limit[k] == 0:
+                stands, source, slider.side[k] = grid.u[k], k, 0.0
+            elif stands < up:
+                stands, source, slider.side[k] = up, k, 1.0
+            elif stands > down:
+                stands, source, slider.side[k] = down, k, -1.0
+            slider.position[k], slider.source[k] = stands, source
+    slider.whole[:] = MIXED
+    for k in range(n):
+        j = grid.segment[k]
+        slider.slips[k] = _slips(grid, path, ratio, slider, k)
+        if grid.share[k] == 0 and grid.segment[k + 1] != j or k == n - 1 and grid.share[k] == 0:
+            if not grid.closed[k]:
+                slider.whole[j] = OPEN
+            elif slider.slips[k] == 0:
+                slider.whole[j] = UP if slider.position[k + 1] > slider.position[k] else DOWN
 
 
 @inner
-def march(path: Path, ratio: float, first: float, cycles: int, most: int, slider: Slider) -> None:
-    """As `event_march._sliders`; most: sources within their segment that are followed, the others are taken at its
-    end."""
-    n = len(slider.up)
-    for j in range(n):
-        s = segment(path, j)
-        slider.up[j], slider.down[j] = push(s, ratio), -push(turned(s, -1.0), ratio)
-    bound = ratio * positive(path.p[0])
-    stands = min(max(first, path.u[0] - bound), path.u[0] + bound)
-    number = n - 1 if stands > first else (2 * n - 1 if stands < first else 2 * n)
-    for _ in range(cycles):
-        for j in range(n):
-            slider.source[j] = number
-            up, down = slider.up[j], slider.down[j]
-            if path.p[j] <= 0 and path.p[j + 1] > 0:
-                stands, number = up, j
-                continue
-            if stands < up:
-                stands, number = up, j
-            if stands > down:
-                stands, number = down, n + j
-    slider.source[n] = slider.source[0]
-    slider.position[2 * n] = first
-    _place(path, ratio, most, slider)
+def _end(grid: Grid, k: int) -> float:
+    """Share of node k's segment at which the next node is."""
+    return grid.share[k + 1] if grid.segment[k + 1] == grid.segment[k] else 1.0
 
 
 @inner
-def _place(path: Path, ratio: float, most: int, slider: Slider) -> None:
-    """Positions of the sources in use; those within their segment are counted in the order of their numbers."""
-    n = len(slider.up)
-    # until the number is known, `inside` says which are in use
-    slider.inside[:] = False
-    for j in range(n):
-        slider.inside[slider.source[j]] = True
-    slider.inside[2 * n] = False
-    found = 0
-    for k in range(2 * n):
-        if not slider.inside[k]:
-            continue
-        sign, j = (1.0, k) if k < n else (-1.0, k - n)
-        end = end_of(turned(segment(path, j), sign), ratio)
-        pushed = slider.up[j] if k < n else -slider.down[j]
-        inside = pushed > end and found < most
-        found += inside
-        slider.inside[k] = inside
-        slider.position[k] = sign * (pushed if inside else end)
+def _slips(grid: Grid, path: Path, ratio: float, slider: Slider, k: int) -> float:
+    if not grid.closed[k]:
+        return grid.share[k]
+    before, after = slider.position[k], slider.position[k + 1]
+    end = _end(grid, k)
+    if after == before:
+        return end
+    sign, j = (1.0 if after > before else -1.0), grid.segment[k]
+    pushed = less(motion_of(path, j), sign * ratio, compression_of(path.p, path.dp, j))
+    return rise_through(pushed, before, sign, grid.share[k], end)
 
 
 @inner
-def find_corners(path: Path, ratio: float, most: int, slider: Slider) -> None:
-    """Writes slider.corner; most: corners that are followed."""
-    found = 0
-    for j in range(len(slider.up)):
-        w0 = slider.position[slider.source[j]]
-        slider.corner[j] = found < most and has_corner(segment(path, j), ratio, w0, slider.up[j], slider.down[j])
-        found += slider.corner[j]
+def add_force(grid: Grid, path: Path, ratio: float, slider: Slider, weights: Floats, out: Scratch) -> None:
+    """Takes the path of the slider from out.force, that of a spring alone, over kt."""
+    out.integrals[:] = 0.0
+    for k in range(grid.count[0]):
+        j, begin, slips, end = grid.segment[k], grid.share[k], slider.slips[k], _end(grid, k)
+        if slips > begin:
+            start, after = halves((slider.position[k], 0.0, 0.0, 0.0), begin, slips)
+            out.integrals[j] += start
+            out.integrals[j + 1] += after
+        if end > slips:
+            start, after = halves(_sliding(grid, path, ratio, slider, k), slips, end)
+            out.integrals[j] += start
+            out.integrals[j + 1] += after
+    for t in range(len(weights)):
+        for a in range(len(out.force)):
+            out.force[a] -= weights[t, a] * out.integrals[t]
 
 
 @inner
-def add_force(path: Path, ratio: float, slider: Slider, shares: Floats, force: Floats) -> None:
-    """Adds to the force of a spring alone, over kt, what the slider takes away and what lies beyond the chords."""
-    for j in range(len(slider.up)):
-        w0 = slider.position[slider.source[j]]
-        for a in range(len(force)):
-            force[a] -= shares[j, a] * w0
-        if slider.corner[j]:
-            integral, moment = corner(segment(path, j), ratio, w0, slider.position[slider.source[j + 1]])
-            for a in range(len(force)):
-                force[a] += shares[j, a] * (integral - moment) + shares[j + 1, a] * moment
+def _side_of_slip(grid: Grid, slider: Slider, k: int) -> float:
+    """1 where the slider slips up from node k on, -1 down, 0 where the contact is open."""
+    if not grid.closed[k]:
+        return 0.0
+    return 1.0 if slider.position[k + 1] > slider.position[k] else -1.0
+
+
+@inner
+def _sliding(grid: Grid, path: Path, ratio: float, slider: Slider, k: int) -> Any:
+    """The slider's path where it slips or is open."""
+    j = grid.segment[k]
+    return less(motion_of(path, j), _side_of_slip(grid, slider, k) * ratio, compression_of(path.p, path.dp, j))
 
 
 @inner
 def add_tangent(
-    path: Path, rows: Rows, ratio: float, slider: Slider, shares: Any, last_period: Any, out: Scratch
+    grid: Grid,
+    path: Path,
+    u: Rows,
+    p: Rows,
+    ratio: float,
+    slider: Slider,
+    weights: Any,
+    last_period: Any,
+    out: Scratch,
 ) -> None:
     """Adds to out.by_u and out.by_p the derivatives of what `add_force` has added.
 
     last_period: factor of what moved the slider in the period before (1 where the motion's change is periodic)
     """
-    n = len(slider.up)
-    slider.columns[:] = 0.0
-    for j in range(n):
-        k, following = slider.source[j], slider.source[j + 1]
-        # a source moves the slider in a segment that comes later only if that lies in the period before
-        size0 = size_of_change(k % n >= j, last_period)
-        size1 = size_of_change(following % n >= j + 1, last_period)
-        for a in range(len(out.force)):
-            slider.columns[k, a] += size0 * shares[j, a]
-        s, w0 = segment(path, j), slider.position[k]
-        if slider.corner[j]:
-            corner_slopes(s, ratio, w0, slider.position[following], out.by)
-            for a in range(N_CORNER):
-                out.by[0, a] -= out.by[1, a]  # the start has the integral less the moment
-            for q in range(2):
-                for a in range(len(out.force)):
-                    slider.columns[k, a] -= size0 * shares[j + q, a] * out.by[q, W0]
-                    slider.columns[following, a] -= size1 * shares[j + q, a] * out.by[q, W1]
-                _add(shares[j + q], 1.0, out.by[q], rows, j, out)
-    _add_sources(path, rows, ratio, slider, out)
-
-
-@inner
-def _add_sources(path: Path, rows: Rows, ratio: float, slider: Slider, out: Scratch) -> None:
-    n = len(slider.up)
-    slider.ends_u[:], slider.ends_p[:] = 0.0, 0.0
-    # a source may have been met before: its column is emptied once it has been added
-    for i in range(n):
-        k = slider.source[i]
-        if k == 2 * n or (i > 0 and k == slider.source[i - 1]):
-            continue
-        sign, j = (1.0, k) if k < n else (-1.0, k - n)
-        s = turned(segment(path, j), sign)
-        if slider.inside[k]:
-            slopes = push_slopes(s, ratio)
-            for a in range(P0):
-                out.by[0, a] = slopes[a]
-            for a in range(P0, P1 + 1):
-                out.by[0, a] = sign * slopes[a]
-            _add(slider.columns[k], -1.0, out.by[0], rows, j, out)
-        else:
-            by_p = sign * ratio * positive_slope(s[P1])
+    empty(out.u)
+    empty(out.p)
+    out.sources[: grid.count[0] + 1] = 0.0
+    _add_whole(slider, ratio, weights, out)
+    for k in range(grid.count[0]):
+        j, begin, slips, end = grid.segment[k], grid.share[k], slider.slips[k], _end(grid, k)
+        source = slider.source[k]
+        if slips > begin and source >= 0:
+            size = size_of_change(source > k, last_period)
+            start, after = halves((1.0, 0.0, 0.0, 0.0), begin, slips)
             for a in range(len(out.force)):
-                slider.ends_u[j + 1, a] -= slider.columns[k, a]
-                slider.ends_p[j + 1, a] += by_p * slider.columns[k, a]
-        slider.columns[k] = 0.0
-    add_products(slider.ends_u, rows.u, out.by_u)
-    add_products(slider.ends_p, rows.p, out.by_p)
+                out.sources[source, a] -= size * (start * weights[j, a] + after * weights[j + 1, a])
+        if end > slips and slider.whole[j] == MIXED:
+            side = _side_of_slip(grid, slider, k)
+            _add_piece(basis_halves(slips, end), j, side * ratio, weights, out)
+    for k in range(grid.count[0] + 1):
+        if slider.source[k] == k:
+            _add_source(grid, path, ratio, slider.side[k], k, out)
+    multiply(out.u, u, out.by_u)
+    multiply(out.p, p, out.by_p)
 
 
 @inner
-def _add(column: Floats, factor: float, by: Floats, rows: Rows, j: int, out: Scratch) -> None:
-    """Adds factor column times the derivative of a quantity, from its derivatives by the numbers of segment j."""
-    for b in range(len(out.force)):
-        u = by[U0] * rows.u[j, b] + by[U1] * rows.u[j + 1, b]
-        out.row_u[b] = u + by[DU0] * rows.du[j, b] + by[DU1] * rows.du[j + 1, b]
-        out.row_p[b] = by[P0] * rows.p[j, b] + by[P1] * rows.p[j + 1, b]
-    add_outer(column, factor, out.row_u, out.by_u)
-    add_outer(column, factor, out.row_p, out.by_p)
+def _add_whole(slider: Slider, ratio: float, weights: Any, out: Scratch) -> None:
+    """Segments in which the slider only slips, or the contact is open: where neighbours do the same, the hat between
+    them is one."""
+    n = len(slider.whole)
+    for j in range(n):
+        does = slider.whole[j]
+        if does == MIXED:
+            continue
+        factor = 0.0 if does == OPEN else (ratio if does == UP else -ratio)
+        if slider.whole[j - 1] == does:  # before the first comes the last
+            for a in range(len(out.force)):
+                out.u.hats[j, a] -= weights[j, a]
+                out.p.hats[j, a] += factor * weights[j, a]
+        else:
+            _add_half(WHOLE_START, j, factor, weights[j], out)
+        if slider.whole[(j + 1) % n] != does:
+            _add_half(WHOLE_END, j, factor, weights[j + 1], out)
+
+
+@inner
+def _add_half(by: Any, j: int, factor: float, weight: Any, out: Scratch) -> None:
+    """by: derivatives of an integral of u in segment j by its four numbers; less factor times that of p"""
+    add_numbers(by, j, -1.0, weight, out.u)
+    if factor != 0:
+        add_numbers(by, j, factor, weight, out.p)
+
+
+@inner
+def _add_piece(by: Any, j: int, factor: float, weights: Any, out: Scratch) -> None:
+    _add_half(by[0], j, factor, weights[j], out)
+    _add_half(by[1], j, factor, weights[j + 1], out)
+
+
+@inner
+def add_numbers(by: Any, j: int, factor: float, weight: Any, columns: Columns) -> None:
+    columns.touched[j] = columns.touched[j + 1] = True
+    for a in range(len(weight)):
+        scaled = factor * weight[a]
+        columns.values[j, a] += by[0] * scaled
+        columns.values[j + 1, a] += by[1] * scaled
+        columns.slopes[j, a] += by[2] * scaled
+        columns.slopes[j + 1, a] += by[3] * scaled
+
+
+@inner
+def _add_source(grid: Grid, path: Path, ratio: float, side: float, k: int, out: Scratch) -> None:
+    """The derivatives of where node k puts the slider."""
+    j, t, weight = grid.segment[k], grid.share[k], out.sources[k]
+    by = basis(t)
+    add_numbers(by, j, 1.0, weight, out.u)
+    if side != 0:
+        add_numbers(by, j, -side * ratio, weight, out.p)
+    elif grid.crossing[k]:  # it is put where the motion is then, and that moves with the instant
+        rate = slope(motion_of(path, j), t) / slope(compression_of(path.p, path.dp, j), t)
+        add_numbers(by, j, -rate, weight, out.p)
+
+
+@inner
+def empty(columns: Columns) -> None:
+    columns.hats[:] = 0.0
+    for t in range(len(columns.touched)):
+        if columns.touched[t]:
+            columns.values[t] = 0.0
+            columns.slopes[t] = 0.0
+            columns.touched[t] = False
+
+
+@inner
+def multiply(columns: Columns, rows: Rows, out: Any) -> None:
+    add_products(columns.hats, rows.hats, out)
+    for t in range(len(columns.touched)):
+        if columns.touched[t]:
+            add_outer(columns.values[t], 1.0, rows.values[t], out)
+            add_outer(columns.slopes[t], 1.0, rows.slopes[t], out)

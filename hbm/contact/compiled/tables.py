@@ -17,14 +17,20 @@ class Tables(NamedTuple):
 
     synthesis: (n_coefficients, n_time) samples of each coefficient
     values, slopes: (n_time + 1, n_coefficients) derivative of a sample, and of its slope, by the coefficients
+    hats: (n_time + 1, n_coefficients) the same of the integral of the motion between samples, a cubic each, against the
+        hat about a sample (1 there, falling to 0 at its neighbours)
     shares: (n_time + 1, n_coefficients) what a sample adds to the coefficients
+    weights: (n_time + 1, n_coefficients) what that integral adds to them, if all do: those of the cubics about the
+        samples of a motion of these harmonics are exactly its own
     constant: (n_coefficients,) coefficients of 1
     """
 
     synthesis: Floats
     values: Floats
     slopes: Floats
+    hats: Floats
     shares: Floats
+    weights: Floats
     constant: Floats
 
 
@@ -37,37 +43,44 @@ class GrowingTables(NamedTuple):
 
     values: NDArray[np.complex128]
     slopes: NDArray[np.complex128]
+    hats: NDArray[np.complex128]
     shares: NDArray[np.complex128]
+    weights: NDArray[np.complex128]
     last_period: complex
 
 
 def growing(tables: Tables, growth: complex) -> GrowingTables:
     """growth: s / w"""
     n_time = len(tables.values) - 1
-    step = 2 * np.pi * growth / n_time
-    factor = np.exp(step * np.arange(n_time + 1))[:, None]
-    # as `tables`, each sample by its own growth, which the factor of the middle one leaves in
-    v = tables.values[:-1]
-    near = np.roll(v, -1, axis=0) * np.exp(step) - np.roll(v, 1, axis=0) * np.exp(-step)
-    far = np.roll(v, -2, axis=0) * np.exp(2 * step) - np.roll(v, 2, axis=0) * np.exp(-2 * step)
-    slopes = (8 * near - far) / 12
-    slopes = np.concatenate([slopes, slopes[:1]])
-    values, slopes, shares = (
-        np.ascontiguousarray(t, np.complex128)
-        for t in (tables.values * factor, slopes * factor, tables.shares / factor)
-    )
-    return GrowingTables(values, slopes, shares, complex(np.exp(-2 * np.pi * growth)))
+    factor = np.exp(2 * np.pi * growth / n_time * np.arange(n_time + 1))[:, None]
+    last_period = complex(np.exp(-2 * np.pi * growth))
+    rows = _rows(np.ascontiguousarray(tables.values * factor, np.complex128), last_period)
+    shares = np.ascontiguousarray(tables.shares / factor, np.complex128)
+    return GrowingTables(*rows, shares, _weights(rows[2], shares), last_period)
 
 
 @lru_cache(maxsize=32)
 def tables(harmonics: Harmonics, n_time: int) -> Tables:
     """raises: ValueError where n_time cannot resolve the highest harmonic"""
     synthesis, shares = harmonics.synthesis(n_time), np.ascontiguousarray(harmonics.analysis(n_time).T)
-    near = np.roll(synthesis, -1, axis=0) - np.roll(synthesis, 1, axis=0)
-    far = np.roll(synthesis, -2, axis=0) - np.roll(synthesis, 2, axis=0)
     constant = np.array([float(k == 0 and i == 0) for k in harmonics.orders for i in range(1 if k == 0 else 2)])
-    values, slopes, shares = (np.concatenate([t, t[:1]]) for t in (synthesis, (8 * near - far) / 12, shares))
-    return Tables(np.ascontiguousarray(synthesis.T), values, slopes, shares, constant)
+    values, shares = (np.concatenate([t, t[:1]]) for t in (synthesis, shares))
+    rows = _rows(values, 1.0)
+    return Tables(np.ascontiguousarray(synthesis.T), *rows, shares, _weights(rows[2], shares), constant)
+
+
+def _rows(values: NDArray[Any], last_period: Any) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+    """Of the samples, of their slopes, of the integrals against hats."""
+    slopes, hats = np.empty_like(values), np.empty_like(values)
+    slope_rows.py_func(values, last_period, slopes)
+    hat_rows.py_func(values, slopes, last_period, hats)
+    return values, slopes, hats
+
+
+def _weights(hats: NDArray[Any], shares: NDArray[Any]) -> NDArray[Any]:
+    """shares, so scaled that the integrals of a motion give its coefficients back."""
+    back = np.linalg.inv(shares[:-1].T @ hats[:-1])
+    return np.ascontiguousarray(shares @ back.T)
 
 
 @inner
@@ -83,13 +96,46 @@ def sample(coefficients: Any, synthesis: Any, out: Any) -> None:
 
 @inner
 def slope(values: Any, out: Any) -> None:
-    """(n_time + 1,) or (n_time + 1, n) -> same: derivative with respect to the number of the sample, fourth order."""
+    """(n_time + 1,) -> same: derivative with respect to the number of the sample, fourth order."""
     n = len(values) - 1
     for t in range(n):
         near = values[(t + 1) % n] - values[(t - 1) % n]
         far = values[(t + 2) % n] - values[(t - 2) % n]
         out[t] = (8 * near - far) / 12
     out[n] = out[0]
+
+
+@inner
+def slope_rows(values: Any, last_period: Any, out: Any) -> None:
+    """As `slope`, (n_time + 1, n_coefficients) -> same; last_period: as in `GrowingTables`"""
+    n = len(values) - 1
+    for t in range(n + 1):
+        for a in range(values.shape[1]):
+            near = _row(values, t + 1, a, last_period) - _row(values, t - 1, a, last_period)
+            far = _row(values, t + 2, a, last_period) - _row(values, t - 2, a, last_period)
+            out[t, a] = (8 * near - far) / 12
+
+
+@inner
+def hat_rows(values: Any, slopes: Any, last_period: Any, out: Any) -> None:
+    """Integrals of the cubics between samples against the hat about each; as `slope_rows`."""
+    n = len(values) - 1
+    for t in range(n + 1):
+        for a in range(values.shape[1]):
+            beside = _row(values, t - 1, a, last_period) + _row(values, t + 1, a, last_period)
+            turning = _row(slopes, t - 1, a, last_period) - _row(slopes, t + 1, a, last_period)
+            out[t, a] = 0.7 * values[t, a] + 0.15 * beside + turning / 30
+
+
+@inner
+def _row(values: Any, t: int, a: int, last_period: Any) -> Any:
+    """Of any sample: those before the first and behind the last are of other periods."""
+    n = len(values) - 1
+    if t < 0:
+        return values[t + n, a] * last_period
+    if t > n:
+        return values[t - n, a] / last_period
+    return values[t, a]
 
 
 @inner
