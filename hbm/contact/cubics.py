@@ -62,7 +62,9 @@ def tops(c: Cubics, a: jax.Array, b: jax.Array) -> jax.Array:
 
 
 def rises_through(c: Cubics, level: jax.Array, a: jax.Array, b: jax.Array) -> jax.Array:
-    """Where the cubics rise through a level between a, where they are not above, and b, where they are not below."""
+    """Where the cubics rise through a level between a, where they are not above, and b, where they are not below. Where
+    they begin at the level, it depends on which way they go.
+    """
 
     def step(_: int, state: tuple[jax.Array, jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array, jax.Array]:
         low, high, t = state
@@ -72,7 +74,7 @@ def rises_through(c: Cubics, level: jax.Array, a: jax.Array, b: jax.Array) -> ja
         return low, high, jnp.where((low < further) & (further < high), further, (low + high) / 2)
 
     found = jax.lax.fori_loop(0, _STEPS, step, (a, b, (a + b) / 2))[2]
-    return jnp.where(c.value(a) >= level, a, found)
+    return jnp.where((c.value(a) >= level) & (c.slope(a) >= 0), a, found)
 
 
 def averages_against_hats(n: int) -> np.ndarray:

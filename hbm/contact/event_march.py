@@ -49,6 +49,13 @@ class _Openings(NamedTuple):
         return (start, jnp.maximum(start, end)), (jnp.where(begins, until, 1.0), jnp.ones_like(until))
 
 
+class _Limit(NamedTuple):
+    """The slip limit over kt, ratio times p where p is positive [m]."""
+
+    ratio: jax.Array
+    p: Cubics
+
+
 class _Grid(NamedTuple):
     """Nodes in the order of time. number: of the segment; share: of it, where the node is; end: where the next one is
     crossing: whether the contact opens or closes; closed: whether it is closed up to the next node
@@ -69,13 +76,11 @@ def march_slider(displacement: jax.Array, p: FrictionParameters, cycles: int) ->
     displacement: (n_time, 3) [m]; p.mu may have one value a sample, (n_time,), all positive
     """
     pressing = p.n0 / p.kn - p.gap + displacement[:, 2]
-    varies = jnp.ndim(p.mu) > 0
-    # Friction that varies over the period goes with the compression.
-    limit = through(p.kn / p.kt * p.mu * pressing) if varies else through(pressing).times(p.mu * p.kn / p.kt)
-    openings = _openings(jax.lax.stop_gradient(limit))
+    ratio, holding = _friction(pressing, p)
+    openings = _openings(jax.lax.stop_gradient(holding))
 
     def one(surface: jax.Array, first: jax.Array) -> tuple[jax.Array, jax.Array]:
-        motion = through(surface)
+        motion, limit = through(surface), _Limit(ratio, holding)
         grid = _grid(*jax.lax.stop_gradient((motion, limit)), openings)
         slider = _positions(grid, motion, limit, first, cycles)
         return surface - slider[grid.sample], surface - _averaged(_integrals(grid, motion, limit, slider))
@@ -83,6 +88,14 @@ def march_slider(displacement: jax.Array, p: FrictionParameters, cycles: int) ->
     tangential, averaged = jax.vmap(one, in_axes=(1, 0), out_axes=1)(displacement[:, :2], -p.t0 / p.kt)
     normal = pressing - _averaged(_open_integrals(through(pressing)))
     return Path(p.kt * tangential, jnp.concatenate([p.kt * averaged, p.kn * normal[:, None]], axis=1))
+
+
+def _friction(pressing: jax.Array, p: FrictionParameters) -> tuple[jax.Array, Cubics]:
+    """A ratio and a compression whose product is the slip limit over kt. Friction that varies over the period goes with
+    the compression: it has the same sign, so that openings and closings stay where they are."""
+    if jnp.ndim(p.mu) == 0:
+        return p.mu * p.kn / p.kt, through(pressing)
+    return p.kn / p.kt, through(p.mu * pressing)
 
 
 def _openings(p: Cubics) -> _Openings:
@@ -100,10 +113,10 @@ def _openings(p: Cubics) -> _Openings:
     return _Openings(jnp.where(once | twice, first, -1.0), jnp.where(twice, second, -1.0), closed)
 
 
-def _grid(motion: Cubics, limit: Cubics, openings: _Openings) -> _Grid:
+def _grid(motion: Cubics, limit: _Limit, openings: _Openings) -> _Grid:
     n = len(motion.c0)
     turns = [
-        tops(motion.times(sign).less(limit), *part) for part in openings.parts(openings.closed) for sign in (1.0, -1.0)
+        tops(motion.times(sign).less(limit.p.times(limit.ratio)), *part) for part in openings.parts(openings.closed) for sign in (1.0, -1.0)
     ]
     crossings = [jnp.where(share < 1, share, -1.0) for share in (openings.first, openings.second)]
     between = jnp.stack([*crossings, *turns], axis=1)
@@ -114,24 +127,23 @@ def _grid(motion: Cubics, limit: Cubics, openings: _Openings) -> _Grid:
     order = jnp.argsort(number + share, stable=True)
     number, share, crossing = number[order], share[order], crossing[order]
     end = jnp.where(jnp.roll(number, -1) == number, jnp.roll(share, -1), 1.0).at[-1].set(1.0)
-    closed = limit.of(number).value((share + end) / 2) > 0
+    closed = limit.p.of(number).value((share + end) / 2) > 0
     return _Grid(number, share, end, crossing, closed, jnp.argsort(order)[:n])
 
 
 def most_between(n_time: int) -> int:
     """Nodes between samples that are followed in each direction of each contact.
 
-    Motions of harmonics up to the order h have at most h highest and h lowest points, and 2 h zeros: 4 h in all. A
-    period is sampled by more than 16 h.
+    Motions of harmonics up to the order h have at most h highest and h lowest points, and 2 h zeros: no more than there
+    are samples, where a period of the highest harmonic has four.
     """
-    return max(16, n_time // 4)
+    return n_time
 
 
-def _positions(grid: _Grid, motion: Cubics, limit: Cubics, first: jax.Array, cycles: int) -> jax.Array:
+def _positions(grid: _Grid, motion: Cubics, limit: _Limit, first: jax.Array, cycles: int) -> jax.Array:
     """(n_nodes,) where the slider stands; first: where it rests."""
-    up, down = _pushed(grid, motion, limit)
+    up, down, free = _pushed(grid, motion, limit)
     n = len(up)
-    free = jax.lax.stop_gradient(up == down)
 
     def step(state: tuple[jax.Array, jax.Array], node: tuple[jax.Array, ...]) -> tuple[tuple[jax.Array, jax.Array], jax.Array]:
         stands, source = state
@@ -147,19 +159,20 @@ def _positions(grid: _Grid, motion: Cubics, limit: Cubics, first: jax.Array, cyc
     return jnp.concatenate([up, down, first[None]])[sources]
 
 
-def _pushed(grid: _Grid, motion: Cubics, limit: Cubics) -> tuple[jax.Array, jax.Array]:
-    """Up to where, and down to where, each node pushes the slider: to one place where there is no limit."""
-    u, bound = motion.of(grid.number), limit.of(grid.number)
-    rate = jax.lax.stop_gradient(bound.slope(grid.share))
-    moves = jnp.where(grid.crossing, bound.value(grid.share) / jnp.where(grid.crossing, rate, 1.0), 0.0)
+def _pushed(grid: _Grid, motion: Cubics, limit: _Limit) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """Up to where, and down to where, each node pushes the slider; whether nothing presses there, and it goes along."""
+    u, p = motion.of(grid.number), limit.p.of(grid.number)
+    rate = jax.lax.stop_gradient(p.slope(grid.share))
+    moves = jnp.where(grid.crossing, p.value(grid.share) / jnp.where(grid.crossing, rate, 1.0), 0.0)
     at = u.value(grid.share - (moves - jax.lax.stop_gradient(moves)))
-    most = jnp.where(grid.crossing, 0.0, jnp.maximum(bound.value(grid.share), 0.0))
-    return at - most, at + most
+    free = grid.crossing | (jax.lax.stop_gradient(p.value(grid.share)) <= 0)
+    most = jnp.where(free, 0.0, limit.ratio * p.value(grid.share))
+    return at - most, at + most, free
 
 
-def _integrals(grid: _Grid, motion: Cubics, limit: Cubics, slider: jax.Array) -> jax.Array:
+def _integrals(grid: _Grid, motion: Cubics, limit: _Limit, slider: jax.Array) -> jax.Array:
     """(n_time,) of the slider's path against the hat about each sample."""
-    u, bound, ends = motion.of(grid.number), limit.of(grid.number), (grid.share, grid.end)
+    u, bound, ends = motion.of(grid.number), limit.p.of(grid.number).times(limit.ratio), (grid.share, grid.end)
     fixed_u, fixed_bound, before = jax.lax.stop_gradient((u, bound, slider))
     side = jnp.where(grid.closed, jnp.sign(jnp.roll(before, -1) - before), 0.0)
     pushed = fixed_u.times(side).less(fixed_bound)

@@ -58,9 +58,9 @@ def top(c: Any, a: float, b: float) -> float:
 @inner
 def rise_through(c: Any, level: float, sign: float, a: float, b: float) -> float:
     """Where sign times the cubic rises through sign times level between a, where it is not above, and b, where it is
-    not below: by Newton's method within a bracket."""
+    not below: by Newton's method within a bracket. Where it begins at the level, it depends on which way it goes."""
     low, high = a, b
-    if sign * (value(c, a) - level) >= 0:
+    if sign * (value(c, a) - level) >= 0 and sign * slope(c, a) >= 0:
         return a
     t = (a + b) / 2
     for _ in range(MOST_STEPS):

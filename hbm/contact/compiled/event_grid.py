@@ -39,7 +39,8 @@ class Grid(NamedTuple):
     """Nodes in the order of time, the last one at the end of the period.
 
     count: (1,) nodes but for the last; segment, share: where a node is; crossing: whether the contact opens or closes
-    closed: whether it is closed from here to the next node; u, limit: of the trial force, over kt [m]
+    free: whether nothing presses there; closed: whether it is closed from here to the next node
+    u, limit: of the trial force, over kt [m]
     sample: (n_time + 1,) nodes of the samples
     """
 
@@ -47,6 +48,7 @@ class Grid(NamedTuple):
     segment: NDArray[np.int64]
     share: Floats
     crossing: NDArray[np.bool_]
+    free: NDArray[np.bool_]
     closed: NDArray[np.bool_]
     u: Floats
     limit: Floats
@@ -67,9 +69,9 @@ def new_path(n: int) -> Path:
 def new_grid(n: int) -> Grid:
     most = MOST_NODES * n + 1
     segment, sample = np.empty(most, dtype=np.int64), np.empty(n + 1, dtype=np.int64)
-    crossing, closed = np.empty(most, dtype=np.bool_), np.empty(most, dtype=np.bool_)
-    count = np.zeros(1, dtype=np.int64)
-    return Grid(count, segment, np.empty(most), crossing, closed, np.empty(most), np.empty(most), sample)
+    state = np.empty((3, most), dtype=np.bool_)
+    number = np.zeros(1, dtype=np.int64), segment
+    return Grid(*number, np.empty(most), state[0], state[1], state[2], np.empty(most), np.empty(most), sample)
 
 
 @inner
@@ -128,7 +130,7 @@ def build_grid(path: Path, ratio: float, openings: Openings, grid: Grid) -> None
                 _add(grid, j, end, True, closed, value(u, end), 0.0)
     end = grid.count[0]
     grid.sample[n] = end
-    _add(grid, n - 1, 1.0, False, False, path.u[n], ratio * positive(path.p[n]))
+    _add(grid, n - 1, 1.0, False, path.p[n] > 0, path.u[n], ratio * positive(path.p[n]))
     grid.count[0] = end
 
 
@@ -152,5 +154,5 @@ def _turn(u: Any, p: Any, ratio: float, sign: float, a: float, b: float) -> floa
 def _add(grid: Grid, j: int, t: float, crossing: bool, closed: bool, u: float, limit: float) -> None:
     k = grid.count[0]
     grid.segment[k], grid.share[k], grid.crossing[k], grid.closed[k] = j, t, crossing, closed
-    grid.u[k], grid.limit[k] = u, limit
+    grid.u[k], grid.limit[k], grid.free[k] = u, limit, crossing or not closed
     grid.count[0] = k + 1

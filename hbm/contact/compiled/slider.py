@@ -110,7 +110,7 @@ def march(grid: Grid, path: Path, ratio: float, first: float, cycles: int, slide
         # the node at the end is the first one of the next period
         for k in range(n + 1 if cycle == cycles - 1 else n):
             up, down = grid.u[k] - grid.limit[k], grid.u[k] + grid.limit[k]
-            if grid.limit[k] == 0:
+            if grid.free[k]:
                 stands, source, slider.side[k] = grid.u[k], k, 0.0
             elif stands < up:
                 stands, source, slider.side[k] = up, k, 1.0
