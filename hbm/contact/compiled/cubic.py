@@ -10,6 +10,8 @@ from updamp.hbm.contact.compiled.keeping import inner
 
 # Newton's method halves its bracket wherever it leaves it: no root takes more steps than the mantissa has bits.
 MOST_STEPS = 60
+# Shares of a segment this close are one: twice the round-off of 1.
+AT_ROOT = 4.4e-16
 
 # Integrals over a whole segment of the four basis functions times 1 - t, and times t.
 WHOLE_START = (7 / 20, 3 / 20, 1 / 20, -1 / 30)
@@ -60,9 +62,11 @@ def rise_through(c: Any, level: float, sign: float, a: float, b: float) -> float
     """Where sign times the cubic rises through sign times level between a, where it is not above, and b, where it is
     not below: by Newton's method within a bracket. Where it begins at the level, it depends on which way it goes."""
     low, high = a, b
-    if sign * (value(c, a) - level) >= 0 and sign * slope(c, a) >= 0:
+    under = sign * (value(c, a) - level)
+    if under >= 0 and sign * slope(c, a) >= 0:
         return a
-    t = (a + b) / 2
+    over = sign * (value(c, b) - level)
+    t = a - under * (b - a) / (over - under) if under < 0 < over else (a + b) / 2
     for _ in range(MOST_STEPS):
         over, rate = sign * (value(c, t) - level), sign * slope(c, t)
         if over > 0:
@@ -72,9 +76,9 @@ def rise_through(c: Any, level: float, sign: float, a: float, b: float) -> float
         further = t - over / rate if rate > 0 else low
         if not low < further < high:
             further = (low + high) / 2
-        if further == t or high - low < 1e-16:
+        moves, t = abs(further - t), further
+        if moves < AT_ROOT:
             break
-        t = further
     return t
 
 

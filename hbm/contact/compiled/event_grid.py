@@ -113,34 +113,41 @@ def parts(begins: bool, first: float, second: float) -> Any:
 @inner
 def build_grid(path: Path, ratio: float, openings: Openings, grid: Grid) -> None:
     """ratio: what p is multiplied by for the slip limit over kt"""
-    n = len(path.u) - 1
-    grid.count[0] = 0
+    u, du, p, dp, first = path.u, path.du, path.p, path.dp, openings.first
+    n, k = len(u) - 1, 0
     for j in range(n):
-        grid.sample[j] = grid.count[0]
-        closed, begin = path.p[j] > 0, 0.0
-        _add(grid, j, 0.0, False, closed, path.u[j], ratio * positive(path.p[j]))
-        u, p = motion_of(path, j), compression_of(path.p, path.dp, j)
-        for end in (openings.first[j], openings.second[j], 1.0):
-            if end < 0:
-                continue
-            if closed:
-                _add_turns(grid, j, u, p, ratio, begin, end)
-            if end < 1:
-                closed, begin = not closed, end
-                _add(grid, j, end, True, closed, value(u, end), 0.0)
-    end = grid.count[0]
-    grid.sample[n] = end
-    _add(grid, n - 1, 1.0, False, path.p[n] > 0, path.u[n], ratio * positive(path.p[n]))
-    grid.count[0] = end
+        grid.sample[j] = k
+        _set(grid, k, j, 0.0, False, p[j] > 0, u[j], ratio * positive(p[j]))
+        k += 1
+        # turns of the two positions that the slider can be pushed to
+        up = du[j] > ratio * dp[j] and du[j + 1] < ratio * dp[j + 1]
+        down = -du[j] > ratio * dp[j] and -du[j + 1] < ratio * dp[j + 1]
+        if first[j] >= 0 or (p[j] > 0 and (up or down)):
+            k = _add_between(path, ratio, openings, j, grid, k)
+    grid.sample[n] = grid.count[0] = k
+    _set(grid, k, n - 1, 1.0, False, p[n] > 0, u[n], ratio * positive(p[n]))
 
 
 @inner
-def _add_turns(grid: Grid, j: int, u: Any, p: Any, ratio: float, a: float, b: float) -> None:
-    """Highest point of where the slider can be pushed up to, and lowest of where it can be pushed down to."""
-    at = (_turn(u, p, ratio, 1.0, a, b), _turn(u, p, ratio, -1.0, a, b))
-    for t in (min(at[0], at[1]), max(at[0], at[1])):
-        if t >= 0:
-            _add(grid, j, t, False, True, value(u, t), ratio * positive(value(p, t)))
+def _add_between(path: Path, ratio: float, openings: Openings, j: int, grid: Grid, k: int) -> int:
+    """Adds what is between the samples of segment j; returns the number of the next node."""
+    u, p = motion_of(path, j), compression_of(path.p, path.dp, j)
+    closed, begin = path.p[j] > 0, 0.0
+    for end in (openings.first[j], openings.second[j], 1.0):
+        if end < 0:
+            continue
+        if closed:
+            # highest point of where the slider can be pushed up to, and lowest of where it can be pushed down to
+            at = (_turn(u, p, ratio, 1.0, begin, end), _turn(u, p, ratio, -1.0, begin, end))
+            for t in (min(at[0], at[1]), max(at[0], at[1])):
+                if t >= 0:
+                    _set(grid, k, j, t, False, True, value(u, t), ratio * positive(value(p, t)))
+                    k += 1
+        if end < 1:
+            closed, begin = not closed, end
+            _set(grid, k, j, end, True, closed, value(u, end), 0.0)
+            k += 1
+    return k
 
 
 @inner
@@ -151,8 +158,6 @@ def _turn(u: Any, p: Any, ratio: float, sign: float, a: float, b: float) -> floa
 
 
 @inner
-def _add(grid: Grid, j: int, t: float, crossing: bool, closed: bool, u: float, limit: float) -> None:
-    k = grid.count[0]
+def _set(grid: Grid, k: int, j: int, t: float, crossing: bool, closed: bool, u: float, limit: float) -> None:
     grid.segment[k], grid.share[k], grid.crossing[k], grid.closed[k] = j, t, crossing, closed
     grid.u[k], grid.limit[k], grid.free[k] = u, limit, crossing or not closed
-    grid.count[0] = k + 1

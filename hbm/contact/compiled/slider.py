@@ -17,7 +17,7 @@ from updamp.hbm.contact.compiled.cubic import (
     basis,
     basis_halves,
     halves,
-    less,
+    powers,
     rise_through,
     slope,
 )
@@ -27,20 +27,24 @@ from updamp.hbm.contact.compiled.tables import add_outer, add_products, size_of_
 
 Floats = NDArray[np.float64]
 
-# Whole segments in which the slider does one thing; MIXED where it does several, or stands.
-MIXED, OPEN, UP, DOWN = 0, 1, 2, 3
+# What a slider does: where the contact is open it goes along.
+STANDS, OPEN, UP, DOWN = 0, 1, 2, 3
+# What the limit is multiplied by where it slips up or down.
+SIGN = (0.0, 0.0, 1.0, -1.0)
 
 
 class Slider(NamedTuple):
     """position: of the slider at each node [m]; source: the node that put it there, -1 where it stands as at first
     side: of each source, 1 where it pushed up to u less the limit, -1 down to u plus the limit, 0 where there is no limit
-    slips: share of the segment from which on it slips before the next node
-    whole: (n_time,) what it does in each segment
+    does: what it does before it comes to the next node; slips: share of the segment from which on, the end where it
+        stands until then
+    whole: (n_time,) what it does in each segment from start to end, STANDS where that is several things
     """
 
     position: Floats
     source: NDArray[np.int64]
     side: Floats
+    does: NDArray[np.int64]
     slips: Floats
     whole: NDArray[np.int64]
 
@@ -67,7 +71,9 @@ class Columns(NamedTuple):
 class Scratch(NamedTuple):
     """Of one direction. force: (n_coefficients,) [m], over kt; by_u, by_p: its derivatives (n_coefficients,
     n_coefficients); integrals: (n_time + 1,) of the path against each hat [m]; start, end: (n_coefficients,)
-    sources: (n_nodes, n_coefficients) what stands where each node put it adds to the coefficients"""
+    sources: (n_nodes, n_coefficients) what stands where each node put it adds to the coefficients; used: (n_nodes,)
+        whether anything does
+    """
 
     force: Floats
     by_u: NDArray[Any]
@@ -76,14 +82,15 @@ class Scratch(NamedTuple):
     start: NDArray[Any]
     end: NDArray[Any]
     sources: NDArray[Any]
+    used: NDArray[np.bool_]
     u: Columns
     p: Columns
 
 
 @inner
 def new_slider(n_nodes: int, n: int) -> Slider:
-    source, whole = np.empty(n_nodes, dtype=np.int64), np.empty(n, dtype=np.int64)
-    return Slider(np.empty(n_nodes), source, np.empty(n_nodes), np.empty(n_nodes), whole)
+    source, does, whole = np.empty(n_nodes, np.int64), np.empty(n_nodes, np.int64), np.empty(n, np.int64)
+    return Slider(np.empty(n_nodes), source, np.empty(n_nodes), does, np.empty(n_nodes), whole)
 
 
 @inner
@@ -97,88 +104,85 @@ def new_scratch(n_nodes: int, weights: Any) -> Scratch:
     """weights: `Tables.weights`; what belongs to tangents is of their kind of numbers"""
     c, kind = weights.shape[1], weights.dtype
     square, row = np.empty((c, c), kind), np.empty(c, kind)
-    integrals, sources = np.empty(len(weights)), np.empty((n_nodes, c), kind)
+    integrals, sources, used = np.empty(len(weights)), np.empty((n_nodes, c), kind), np.empty(n_nodes, np.bool_)
     columns = new_columns(weights), new_columns(weights)
-    return Scratch(np.empty(c), square, square.copy(), integrals, row, row.copy(), sources, columns[0], columns[1])
+    return Scratch(np.empty(c), square, square.copy(), integrals, row, row.copy(), sources, used, columns[0], columns[1])
 
 
 @inner
 def march(grid: Grid, path: Path, ratio: float, first: float, cycles: int, slider: Slider) -> None:
     """first: where the slider rests [m]"""
     n, stands, source = grid.count[0], first, -1
+    u, limit, free = grid.u, grid.limit, grid.free
+    position, sources, side = slider.position, slider.source, slider.side
     for cycle in range(cycles):
         # the node at the end is the first one of the next period
         for k in range(n + 1 if cycle == cycles - 1 else n):
-            up, down = grid.u[k] - grid.limit[k], grid.u[k] + grid.limit[k]
-            if grid.free[k]:
-                stands, source, slider.side[k] = grid.u[k], k, 0.0
-            elif stands < up:
-                stands, source, slider.side[k] = up, k, 1.0
-            elif stands > down:
-                stands, source, slider.side[k] = down, k, -1.0
-            slider.position[k], slider.source[k] = stands, source
-    slider.whole[:] = MIXED
-    for k in range(n):
-        j = grid.segment[k]
-        slider.slips[k] = _slips(grid, path, ratio, slider, k)
-        if grid.share[k] == 0 and grid.segment[k + 1] != j or k == n - 1 and grid.share[k] == 0:
-            if not grid.closed[k]:
-                slider.whole[j] = OPEN
-            elif slider.slips[k] == 0:
-                slider.whole[j] = UP if slider.position[k + 1] > slider.position[k] else DOWN
+            if free[k]:
+                stands, source, side[k] = u[k], k, 0.0
+            elif stands < u[k] - limit[k]:
+                stands, source, side[k] = u[k] - limit[k], k, 1.0
+            elif stands > u[k] + limit[k]:
+                stands, source, side[k] = u[k] + limit[k], k, -1.0
+            position[k], sources[k] = stands, source
+    _tell_apart(grid, path, ratio, slider)
 
 
 @inner
-def _end(grid: Grid, k: int) -> float:
-    """Share of node k's segment at which the next node is."""
-    return grid.share[k + 1] if grid.segment[k + 1] == grid.segment[k] else 1.0
-
-
-@inner
-def _slips(grid: Grid, path: Path, ratio: float, slider: Slider, k: int) -> float:
-    if not grid.closed[k]:
-        return grid.share[k]
-    before, after = slider.position[k], slider.position[k + 1]
-    end = _end(grid, k)
-    if after == before:
-        return end
-    sign, j = (1.0 if after > before else -1.0), grid.segment[k]
-    pushed = less(motion_of(path, j), sign * ratio, compression_of(path.p, path.dp, j))
-    return rise_through(pushed, before, sign, grid.share[k], end)
+def _tell_apart(grid: Grid, path: Path, ratio: float, slider: Slider) -> None:
+    """What the slider does from each node to the next, and from where on."""
+    u, du, p, dp = path.u, path.du, path.p, path.dp
+    segment, share, closed, position = grid.segment, grid.share, grid.closed, slider.position
+    does, slips, whole = slider.does, slider.slips, slider.whole
+    whole[:] = STANDS
+    for k in range(grid.count[0]):
+        j = segment[k]
+        end = share[k + 1] if segment[k + 1] == j else 1.0
+        does[k], slips[k] = STANDS, end
+        if not closed[k]:
+            does[k], slips[k] = OPEN, share[k]
+        elif position[k + 1] != position[k]:
+            does[k], sign = (UP, 1.0) if position[k + 1] > position[k] else (DOWN, -1.0)
+            pushed = powers(
+                u[j] - sign * ratio * p[j], u[j + 1] - sign * ratio * p[j + 1],
+                du[j] - sign * ratio * dp[j], du[j + 1] - sign * ratio * dp[j + 1],
+            )  # fmt: skip
+            slips[k] = rise_through(pushed, position[k], sign, share[k], end)
+        if slips[k] == 0 and end == 1:
+            whole[j] = does[k]
 
 
 @inner
 def add_force(grid: Grid, path: Path, ratio: float, slider: Slider, weights: Floats, out: Scratch) -> None:
     """Takes the path of the slider from out.force, that of a spring alone, over kt."""
-    out.integrals[:] = 0.0
+    u, du, p, dp = path.u, path.du, path.p, path.dp
+    segment, share, position, integrals = grid.segment, grid.share, slider.position, out.integrals
+    integrals[:] = 0.0
     for k in range(grid.count[0]):
-        j, begin, slips, end = grid.segment[k], grid.share[k], slider.slips[k], _end(grid, k)
+        j = segment[k]
+        begin, slips, end = share[k], slider.slips[k], share[k + 1] if segment[k + 1] == j else 1.0
+        if begin == 0 and slips == 1:
+            integrals[j] += position[k] / 2
+            integrals[j + 1] += position[k] / 2
+            continue
         if slips > begin:
-            start, after = halves((slider.position[k], 0.0, 0.0, 0.0), begin, slips)
-            out.integrals[j] += start
-            out.integrals[j + 1] += after
+            start, after = halves((position[k], 0.0, 0.0, 0.0), begin, slips)
+            integrals[j] += start
+            integrals[j + 1] += after
         if end > slips:
-            start, after = halves(_sliding(grid, path, ratio, slider, k), slips, end)
-            out.integrals[j] += start
-            out.integrals[j + 1] += after
+            factor = ratio * SIGN[slider.does[k]]
+            v0, v1 = u[j] - factor * p[j], u[j + 1] - factor * p[j + 1]
+            d0, d1 = du[j] - factor * dp[j], du[j + 1] - factor * dp[j + 1]
+            if slips == 0 and end == 1:
+                start = WHOLE_START[0] * v0 + WHOLE_START[1] * v1 + WHOLE_START[2] * d0 + WHOLE_START[3] * d1
+                after = WHOLE_END[0] * v0 + WHOLE_END[1] * v1 + WHOLE_END[2] * d0 + WHOLE_END[3] * d1
+            else:
+                start, after = halves(powers(v0, v1, d0, d1), slips, end)
+            integrals[j] += start
+            integrals[j + 1] += after
     for t in range(len(weights)):
         for a in range(len(out.force)):
-            out.force[a] -= weights[t, a] * out.integrals[t]
-
-
-@inner
-def _side_of_slip(grid: Grid, slider: Slider, k: int) -> float:
-    """1 where the slider slips up from node k on, -1 down, 0 where the contact is open."""
-    if not grid.closed[k]:
-        return 0.0
-    return 1.0 if slider.position[k + 1] > slider.position[k] else -1.0
-
-
-@inner
-def _sliding(grid: Grid, path: Path, ratio: float, slider: Slider, k: int) -> Any:
-    """The slider's path where it slips or is open."""
-    j = grid.segment[k]
-    return less(motion_of(path, j), _side_of_slip(grid, slider, k) * ratio, compression_of(path.p, path.dp, j))
+            out.force[a] -= weights[t, a] * integrals[t]
 
 
 @inner
@@ -199,21 +203,24 @@ def add_tangent(
     """
     empty(out.u)
     empty(out.p)
-    out.sources[: grid.count[0] + 1] = 0.0
+    used = out.used
+    used[: grid.count[0] + 1] = False
     _add_whole(slider, ratio, weights, out)
+    segment, share, sources, source_of = grid.segment, grid.share, out.sources, slider.source
     for k in range(grid.count[0]):
-        j, begin, slips, end = grid.segment[k], grid.share[k], slider.slips[k], _end(grid, k)
-        source = slider.source[k]
+        j, begin, slips, source = segment[k], share[k], slider.slips[k], source_of[k]
+        end = share[k + 1] if segment[k + 1] == j else 1.0
         if slips > begin and source >= 0:
+            if not used[source]:
+                used[source], sources[source] = True, 0.0
             size = size_of_change(source > k, last_period)
             start, after = halves((1.0, 0.0, 0.0, 0.0), begin, slips)
-            for a in range(len(out.force)):
-                out.sources[source, a] -= size * (start * weights[j, a] + after * weights[j + 1, a])
-        if end > slips and slider.whole[j] == MIXED:
-            side = _side_of_slip(grid, slider, k)
-            _add_piece(basis_halves(slips, end), j, side * ratio, weights, out)
+            for a in range(weights.shape[1]):
+                sources[source, a] -= size * (start * weights[j, a] + after * weights[j + 1, a])
+        if end > slips and slider.whole[j] == STANDS:
+            _add_piece(basis_halves(slips, end), j, ratio * SIGN[slider.does[k]], weights, out)
     for k in range(grid.count[0] + 1):
-        if slider.source[k] == k:
+        if used[k]:
             _add_source(grid, path, ratio, slider.side[k], k, out)
     multiply(out.u, u, out.by_u)
     multiply(out.p, p, out.by_p)
@@ -226,9 +233,9 @@ def _add_whole(slider: Slider, ratio: float, weights: Any, out: Scratch) -> None
     n = len(slider.whole)
     for j in range(n):
         does = slider.whole[j]
-        if does == MIXED:
+        if does == STANDS:
             continue
-        factor = 0.0 if does == OPEN else (ratio if does == UP else -ratio)
+        factor = ratio * SIGN[does]
         if slider.whole[j - 1] == does:  # before the first comes the last
             for a in range(len(out.force)):
                 out.u.hats[j, a] -= weights[j, a]

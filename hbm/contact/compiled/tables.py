@@ -98,10 +98,11 @@ def sample(coefficients: Any, synthesis: Any, out: Any) -> None:
 def slope(values: Any, out: Any) -> None:
     """(n_time + 1,) -> same: derivative with respect to the number of the sample, fourth order."""
     n = len(values) - 1
-    for t in range(n):
-        near = values[(t + 1) % n] - values[(t - 1) % n]
+    for t in range(2, n - 1):
+        out[t] = (8 * (values[t + 1] - values[t - 1]) - (values[t + 2] - values[t - 2])) / 12
+    for t in (0, 1, n - 1):
         far = values[(t + 2) % n] - values[(t - 2) % n]
-        out[t] = (8 * near - far) / 12
+        out[t] = (8 * (values[t + 1] - values[(t - 1) % n]) - far) / 12
     out[n] = out[0]
 
 
