@@ -111,8 +111,7 @@ def test_likewise_where_friction_varies_over_the_period(law):
     np.testing.assert_allclose(ours.tangent, theirs.tangent, rtol=0, atol=1e-11)
 
 
-def test_likewise_where_there_are_more_corners_than_are_followed():
-    """A motion of a high order at few samples turns more often than 16 times."""
+def test_likewise_where_a_motion_of_a_high_order_turns_often_between_few_samples():
     harmonics, law, p = Harmonics((0, 1, 11)), JenkinsBox(2), parameters()
     motion = np.random.default_rng(6).normal(size=(ELEMENTS, 3, 5))
     rows = np.arange(3 * ELEMENTS).reshape(-1, 3)

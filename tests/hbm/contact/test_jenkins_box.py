@@ -50,17 +50,34 @@ def forces_alone(law, motion, samples):
     return force_only(group(law), motion, 1.0, HARMONICS, samples)
 
 
-def test_error_falls_with_the_square_of_the_step_and_that_of_samples_alone_with_the_step(motions):
-    exact = forces_alone(SampledJenkinsBox(2), motions[0], 2**16)
-    steps = np.array([64, 256, 1024])
+def test_error_falls_with_the_fourth_power_of_the_step_and_that_of_samples_alone_with_the_step(motions):
+    exact = forces_alone(JenkinsBox(2), motions[0], 2**12)
+    steps = np.array([64, 128, 256, 512])
     orders, errors = [], []
     for law in (JenkinsBox(2), SampledJenkinsBox(2)):
         error = [np.sqrt(np.mean((forces_alone(law, motions[0], n) - exact) ** 2)) for n in steps]
         orders.append(-np.polyfit(np.log(steps), np.log(error), 1)[0])
         errors.append(error)
-    assert orders[0] > 1.8
-    assert orders[1] < 1.5
-    assert errors[0][1] < errors[1][1] / 5
+    assert orders[0] > 3.8
+    assert 0.8 < orders[1] < 1.5
+    assert errors[0][1] < errors[1][1] / 1e4
+    nearly = forces_alone(SampledJenkinsBox(2), motions[0], 2**16)
+    np.testing.assert_allclose(nearly, exact, atol=2e-5)  # both come to the same
+
+
+def test_friction_that_hardly_yields_before_it_slips_needs_no_more_samples(motions):
+    """A slider turns and slips back between two samples; the path from one limit to the other is a step."""
+    rigid = group(JenkinsBox(2)).parameters._replace(kt=np.full(ELEMENTS, 1e4))
+    g = ElementGroup(JenkinsBox(2), rigid, np.arange(3 * ELEMENTS).reshape(-1, 3))
+    coarse, fine = (force_only(g, motions[0], 1.0, HARMONICS, n) for n in (128, 2**12))
+    np.testing.assert_allclose(coarse[:, :2], fine[:, :2], atol=1e-4)
+    # Coulomb's friction: a square wave of the limit where the normal force is constant
+    motion = np.zeros((1, 3, 7))
+    motion[0, 0, 1] = 2.0
+    one = type(rigid)(*(value[:1] for value in rigid))
+    g = ElementGroup(JenkinsBox(2), one, np.arange(3).reshape(1, 3))
+    force = force_only(g, motion, 1.0, HARMONICS, 128)[0, 0]
+    np.testing.assert_allclose(np.hypot(force[1], force[2]), 4 / np.pi * 0.6, rtol=1e-4)
 
 
 def test_tangent_hardly_jumps_where_events_pass_samples(motions):
