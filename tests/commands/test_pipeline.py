@@ -289,14 +289,19 @@ def test_a_curve_that_stops_early_is_reported_and_the_run_ends_non_zero(finished
 def test_without_the_libraries_for_rendering_the_rest_is_made(finished, tmp_path, monkeypatch):
     rig, out, _ = finished
     shutil.copytree(out, tmp_path / "out")
-    shutil.rmtree(tmp_path / "out" / "pictures")
+    pictures = tmp_path / "out" / "pictures"
+    missing = {"frf_OOP.png", "frf_OOP.svg", "frf_OOP.pdf", *RENDERED}
+    before = {path.name for path in pictures.iterdir()}
+    assert missing < before
+    for name in missing:
+        (pictures / name).unlink()
     monkeypatch.setattr(scene, "LIBRARIES", {"libnowhere.so.7": "libnowhere7"})
     result = run_command("run", rig, "--mesh", "small", "--out", tmp_path / "out", "--mode", "OOP", "--no-accuracy")
     assert result.exit_code == 1
     assert "apt-get install libnowhere7" in result.output
-    drawn = {path.name for path in (tmp_path / "out" / "pictures").iterdir()}
-    plots = [Path(name) for name in PICTURES if name not in RENDERED and "_IP" not in name]
-    assert drawn == {plot.with_suffix(ending).name for plot in plots for ending in (".png", ".svg", ".pdf")}
+    assert {path.name for path in pictures.iterdir()} == before - set(RENDERED)
+    plots = [Path(name) for name in PICTURES if name not in RENDERED]
+    assert before - set(RENDERED) == {p.with_suffix(ending).name for p in plots for ending in (".png", ".svg", ".pdf")}
 
 
 def worker_of(pid: int) -> bool:
