@@ -2,7 +2,7 @@
 
     python benchmarks/signals.py --tries 50   # SIGTERM at random times, to the process or to its group
     python benchmarks/signals.py --soak 30    # one folder over and over: SIGTERM, SIGKILL, full disk, truncated stage
-                                              # files; then to the end, against a run undisturbed
+                                              # files; each time it is whole, and at last, against a run undisturbed
 
 Prints one line a try and a summary; ends with 1 where one took longer, left a process or lost its work.
 """
@@ -28,6 +28,7 @@ import psutil
 RIG = Path(__file__).parents[1] / "commands" / "example" / "rig.toml"  # that of `updamp init`: 16 contact elements
 TIMES = ("seconds",)  # datasets that two runs need not share
 LIMIT = 10.0  # s
+LATEST = 20.0  # s, when a signal of --tries comes: in the midst of the curves
 LONGEST_WAIT = 120.0  # s, before a try counts as hung
 FULL = "UPDAMP_FILES_UP_TO"  # bytes that a file of the next run may grow to: beyond, writing fails as on a full disk
 
@@ -41,6 +42,7 @@ def command(out: Path) -> list[str]:
 class Try:
     """at: when the signal came [s]; took: from then to the end [s]; left: processes still there; said: last lines
 
+    at_work: whether the process was there when the signal came
     code: 130, or -2 where Python itself ends by SIGINT, which shells show as 130 too
     """
 
@@ -50,6 +52,7 @@ class Try:
     left: tuple[str, ...]
     said: str
     to: str
+    at_work: bool
 
     @property
     def good(self) -> bool:
@@ -76,7 +79,7 @@ def interrupted(out: Path, at: float, to: str) -> Try:
         family |= members(process.pid)
         number = signal.SIGKILL if to == "kill" else signal.SIGTERM
         sent = time.monotonic()
-        if process.poll() is None:
+        if at_work := process.poll() is None:
             (os.killpg if to == "group" else os.kill)(process.pid, number)
         try:
             process.wait(LONGEST_WAIT)
@@ -94,7 +97,7 @@ def interrupted(out: Path, at: float, to: str) -> Try:
             if alive(one):
                 one.kill()
         said.seek(0)
-        return Try(at, took, process.returncode, left, said.read()[-6000:], to)
+        return Try(at, took, process.returncode, left, said.read()[-6000:], to, at_work)
 
 
 def _limited() -> None:
@@ -145,9 +148,11 @@ def tries(folder: Path, number: int, longest: float, seed: int) -> bool:
     return not bad
 
 
-def whole(out: Path) -> int:
-    """Run to the end, undisturbed; its exit code."""
-    return subprocess.run(command(out), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode
+def whole(out: Path) -> tuple[int, float]:
+    """Run to the end, undisturbed; its exit code, and how long it took [s]."""
+    began = time.monotonic()
+    code = subprocess.run(command(out), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode
+    return code, time.monotonic() - began
 
 
 def differing(out: Path, reference: Path) -> list[str]:
@@ -171,40 +176,68 @@ def contents(path: Path) -> dict[str, bytes]:
     return found
 
 
-def soak(folder: Path, number: int, longest: float, seed: int) -> bool:
-    """One folder disturbed over and over, then run to its end: are its results those of a run undisturbed?"""
-    draw, reference, out = random.Random(seed), folder / "undisturbed", folder / "soaked"
-    for path in (reference, out):
-        shutil.rmtree(path, ignore_errors=True)
-        shutil.copytree(prepared(folder), path)
-    bad = whole(reference) != 0
+def begun_anew(folder: Path, name: str) -> Path:
+    out = folder / name
+    shutil.rmtree(out, ignore_errors=True)
+    shutil.copytree(prepared(folder), out)
+    return out
+
+
+def soak(folder: Path, number: int, longest: float | None, seed: int) -> bool:
+    """One folder disturbed over and over, each time until it is whole, and then begun anew: are its results those of a
+    run undisturbed? The signal comes within the first half of the time that the run undisturbed took (laws compiled by
+    then), or within `longest` [s]: a run that goes on from kept work takes less."""
+    draw, good, finished = random.Random(seed), True, 0
+    reference, out = begun_anew(folder, "undisturbed"), begun_anew(folder, "soaked")
+    whole(reference)
+    code, seconds = whole(begun_anew(folder, "undisturbed"))
+    longest = seconds / 2 if longest is None else longest
+    print(f"undisturbed: {seconds:.1f} s, {code}; signals up to {longest:.1f} s", flush=True)
+    found: list[Try] = []
     for i in range(number):
         kind = ("process", "kill", "full", "truncated")[i % 4]
-        stored = sorted((out / "stages").glob("*.h5"))
-        if kind == "truncated" and stored:
-            victim = draw.choice(stored)
-            os.truncate(victim, draw.randrange(victim.stat().st_size))
-        elif kind == "full":
-            os.environ[FULL] = str(draw.randrange(1_000, 900_000))
-        one = interrupted(out, draw.uniform(2.0, longest), kind if kind in ("process", "kill") else "process")
-        os.environ.pop(FULL, None)
-        print(f"{kind:10}{one.line()}", flush=True)
+        one = disturbed(out, kind, draw, longest)
+        found.append(one)
+        print(f"{kind:10}{one.line()}{'' if one.at_work else ', by itself'}", flush=True)
         if not (one.good or (kind == "full" and one.code == 2)):
             print(one.said, flush=True)
-            bad = True
-    code, different = whole(out), differing(out, reference)
-    files = len(list((reference / "stages").glob("*.h5")))
+            good = False
+        if one.code == 0 and not one.at_work and kind != "full":
+            finished += 1
+            good &= is_as(reference, out)
+            out = begun_anew(folder, "soaked")
+    code, _ = whole(out)
     print(
-        f"{number} disturbances; the last run ended with {code}; {len(different)} of {files} files differ {different}"
+        f"{number} disturbances, {sum(one.at_work for one in found)} while at work; the longest end took "
+        f"{max(one.took for one in found):.1f} s; {finished} runs came to their end in between, the last with {code}"
     )
-    return not bad and code == 0 and not different
+    return is_as(reference, out) and good and code == 0
+
+
+def disturbed(out: Path, kind: str, draw: random.Random, longest: float) -> Try:
+    """kind: SIGTERM to the "process", "kill", disk "full" or a "truncated" stage file, and then SIGTERM"""
+    stored = sorted((out / "stages").glob("*.h5"))
+    if kind == "truncated" and stored:
+        victim = draw.choice(stored)
+        os.truncate(victim, draw.randrange(victim.stat().st_size))
+    elif kind == "full":
+        os.environ[FULL] = str(draw.randrange(1_000, 900_000))
+    one = interrupted(out, draw.uniform(0.3, longest), "kill" if kind == "kill" else "process")
+    os.environ.pop(FULL, None)
+    return one
+
+
+def is_as(reference: Path, out: Path) -> bool:
+    different, files = differing(out, reference), len(list((reference / "stages").glob("*.h5")))
+    print(f"{len(different)} of {files} files differ from the undisturbed run's {different}", flush=True)
+    return not different
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--tries", type=int, default=50)
     parser.add_argument("--soak", type=int, default=0, help="disturb one folder so many times, in place of --tries")
-    parser.add_argument("--longest", type=float, default=20.0, help="latest time of the signal [s]")
+    parser.add_argument("--longest", type=float, default=None, help="latest time of the signal [s]")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--folder", type=Path, default=None)
     chosen = parser.parse_args(arguments)
@@ -212,7 +245,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     folder.mkdir(parents=True, exist_ok=True)
     if chosen.soak:
         return 0 if soak(folder, chosen.soak, chosen.longest, chosen.seed) else 1
-    return 0 if tries(folder, chosen.tries, chosen.longest, chosen.seed) else 1
+    return 0 if tries(folder, chosen.tries, chosen.longest or LATEST, chosen.seed) else 1
 
 
 if __name__ == "__main__":

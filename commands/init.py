@@ -1,5 +1,6 @@
 """The command that begins: `updamp init`."""
 
+import shlex
 import shutil
 import sys
 from importlib.resources import files
@@ -39,7 +40,7 @@ def init(
         write_example(folder)
         console = Console()
         console.print(f"{folder} is made. In it, one after the other:", highlight=False)
-        first = [(command, "") for command in (*activation(), f"cd {folder}")]
+        first = [(command, "") for command in (*activation(), f"cd {shlex.quote(str(folder))}")]
         for command, purpose in (*first, *STEPS):
             console.print(f"  {command}", highlight=False, soft_wrap=True)
             if purpose:
@@ -49,7 +50,7 @@ def init(
 def activation() -> tuple[str, ...]:
     """What lets a shell find `updamp`, where this one does not: it was called by its path, from an environment."""
     script = Path(sys.prefix) / "bin" / "activate"
-    return () if shutil.which("updamp") or not script.is_file() else (f"source {script}",)
+    return () if shutil.which("updamp") or not script.is_file() else (f"source {shlex.quote(str(script))}",)
 
 
 def write_example(folder: Path) -> None:

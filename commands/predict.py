@@ -41,6 +41,15 @@ Marching = Annotated[
 Resonance = Annotated[
     bool, typer.Option(help="Whether to follow every mode's resonance in the force: peak against force as a line.")
 ]
+Quick = Annotated[
+    bool,
+    typer.Option(
+        "--quick",
+        "-q",
+        help="Responses and peaks first: no stability, no numerical error, no curve at the highest force, where the "
+        "followed resonance gives the peak. The same command without it goes on from there.",
+    ),
+]
 Until = Annotated[str | None, typer.Option(help=f"Last stage: {', '.join(s.name for s in stages.STAGES)}.")]
 
 
@@ -57,6 +66,7 @@ def run(
     stability: Stability = True,
     marching: Marching = True,
     resonance: Resonance = True,
+    quick: Quick = False,
     until: Until = None,
     debug: Debug = False,
 ) -> None:
@@ -78,7 +88,7 @@ def run(
             options = RunOptions(
                 preset, out, workers, tuple(mode or ()), forces,
                 check=check, pictures=pictures, accuracy=accuracy, stability=stability, marching=marching,
-                resonance=resonance, until=last,
+                resonance=resonance, quick=quick, until=last,
             )  # fmt: skip
             complete = _run(loaded, options, meter)
     if not complete:
@@ -105,6 +115,7 @@ def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
     from updamp.workflow.detached_summary import coexisting
     from updamp.workflow.marching_summary import moving_peaks
     from updamp.workflow.progress import Display
+    from updamp.workflow.quick_look import not_checked, peak_sentences, peaks_followed
     from updamp.workflow.run import Run
     from updamp.workflow.run_outputs import summarise, write_outputs
     from updamp.workflow.stability_summary import doubtful_peaks
@@ -121,11 +132,16 @@ def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
         products = this.products()
         made, undrawn = write_outputs(this, products)
         display.done("files", ", ".join(made) or "all as they were")
+        for sentence in not_checked(products.left, options) if this.wanted(stages.CURVE) else ():
+            display.note("not checked", sentence)
     summary = summarise(this, products, meter.seconds, meter.peak_memory)
     path = options.folder / "summary.json"
     write_summary(path, summary)
     if summary.get("curves"):
         console.print(curves_table(summary["curves"]))
+    peaks = peaks_followed(products)
+    for line in peak_sentences(peaks):
+        console.print(Text.assemble(("followed  ", "yellow"), line), soft_wrap=True)
     for line in doubtful_peaks(summary.get("curves", ())):
         console.print(Text.assemble(("stability ", "yellow"), line), soft_wrap=True)
     for line in moving_peaks(summary.get("curves", ())):
@@ -134,6 +150,11 @@ def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
         console.print(Text.assemble(("beside it ", "yellow"), line), soft_wrap=True)
     problems = [f"{c['mode']} {c['force_N']:g} N: {c['problem']}" for c in summary.get("curves", ()) if c["problem"]]
     problems += [f"{name}: {message}" for name, message in summary.get("failed_curves", {}).items()]
+    problems += [
+        f"{mode} {force:g} N: the resonance was not followed so far"
+        for (mode, force), peak in peaks.items()
+        if peak is None
+    ]
     problems += [undrawn] if undrawn else []
     for line in problems:
         console.print(Text.assemble(("not complete ", "red"), line), soft_wrap=True)

@@ -19,12 +19,14 @@ from updamp.hbm.continuation.sweeps import swept
 from updamp.hbm.stability.branch_stability import BranchStability
 from updamp.pictures.branch_lines import HATCH, draw_branch, hatch_gaps, key_of_stability
 from updamp.pictures.style import GREY, INK, figure, shades
+from updamp.pictures.variants import PeakPoint
 
 MM = 1e3  # m/N to mm/N
 BAND = 0.2  # opacity of the numerical error
 WIDEST, FINEST = 3.2, 1.4  # lines, of the lowest and of the highest force: those that coincide are all seen
 SHOWN = 0.04  # of the largest peak: frequencies at which all is lower are left out beside the resonances
 ALONE = "without damper"
+PEAK_ALONE = "D"  # marker where there is no curve
 DETACHED = (0, (5, 1, 1, 1))  # dashes and dots: of branches beside a curve
 
 
@@ -43,6 +45,7 @@ class Responses:
     finer: curves with more harmonics; stability: by force, as far as it is known
     alone: the response without damper, None where it is not known
     detached: branches that are no part of any of the curves, by force
+    peaks: at forces that have no curve; note: what is to be known of them all, above the picture
     """
 
     mode: str
@@ -52,12 +55,19 @@ class Responses:
     stability: Mapping[float, BranchStability] | None = None
     alone: LinearResponse | None = None
     detached: Mapping[float, Sequence[ResponseCurve]] = field(default_factory=dict)
+    peaks: Sequence[PeakPoint] = ()
+    note: str = ""
 
     def levels(self) -> list[tuple[ResponseCurve, Any, float]]:
         """Curves with their colours and widths"""
         curves = sorted(self.curves, key=lambda curve: curve.force)
         widths = np.linspace(WIDEST, FINEST, len(curves)).tolist() if len(curves) > 1 else [FINEST]
-        return list(zip(curves, shades(len(curves)), widths, strict=True))
+        return [(one, self.colours()[one.force], width) for one, width in zip(curves, widths, strict=True)]
+
+    def colours(self) -> Mapping[float, Any]:
+        """By force, from the lowest, with a curve or a peak alone"""
+        forces = sorted({*(one.force for one in self.curves), *(one.force for one in self.peaks)})
+        return dict(zip(forces, shades(len(forces)), strict=True))
 
     def stability_of(self, curve: ResponseCurve) -> BranchStability | None:
         return (self.stability or {}).get(curve.force)
@@ -70,6 +80,9 @@ def frequency_responses(path: Path, drawn: Responses) -> None:
         for ax in (linear, logarithmic):
             for curve, colour, width in drawn.levels():
                 _level(ax, drawn, curve, colour, width)
+            for one in drawn.peaks:
+                colour = drawn.colours()[one.force]
+                ax.plot(one.frequency, MM * one.receptance, PEAK_ALONE, color=colour, markersize=7, zorder=4)
             ax.set_xlabel("frequency [Hz]")
         linear.set_xlim(*_resonances(drawn))
         linear.set_ylim(bottom=0)
@@ -81,6 +94,8 @@ def frequency_responses(path: Path, drawn: Responses) -> None:
             size = MM * np.abs(drawn.alone.receptance)
             logarithmic.plot(drawn.alone.frequency, size, color=GREY, linewidth=1.1, zorder=1)
         logarithmic.margins(x=0)
+        if drawn.note:
+            drawing.suptitle(drawn.note, fontsize="small", color=INK)
         _keys(drawing, drawn)
 
 
@@ -89,6 +104,10 @@ def _keys(drawing: Figure, drawn: Responses) -> None:
     levels = [
         Line2D([], [], color=colour, linewidth=width, label=f"{curve.force:g} N")
         for curve, colour, width in drawn.levels()
+    ]
+    levels += [
+        Line2D([], [], marker=PEAK_ALONE, linestyle="", color=drawn.colours()[one.force], label=f"{one.force:g} N")
+        for one in drawn.peaks
     ]
     drawing.legend(handles=levels, title="force", loc="outside right upper")
     marks = [*_key_of_marks(drawn), *key_of_stability(drawn.stability or {})]
@@ -124,9 +143,10 @@ def _resonances(drawn: Responses) -> tuple[float, float]:
     sizes = [np.abs(curve.receptance(drawn.point)) for curve in shown]
     largest = max(float(size.max()) for size in sizes)
     seen = [curve.frequency[size > SHOWN * largest] for curve, size in zip(shown, sizes, strict=True)]
-    places = np.concatenate([*seen, *(curve.gaps().ravel() for curve in drawn.curves if not curve.complete)])
+    alone = [one.frequency for one in drawn.peaks]
+    places = np.concatenate([*seen, *(curve.gaps().ravel() for curve in drawn.curves if not curve.complete), alone])
     margin = 0.06 * float(np.ptp(places))
-    ends = [float(f) for curve in drawn.curves for f in (curve.frequency.min(), curve.frequency.max())]
+    ends = [float(f) for curve in drawn.curves for f in (curve.frequency.min(), curve.frequency.max())] + alone
     return max(float(places.min()) - margin, min(ends)), min(float(places.max()) + margin, max(ends))
 
 
@@ -146,6 +166,10 @@ def _key_of_marks(drawn: Responses) -> list[Artist]:
     if any(len(swept(curve, False).jumps) for curve in curves):
         marks.append(("<", "jump, sweep down"))
     key: list[Artist] = [Line2D([], [], marker=mark, linestyle="", color=GREY, label=label) for mark, label in marks]
+    if drawn.peaks:
+        key.append(
+            Line2D([], [], marker=PEAK_ALONE, linestyle="", color=GREY, label="peak followed in force, no curve")
+        )
     if not all(curve.complete for curve in curves):
         key.append(Patch(facecolor="none", edgecolor=GREY, hatch=HATCH, label="not followed"))
     if drawn.finer:

@@ -1,6 +1,5 @@
 """Off-screen scenes of the rig: the one place that loads pyvista."""
 
-import ctypes
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -12,6 +11,7 @@ from PIL import Image
 
 from updamp.geometry.contact_elements import ContactElements
 from updamp.geometry.rig_mesh import ComponentMesh
+from updamp.parallel.system_libraries import lacking
 from updamp.pictures.style import write_png
 
 if TYPE_CHECKING:
@@ -33,26 +33,14 @@ def load_pyvista() -> Any:
 
     raises: RenderingError naming the system libraries that are missing
     """
-    missing = [library for library in LIBRARIES if not _loads(library)]
-    if missing:
-        packages = " ".join(LIBRARIES[library] for library in missing)
-        raise RenderingError(
-            f"no pictures of the mesh: {', '.join(missing)} missing; apt-get install {packages} (Debian, Ubuntu)"
-        )
+    if missing := lacking(LIBRARIES):
+        raise RenderingError(f"no pictures of the mesh: {missing}")
     if "DISPLAY" not in os.environ:
         os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
     import pyvista
 
     pyvista.OFF_SCREEN = True
     return pyvista
-
-
-def _loads(library: str) -> bool:
-    try:
-        ctypes.CDLL(library)
-    except OSError:
-        return False
-    return True
 
 
 def surface(component: ComponentMesh) -> "pv.PolyData":

@@ -29,7 +29,8 @@ class DrawnCurve:
 
 @dataclass(frozen=True)
 class PeakPoint:
-    """force: [N]; frequency: [Hz]; receptance: [m/N]; complete: whether the curve it was read off is"""
+    """force: [N]; frequency: [Hz]; receptance: [m/N]; complete: whether the curve it was read off is, or what was
+    followed"""
 
     force: float
     frequency: float

@@ -48,6 +48,7 @@ LONGEST = (
     "hbm/test_rig_time_integration.py",
     "benchmarks/test_reproducibility.py",
     "diagnosis/candidate_models/test_refit.py",
+    "commands/test_quick_look.py",
     "examples/test_hidden_effect.py",
     "effects/test_faults.py",
     "hbm/analysis/test_sensitivity.py",

@@ -54,7 +54,7 @@ class DetachedJob(JobAboutCurve):
 
 def resonances_at(curve: ResponseCurve, followed: ResonanceCurve) -> list[Place]:
     """The resonances at the curve's force, each time that it was passed, in the curve's harmonics."""
-    at = np.flatnonzero(followed.asked_for.astype(bool) & np.isclose(followed.force, curve.force, rtol=1e-9))
+    at = followed.passes(curve.force)
     harmonics = Harmonics(followed.orders)
     x = [harmonics.change_to(curve.harmonics, followed.displacement[i]) for i in at]
     return [(one, 2 * np.pi * float(followed.frequency[i])) for one, i in zip(x, at, strict=True)]

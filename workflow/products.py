@@ -15,7 +15,7 @@ from updamp.hbm.stability.branch_stability import BranchStability
 from updamp.hbm.stability.detached_branches import DetachedBranches
 from updamp.hbm.time_marching.marched_peak import MarchedPeak
 from updamp.workflow import store
-from updamp.workflow.job_pool import JobOutcome
+from updamp.workflow.job_pool import Job, JobOutcome
 
 Product = TypeVar("Product")
 
@@ -38,6 +38,7 @@ class Products:
     and cycles change in them; stability: of the curves, as far as it is known; marched: their peaks, marched in time
     resonances: of the modes, followed in the force; detached: branches beside curves, where there are any
     failures: curves that are not there; unknown: what was to be said about curves, and could not
+    left: jobs of which there is no file, since a quick look leaves them out
     """
 
     mesh: Stored[RigMesh]
@@ -54,6 +55,7 @@ class Products:
     detached: tuple[Stored[DetachedBranches], ...] = ()
     failures: tuple[JobOutcome, ...] = ()
     unknown: tuple[JobOutcome, ...] = ()
+    left: tuple[Job, ...] = ()
 
     def stability_of(self, mode: str) -> Mapping[float, BranchStability]:
         """By force, of the curves it is known of."""

@@ -21,6 +21,7 @@ from updamp.workflow.marching_jobs import MarchingJob
 from updamp.workflow.output_folder import check_folder
 from updamp.workflow.products import Product, Products, Stored, stored
 from updamp.workflow.progress import Display
+from updamp.workflow.quick_look import is_computed
 from updamp.workflow.resonance_jobs import ResonanceJob
 from updamp.workflow.run_jobs import RunJob, RunJobs, StageFiles
 from updamp.workflow.run_options import RunOptions
@@ -104,7 +105,7 @@ class Run:
 
     def _with_curves(self, done: Products, finite_elements: Path, rest: Path) -> Products:
         jobs = RunJobs(self.files, self.response_point, finite_elements, rest)
-        given, failures = self._obtain_all(jobs, jobs.at_once())
+        given, failures, left = self._obtain_all(jobs, jobs.at_once())
         curves = [(job, one) for job, one in given if isinstance(job, CurveJob)]
         done = replace(
             done,
@@ -116,6 +117,7 @@ class Run:
             resonances=tuple(one for job, one in given if isinstance(job, ResonanceJob)),
             failures=tuple(one for one in failures if _is_curve(one.job)),
             unknown=tuple(one for one in failures if not _is_curve(one.job)),
+            left=left,
         )
         return self._with_detached(done, jobs, curves)
 
@@ -123,8 +125,9 @@ class Run:
         """What lies beside curves: known once they and the resonances followed in force are."""
         followed = {entry.product.mode: entry for entry in done.resonances}
         beside = [jobs.beside(job, one.product, followed.get(job.mode)) for job, one in curves if not job.finer]
-        given, failures = self._obtain_all(jobs, [job for job in beside if job is not None])
-        return replace(done, detached=tuple(one for _, one in given), unknown=(*done.unknown, *failures))
+        given, failures, left = self._obtain_all(jobs, [job for job in beside if job is not None])
+        detached, unknown = tuple(one for _, one in given), (*done.unknown, *failures)
+        return replace(done, detached=detached, unknown=unknown, left=(*done.left, *left))
 
     def _mesh(self) -> Stored[RigMesh]:
         def compute(meter: Meter) -> tuple[RigMesh, Mapping[str, float]]:
@@ -210,17 +213,22 @@ class Run:
 
     def _obtain_all(
         self, jobs: RunJobs, first: Sequence[RunJob]
-    ) -> tuple[list[tuple[RunJob, Stored[Any]]], list[JobOutcome]]:
+    ) -> tuple[list[tuple[RunJob, Stored[Any]]], list[JobOutcome], tuple[RunJob, ...]]:
         """Some jobs, and those that follow them, with their products, in this order, from their files where those fit,
-        else computed and stored, shared over the processes; and what became of those that were not finished.
+        else computed and stored, shared over the processes; what became of those that were not finished; and those
+        that a quick look leaves out.
         """
         found: dict[Path, Stored[Any]] = {}
+        left: dict[Path, RunJob] = {}
 
         def missing(those: Iterable[RunJob]) -> Iterator[RunJob]:
-            """Those that have no file that fits, also of the ones that follow those that have."""
+            """Those that are to be computed, also of the ones that follow those that are on file."""
             for job in those:
                 if (there := stored(job.output, job.kind, job.key)) is None:
-                    yield job
+                    if is_computed(job, self.rig, self.options):
+                        yield job
+                    else:
+                        left[job.output] = job
                     continue
                 if job.name not in self.executed:
                     self.display.unchanged(job.name)
@@ -228,7 +236,8 @@ class Run:
                 yield from missing(jobs.following(job, there.product))
 
         outcomes = self._run_all(list(missing(first)), jobs, missing)
-        return _in_order(jobs, first, found), [one for one in outcomes if one.end is not JobEnd.FINISHED]
+        failures = [one for one in outcomes if one.end is not JobEnd.FINISHED]
+        return _in_order(jobs, first, found), failures, tuple(left.values())
 
     def _run_all(
         self, first: Sequence[RunJob], jobs: RunJobs, missing: Callable[[Iterable[RunJob]], Iterable[RunJob]]

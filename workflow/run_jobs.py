@@ -70,6 +70,8 @@ class RunJobs:
         options = self.files.options
         if not isinstance(job, CurveJob) or job.finer:
             return 0
+        if options.quick:
+            return int(options.marching)
         chosen = self.files.rig.harmonic_balance.tolerance is not None
         return options.stability + options.marching + options.accuracy * (1 + chosen)
 

@@ -17,6 +17,7 @@ class RunOptions:
         is not known, and the curve is no less complete
     marching: whether to march a few periods in time from every curve's peak, to see whether the motion stays
     resonance: whether to follow every mode's resonance in the force, through all levels of the study
+    quick: whether to compute only what a first look at the responses needs (`quick_look.py`); what is on file is taken
     check: whether to compare the reduced with the full coupled model; until: last stage, None for all
     raises: ValueError naming the option that is out of range
     """
@@ -32,6 +33,7 @@ class RunOptions:
     stability: bool = False
     marching: bool = False
     resonance: bool = False
+    quick: bool = False
     until: Stage | None = None
 
     def __post_init__(self) -> None:

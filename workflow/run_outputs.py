@@ -18,6 +18,7 @@ from updamp.workflow.accuracy_summary import numerical_error
 from updamp.workflow.adaptive_curves import ChosenHarmonics, chosen_file
 from updamp.workflow.output_folder import results_of_other_states
 from updamp.workflow.products import Products, Stored, stored
+from updamp.workflow.quick_look import error_is_left, not_checked
 from updamp.workflow.response_files import FORMATS, write_responses
 from updamp.workflow.run import Run
 from updamp.workflow.run_pictures import by_mode, curve_keys, pictures, stability_keys
@@ -156,13 +157,20 @@ def _chosen(curve: Stored[ResponseCurve]) -> ChosenHarmonics | None:
     return found.product if found is not None else None
 
 
+def _error(run: Run, products: Products, curve: ResponseCurve) -> dict[str, Any] | None:
+    """None where it was not asked for"""
+    if not run.options.accuracy or error_is_left(products.left, curve):
+        return None
+    return numerical_error(products, curve, run.response_point)
+
+
 def _of_curves(run: Run, products: Products) -> dict[str, Any]:
     return {
         "curves": [
             summary.curve_entry(
                 curve,
                 run.response_point,
-                numerical_error(products, curve, run.response_point) if run.options.accuracy else None,
+                _error(run, products, curve),
                 products.stability_of(curve.mode).get(curve.force),
                 _chosen(entry),
                 products.detached_of(curve.mode).get(curve.force),
@@ -170,6 +178,7 @@ def _of_curves(run: Run, products: Products) -> dict[str, Any]:
             )
             for entry, curve in ((entry, entry.product) for entry in products.curves)
         ],
+        "not_checked": not_checked(products.left, run.options),
         "not_known": {outcome.job.name: outcome.message for outcome in products.unknown},
         "failed_curves": {outcome.job.name: outcome.message for outcome in products.failures},
         "resonances": [

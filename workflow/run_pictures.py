@@ -25,6 +25,7 @@ from updamp.pictures.resonance import resonance_against_force
 from updamp.pictures.style import FORMATS, style_key
 from updamp.pictures.variants import PeakPoint
 from updamp.workflow.products import Products
+from updamp.workflow.quick_look import is_drawn, peaks_followed, responses_note
 from updamp.workflow.run import Run
 
 Integers = NDArray[np.int64]
@@ -68,7 +69,11 @@ def plot(name: str, sources: Sequence[str], draw: Callable[[Path], None]) -> Pic
 
 
 def pictures(run: Run, products: Products) -> list[Picture]:
-    return [*_plots(run, products), *_renderings(products)] if run.options.pictures else []
+    if not run.options.pictures:
+        return []
+    return [
+        one for one in (*_plots(run, products), *_renderings(products)) if is_drawn(Path(one.name).name, run.options)
+    ]
 
 
 def _plots(run: Run, products: Products) -> list[Picture]:
@@ -93,11 +98,14 @@ def _of_mode(run: Run, products: Products, mode: str, curves: Sequence[ResponseC
     keys, point = curve_keys(products, mode), run.response_point
     finer = [curve for curve in products.finer if curve.product.mode == mode and len(curve.product)]
     followed = next((entry for entry in products.resonances if entry.product.mode == mode), None)
+    peaks = [peak for (of, _), peak in peaks_followed(products).items() if peak is not None and of == mode]
+    note = responses_note(products.left, run.options)
 
     def draw_responses(path: Path) -> None:
         others, alone = [curve.product for curve in finer], blades_alone(run, products, curves)
         detached = {force: found.branches for force, found in products.detached_of(mode).items()}
-        drawn = response.Responses(mode, point, curves, others, products.stability_of(mode), alone, detached)
+        stability = products.stability_of(mode)
+        drawn = response.Responses(mode, point, curves, others, stability, alone, detached, peaks, note)
         response.frequency_responses(path, drawn)
 
     def draw_states(path: Path) -> None:
@@ -115,6 +123,7 @@ def _of_mode(run: Run, products: Products, mode: str, curves: Sequence[ResponseC
 
     sources = [point, *keys, *(curve.stamp.key for curve in finer), *stability_keys(products, mode)]
     sources += [entry.stamp.key for entry in products.detached if entry.product.mode == mode]
+    sources += [repr(peak) for peak in peaks] + ([note] if note else [])
     return [
         plot(f"frf_{mode}", sources, draw_responses),
         plot(f"contact_states_{mode}", [point, *keys], draw_states),

@@ -1,6 +1,6 @@
 """What each stage calls."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from updamp.fem import finite_element_model as fem
@@ -11,12 +11,26 @@ from updamp.fem.springs import ContactStiffness
 from updamp.fem.static_contact import static_contact as at_rest
 from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.geometry.rig_mesh import RigMesh
+from updamp.parallel.system_libraries import lacking
 from updamp.rig.rig import Rig
 from updamp.workflow import stages
 from updamp.workflow.stages import Stage
 
+# Without them gmsh cannot be loaded: shared library -> Debian package.
+GMSH_LIBRARIES: Mapping[str, str] = {
+    "libGL.so.1": "libgl1",
+    "libGLU.so.1": "libglu1-mesa",
+    "libXcursor.so.1": "libxcursor1",
+    "libXft.so.2": "libxft2",
+    "libXinerama.so.1": "libxinerama1",
+    "libgomp.so.1": "libgomp1",
+}
+
 
 def build_mesh(rig: Rig, preset: str) -> RigMesh:
+    """raises: ImportError naming the system libraries that gmsh lacks; what the mesh's own function does"""
+    if missing := lacking(GMSH_LIBRARIES):
+        raise ImportError(f"no mesh can be made: {missing}")
     # On call: gmsh needs system libraries, which a machine that takes the mesh from its file may lack.
     from updamp.geometry.build_mesh import build_mesh
 

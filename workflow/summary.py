@@ -136,8 +136,7 @@ def _solved(curve: ResponseCurve, point: str) -> dict[str, Any]:
 
 def resonance_entry(curve: ResonanceCurve, levels: Sequence[float]) -> dict[str, Any]:
     """Of a resonance followed in the force, at the levels [N] that it reached: each where it was first met."""
-    close = [np.flatnonzero(np.isclose(curve.force, level, rtol=1e-9)) for level in sorted(levels)]
-    met = [int(places[0]) for places in close if len(places)]
+    met = [int(places[0]) for level in sorted(levels) if len(places := curve.passes(level))]
     return {
         "mode": curve.mode,
         "response_point": curve.point,
@@ -276,6 +275,9 @@ def overview_table(summary: Mapping[str, Any]) -> Table:
         if isinstance(values, Mapping):
             for name, value in values.items():
                 table.add_row(f"{section}.{name}", _short(value))
+        elif section == "not_checked":
+            for sentence in values:
+                table.add_row(section, sentence)
         elif section != "curves":
             table.add_row(section, _short(values))
     return table

@@ -46,8 +46,8 @@ def curve_error(curve: ResponseCurve, finer: ResponseCurve, point: str) -> Curve
     (at, peak), (finer_at, finer_peak) = curve.peak(point), finer.peak(point)
     sizes = [np.abs(one.receptance(point)) for one in (curve, finer)]
     widths = [half_width(one.frequency, size) for one, size in zip((curve, finer), sizes, strict=True)]
-    flank = (np.abs(curve.frequency - at) > widths[0]) & (sizes[0] > FLANK_DOWN_TO * peak)
-    apart = distances(curve, finer, point, widths[0])[flank]
+    flank = np.flatnonzero((np.abs(curve.frequency - at) > widths[0]) & (sizes[0] > FLANK_DOWN_TO * peak))
+    apart = distances(curve, finer, point, widths[0], flank)
     return CurveError(
         orders=finer.orders,
         peak_percent=100 * (finer_peak / peak - 1),
@@ -58,9 +58,11 @@ def curve_error(curve: ResponseCurve, finer: ResponseCurve, point: str) -> Curve
     )
 
 
-def distances(curve: ResponseCurve, finer: ResponseCurve, point: str, width: float) -> Floats:
-    """(n,) from each point of a curve to the nearest one of the finer branch: across the branch, where the change at
-    fixed frequency grows without bound as a flank becomes vertical.
+def distances(
+    curve: ResponseCurve, finer: ResponseCurve, point: str, width: float, places: NDArray[np.int64]
+) -> Floats:
+    """(n,) from the n points of a curve at these places to the nearest one of the finer branch: across the branch,
+    where the change at fixed frequency grows without bound as a flank becomes vertical.
 
     d^2 = |h' / h - 1|^2 + ((f' - f) / width)^2, least over the points (f', h') of the finer branch, h the receptance at
     `point`, width the half-width [Hz]. Both parts weigh the same: a linear resonance is h = 1 / (1 + i s), s the
@@ -74,10 +76,11 @@ def distances(curve: ResponseCurve, finer: ResponseCurve, point: str, width: flo
     """
     near = smooth_branch(finer, point)
     if not len(near.frequency) or not np.isfinite(width):
-        return np.full(len(curve), np.nan)
+        return np.full(len(places), np.nan)
     followed = np.diff(near.interval) <= 1
-    apart = np.empty(len(curve))
-    for i, (at, h) in enumerate(zip(curve.frequency, curve.receptance(point), strict=True)):
+    apart = np.empty(len(places))
+    receptance = curve.receptance(point)
+    for i, (at, h) in enumerate(zip(curve.frequency[places], receptance[places], strict=True)):
         change, shift = (near.receptance / h - 1)[:, None].view(float), (near.frequency - at) / width
         apart[i] = to_lines(np.column_stack([change, shift]))[0][followed].min()
     return apart

@@ -102,6 +102,10 @@ class ResonanceCurve:
         sizes = np.stack([np.abs(self.amplitude(k)) for k in self.orders], axis=1)
         return sizes / sizes[:, [self.orders.index(1)]]
 
+    def passes(self, force: float) -> Integers:
+        """Places of the points at a force of the request [N], each time that it was passed."""
+        return np.flatnonzero(self.asked_for.astype(bool) & np.isclose(self.force, force, rtol=1e-9))
+
     def at_forces(self) -> "ResonanceCurve":
         """The points at the forces that were asked for."""
         columns: dict[str, Any] = {name: getattr(self, name)[self.asked_for] for name in COLUMNS}

@@ -18,7 +18,7 @@ import psutil
 import pytest
 from rich.console import Console
 from support.curves import softening_curve
-from typer.testing import CliRunner
+from support.short_study import RIG, run_command, short_study
 
 from updamp.hbm.analysis.finer_points import PointErrors
 from updamp.hbm.continuation.response_curve import ResponseCurve
@@ -26,7 +26,6 @@ from updamp.hbm.stability.branch_stability import BranchStability, State
 from updamp.model.rig_files import load_rig
 from updamp.parallel.resources import Meter
 from updamp.pictures import scene
-from updamp.pipeline import app
 from updamp.workflow import stages, store
 from updamp.workflow.accuracy_summary import error_cells, numerical_error
 from updamp.workflow.products import Products, Stored
@@ -36,7 +35,6 @@ from updamp.workflow.run_options import RunOptions
 from updamp.workflow.stage_functions import StageFunctions
 from updamp.workflow.summary import union_length
 
-RIG = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
 SUMMARY_KEYS = {
     "mesh": {"blade_elements", "damper_elements", "contact_elements", "min_scaled_jacobian"},
     "modes": {"per_component", "free_1F_Hz", "max_relative_residual"},
@@ -52,39 +50,6 @@ PICTURES = ("mesh.png", "modes.png", "mode.gif", "pressure.png", "frf_OOP.png", 
             "resonance_OOP.png", "resonance_IP.png")  # fmt: skip
 
 RENDERED = ("mesh.png", "modes.png", "mode.gif")
-COARSE = """[mesh.small]
-width = 6
-face = 2
-platform_outer = 1
-platform_inner = 1
-platform_height = 2
-stem_thickness = 1
-stem_below_excitation = 2
-stem_below_platform = 1
-stem_above_platform = 5
-stem_top = 1
-damper_across = 2
-damper_apex = 1
-damper_base = 1
-contact_elements = 24
-"""  # what a run writes does not depend on the mesh; its resonances are OOP 450 Hz and IP 439 Hz
-
-
-def run_command(*arguments):
-    return CliRunner().invoke(app, [str(argument) for argument in arguments])
-
-
-def short_study(folder, oop, ip):
-    """The reference rig with narrow windows at a force that leaves the contacts stuck."""
-    text = RIG.read_text(encoding="utf-8")
-    head, _ = text.split("[study]")
-    study = (
-        f'[study]\nforce_levels = ["0.01 N"]\n[study.modes.OOP]\nwindow = ["{oop[0]} Hz", "{oop[1]} Hz"]\n'
-        f'[study.modes.IP]\nwindow = ["{ip[0]} Hz", "{ip[1]} Hz"]\n'
-    )
-    path = folder / "short.toml"
-    path.write_text(f"{head}{study}\n{COARSE}", encoding="utf-8")
-    return path
 
 
 @pytest.fixture(scope="module")
@@ -324,14 +289,19 @@ def test_a_curve_that_stops_early_is_reported_and_the_run_ends_non_zero(finished
 def test_without_the_libraries_for_rendering_the_rest_is_made(finished, tmp_path, monkeypatch):
     rig, out, _ = finished
     shutil.copytree(out, tmp_path / "out")
-    shutil.rmtree(tmp_path / "out" / "pictures")
+    pictures = tmp_path / "out" / "pictures"
+    missing = {"frf_OOP.png", "frf_OOP.svg", "frf_OOP.pdf", *RENDERED}
+    before = {path.name for path in pictures.iterdir()}
+    assert missing < before
+    for name in missing:
+        (pictures / name).unlink()
     monkeypatch.setattr(scene, "LIBRARIES", {"libnowhere.so.7": "libnowhere7"})
     result = run_command("run", rig, "--mesh", "small", "--out", tmp_path / "out", "--mode", "OOP", "--no-accuracy")
     assert result.exit_code == 1
     assert "apt-get install libnowhere7" in result.output
-    drawn = {path.name for path in (tmp_path / "out" / "pictures").iterdir()}
-    plots = [Path(name) for name in PICTURES if name not in RENDERED and "_IP" not in name]
-    assert drawn == {plot.with_suffix(ending).name for plot in plots for ending in (".png", ".svg", ".pdf")}
+    assert {path.name for path in pictures.iterdir()} == before - set(RENDERED)
+    plots = [Path(name) for name in PICTURES if name not in RENDERED]
+    assert before - set(RENDERED) == {p.with_suffix(ending).name for p in plots for ending in (".png", ".svg", ".pdf")}
 
 
 def worker_of(pid: int) -> bool:

@@ -12,10 +12,10 @@ import logging, sys
 import jax
 import numpy as np
 from updamp.hbm import compilation_cache
-from updamp.hbm.contact.compiled import jenkins_box_sampled
+from updamp.hbm.contact.compiled import iwan
 from updamp.hbm.contact.coulomb_circle import CoulombCircle
 from updamp.hbm.contact.friction import FrictionParameters
-from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
+from updamp.hbm.contact.iwan import IwanMicroslip, IwanParameters
 from updamp.hbm.problem.elements import ElementGroup, force_only
 from updamp.hbm.harmonics import Harmonics
 
@@ -26,9 +26,10 @@ print(compilation_cache.keep_compiled())
 one = np.ones(2)
 p = FrictionParameters(one, one, one, one, np.zeros((2, 2)), 0 * one)
 x = np.random.default_rng(1).normal(size=(2, 3, 2))
-for law in (CoulombCircle(2), SampledJenkinsBox(2)):
-    print(force_only(ElementGroup(law, p, None), x, 1.0, Harmonics((1,)), 16).tobytes().hex())
-print(len(hits), sum(jenkins_box_sampled.force_with_tangent.stats.cache_hits.values()))
+joint = IwanParameters(one, 0.5 * one, 0 * one)  # of the laws that numba compiles the one that takes least
+for law, of, motion in ((CoulombCircle(2), p, x), (IwanMicroslip(2), joint, 1e-5 * x[:, :1])):
+    print(force_only(ElementGroup(law, of, None), motion, 1.0, Harmonics((1,)), 16).tobytes().hex())
+print(len(hits), sum(iwan.force_with_tangent.stats.cache_hits.values()))
 """
 
 
@@ -50,7 +51,7 @@ def test_second_process_reads_what_the_first_has_compiled(tmp_path):
 
 def test_laws_compiled_by_numba_work_where_nothing_can_be_written(tmp_path):
     (tmp_path / "file").write_text("not a folder")
-    code = "from updamp.hbm.contact.compiled import jenkins_box_sampled as law; print(law.force_with_tangent.stats)"
+    code = "from updamp.hbm.contact.compiled import iwan as law; print(law.force_with_tangent.stats)"
     environment = os.environ | {"XDG_CACHE_HOME": str(tmp_path / "file")}
     subprocess.run([sys.executable, "-W", "error", "-c", code], env=environment, check=True)
 

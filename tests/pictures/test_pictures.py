@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from PIL import Image
 from support.curves import softening_curve
@@ -33,6 +34,12 @@ def rig():
 @pytest.fixture(scope="module")
 def rig_mesh(rig):
     return build_mesh(rig, "small")
+
+
+@pytest.fixture
+def png_alone(monkeypatch):
+    """Of a test that looks at the PNG: SVG and PDF, two thirds of the time, are looked at below."""
+    monkeypatch.setattr(style, "FORMATS", ())
 
 
 def pixels(path):
@@ -93,6 +100,7 @@ def test_the_unrolled_faces_keep_areas_and_stand_upright(rig, rig_mesh):
         assert np.corrcoef(heights, corners[..., 1].mean(axis=1))[0, 1] == pytest.approx(1), "up is up the slope"
 
 
+@pytest.mark.usefixtures("png_alone")
 def test_pressure_and_contact_states(tmp_path, rig, rig_mesh):
     contacts = rig_mesh.contacts
     n = len(contacts)
@@ -119,6 +127,7 @@ def test_the_states_are_those_of_the_harmonic_balance_in_order():
     )
 
 
+@pytest.mark.usefixtures("png_alone")
 def test_frequency_responses_with_folds_and_a_stopped_branch(tmp_path):
     curves = [
         softening_curve(force=0.1),
@@ -139,6 +148,7 @@ def test_frequency_responses_with_folds_and_a_stopped_branch(tmp_path):
     assert (tmp_path / "one.png").read_bytes() != (tmp_path / "beside.png").read_bytes()
 
 
+@pytest.mark.usefixtures("png_alone")
 def test_what_is_unstable_or_not_known_is_drawn_otherwise(tmp_path):
     """Solid, dashed, dotted; between two points that differ the less certain."""
     curve = softening_curve(force=1.0)
@@ -159,6 +169,7 @@ def test_what_is_unstable_or_not_known_is_drawn_otherwise(tmp_path):
     assert (tmp_path / "frf.png").read_bytes() != (tmp_path / "solid.png").read_bytes()
 
 
+@pytest.mark.usefixtures("png_alone")
 def test_what_more_harmonics_change_is_a_band_unless_they_are_not_complete(tmp_path):
     curve = softening_curve(force=1.0)
     finer = replace(curve, response=1.3 * curve.response)
@@ -178,6 +189,7 @@ def test_a_line_is_broken_where_the_branch_was_not_followed():
     assert runs == [(0, 4, State.STABLE), (6, len(curve) - 1, State.STABLE)]
 
 
+@pytest.mark.usefixtures("png_alone")
 def test_levels_that_coincide_are_all_seen_and_the_response_without_damper_is_beside_them(tmp_path):
     """The lower force is drawn wider; the frame of the resonances leaves out what is low."""
     curves = [softening_curve(force=force) for force in (2.0, 1.0)]
@@ -191,6 +203,23 @@ def test_levels_that_coincide_are_all_seen_and_the_response_without_damper_is_be
     assert response._key_of_marks(drawn)[-1].get_label() == "without damper"
     response.frequency_responses(tmp_path / "frf.png", drawn)
     assert share(pixels(tmp_path / "frf.png"), GREY) > share_without(tmp_path, drawn) + 1e-4
+
+
+@pytest.mark.usefixtures("png_alone")
+def test_a_force_without_curve_has_its_peak_in_its_own_colour_and_within_the_frame(tmp_path):
+    """As a quick look has it; the colours of the curves are those that they have with all curves there."""
+    curves = [softening_curve(force=force) for force in (0.1, 1.0, 3.0)]
+    whole = response.Responses("IP", "blade_right.tip.x", curves)
+    peak = variants.PeakPoint(3.0, 417.0, 2e-5, True)
+    quick = replace(whole, curves=curves[:2], peaks=[peak], note="not checked: stability")
+    assert quick.colours() == whole.colours()
+    low, high = response._resonances(quick)
+    assert low < 417.0 < high
+    assert "peak followed in force, no curve" in [mark.get_label() for mark in response._key_of_marks(quick)]
+    colour = to_hex(quick.colours()[3.0])
+    assert colour not in [to_hex(one) for _, one, _ in quick.levels()]
+    response.frequency_responses(tmp_path / "quick.png", quick)
+    assert share(pixels(tmp_path / "quick.png"), colour) > 1e-4, "two diamonds and the key's"
 
 
 def share_without(folder, drawn):
@@ -227,6 +256,7 @@ def test_a_style_file_of_ones_own_replaces_what_it_states(tmp_path):
     assert "none.mplstyle: there is no such file" in error
 
 
+@pytest.mark.usefixtures("png_alone")
 def test_damper_motion_translates_in_one_mode_and_rolls_in_the_other(tmp_path, rig):
     curves = {mode: (softening_curve(mode), 100) for mode in ("OOP", "IP")}
     kinematics.damper_kinematics(tmp_path / "motion.png", rig, list(curves.values()))

@@ -12,7 +12,7 @@ from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.continuation.sweeps import swept
 
 TIP = "blade_right.tip.x"
-FREQUENCY, LOSS = np.linspace(80.0, 120.0, 4001), 0.02
+FREQUENCY, LOSS = np.linspace(80.0, 120.0, 801), 0.02
 
 
 def linear_curve(resonance, loss, scale=1.0):
@@ -50,7 +50,7 @@ def test_beside_a_jump_the_distance_is_the_shift_in_half_widths():
     jumps = swept(curve, upwards=True).jumps, swept(finer, upwards=True).jumps
     assert jumps[1] - jumps[0] == pytest.approx(shift), "the folds move by as much"
     width = half_width(curve.frequency, np.abs(curve.receptance(TIP)))
-    apart = distances(curve, finer, TIP, width)
+    apart = distances(curve, finer, TIP, width, np.arange(len(curve)))
     assert apart[fold] == pytest.approx(shift / width, rel=1e-2), "where the branch is vertical"
     assert (apart <= shift / width * (1 + 1e-9)).all()
     assert curve_error(curve, finer, TIP).flank_percent == pytest.approx(100 * shift / width, rel=0.05)
