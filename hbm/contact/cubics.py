@@ -38,9 +38,11 @@ class Cubics(NamedTuple):
 
     def halves(self, a: jax.Array, b: jax.Array) -> tuple[jax.Array, jax.Array]:
         """Integrals times 1 - t, and times t, from a to b."""
-        total = sum(c * (b ** (i + 1) - a ** (i + 1)) / (i + 1) for i, c in enumerate(self))
-        moment = sum(c * (b ** (i + 2) - a ** (i + 2)) / (i + 2) for i, c in enumerate(self))
-        return total - moment, jnp.asarray(moment)
+        total, moment = jnp.zeros(()), jnp.zeros(())
+        for i, c in enumerate(self):
+            total += c * (b ** (i + 1) - a ** (i + 1)) / (i + 1)
+            moment += c * (b ** (i + 2) - a ** (i + 2)) / (i + 2)
+        return total - moment, moment
 
 
 def through(values: jax.Array) -> Cubics:

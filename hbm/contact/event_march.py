@@ -15,7 +15,7 @@ the stiffness that is left, and Newton's method goes round in circles. Here
   springs, and the error is of fourth order in the step.
 
 The path is continuous, so that its integrals do not change, to first order, with the instants at which its pieces end:
-they are held in derivatives. Only the position from which a slider starts where a contact closes moves with its instant.
+they are held in derivatives. Only where a contact closes, the position from which its slider starts moves with it.
 """
 
 from typing import NamedTuple
@@ -116,14 +116,18 @@ def _openings(p: Cubics) -> _Openings:
 def _grid(motion: Cubics, limit: _Limit, openings: _Openings) -> _Grid:
     n = len(motion.c0)
     turns = [
-        tops(motion.times(sign).less(limit.p.times(limit.ratio)), *part) for part in openings.parts(openings.closed) for sign in (1.0, -1.0)
+        tops(motion.times(sign).less(limit.p.times(limit.ratio)), *part)
+        for part in openings.parts(openings.closed)
+        for sign in (1.0, -1.0)
     ]
     crossings = [jnp.where(share < 1, share, -1.0) for share in (openings.first, openings.second)]
     between = jnp.stack([*crossings, *turns], axis=1)
     found = jnp.nonzero((between >= 0).ravel(), size=most_between(n), fill_value=between.size)[0]
     number = jnp.concatenate([jnp.arange(n), jnp.minimum(found // between.shape[1], n - 1)])
     share = jnp.concatenate([jnp.zeros(n), between.ravel().at[found].get(mode="fill", fill_value=1.0)])
-    crossing = jnp.concatenate([jnp.zeros(n, bool), (found % between.shape[1] < len(crossings)) & (found < between.size)])
+    crossing = jnp.concatenate(
+        [jnp.zeros(n, bool), (found % between.shape[1] < len(crossings)) & (found < between.size)]
+    )
     order = jnp.argsort(number + share, stable=True)
     number, share, crossing = number[order], share[order], crossing[order]
     end = jnp.where(jnp.roll(number, -1) == number, jnp.roll(share, -1), 1.0).at[-1].set(1.0)
@@ -145,7 +149,9 @@ def _positions(grid: _Grid, motion: Cubics, limit: _Limit, first: jax.Array, cyc
     up, down, free = _pushed(grid, motion, limit)
     n = len(up)
 
-    def step(state: tuple[jax.Array, jax.Array], node: tuple[jax.Array, ...]) -> tuple[tuple[jax.Array, jax.Array], jax.Array]:
+    def step(
+        state: tuple[jax.Array, jax.Array], node: tuple[jax.Array, ...]
+    ) -> tuple[tuple[jax.Array, jax.Array], jax.Array]:
         stands, source = state
         number, up, down, free = node
         source = jnp.where((stands < up) | free, number, jnp.where(stands > down, number + n, source))

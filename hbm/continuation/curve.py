@@ -29,24 +29,19 @@ __all__ = ["CurveRequest", "trace", "whole_curve"]
 _COPIED = 0.01
 
 
-def trace(
-    system: NonlinearSystem, request: CurveRequest, resume_from: ResponseCurve | None = None
-) -> Iterator[ResponseCurve]:
+def trace(system: NonlinearSystem, request: CurveRequest) -> Iterator[ResponseCurve]:
     """The curve so far, after every point; the last one handed out is `complete` or says why it `stopped`.
 
     Of a problem that is its own mirror image half is solved (hbm/problem/mirror.py), and `active` counts its rows.
     Beyond a hundred points a curve is handed out again until it has grown by a hundredth: it is copied as a whole.
 
-    resume_from: an interrupted curve of the same system and request; only what follows it is solved
     raises: nothing; a branch that cannot go on ends the curve with its sentence in `stopped`
     """
     if (half := HalfProblem.of(system, request)) is None:
-        yield from _traced(system, request, resume_from)
+        yield from _traced(system, request)
         return
-    if resume_from is not None:
-        resume_from = half.halved(resume_from)
     shown = whole = None
-    for curve in _traced(half.system, half.request, resume_from):
+    for curve in _traced(half.system, half.request):
         if whole is None or curve is not shown:
             shown, whole = curve, half.whole(curve)
         yield whole
@@ -58,16 +53,10 @@ def whole_curve(system: NonlinearSystem, request: CurveRequest) -> ResponseCurve
     return whole
 
 
-def _traced(
-    system: NonlinearSystem, request: CurveRequest, resume_from: ResponseCurve | None
-) -> Iterator[ResponseCurve]:
+def _traced(system: NonlinearSystem, request: CurveRequest) -> Iterator[ResponseCurve]:
     """As `trace`, all of the problem."""
     started = time.perf_counter()
-    if resume_from is not None and (resume_from.complete or resume_from.stopped):
-        yield resume_from
-        return
-    earlier = resume_from if resume_from is not None and len(resume_from) >= 2 else None
-    first = from_end(system, request, request.upwards, started, earlier)
+    first = from_end(system, request, request.upwards, started)
     pieces = Pieces(first, from_end(system, request, not request.upwards, started))
     shown = first.records.curve()
     for _ in _advances(system, request, pieces, started):

@@ -75,25 +75,18 @@ class CurveRequest:
 class Records:
     """Columns of the curve, one entry a point."""
 
-    def __init__(
-        self, system: NonlinearSystem, request: CurveRequest, started: float, earlier: ResponseCurve | None = None
-    ) -> None:
+    def __init__(self, system: NonlinearSystem, request: CurveRequest, started: float) -> None:
         self.system, self.request, self.started = system, request, started
         self.rows = np.array([system.free.row(p) for p in request.points])
-        self.earlier = earlier
         self.columns: dict[str, list[Any]] = {name: [] for name in COLUMNS}
-        if earlier is not None:
-            for name in COLUMNS:
-                self.columns[name].extend(getattr(earlier, name))
 
     def __len__(self) -> int:
         return len(self.columns["frequency"])
 
     @property
     def seconds(self) -> float:
-        """Since the trace has begun, with those of an earlier session."""
-        before = self.earlier.seconds if self.earlier is not None else 0.0
-        return before + time.perf_counter() - self.started
+        """Since the trace has begun."""
+        return time.perf_counter() - self.started
 
     def add(self, point: BranchPoint) -> None:
         equation, excitation = point.solution.equation, self.request.excitation

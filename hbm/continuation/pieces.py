@@ -28,16 +28,16 @@ class BranchSegment:
     """
 
     def __init__(
-        self, records: Records, sign: float, points: Iterator[BranchPoint], resumed: Sequence[BranchPoint] = ()
+        self, records: Records, sign: float, points: Iterator[BranchPoint], begun: Sequence[BranchPoint] = ()
     ) -> None:
-        """points: still to come; resumed: points that they follow and that are not recorded again"""
+        """points: still to come; begun: points that they follow, which are not recorded here"""
         self.records, self.sign, self.active = records, sign, True
         self.ended_by, self.left_at = "", 0
         self.furthest: BranchPoint | None = None
         self._points = points
         self.traced: TracedBranch | None = None
         self._numbers: list[int] = []  # of points recorded before the end of each chord that was traced
-        for point in resumed:
+        for point in begun:
             self._extend(point)
 
     @property

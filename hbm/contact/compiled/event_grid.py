@@ -38,13 +38,14 @@ class Path(NamedTuple):
 class Grid(NamedTuple):
     """Nodes in the order of time, the last one at the end of the period.
 
-    count: (1,) nodes but for the last; segment, share: where a node is; crossing: whether the contact opens or closes
+    number: (1,) of nodes but for the last; segment, share: where a node is
+    crossing: whether the contact opens or closes there
     free: whether nothing presses there; closed: whether it is closed from here to the next node
     u, limit: of the trial force, over kt [m]
     sample: (n_time + 1,) nodes of the samples
     """
 
-    count: NDArray[np.int64]
+    number: NDArray[np.int64]
     segment: NDArray[np.int64]
     share: Floats
     crossing: NDArray[np.bool_]
@@ -124,7 +125,7 @@ def build_grid(path: Path, ratio: float, openings: Openings, grid: Grid) -> None
         down = -du[j] > ratio * dp[j] and -du[j + 1] < ratio * dp[j + 1]
         if first[j] >= 0 or (p[j] > 0 and (up or down)):
             k = _add_between(path, ratio, openings, j, grid, k)
-    grid.sample[n] = grid.count[0] = k
+    grid.sample[n] = grid.number[0] = k
     _set(grid, k, n - 1, 1.0, False, p[n] > 0, u[n], ratio * positive(p[n]))
 
 

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from updamp.hbm.contact.compiled.at_rest import rests, stays_closed
+from updamp.hbm.contact.compiled.columns import Rows
 from updamp.hbm.contact.compiled.cubic import positive
 from updamp.hbm.contact.compiled.event_grid import build_grid, find_openings, new_grid, new_openings, new_path
 from updamp.hbm.contact.compiled.keeping import inner, kept
@@ -18,7 +19,7 @@ from updamp.hbm.contact.compiled.normal import (
     write_normal,
     write_tangential,
 )
-from updamp.hbm.contact.compiled.slider import Rows, add_force, add_tangent, march, new_scratch, new_slider
+from updamp.hbm.contact.compiled.slider import add_force, add_tangent, march, new_scratch, new_slider
 from updamp.hbm.contact.compiled.tables import GrowingTables, Tables, loop_area, sample, slope
 
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from updamp.hbm.contact.compiled.at_rest import rests, stays_closed
-from updamp.hbm.contact.compiled.keeping import inner, kept
 from updamp.hbm.contact.compiled.cubic import positive
+from updamp.hbm.contact.compiled.keeping import inner, kept
 from updamp.hbm.contact.compiled.normal import (
     add_missing_samples,
     add_missing_samples_tangent,

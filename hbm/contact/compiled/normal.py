@@ -2,17 +2,17 @@
 
 from typing import Any
 
-import numpy as np
-
+from updamp.hbm.contact.compiled.columns import Columns, Rows, add_numbers, empty, multiply
 from updamp.hbm.contact.compiled.cubic import basis_halves, halves, positive
 from updamp.hbm.contact.compiled.event_grid import Openings, compression_of, parts
 from updamp.hbm.contact.compiled.keeping import inner
-from updamp.hbm.contact.compiled.slider import Columns, Rows, add_numbers, empty, multiply
 from updamp.hbm.contact.compiled.tables import add_outer, hat_rows, slope_rows
 
 
 @inner
-def write_normal(pressing: Any, missing: Any, coefficients: Any, rest: float, kn: float, constant: Any, out: Any) -> None:
+def write_normal(
+    pressing: Any, missing: Any, coefficients: Any, rest: float, kn: float, constant: Any, out: Any
+) -> None:
     """Writes the normal force, (n_coefficients,) [N], of a motion of these coefficients [m].
 
     pressing: (n_time + 1,) compression [m]; missing: coefficients of what a spring that always presses has less while

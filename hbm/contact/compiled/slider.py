@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.hbm.contact.compiled.columns import Columns, Rows, add_numbers, empty, multiply, new_columns
 from updamp.hbm.contact.compiled.cubic import (
     WHOLE_END,
     WHOLE_START,
@@ -23,7 +24,7 @@ from updamp.hbm.contact.compiled.cubic import (
 )
 from updamp.hbm.contact.compiled.event_grid import Grid, Path, compression_of, motion_of
 from updamp.hbm.contact.compiled.keeping import inner
-from updamp.hbm.contact.compiled.tables import add_outer, add_products, size_of_change
+from updamp.hbm.contact.compiled.tables import size_of_change
 
 Floats = NDArray[np.float64]
 
@@ -35,7 +36,7 @@ SIGN = (0.0, 0.0, 1.0, -1.0)
 
 class Slider(NamedTuple):
     """position: of the slider at each node [m]; source: the node that put it there, -1 where it stands as at first
-    side: of each source, 1 where it pushed up to u less the limit, -1 down to u plus the limit, 0 where there is no limit
+    side: of each source, 1 where it pushed up to u less the limit, -1 down to u plus the limit, 0 where there is none
     does: what it does before it comes to the next node; slips: share of the segment from which on, the end where it
         stands until then
     whole: (n_time,) what it does in each segment from start to end, STANDS where that is several things
@@ -47,25 +48,6 @@ class Slider(NamedTuple):
     does: NDArray[np.int64]
     slips: Floats
     whole: NDArray[np.int64]
-
-
-class Rows(NamedTuple):
-    """Derivatives by the coefficients of the samples of a motion, of their slopes, and of its integral against each
-    sample's hat, each (n_time + 1, n_coefficients), real or complex."""
-
-    values: NDArray[Any]
-    slopes: NDArray[Any]
-    hats: NDArray[Any]
-
-
-class Columns(NamedTuple):
-    """What u or p of the slider's path add to the coefficients, to be multiplied by `Rows`: all (n_time + 1,
-    n_coefficients); touched: (n_time + 1,) whether values and slopes have any"""
-
-    values: NDArray[Any]
-    slopes: NDArray[Any]
-    hats: NDArray[Any]
-    touched: NDArray[np.bool_]
 
 
 class Scratch(NamedTuple):
@@ -94,25 +76,21 @@ def new_slider(n_nodes: int, n: int) -> Slider:
 
 
 @inner
-def new_columns(weights: Any) -> Columns:
-    one = np.zeros(weights.shape, weights.dtype)
-    return Columns(one, one.copy(), one.copy(), np.zeros(len(one), dtype=np.bool_))
-
-
-@inner
 def new_scratch(n_nodes: int, weights: Any) -> Scratch:
     """weights: `Tables.weights`; what belongs to tangents is of their kind of numbers"""
     c, kind = weights.shape[1], weights.dtype
     square, row = np.empty((c, c), kind), np.empty(c, kind)
     integrals, sources, used = np.empty(len(weights)), np.empty((n_nodes, c), kind), np.empty(n_nodes, np.bool_)
     columns = new_columns(weights), new_columns(weights)
-    return Scratch(np.empty(c), square, square.copy(), integrals, row, row.copy(), sources, used, columns[0], columns[1])
+    return Scratch(
+        np.empty(c), square, square.copy(), integrals, row, row.copy(), sources, used, columns[0], columns[1]
+    )
 
 
 @inner
 def march(grid: Grid, path: Path, ratio: float, first: float, cycles: int, slider: Slider) -> None:
     """first: where the slider rests [m]"""
-    n, stands, source = grid.count[0], first, -1
+    n, stands, source = grid.number[0], first, -1
     u, limit, free = grid.u, grid.limit, grid.free
     position, sources, side = slider.position, slider.source, slider.side
     for cycle in range(cycles):
@@ -135,7 +113,7 @@ def _tell_apart(grid: Grid, path: Path, ratio: float, slider: Slider) -> None:
     segment, share, closed, position = grid.segment, grid.share, grid.closed, slider.position
     does, slips, whole = slider.does, slider.slips, slider.whole
     whole[:] = STANDS
-    for k in range(grid.count[0]):
+    for k in range(grid.number[0]):
         j = segment[k]
         end = share[k + 1] if segment[k + 1] == j else 1.0
         does[k], slips[k] = STANDS, end
@@ -158,7 +136,7 @@ def add_force(grid: Grid, path: Path, ratio: float, slider: Slider, weights: Flo
     u, du, p, dp = path.u, path.du, path.p, path.dp
     segment, share, position, integrals = grid.segment, grid.share, slider.position, out.integrals
     integrals[:] = 0.0
-    for k in range(grid.count[0]):
+    for k in range(grid.number[0]):
         j = segment[k]
         begin, slips, end = share[k], slider.slips[k], share[k + 1] if segment[k + 1] == j else 1.0
         if begin == 0 and slips == 1:
@@ -204,10 +182,10 @@ def add_tangent(
     empty(out.u)
     empty(out.p)
     used = out.used
-    used[: grid.count[0] + 1] = False
+    used[: grid.number[0] + 1] = False
     _add_whole(slider, ratio, weights, out)
     segment, share, sources, source_of = grid.segment, grid.share, out.sources, slider.source
-    for k in range(grid.count[0]):
+    for k in range(grid.number[0]):
         j, begin, slips, source = segment[k], share[k], slider.slips[k], source_of[k]
         end = share[k + 1] if segment[k + 1] == j else 1.0
         if slips > begin and source >= 0:
@@ -219,7 +197,7 @@ def add_tangent(
                 sources[source, a] -= size * (start * weights[j, a] + after * weights[j + 1, a])
         if end > slips and slider.whole[j] == STANDS:
             _add_piece(basis_halves(slips, end), j, ratio * SIGN[slider.does[k]], weights, out)
-    for k in range(grid.count[0] + 1):
+    for k in range(grid.number[0] + 1):
         if used[k]:
             _add_source(grid, path, ratio, slider.side[k], k, out)
     multiply(out.u, u, out.by_u)
@@ -261,17 +239,6 @@ def _add_piece(by: Any, j: int, factor: float, weights: Any, out: Scratch) -> No
 
 
 @inner
-def add_numbers(by: Any, j: int, factor: float, weight: Any, columns: Columns) -> None:
-    columns.touched[j] = columns.touched[j + 1] = True
-    for a in range(len(weight)):
-        scaled = factor * weight[a]
-        columns.values[j, a] += by[0] * scaled
-        columns.values[j + 1, a] += by[1] * scaled
-        columns.slopes[j, a] += by[2] * scaled
-        columns.slopes[j + 1, a] += by[3] * scaled
-
-
-@inner
 def _add_source(grid: Grid, path: Path, ratio: float, side: float, k: int, out: Scratch) -> None:
     """The derivatives of where node k puts the slider."""
     j, t, weight = grid.segment[k], grid.share[k], out.sources[k]
@@ -282,22 +249,3 @@ def _add_source(grid: Grid, path: Path, ratio: float, side: float, k: int, out: 
     elif grid.crossing[k]:  # it is put where the motion is then, and that moves with the instant
         rate = slope(motion_of(path, j), t) / slope(compression_of(path.p, path.dp, j), t)
         add_numbers(by, j, -rate, weight, out.p)
-
-
-@inner
-def empty(columns: Columns) -> None:
-    columns.hats[:] = 0.0
-    for t in range(len(columns.touched)):
-        if columns.touched[t]:
-            columns.values[t] = 0.0
-            columns.slopes[t] = 0.0
-            columns.touched[t] = False
-
-
-@inner
-def multiply(columns: Columns, rows: Rows, out: Any) -> None:
-    add_products(columns.hats, rows.hats, out)
-    for t in range(len(columns.touched)):
-        if columns.touched[t]:
-            add_outer(columns.values[t], 1.0, rows.values[t], out)
-            add_outer(columns.slopes[t], 1.0, rows.slopes[t], out)

@@ -124,18 +124,6 @@ def test_every_point_is_converged(friction_curve):
     assert curve.unconverged == 0
 
 
-def test_interrupted_curve_resumes_as_if_it_had_not_been(friction_curve):
-    system, request, curve = friction_curve
-    part = next(part for part in trace(system, request) if len(part) == 20)
-    *_, resumed = trace(system, request, part)
-    assert resumed.complete
-    tops = [c.peak("tip") for c in (resumed, curve)]
-    assert tops[0] == pytest.approx(tops[1], rel=1e-4)
-    assert np.isin(part.frequency, resumed.frequency).all()
-    assert np.isin(part.frequency, curve.frequency).all()
-    assert len(resumed) < len(curve) + 5, "what was solved is not solved again"
-
-
 def test_both_directions_find_the_same_peak(friction_curve):
     system, request, curve = friction_curve
     *_, backwards = trace(system, replace(request, upwards=False))
