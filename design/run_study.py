@@ -87,7 +87,7 @@ class Evaluations:
         missing, total = list(fresh.values()), expected or len(self._named)
         self._show(total)
 
-        def keep(place: int, record: Record) -> None:
+        def keep(_: int, record: Record) -> None:
             kept = self.records.add(record)
             self.solved += 1
             if kept.outcome in ("failed", "error"):
