@@ -40,18 +40,26 @@ class RecordFolder:
         self.folder = folder
         self._by_number = {record.number: record for record in _read_all(folder)}
         self._by_key = {record.key: record for record in self._by_number.values()}
+        self._numbers = {key: record.number for key, record in self._by_key.items()}
+        self._lowest_free = 1
 
     def find(self, key: str) -> Record | None:
         """None too where a mistake in the program ended it: worth another try."""
         found = self._by_key.get(key)
         return found if found is not None and found.outcome != BROKEN else None
 
-    def add(self, record: Record, wanted: int) -> Record:
-        """Under its number `wanted`, or the next that is free; returns: with its number."""
-        before = self._by_key.get(record.key)
-        number = wanted if before is None else before.number
-        while before is None and number in self._by_number:
-            number += 1
+    def number(self, key: str) -> int:
+        """That of its record; of a design without one the lowest that is free, which is its own from now on."""
+        if key not in self._numbers:
+            while self._lowest_free in self._by_number:
+                self._lowest_free += 1
+            self._numbers[key] = self._lowest_free
+            self._lowest_free += 1
+        return self._numbers[key]
+
+    def add(self, record: Record) -> Record:
+        """returns: with its number"""
+        number = self.number(record.key)
         numbered = replace(record, number=number)
         self.folder.mkdir(parents=True, exist_ok=True)
         _write_whole(self.folder / f"{number:06d}.json", json.dumps(asdict(numbered), allow_nan=False, indent=1))

@@ -76,18 +76,19 @@ class Evaluations:
     workers: Workers
     display: Display
     solved: int = 0
-    _numbered: dict[str, int] = field(default_factory=dict)
+    _named: set[str] = field(default_factory=set)
 
     def __call__(self, designs: Sequence[Values], expected: int | None = None) -> list[Record]:
         asked = [self._asked(values) for values in designs]
         for one in asked:  # numbers count designs in the order in which the method names them
-            self._numbered.setdefault(one.key, len(self._numbered) + 1)
+            self.records.number(one.key)
+        self._named.update(one.key for one in asked)
         fresh = {one.key: one for one in asked if self.records.find(one.key) is None}
-        missing, total = list(fresh.values()), expected or len(self._numbered)
+        missing, total = list(fresh.values()), expected or len(self._named)
         self._show(total)
 
-        def keep(place: int, record: Record) -> None:
-            kept = self.records.add(record, self._numbered[missing[place].key])
+        def keep(_: int, record: Record) -> None:
+            kept = self.records.add(record)
             self.solved += 1
             if kept.outcome in ("failed", "error"):
                 self.display.note(f"design {kept.number}", kept.reason)
@@ -127,7 +128,7 @@ def run_study(study: DesignStudy, out: Path, jobs: int, scheduler: str, display:
     try:
         with chosen_workers(jobs, scheduler, own) as workers:
             result = study.method.run(
-                _problem(study, folder, task.setup, jobs), Evaluations(task, stated, study, records, workers, display)
+                _problem(study, folder, task.setup), Evaluations(task, stated, study, records, workers, display)
             )
     except KeyboardInterrupt as stop:
         heard()
@@ -139,13 +140,13 @@ def run_study(study: DesignStudy, out: Path, jobs: int, scheduler: str, display:
     return StudyResult(study, folder, rig, references, found, records.others(task.setup), result)
 
 
-def _problem(study: DesignStudy, folder: StudyFolder, setup: str, at_once: int) -> Problem:
+def _problem(study: DesignStudy, folder: StudyFolder, setup: str) -> Problem:
     """Other goals or bounds are another search."""
     names = tuple(one.name for one in study.responses)
     goals = [(one.response, one.goal.words) for one in study.objectives]
     limits = [repr(one) for one in (*study.constraints, *study.variables)]
     key = _hash(setup, goals, limits)
-    return Problem(study.name, study.variables, names, study.objectives, study.constraints, folder.path, key, at_once)
+    return Problem(study.name, study.variables, names, study.objectives, study.constraints, folder.path, key)
 
 
 def own_copy(rig: Path, copy: Path) -> AnyRig:

@@ -18,7 +18,7 @@ from updamp.rig.fields import InputTable
 @dataclass(frozen=True)
 class Problem:
     """What a method knows of a study. folder: for what a method keeps between sessions; key: of what that belongs to;
-    at_once: designs that are solved at the same time; responses: names"""
+    responses: names"""
 
     name: str
     variables: tuple[Variable, ...]
@@ -27,7 +27,6 @@ class Problem:
     constraints: tuple[Constraint, ...]
     folder: Path
     key: str = ""
-    at_once: int = 1
 
     def values(self, shares: Sequence[float] | NDArray[np.float64]) -> dict[str, float]:
         """A design by its shares of the ranges, each 0 to 1, in the order of the variables."""

@@ -1,7 +1,8 @@
-"""Search with Optuna: designs are asked for in turn, and each answer changes what is asked for next.
+"""Search with Optuna: designs are asked for a batch at a time, and the answers change what is asked for next.
 
 Trials stand in `optuna.db` of the study's folder (SQLite); the same command goes on from there. What was asked for and
-not answered when a session ended is asked for again.
+not answered when a session ended is asked for again. Which designs come does not depend on who solves them: a batch is
+of a stated size and answered in the order in which it was asked for, and each design has random numbers of its own.
 """
 
 import math
@@ -9,6 +10,7 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from typing import Annotated, Any
 
+import numpy as np
 from pydantic import Field
 
 from updamp.design.goals import Objective
@@ -21,14 +23,16 @@ _ANSWERED = "design"  # attribute of a trial: number of its design
 
 
 class OptunaSearch(Method):
-    """designs: in all, over all sessions; the initial design comes first. Objectives may be several."""
+    """designs: in all, over all sessions; the initial design comes first. Objectives may be several.
+    batch: designs that are asked for before any of them is answered"""
 
     designs: Annotated[int, Field(strict=True, ge=1)] = 50
+    batch: Annotated[int, Field(strict=True, ge=1)] = 4
     seed: Seed = 1
 
     @abstractmethod
     def sampler(self, optuna: Any, seed: int) -> Any:
-        """Of the library; seed: another one in each session, or what came first would be asked for again."""
+        """Of the library; seed: of one design, whose random numbers are not those of the designs before it."""
 
     def problem(self, variables: Sequence[Variable], objectives: Sequence[Objective]) -> str:  # noqa: ARG002
         return "" if objectives else "an optimiser needs an objective; add [[objectives]] with response and goal"
@@ -42,8 +46,9 @@ class OptunaSearch(Method):
         if not study.trials:
             study.enqueue_trial(problem.initial())
         space = {one.name: _distribution(optuna, one) for one in problem.variables}
-        while (left := self.designs - _answered(study)) > 0:
-            trials = [study.ask(space) for _ in range(min(left, problem.at_once))]
+        while (known := _answered(study)) < self.designs:
+            ends = min(self.designs, known - known % self.batch + self.batch)
+            trials = [self._asked(optuna, study, space, place) for place in range(known, ends)]
             designs = [{name: float(trial.params[name]) for name in space} for trial in trials]
             for trial, record in zip(trials, evaluate(designs, self.designs), strict=True):
                 _tell(optuna, study, problem, trial, record)
@@ -52,16 +57,18 @@ class OptunaSearch(Method):
 
     def _study(self, optuna: Any, problem: Problem) -> Any:
         storage = f"sqlite:///{problem.folder / 'optuna.db'}"
-        name = f"{type(self).__name__} {problem.key[:16]}"
-        known = name in optuna.get_all_study_names(storage)
-        before = len(optuna.load_study(study_name=name, storage=storage).trials) if known else 0
         return optuna.create_study(
-            study_name=name,
+            study_name=f"{type(self).__name__} {problem.key[:16]}",
             storage=storage,
-            sampler=self.sampler(optuna, self.seed + before),
             directions=["minimize"] * len(problem.objectives),
             load_if_exists=True,
         )
+
+    def _asked(self, optuna: Any, study: Any, space: dict[str, Any], place: int) -> Any:
+        """place: of the design, counted from the first one of all sessions"""
+        seed = int(np.random.SeedSequence((self.seed, place)).generate_state(1)[0])
+        study.sampler = self.sampler(optuna, seed)
+        return study.ask(space)
 
 
 def _distribution(optuna: Any, one: Variable) -> Any:

@@ -12,15 +12,19 @@ import pytest
 from support.modal_study import RIG, SLOW, write_study
 from support.study_runs import run
 
+from updamp.design.run_study import StudyResult
+
 METHOD = 'kind = "latin_hypercube"\nsamples = 10'
+SEARCH = 'kind = "tpe"\ndesigns = 14\n'  # the first ten are drawn at random
+MINIMISE = '[[objectives]]\nresponse = "free"\ngoal = "minimise"\n'
 
 
-def slow_study(folder: Path) -> Path:
+def slow_study(folder: Path, method: str = METHOD, more: str = "") -> Path:
     """A design takes a third of a second."""
     (folder / "slow.py").write_text(SLOW)
     text = f'{RIG}\n[[effects]]\nname = "slow"\nfile = "slow.py"\nvalues = {{ delay = "0.3 s" }}\n'
     (folder / "beam.toml").write_text(text)
-    return write_study(folder, METHOD)
+    return write_study(folder, method, more)
 
 
 def records(folder: Path) -> dict[str, str]:
@@ -63,6 +67,26 @@ def test_nothing_that_was_finished_is_lost_or_solved_again_after_a_kill(folder, 
     assert [one.values for one in whole.records] == [one.values for one in result.records], (
         "numbers are those of one go"
     )
+
+
+@pytest.mark.parametrize("finished", [3, 9])
+def test_a_search_that_was_killed_comes_to_the_designs_of_one_that_was_not(folder, finished):
+    pytest.importorskip("optuna")
+    path = slow_study(folder, SEARCH, MINIMISE)
+    process = started(path, 2)
+    wait_for(folder, finished, process)
+    process.kill()
+    process.communicate()
+    before = records(folder)
+    assert finished <= len(before) < 14
+    result = run(path)
+    assert {name: text for name, text in records(folder).items() if name in before} == before
+    whole = run(path, out=folder / "in_one_go")
+    assert table(whole) == table(result)
+
+
+def table(result: StudyResult) -> list[tuple[object, ...]]:
+    return [(one.number, one.values, one.responses) for one in result.records]
 
 
 def test_an_interruption_keeps_what_is_finished_and_says_how_to_go_on(folder):

@@ -83,11 +83,19 @@ def test_the_tables_hold_what_the_records_hold(folder):
     assert np.allclose([float(line["mass [g]"]) for line in lines], [one.values["mass"] for one in result.records])
 
 
-def test_a_dask_cluster_finds_the_same(folder):
+SAMPLES = 'kind = "sobol"\nsamples = 4', ""
+SEARCH = 'kind = "tpe"\ndesigns = 14', '[[objectives]]\nresponse = "free"\ngoal = "minimise"'
+
+
+@pytest.mark.parametrize("study", [SAMPLES, SEARCH])
+def test_two_processes_and_a_dask_cluster_find_the_same(folder, study):
+    pytest.importorskip("optuna")
     distributed = pytest.importorskip("distributed", reason="Dask is optional: pip install 'updamp[cluster]'")
-    path = write_study(folder, 'kind = "sobol"\nsamples = 4')
-    expected = run(path)
+    path = write_study(folder, *study)
+    expected = run(path, jobs=1)
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
-        found = run(path, out=folder / "dask", scheduler=cluster.scheduler_address)
-    assert [one.responses for one in found.records] == [one.responses for one in expected.records]
-    assert [one.key for one in found.records] == [one.key for one in expected.records]
+        by_dask = run(path, out=folder / "dask", scheduler=cluster.scheduler_address)
+    by_two = run(path, out=folder / "two", jobs=2)
+    for found in (by_dask, by_two):
+        assert [one.responses for one in found.records] == [one.responses for one in expected.records]
+        assert [(one.number, one.key) for one in found.records] == [(one.number, one.key) for one in expected.records]

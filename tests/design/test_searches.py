@@ -28,8 +28,9 @@ def test_a_search_comes_near_the_limit_and_keeps_it(folder, kind):
     result = run(path, jobs=1)
     assert 27 <= len(result.records) <= 30, "a genetic algorithm may come back to a design"
     assert result.records[0].values == {"frequency": 80.0, "mass": 2000.0}, "the initial design comes first"
-    (best,) = best_records(problem_of(result.study), result.records)
-    assert 70 <= best.responses["free"] < 74
+    best = best_records(problem_of(result.study), result.records)
+    assert len({one.values["frequency"] for one in best}) == 1, "a child may have it with another mass"
+    assert 70 <= best[0].responses["free"] < 74
 
 
 def test_a_search_goes_on_with_other_designs_where_it_stopped(folder):
