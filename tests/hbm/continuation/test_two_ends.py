@@ -49,19 +49,6 @@ def test_the_same_curve_from_both_ends(hysteresis, alone, upwards):
     assert len(curve) < 1.1 * len(whole)
 
 
-def test_an_interrupted_curve_goes_on_from_both_ends(hysteresis):
-    system, request, whole = hysteresis
-    request = replace(request, assembly=CurveOptions(from_one_end=20))
-    for part in trace(system, request):
-        if len(part) == 25:
-            break
-    *_, curve = trace(system, request, part)
-    assert curve.complete
-    assert not curve.after_gap.any()
-    np.testing.assert_array_equal(curve.frequency[:25], part.frequency)
-    assert curve.peak("mass") == pytest.approx(whole.peak("mass"), rel=1e-3)
-
-
 def test_what_a_segment_traced_on_another_branch_is_left_out(hysteresis, monkeypatch):
     """Below its first fold the segment from the lower end jumps to the other sheet and goes back along it, for ever."""
     system, request, whole = hysteresis
