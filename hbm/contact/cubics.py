@@ -9,8 +9,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-# Newton's method halves its bracket wherever it leaves it.
-_STEPS = 50
+# As in `compiled/cubic.py`
+MOST_STEPS, AT_ROOT = 60, 1e-12
 
 
 class Cubics(NamedTuple):
@@ -63,20 +63,38 @@ def tops(c: Cubics, a: jax.Array, b: jax.Array) -> jax.Array:
     return jnp.where(turns, jnp.clip(a + 2 * slope / jnp.where(turns, root, 1.0), a, b), -1.0)
 
 
-def rises_through(c: Cubics, level: jax.Array, a: jax.Array, b: jax.Array) -> jax.Array:
+def rises_through(c: Cubics, level: jax.Array, a: jax.Array, b: jax.Array, sought: jax.Array) -> jax.Array:
     """Where the cubics rise through a level between a, where they are not above, and b, where they are not below. Where
-    they begin at the level, it depends on which way they go.
+    they begin at the level, it depends on which way they go. sought: which of them are looked for, all until none moves
     """
 
-    def step(_: int, state: tuple[jax.Array, jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array, jax.Array]:
-        low, high, t = state
-        over, rate = c.value(t) - level, c.slope(t)
-        low, high = jnp.where(over > 0, low, t), jnp.where(over > 0, t, high)
-        further = jnp.where(rate > 0, t - over / jnp.where(rate > 0, rate, 1.0), low)
-        return low, high, jnp.where((low < further) & (further < high), further, (low + high) / 2)
+    under, over = c.value(a) - level, c.value(b) - level
+    between = (under < 0) & (over > 0)
+    start = jnp.where(between, a - under * (b - a) / jnp.where(between, over - under, 1.0), (a + b) / 2)
 
-    found = jax.lax.fori_loop(0, _STEPS, step, (a, b, (a + b) / 2))[2]
-    return jnp.where((c.value(a) >= level) & (c.slope(a) >= 0), a, found)
+    def step(state: _Search) -> _Search:
+        rest, rate = c.value(state.t) - level, c.slope(state.t)
+        low, high = jnp.where(rest > 0, state.low, state.t), jnp.where(rest > 0, state.t, state.high)
+        further = jnp.where(rate > 0, state.t - rest / jnp.where(rate > 0, rate, 1.0), low)
+        further = jnp.where((low < further) & (further < high), further, (low + high) / 2)
+        moves = sought & (jnp.abs(further - state.t) >= AT_ROOT)
+        return _Search(low, high, further, moves, state.steps + 1)
+
+    def goes_on(state: _Search) -> jax.Array:
+        return jnp.any(state.moves) & (state.steps < MOST_STEPS)
+
+    at_start = (under >= 0) & (c.slope(a) >= 0)
+    sought = sought & ~at_start
+    found = jax.lax.while_loop(goes_on, step, _Search(a, b, start, sought, jnp.asarray(0))).t
+    return jnp.where(at_start, a, found)
+
+
+class _Search(NamedTuple):
+    low: jax.Array
+    high: jax.Array
+    t: jax.Array
+    moves: jax.Array
+    steps: jax.Array
 
 
 def averages_against_hats(n: int) -> np.ndarray:

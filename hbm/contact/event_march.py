@@ -108,31 +108,37 @@ def _openings(p: Cubics) -> _Openings:
     once = closed != closes
     # what is looked for rises: the sign that the segment ends with, at first its opposite where there are two
     toward = jnp.where(twice, -sign, sign)
-    first = rises_through(p.times(toward), 0 * end, 0 * end, jnp.where(twice, turn, end))
-    second = rises_through(p.times(sign), 0 * end, jnp.where(twice, turn, 0 * end), end)
+    first = rises_through(p.times(toward), 0 * end, 0 * end, jnp.where(twice, turn, end), once | twice)
+    second = rises_through(p.times(sign), 0 * end, jnp.where(twice, turn, 0 * end), end, twice)
     return _Openings(jnp.where(once | twice, first, -1.0), jnp.where(twice, second, -1.0), closed)
 
 
 def _grid(motion: Cubics, limit: _Limit, openings: _Openings) -> _Grid:
     n = len(motion.c0)
-    turns = [
-        tops(motion.times(sign).less(limit.p.times(limit.ratio)), *part)
-        for part in openings.parts(openings.closed)
-        for sign in (1.0, -1.0)
-    ]
-    crossings = [jnp.where(share < 1, share, -1.0) for share in (openings.first, openings.second)]
-    between = jnp.stack([*crossings, *turns], axis=1)
-    found = jnp.nonzero((between >= 0).ravel(), size=most_between(n), fill_value=between.size)[0]
-    number = jnp.concatenate([jnp.arange(n), jnp.minimum(found // between.shape[1], n - 1)])
-    share = jnp.concatenate([jnp.zeros(n), between.ravel().at[found].get(mode="fill", fill_value=1.0)])
-    crossing = jnp.concatenate(
-        [jnp.zeros(n, bool), (found % between.shape[1] < len(crossings)) & (found < between.size)]
-    )
-    order = jnp.argsort(number + share, stable=True)
-    number, share, crossing = number[order], share[order], crossing[order]
+    shares, crosses = _in_order(motion, limit, openings)
+    there = (shares >= 0).ravel()
+    found = jnp.nonzero(there, size=n + most_between(n), fill_value=there.size)[0]
+    number = jnp.minimum(found // shares.shape[1], n - 1)
+    share = shares.ravel().at[found].get(mode="fill", fill_value=1.0)
+    crossing = crosses.ravel().at[found].get(mode="fill", fill_value=False)
     end = jnp.where(jnp.roll(number, -1) == number, jnp.roll(share, -1), 1.0).at[-1].set(1.0)
     closed = limit.p.of(number).value((share + end) / 2) > 0
-    return _Grid(number, share, end, crossing, closed, jnp.argsort(order)[:n])
+    return _Grid(number, share, end, crossing, closed, jnp.cumsum(there)[:: shares.shape[1]] - 1)
+
+
+def _in_order(motion: Cubics, limit: _Limit, openings: _Openings) -> tuple[jax.Array, jax.Array]:
+    """(n_time, 7) shares of the nodes of each segment in the order of time, -1 for none, and which are crossings."""
+    bound, (before, behind) = limit.p.times(limit.ratio), openings.parts(openings.closed)
+    turns = [[tops(motion.times(sign).less(bound), *part) for sign in (1.0, -1.0)] for part in (before, behind)]
+    pairs = [(jnp.minimum(*pair), jnp.maximum(*pair)) for pair in turns]
+    first, second = (jnp.where(share < 1, share, -1.0) for share in (openings.first, openings.second))
+    none, closed = jnp.full_like(first, -1.0), openings.closed[:, None]
+    # a contact that is open at first has its turns behind the first crossing
+    from_closed = jnp.stack([0 * first, *pairs[0], first, second, *pairs[1]], axis=1)
+    from_open = jnp.stack([0 * first, first, *pairs[0], second, none, none], axis=1)
+    places = jnp.arange(from_closed.shape[1])
+    crosses = jnp.where(closed, (places == 3) | (places == 4), (places == 1) | (places == 4))
+    return jnp.where(closed, from_closed, from_open), crosses
 
 
 def most_between(n_time: int) -> int:
@@ -182,7 +188,7 @@ def _integrals(grid: _Grid, motion: Cubics, limit: _Limit, slider: jax.Array) ->
     fixed_u, fixed_bound, before = jax.lax.stop_gradient((u, bound, slider))
     side = jnp.where(grid.closed, jnp.sign(jnp.roll(before, -1) - before), 0.0)
     pushed = fixed_u.times(side).less(fixed_bound)
-    slips = jnp.where(side == 0, grid.end, rises_through(pushed, side * before, *ends))
+    slips = jnp.where(side == 0, grid.end, rises_through(pushed, side * before, *ends, side != 0))
     slips = jnp.where(grid.closed, slips, grid.share)
     one = Cubics(slider, *jnp.zeros((3, len(slider)))).halves(grid.share, slips)
     other = u.less(bound.times(side)).halves(slips, grid.end)

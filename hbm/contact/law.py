@@ -123,6 +123,17 @@ class CompiledForces(Protocol):
 
 
 @runtime_checkable
+class CompiledStates(CompiledForces, Protocol):
+    """Forces that tell what a contact does over a period without its samples."""
+
+    def contact_states(
+        self, numbers: NDArray[np.int64], displacement: NDArray[np.float64], parameters: Any
+    ) -> NDArray[np.int64]:
+        """(len(numbers),) of `observe.ContactState`; arguments as in `write_forces`"""
+        ...
+
+
+@runtime_checkable
 class CompiledLaw(ContactLaw, Protocol):
     """A law that does not depend on the rate, and is written out a second time, in hbm/contact/compiled/, to be faster.
 

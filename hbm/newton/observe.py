@@ -7,9 +7,10 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.law import SEPARATED, SLIP, FrictionLaw
+from updamp.hbm.contact.law import SEPARATED, SLIP, CompiledStates, FrictionLaw
+from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.newton.equation import Equation
-from updamp.hbm.problem.elements import ElementGroup, loop_areas, over_period
+from updamp.hbm.problem.elements import ElementGroup, compiled_forces, loop_areas, over_period
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 Floats = NDArray[np.float64]
@@ -44,12 +45,24 @@ def contact_states(system: NonlinearSystem, x: Floats, w: float, time_samples: i
     for group in system.groups:
         if not isinstance(group.law, FrictionLaw):
             continue
-        _, state = over_period(group, group.law.state, x[group.rows], w, system.harmonics, time_samples)
-        open_, slips = state == SEPARATED, (state == SLIP).any(axis=1)
-        label = np.where(slips, ContactState.STICK_SLIP, ContactState.STUCK)
-        label = np.where(open_.any(axis=1), ContactState.SEPARATING, label)
-        states.append(np.where(open_.all(axis=1), ContactState.NEVER_IN_CONTACT, label))
+        states.append(_states_of(group, x[group.rows], w, system.harmonics, time_samples))
     return np.concatenate(states)
+
+
+def _states_of(group: ElementGroup, motion: Floats, w: float, harmonics: Harmonics, time_samples: int) -> Integers:
+    """motion: (n_elements, directions, n_coefficients) [m]"""
+    compiled = compiled_forces(group.law, harmonics, time_samples)
+    if isinstance(compiled, CompiledStates):
+        states = np.full(len(motion), int(ContactState.STUCK))
+        active = group.may_slip_or_separate(motion, harmonics, time_samples)
+        states[active] = compiled.contact_states(active, motion, group.values)
+        return states
+    assert isinstance(group.law, FrictionLaw)
+    _, state = over_period(group, group.law.state, motion, w, harmonics, time_samples)
+    open_, slips = state == SEPARATED, (state == SLIP).any(axis=1)
+    label = np.where(slips, ContactState.STICK_SLIP, ContactState.STUCK)
+    label = np.where(open_.any(axis=1), ContactState.SEPARATING, label)
+    return np.asarray(np.where(open_.all(axis=1), ContactState.NEVER_IN_CONTACT, label))
 
 
 def force_loop(

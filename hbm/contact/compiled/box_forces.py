@@ -1,20 +1,34 @@
 """The box laws, compiled."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from updamp.hbm.contact.compiled import jenkins_box, jenkins_box_sampled
-from updamp.hbm.contact.compiled.kernel_forces import KernelForces
+from updamp.hbm.contact.compiled.kernel_forces import Floats, Integers, KernelForces, own
 from updamp.hbm.contact.compiled.tables import tables
 from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.harmonics import Harmonics
 
 
-def between_samples(cycles: int, harmonics: Harmonics, n_time: int) -> KernelForces:
+@dataclass(frozen=True, eq=False)
+class BoxForces(KernelForces):
+    """states: as `evaluate`, writes `observe.ContactState`"""
+
+    states: Callable[..., None]
+
+    def contact_states(self, numbers: Integers, displacement: Floats, parameters: Any) -> Integers:
+        states = np.empty(len(numbers), dtype=np.int64)
+        self.states(numbers, own(displacement), self.own(parameters), *self.arguments, states)
+        return states
+
+
+def between_samples(cycles: int, harmonics: Harmonics, n_time: int) -> BoxForces:
     """Of `JenkinsBox`."""
     law, arguments = jenkins_box, (cycles, tables(harmonics, n_time))
-    return KernelForces(law.force_with_tangent, law.perturbed_tangent, law.loop_areas, _own, arguments)
+    return BoxForces(law.force_with_tangent, law.perturbed_tangent, law.loop_areas, _own, arguments, law.contact_states)
 
 
 def at_samples(cycles: int, harmonics: Harmonics, n_time: int) -> KernelForces:

@@ -10,8 +10,8 @@ from updamp.hbm.contact.compiled.keeping import inner
 
 # Newton's method halves its bracket wherever it leaves it: no root takes more steps than the mantissa has bits.
 MOST_STEPS = 60
-# Shares of a segment this close are one: twice the round-off of 1.
-AT_ROOT = 4.4e-16
+# A step of Newton's method this small, a share of a segment, is the last: the next one would be its square.
+AT_ROOT = 1e-12
 
 # Integrals over a whole segment of the four basis functions times 1 - t, and times t.
 WHOLE_START = (7 / 20, 3 / 20, 1 / 20, -1 / 30)

@@ -22,6 +22,10 @@ from updamp.hbm.contact.compiled.normal import (
 from updamp.hbm.contact.compiled.slider import add_force, add_tangent, march, new_scratch, new_slider
 from updamp.hbm.contact.compiled.tables import GrowingTables, Tables, loop_area, sample, slope
 
+# A slider that moves by less than this share of the motion's largest value does not move: round-off is below a
+# thousandth of it.
+STANDS = 1e-12
+
 
 @kept
 def force_with_tangent(
@@ -122,6 +126,30 @@ def loop_areas(numbers: Any, displacement: Any, p: Any, cycles: int, tables: Tab
             for t in range(n + 1):
                 force[t] = kt * (path.u[t] - slider.position[grid.sample[t]])
             areas[i] += loop_area(path.u, force)
+
+
+@kept
+def contact_states(numbers: Any, displacement: Any, p: Any, cycles: int, tables: Tables, states: Any) -> None:
+    """Writes (len(numbers),) `observe.ContactState`: what each contact does over a period, between the samples too."""
+    c, n = tables.synthesis.shape
+    path, grid, openings, pressing, rate, _ = _room(n, c)
+    slider = new_slider(len(grid.share), n)
+    for i, e in enumerate(numbers):
+        _press(displacement[e, 2], p, e, tables, pressing, rate)
+        ratio = set_limits(p.mu[e], p.kn[e] / p.kt[e], pressing, path.p)
+        slope(path.p, path.dp)
+        find_openings(path.p, path.dp, openings)
+        opens, closes, slips = False, False, False
+        for d in range(2):
+            sample(displacement[e, d], tables.synthesis, path.u)
+            slope(path.u, path.du)
+            build_grid(path, ratio, openings, grid)
+            march(grid, path, ratio, -p.t0[e, d] / p.kt[e], cycles, slider)
+            least, position = STANDS * np.abs(path.u).max(), slider.position
+            for k in range(grid.number[0]):
+                opens, closes = opens or not grid.closed[k], closes or grid.closed[k]
+                slips = slips or (grid.closed[k] and abs(position[k + 1] - position[k]) > least)
+        states[i] = (2 if closes else 3) if opens else (1 if slips else 0)
 
 
 @inner

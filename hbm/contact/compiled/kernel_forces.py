@@ -36,19 +36,19 @@ class KernelForces:
     def write_with_tangents(
         self, numbers: Integers, displacement: Floats, parameters: Any, force: Floats, tangent: Floats
     ) -> None:
-        self.evaluate(numbers, _own(displacement), self.own(parameters), *self.arguments, force, tangent)
+        self.evaluate(numbers, own(displacement), self.own(parameters), *self.arguments, force, tangent)
 
     def write_perturbed_tangents(
         self, numbers: Integers, displacement: Floats, parameters: Any, growth: complex, tangent: Complex
     ) -> None:
         grown = growing(self.arguments[-1], growth)
-        self.perturbed(numbers, _own(displacement), self.own(parameters), *self.arguments, grown, tangent)
+        self.perturbed(numbers, own(displacement), self.own(parameters), *self.arguments, grown, tangent)
 
     def loop_areas(self, numbers: Integers, displacement: Floats, parameters: Any) -> Floats:
         areas = np.empty(len(numbers))
-        self.areas(numbers, _own(displacement), self.own(parameters), *self.arguments, areas)
+        self.areas(numbers, own(displacement), self.own(parameters), *self.arguments, areas)
         return areas
 
 
-def _own(displacement: Floats) -> Floats:
+def own(displacement: Floats) -> Floats:
     return np.require(displacement, np.float64, ["C", "W"])

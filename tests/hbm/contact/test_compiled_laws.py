@@ -10,19 +10,19 @@ from updamp.hbm.contact.coulomb_circle import CoulombCircle
 from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
-from updamp.hbm.contact.law import CompiledLaw, compiled_forces_of, force_for_analysis
+from updamp.hbm.contact.law import SEPARATED, SLIP, CompiledLaw, compiled_forces_of, force_for_analysis
 from updamp.hbm.contact.modified.microslip import SLIDERS, SubPatchMicroslip, evenly
 from updamp.hbm.contact.modified.modified_law import with_entries
 from updamp.hbm.contact.modified.static_share import StaticShare
 from updamp.hbm.contact.modified.velocity_friction import VelocityFriction
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.problem.elements import ElementGroup, element_forces, force_only, loop_areas
+from updamp.hbm.problem.elements import ElementGroup, element_forces, force_only, loop_areas, over_period
 from updamp.hbm.stability.contact_tangent import _follow_springs
 from updamp.hbm.stability.perturbed_forces import in_jax, perturbed_tangent
 
 HARMONICS = Harmonics((0, 1, 2, 3))
 ELEMENTS = 60
-HELD = slice(5, 9)
+HELD, GRAZING = slice(5, 9), slice(12, 18)
 
 
 @dataclass(frozen=True)
@@ -130,6 +130,17 @@ def test_elements_that_are_not_asked_for_are_left_alone(law):
     alone = np.full_like(motion, 7.0)
     law.compiled(HARMONICS, 128).write_forces(np.array([3, 40]), motion, p, alone)
     np.testing.assert_array_equal(alone, force)
+
+
+def test_contact_states_are_those_of_the_law_in_jax():
+    """At many samples: what is told without them sees the shortest opening too."""
+    p, motion, rows = parameters(), motions(parameters()), np.arange(3 * ELEMENTS).reshape(-1, 3)
+    ours = JenkinsBox(2).compiled(HARMONICS, 128).contact_states(np.arange(ELEMENTS), motion, p)
+    _, states = over_period(ElementGroup(JenkinsBox(2), p, rows), JenkinsBox(2).state, motion, 1.0, HARMONICS, 2048)
+    open_, slips = states == SEPARATED, (states == SLIP).any(axis=1)
+    theirs = np.where(open_.all(axis=1), 3, np.where(open_.any(axis=1), 2, slips))
+    np.testing.assert_array_equal(np.delete(ours, GRAZING), np.delete(theirs, GRAZING))
+    assert set(ours) == {0, 1, 2, 3}
 
 
 @pytest.mark.parametrize("law", [JenkinsBox(2), SampledJenkinsBox(2)])
