@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-# As in `compiled/cubic.py`
+# As in `hbm/contact/compiled/cubic.py`
 MOST_STEPS, AT_ROOT = 60, 1e-12
 
 
