@@ -9,8 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-# As in `hbm/contact/compiled/cubic.py`
-MOST_STEPS, AT_ROOT = 60, 1e-12
+from updamp.hbm.contact.compiled.shared import AT_ROOT, MOST_STEPS, WHOLE_END, WHOLE_START
 
 
 class Cubics(NamedTuple):
@@ -101,4 +100,6 @@ def averages_against_hats(n: int) -> np.ndarray:
     """(n // 2 + 1,) by what the integrals of a motion's cubics against the hats about the samples differ from the
     samples, for each harmonic."""
     x = 2 * np.pi * np.arange(n // 2 + 1) / n
-    return 0.7 + 0.3 * np.cos(x) + np.sin(x) * (8 * np.sin(x) - np.sin(2 * x)) / 90
+    slope = (8 * np.sin(x) - np.sin(2 * x)) / 6  # of e^(i x t), over i, as in `through`
+    values = WHOLE_START[0] + WHOLE_END[1] + (WHOLE_START[1] + WHOLE_END[0]) * np.cos(x)
+    return np.asarray(values + (WHOLE_END[2] - WHOLE_START[3]) * np.sin(x) * slope)

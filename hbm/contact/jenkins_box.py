@@ -9,15 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.contact import friction, sticking
+from updamp.hbm.contact.compiled.shared import SLIDER_STANDS
 from updamp.hbm.contact.event_march import march_slider
 from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.contact.law import CompiledForces
 from updamp.hbm.contact.parameter_moves import friction_derivatives
 from updamp.hbm.harmonics import Harmonics
-
-# A slider that moves by less than this share of the motion's largest value does not move: round-off is below a
-# thousandth of it.
-_STANDS = 1e-12
 
 
 def _moves(tangential: jax.Array, displacement: jax.Array, p: FrictionParameters) -> jax.Array:
@@ -26,7 +23,9 @@ def _moves(tangential: jax.Array, displacement: jax.Array, p: FrictionParameters
     """
     surface = displacement[:, :2]
     slider = surface - tangential / p.kt
-    after = jnp.any(jnp.abs(jnp.roll(slider, -1, axis=0) - slider) > _STANDS * jnp.abs(surface).max(axis=0), axis=1)
+    after = jnp.any(
+        jnp.abs(jnp.roll(slider, -1, axis=0) - slider) > SLIDER_STANDS * jnp.abs(surface).max(axis=0), axis=1
+    )
     return after | jnp.roll(after, 1)
 
 

@@ -45,20 +45,21 @@ def contact_states(system: NonlinearSystem, x: Floats, w: float, time_samples: i
     for group in system.groups:
         if not isinstance(group.law, FrictionLaw):
             continue
-        states.append(_states_of(group, x[group.rows], w, system.harmonics, time_samples))
+        states.append(_states_of(group, group.law, x[group.rows], w, system.harmonics, time_samples))
     return np.concatenate(states)
 
 
-def _states_of(group: ElementGroup, motion: Floats, w: float, harmonics: Harmonics, time_samples: int) -> Integers:
-    """motion: (n_elements, directions, n_coefficients) [m]"""
-    compiled = compiled_forces(group.law, harmonics, time_samples)
+def _states_of(
+    group: ElementGroup, law: FrictionLaw, motion: Floats, w: float, harmonics: Harmonics, time_samples: int
+) -> Integers:
+    """law: of the group; motion: (n_elements, directions, n_coefficients) [m]"""
+    compiled = compiled_forces(law, harmonics, time_samples)
     if isinstance(compiled, CompiledStates):
         states = np.full(len(motion), int(ContactState.STUCK))
         active = group.may_slip_or_separate(motion, harmonics, time_samples)
         states[active] = compiled.contact_states(active, motion, group.values)
         return states
-    assert isinstance(group.law, FrictionLaw)
-    _, state = over_period(group, group.law.state, motion, w, harmonics, time_samples)
+    _, state = over_period(group, law.state, motion, w, harmonics, time_samples)
     open_, slips = state == SEPARATED, (state == SLIP).any(axis=1)
     label = np.where(slips, ContactState.STICK_SLIP, ContactState.STUCK)
     label = np.where(open_.any(axis=1), ContactState.SEPARATING, label)

@@ -7,15 +7,7 @@ end; derivatives by them come in this order. `hbm/contact/cubics.py` has the sam
 from typing import Any
 
 from updamp.hbm.contact.compiled.keeping import inner
-
-# Newton's method halves its bracket wherever it leaves it: no root takes more steps than the mantissa has bits.
-MOST_STEPS = 60
-# A step of Newton's method this small, a share of a segment, is the last: the next one would be its square.
-AT_ROOT = 1e-12
-
-# Integrals over a whole segment of the four basis functions times 1 - t, and times t.
-WHOLE_START = (7 / 20, 3 / 20, 1 / 20, -1 / 30)
-WHOLE_END = (3 / 20, 7 / 20, 1 / 30, -1 / 20)
+from updamp.hbm.contact.compiled.shared import AT_ROOT, MOST_STEPS
 
 
 @inner

@@ -38,7 +38,7 @@ class Path(NamedTuple):
 class Grid(NamedTuple):
     """Nodes in the order of time, the last one at the end of the period.
 
-    number: (1,) of nodes but for the last; segment, share: where a node is
+    number: (1,) of nodes but for the last; segment, share: where a node is; end: share at which the next one is
     crossing: whether the contact opens or closes there
     free: whether nothing presses there; closed: whether it is closed from here to the next node
     u, limit: of the trial force, over kt [m]
@@ -48,6 +48,7 @@ class Grid(NamedTuple):
     number: NDArray[np.int64]
     segment: NDArray[np.int64]
     share: Floats
+    end: Floats
     crossing: NDArray[np.bool_]
     free: NDArray[np.bool_]
     closed: NDArray[np.bool_]
@@ -72,7 +73,9 @@ def new_grid(n: int) -> Grid:
     segment, sample = np.empty(most, dtype=np.int64), np.empty(n + 1, dtype=np.int64)
     state = np.empty((3, most), dtype=np.bool_)
     number = np.zeros(1, dtype=np.int64), segment
-    return Grid(*number, np.empty(most), state[0], state[1], state[2], np.empty(most), np.empty(most), sample)
+    return Grid(
+        *number, np.empty(most), np.empty(most), state[0], state[1], state[2], np.empty(most), np.empty(most), sample
+    )
 
 
 @inner
@@ -127,6 +130,8 @@ def build_grid(path: Path, ratio: float, openings: Openings, grid: Grid) -> None
             k = _add_between(path, ratio, openings, j, grid, k)
     grid.sample[n] = grid.number[0] = k
     _set(grid, k, n - 1, 1.0, False, p[n] > 0, u[n], ratio * positive(p[n]))
+    for i in range(k):
+        grid.end[i] = grid.share[i + 1] if grid.segment[i + 1] == grid.segment[i] else 1.0
 
 
 @inner

@@ -19,12 +19,9 @@ from updamp.hbm.contact.compiled.normal import (
     write_normal,
     write_tangential,
 )
-from updamp.hbm.contact.compiled.slider import add_force, add_tangent, march, new_scratch, new_slider
+from updamp.hbm.contact.compiled.shared import SLIDER_STANDS
+from updamp.hbm.contact.compiled.slider import add_force, add_tangent, march, new_scratch, new_slider, tell_apart
 from updamp.hbm.contact.compiled.tables import GrowingTables, Tables, loop_area, sample, slope
-
-# A slider that moves by less than this share of the motion's largest value does not move: round-off is below a
-# thousandth of it.
-STANDS = 1e-12
 
 
 @kept
@@ -43,21 +40,16 @@ def force_with_tangent(
     rows, own = _rows_of(tables)
     for e in numbers:
         coefficients, kt, kn = displacement[e], p.kt[e], p.kn[e]
-        _press(coefficients[2], p, e, tables, pressing, rate)
-        find_openings(pressing, rate, openings)
+        _press(coefficients[2], p, e, tables, pressing, rate, openings)
         missing[:] = 0.0
         add_missing(pressing, rate, openings, tables.weights, missing)
         write_normal(pressing, missing, coefficients[2], p.n0[e] - kn * p.gap[e], kn, tables.constant, force[e, 2])
         if len(tangent):
             _write_normal_tangent(pressing, openings, kn, rows, tables.weights, out, tangent[e, 2], False)
-        ratio, p_rows = set_limits(p.mu[e], kn / kt, pressing, path.p), limit_rows(p.mu[e], rows, 1.0, own)
-        slope(path.p, path.dp)
-        find_openings(path.p, path.dp, openings)
+        ratio, p_rows = _hold(p, e, pressing, rate, path, openings), limit_rows(p.mu[e], rows, 1.0, own)
         for d in range(2):
-            sample(coefficients[d], tables.synthesis, path.u)
-            slope(path.u, path.du)
-            build_grid(path, ratio, openings, grid)
-            march(grid, path, ratio, -p.t0[e, d] / kt, cycles, slider)
+            _slide(coefficients[d], p, e, d, tables, path, ratio, openings, cycles, grid, slider)
+            tell_apart(grid, path, ratio, slider)
             out.force[:] = coefficients[d]
             add_force(grid, path, ratio, slider, tables.weights, out)
             for a in range(c):
@@ -83,22 +75,17 @@ def perturbed_tangent(
     rows, own = _rows_of(growing)
     for e in numbers:
         coefficients, kt, kn = displacement[e], p.kt[e], p.kn[e]
-        _press(coefficients[2], p, e, tables, pressing, rate)
-        find_openings(pressing, rate, openings)
+        _press(coefficients[2], p, e, tables, pressing, rate, openings)
         closed = stays_closed(pressing)
         _write_normal_tangent(pressing, openings, kn, rows, growing.weights, out, tangent[e, 2], closed)
-        ratio = set_limits(p.mu[e], kn / kt, pressing, path.p)
+        ratio = _hold(p, e, pressing, rate, path, openings)
         p_rows = limit_rows(p.mu[e], rows, growing.last_period, own)
-        slope(path.p, path.dp)
-        find_openings(path.p, path.dp, openings)
         for d in range(2):
-            sample(coefficients[d], tables.synthesis, path.u)
-            slope(path.u, path.du)
-            build_grid(path, ratio, openings, grid)
-            march(grid, path, ratio, -p.t0[e, d] / kt, cycles, slider)
+            _slide(coefficients[d], p, e, d, tables, path, ratio, openings, cycles, grid, slider)
             identity(out.by_u)
             out.by_p[:] = 0.0
             if not rests(path.u, grid.sample, slider.position):
+                tell_apart(grid, path, ratio, slider)
                 add_tangent(grid, path, rows, p_rows, ratio, slider, growing.weights, growing.last_period, out)
             write_tangential(kt, out.by_u, out.by_p, d, tangent[e, d])
 
@@ -107,22 +94,18 @@ def perturbed_tangent(
 def loop_areas(numbers: Any, displacement: Any, p: Any, cycles: int, tables: Tables, areas: Any) -> None:
     """Writes (len(numbers),) areas of the force loops [J], of the forces at the samples."""
     c, n = tables.synthesis.shape
-    path, grid, openings, pressing, force, _ = _room(n, c)
+    path, grid, openings, pressing, rate, _ = _room(n, c)
+    force = np.empty(n + 1)
     slider = new_slider(len(grid.share), n)
     for i, e in enumerate(numbers):
         kt, kn = p.kt[e], p.kn[e]
-        _press(displacement[e, 2], p, e, tables, pressing, force)
+        _press(displacement[e, 2], p, e, tables, pressing, rate, openings)
         for t in range(n + 1):
             force[t] = kn * positive(pressing[t])
         areas[i] = loop_area(pressing, force)
-        ratio = set_limits(p.mu[e], kn / kt, pressing, path.p)
-        slope(path.p, path.dp)
-        find_openings(path.p, path.dp, openings)
+        ratio = _hold(p, e, pressing, rate, path, openings)
         for d in range(2):
-            sample(displacement[e, d], tables.synthesis, path.u)
-            slope(path.u, path.du)
-            build_grid(path, ratio, openings, grid)
-            march(grid, path, ratio, -p.t0[e, d] / kt, cycles, slider)
+            _slide(displacement[e, d], p, e, d, tables, path, ratio, openings, cycles, grid, slider)
             for t in range(n + 1):
                 force[t] = kt * (path.u[t] - slider.position[grid.sample[t]])
             areas[i] += loop_area(path.u, force)
@@ -135,17 +118,12 @@ def contact_states(numbers: Any, displacement: Any, p: Any, cycles: int, tables:
     path, grid, openings, pressing, rate, _ = _room(n, c)
     slider = new_slider(len(grid.share), n)
     for i, e in enumerate(numbers):
-        _press(displacement[e, 2], p, e, tables, pressing, rate)
-        ratio = set_limits(p.mu[e], p.kn[e] / p.kt[e], pressing, path.p)
-        slope(path.p, path.dp)
-        find_openings(path.p, path.dp, openings)
+        _press(displacement[e, 2], p, e, tables, pressing, rate, openings)
+        ratio = _hold(p, e, pressing, rate, path, openings)
         opens, closes, slips = False, False, False
         for d in range(2):
-            sample(displacement[e, d], tables.synthesis, path.u)
-            slope(path.u, path.du)
-            build_grid(path, ratio, openings, grid)
-            march(grid, path, ratio, -p.t0[e, d] / p.kt[e], cycles, slider)
-            least, position = STANDS * np.abs(path.u).max(), slider.position
+            _slide(displacement[e, d], p, e, d, tables, path, ratio, openings, cycles, grid, slider)
+            least, position = SLIDER_STANDS * np.abs(path.u).max(), slider.position
             for k in range(grid.number[0]):
                 opens, closes = opens or not grid.closed[k], closes or grid.closed[k]
                 slips = slips or (grid.closed[k] and abs(position[k + 1] - position[k]) > least)
@@ -166,10 +144,45 @@ def _rows_of(tables: Any) -> Any:
 
 
 @inner
-def _press(coefficients: Any, p: Any, e: int, tables: Tables, pressing: Any, rate: Any) -> None:
+def _press(coefficients: Any, p: Any, e: int, tables: Tables, pressing: Any, rate: Any, openings: Any) -> None:
+    """Writes the compression of element e, (n_time + 1,), its slope, and where it passes zero."""
     sample(coefficients, tables.synthesis, pressing)
     pressing += p.n0[e] / p.kn[e] - p.gap[e]
     slope(pressing, rate)
+    find_openings(pressing, rate, openings)
+
+
+@inner
+def _hold(p: Any, e: int, pressing: Any, rate: Any, path: Any, openings: Any) -> float:
+    """Writes what sets the slip limit of element e, and its openings; returns as `set_limits`. openings: those of the
+    compression, which they are where friction does not vary"""
+    ratio = set_limits(p.mu[e], p.kn[e] / p.kt[e], pressing, path.p)
+    path.dp[:] = rate
+    if len(p.mu[e]) > 1:
+        slope(path.p, path.dp)
+        find_openings(path.p, path.dp, openings)
+    return ratio
+
+
+@inner
+def _slide(
+    coefficients: Any,
+    p: Any,
+    e: int,
+    d: int,
+    tables: Tables,
+    path: Any,
+    ratio: float,
+    openings: Any,
+    cycles: int,
+    grid: Any,
+    slider: Any,
+) -> None:
+    """Writes the motion of element e in direction d, its nodes, and where the slider stands there."""
+    sample(coefficients, tables.synthesis, path.u)
+    slope(path.u, path.du)
+    build_grid(path, ratio, openings, grid)
+    march(grid, -p.t0[e, d] / p.kt[e], cycles, slider)
 
 
 @inner

@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 
 from updamp.hbm.contact.compiled.columns import Columns, Rows, add_numbers, empty, multiply, new_columns
 from updamp.hbm.contact.compiled.cubic import (
-    WHOLE_END,
-    WHOLE_START,
     basis,
     basis_halves,
     halves,
@@ -24,6 +22,7 @@ from updamp.hbm.contact.compiled.cubic import (
 )
 from updamp.hbm.contact.compiled.event_grid import Grid, Path, compression_of, motion_of
 from updamp.hbm.contact.compiled.keeping import inner
+from updamp.hbm.contact.compiled.shared import WHOLE_END, WHOLE_START
 from updamp.hbm.contact.compiled.tables import size_of_change
 
 Floats = NDArray[np.float64]
@@ -52,7 +51,7 @@ class Slider(NamedTuple):
 
 class Scratch(NamedTuple):
     """Of one direction. force: (n_coefficients,) [m], over kt; by_u, by_p: its derivatives (n_coefficients,
-    n_coefficients); integrals: (n_time + 1,) of the path against each hat [m]; start, end: (n_coefficients,)
+    n_coefficients); integrals: (n_time + 1,) of the path against each hat [m]
     sources: (n_nodes, n_coefficients) what stands where each node put it adds to the coefficients; used: (n_nodes,)
         whether anything does
     """
@@ -61,8 +60,6 @@ class Scratch(NamedTuple):
     by_u: NDArray[Any]
     by_p: NDArray[Any]
     integrals: Floats
-    start: NDArray[Any]
-    end: NDArray[Any]
     sources: NDArray[Any]
     used: NDArray[np.bool_]
     u: Columns
@@ -79,16 +76,14 @@ def new_slider(n_nodes: int, n: int) -> Slider:
 def new_scratch(n_nodes: int, weights: Any) -> Scratch:
     """weights: `Tables.weights`; what belongs to tangents is of their kind of numbers"""
     c, kind = weights.shape[1], weights.dtype
-    square, row = np.empty((c, c), kind), np.empty(c, kind)
+    square = np.empty((c, c), kind)
     integrals, sources, used = np.empty(len(weights)), np.empty((n_nodes, c), kind), np.empty(n_nodes, np.bool_)
     columns = new_columns(weights), new_columns(weights)
-    return Scratch(
-        np.empty(c), square, square.copy(), integrals, row, row.copy(), sources, used, columns[0], columns[1]
-    )
+    return Scratch(np.empty(c), square, square.copy(), integrals, sources, used, columns[0], columns[1])
 
 
 @inner
-def march(grid: Grid, path: Path, ratio: float, first: float, cycles: int, slider: Slider) -> None:
+def march(grid: Grid, first: float, cycles: int, slider: Slider) -> None:
     """first: where the slider rests [m]"""
     n, stands, source = grid.number[0], first, -1
     u, limit, free = grid.u, grid.limit, grid.free
@@ -103,19 +98,17 @@ def march(grid: Grid, path: Path, ratio: float, first: float, cycles: int, slide
             elif stands > u[k] + limit[k]:
                 stands, source, side[k] = u[k] + limit[k], k, -1.0
             position[k], sources[k] = stands, source
-    _tell_apart(grid, path, ratio, slider)
 
 
 @inner
-def _tell_apart(grid: Grid, path: Path, ratio: float, slider: Slider) -> None:
-    """What the slider does from each node to the next, and from where on."""
+def tell_apart(grid: Grid, path: Path, ratio: float, slider: Slider) -> None:
+    """What the slider does from each node to the next, and from where on: where it stands is known (`march`)."""
     u, du, p, dp = path.u, path.du, path.p, path.dp
-    segment, share, closed, position = grid.segment, grid.share, grid.closed, slider.position
+    segment, share, ends, closed, position = grid.segment, grid.share, grid.end, grid.closed, slider.position
     does, slips, whole = slider.does, slider.slips, slider.whole
     whole[:] = STANDS
     for k in range(grid.number[0]):
-        j = segment[k]
-        end = share[k + 1] if segment[k + 1] == j else 1.0
+        j, end = segment[k], ends[k]
         does[k], slips[k] = STANDS, end
         if not closed[k]:
             does[k], slips[k] = OPEN, share[k]
@@ -138,7 +131,7 @@ def add_force(grid: Grid, path: Path, ratio: float, slider: Slider, weights: Flo
     integrals[:] = 0.0
     for k in range(grid.number[0]):
         j = segment[k]
-        begin, slips, end = share[k], slider.slips[k], share[k + 1] if segment[k + 1] == j else 1.0
+        begin, slips, end = share[k], slider.slips[k], grid.end[k]
         if begin == 0 and slips == 1:
             integrals[j] += position[k] / 2
             integrals[j + 1] += position[k] / 2
@@ -186,8 +179,7 @@ def add_tangent(
     _add_whole(slider, ratio, weights, out)
     segment, share, sources, source_of = grid.segment, grid.share, out.sources, slider.source
     for k in range(grid.number[0]):
-        j, begin, slips, source = segment[k], share[k], slider.slips[k], source_of[k]
-        end = share[k + 1] if segment[k + 1] == j else 1.0
+        j, begin, slips, end, source = segment[k], share[k], slider.slips[k], grid.end[k], source_of[k]
         if slips > begin and source >= 0:
             if not used[source]:
                 used[source], sources[source] = True, 0.0

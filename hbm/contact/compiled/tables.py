@@ -6,7 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.compiled.keeping import inner
+from updamp.hbm.contact.compiled.keeping import inner, kept
+from updamp.hbm.contact.compiled.shared import WHOLE_END, WHOLE_START
 from updamp.hbm.harmonics import Harmonics
 
 Floats = NDArray[np.float64]
@@ -72,8 +73,8 @@ def tables(harmonics: Harmonics, n_time: int) -> Tables:
 def _rows(values: NDArray[Any], last_period: Any) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
     """Of the samples, of their slopes, of the integrals against hats."""
     slopes, hats = np.empty_like(values), np.empty_like(values)
-    slope_rows.py_func(values, last_period, slopes)
-    hat_rows.py_func(values, slopes, last_period, hats)
+    slope_rows(values, last_period, slopes)
+    hat_rows(values, slopes, last_period, hats)
     return values, slopes, hats
 
 
@@ -106,7 +107,7 @@ def slope(values: Any, out: Any) -> None:
     out[n] = out[0]
 
 
-@inner
+@kept
 def slope_rows(values: Any, last_period: Any, out: Any) -> None:
     """As `slope`, (n_time + 1, n_coefficients) -> same; last_period: as in `GrowingTables`"""
     n = len(values) - 1
@@ -117,15 +118,16 @@ def slope_rows(values: Any, last_period: Any, out: Any) -> None:
             out[t, a] = (8 * near - far) / 12
 
 
-@inner
+@kept
 def hat_rows(values: Any, slopes: Any, last_period: Any, out: Any) -> None:
     """Integrals of the cubics between samples against the hat about each; as `slope_rows`."""
     n = len(values) - 1
     for t in range(n + 1):
         for a in range(values.shape[1]):
-            beside = _row(values, t - 1, a, last_period) + _row(values, t + 1, a, last_period)
-            turning = _row(slopes, t - 1, a, last_period) - _row(slopes, t + 1, a, last_period)
-            out[t, a] = 0.7 * values[t, a] + 0.15 * beside + turning / 30
+            before, behind = _row(values, t - 1, a, last_period), _row(values, t + 1, a, last_period)
+            rising, falling = _row(slopes, t - 1, a, last_period), _row(slopes, t + 1, a, last_period)
+            of_values = (WHOLE_START[0] + WHOLE_END[1]) * values[t, a] + WHOLE_END[0] * before + WHOLE_START[1] * behind
+            out[t, a] = of_values + WHOLE_END[2] * rising + WHOLE_START[3] * falling
 
 
 @inner
