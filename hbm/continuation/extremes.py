@@ -10,7 +10,6 @@ from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from updamp.hbm.continuation.branch import BranchPoint, point_at
 from updamp.hbm.continuation.curve_records import COLUMNS, CurveRequest, Records
@@ -91,8 +90,8 @@ def _between(
     system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, extreme: Extreme
 ) -> BranchPoint | None:
     """The solution about the extreme, on the plane across the chord between the points on both sides of it: so it
-    lies between them, beside kinks too, where the spline that it starts from goes astray. None where there is none
-    within the chord's length of the chord: that is another branch."""
+    lies between them, beside kinks too, where the spline through the points goes astray. It is sought from the chord.
+    None where there is none within the chord's length of it: that is another branch."""
     near, length, at = extreme.near, extreme.length, extreme.at
     places = np.column_stack([curve.displacement[near].reshape(len(length), -1), 2 * np.pi * curve.frequency[near]])
     after, scale_w = extreme.after, request.options.scale_w(request.window)
@@ -102,11 +101,11 @@ def _between(
 
     a, b = places[after - 1 : after + 1]
     share = (at - length[after - 1]) / (length[after] - length[after - 1])
-    on_chord, start = move(a + share * (b - a)), move(CubicSpline(length, places)(at))
+    on_chord = move(a + share * (b - a))
     metric = Metric.at(on_chord[0], system.harmonics, scale_w)
     chord = metric.length(move(b - a))
     dx, dw = move((b - a) / chord)
-    solution = solve(system, request.excitation, *start, request.options.newton, Arc(*on_chord, (dx, dw), metric))
+    solution = solve(system, request.excitation, *on_chord, request.options.newton, Arc(*on_chord, (dx, dw), metric))
     if not solution.converged or metric.length((solution.x - on_chord[0], solution.w - on_chord[1])) > chord:
         return None
     return point_at(solution, request.excitation, scale_w, (dx, dw), 0.0)
