@@ -109,7 +109,7 @@ def test_a_model_tells_what_can_be_asked(tmp_path: Path) -> None:
     model = api.build_model(taken_up(tmp_path))
     assert model.response_point == "blade_right.tip.x"
     assert model.response_point in model.points
-    assert model.modes == {"OOP": (433.0, 451.0), "IP": (250.0, 434.0)}
+    assert model.modes == {"OOP": (433.0, 451.0), "IP": (340.0, 436.0)}
     for shown in (repr(model), model._repr_html_()):
         assert all(word in shown for word in ("pesaresi2017", "small", "72", "edge_gap", "sliding_friction"))
     with pytest.raises(ValueError, match=r'mesh = "tiny": .* no such preset; it has small, medium, full'):

@@ -25,7 +25,7 @@ config: Any = numba_config  # its entries are made when it is loaded, and unknow
 
 def inner(function: Callable[..., Any]) -> Any:
     """For functions that other compiled functions call."""
-    return numba.njit(error_model="numpy")(function)
+    return numba.njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)(function)
 
 
 def kept(function: Callable[..., Any]) -> Any:

@@ -23,7 +23,7 @@ from updamp.model.rig_files import load_rig
 from updamp.rig.pressure import SurfaceProfile
 from updamp.rig.rig import Contact, Rig
 
-RIG_FILE = "rigs/pesaresi2017.toml"
+RIG_FILE = "tests/data/early_opening.toml"
 WEDGE = {"platform.underside_angle": "45 deg", "blade.width": "60 mm"}  # those of the wedge made here
 LENGTH, WIDTH, ANGLE = 8e-3, 60e-3, np.radians(45)
 PULL, MU = 960.0, 0.6

@@ -19,7 +19,7 @@ from updamp.geometry.contact_elements import LEFT
 from updamp.model.rig_files import load_rig
 from updamp.rig.rig import Rig
 
-RIG_FILE = "rigs/pesaresi2017.toml"
+RIG_FILE = "tests/data/early_opening.toml"
 LONG = {"blade.width": "60 mm", "platform.underside_angle": "45 deg"}  # a slender damper, which bends
 
 
