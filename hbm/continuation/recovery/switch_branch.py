@@ -43,7 +43,7 @@ class SwitchBranch:
 
     ahead: arc beyond the last point at which the far side is looked at, rising; up to `furthest`, or the last step but
         the smallest that may have failed: the kink lies within that step ahead of the last point
-    bisections: by which the kink is located between two of these
+    located: how well the kink is, between two of these, by bisection [arc]: a tenth of the shortest step
     steps: arc beyond the kink, tried in turn
     no_kink: cosine between two tangents above which there is no kink between them; no_kink_mean: and change of their
         mean position, of which the metric sees little, relative to the larger, below which there is none
@@ -52,7 +52,7 @@ class SwitchBranch:
 
     ahead: tuple[float, ...] = (1e-9, 1e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.03, 0.1)
     furthest: float = 1e-3
-    bisections: int = 24
+    located: float = 1e-8
     steps: tuple[float, ...] = (0.01, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 1e-6, 1e-7)
     no_kink: float = 0.98
     no_kink_mean: float = 0.2
@@ -90,9 +90,9 @@ class SwitchBranch:
         return replace(point, step=last.distance(solution))
 
     def far_sides(self, corrector: Corrector, last: BranchPoint) -> Iterator[tuple[Move, Move]]:
-        """The place (x, w) of the first kink ahead, with each direction in which the branch may go on beyond it, of unit
-        length in the metric of the last point: as it does at once, then as it does a little further on, where that is
-        another one. None where there is no kink.
+        """The place (x, w) of the first kink ahead, with each direction in which the branch may go on beyond it: as it
+        does at once, then as it does a little further on, where that is another one. Of unit length in the metric of
+        the last point. None where there is no kink.
 
         A contact that opens for an instant, or begins to slip, may yield without limit at first (its tangent grows as
         one over the root of the distance); then the branch has turned on within less than any step."""
@@ -121,7 +121,7 @@ class SwitchBranch:
         self, beyond: Callable[[float], Move | None], here: float, there: float, direction: Move
     ) -> tuple[float, Move]:
         """How far ahead the kink between two places is, and the direction just beyond it."""
-        for _ in range(self.bisections):
+        while there - here > self.located:
             middle = (here + there) / 2
             if (found := beyond(middle)) is None:
                 here = middle
