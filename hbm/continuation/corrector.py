@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from updamp.hbm.continuation.branch import BranchPoint, point_after
-from updamp.hbm.continuation.retracing import TracedBranch, on_same_branch
+from updamp.hbm.continuation.retracing import TracedBranch, on_same_branch, turn_between
 from updamp.hbm.continuation.step_lengths import StepLengths
 from updamp.hbm.newton.metric import Move
 from updamp.hbm.newton.newton import Arc, NewtonOptions, Solution, Status, solve
@@ -58,7 +58,10 @@ class Corrector:
         off = last.metric.length((solution.x - arc.x0, solution.w - arc.w0))
         if (
             self.options.counts(point.step, step)
-            and self.options.as_predicted(off, point.step)
+            and (
+                self.options.as_predicted(off, point.step)
+                or self.options.one_turn(*turn_between(last, point), point.step)
+            )
             and on_same_branch(last, point, traced.limits)
             and not traced.contains(point)
         ):

@@ -1,7 +1,8 @@
 """Whether a point found ahead belongs to the branch: not on a part that was traced already, nor on another branch.
 
 `TracedBranch` keeps what was traced, so that the branch does not run back over itself or round in circles.
-`on_same_branch` asks whether the branch leads from its last point to the one that Newton's method has found.
+`on_same_branch` asks whether the branch leads from its last point to the one that Newton's method has found,
+`turn_between` by how much it turns between the two.
 """
 
 from collections.abc import Sequence
@@ -124,3 +125,22 @@ def on_same_branch(last: BranchPoint, point: BranchPoint, limits: BranchLimits) 
     before, after = last.orientation, point.orientation
     kept = before is None or after is None or before == after
     return cosine > limits.ahead if kept else point.step < limits.bifurcation and cosine > limits.straight
+
+
+def turn_between(last: BranchPoint, point: BranchPoint) -> tuple[float, float]:
+    """Angle between the tangents at both points [rad], and length of what they do not account for of the move [arc].
+
+    A branch that turns in one kink, wherever between the two that lies, goes along the one tangent and then along the
+    other. So a part along each, neither of them backwards, is taken off the move. What is left says that it has ended
+    on another branch, or that the branch turns more than once on the way.
+    """
+    metric, (dx, dw), (x0, w0) = last.metric, last.move_to(point), last.tangent
+    length = metric.length(point.tangent)
+    x1, w1 = point.tangent_x / length, point.tangent_w / length
+    cosine = metric.product((x0, w0), (x1, w1))
+    along = np.array([metric.product((x0, w0), (dx, dw)), metric.product((x1, w1), (dx, dw))])
+    first, second = (along - cosine * along[::-1]) / max(1 - cosine**2, np.finfo(float).eps)
+    if min(first, second) < 0:  # along the nearer one alone
+        first, second = along.clip(0.0) * (along == along.max())
+    off = metric.length((dx - first * x0 - second * x1, dw - first * w0 - second * w1))
+    return float(np.arccos(np.clip(cosine, -1.0, 1.0))), off

@@ -27,7 +27,11 @@ class StepLengths:
     off_predicted: a solution no further off the predicted place than this share of the step is on the branch, what lies
         further off may be another one: branches lie close to each other where many contacts change their states, and
         nothing at both ends of a long step tells them apart (angle between predictor and curve: Allgower and Georg
-        1990, Numerical Continuation Methods, section 6.1). The table in benchmarks/harmonic_balance/NOTES.md set it
+        1990, Numerical Continuation Methods, section 6.1). The same of what the tangents at both ends do not account
+        for, where the branch turns in a kink on the way. Tables in benchmarks/harmonic_balance/NOTES.md set it
+    resolution: the most that a branch with a kink may be off the chord between two points [arc]: as a share of the
+        vibration. One that turns by the angle a half way along a step s is s a / 4 off it. What comes back closer than
+        this beside itself may be passed over
     sharp_turns: in steps up to this length the branch may turn by any angle: in a kink
     bend_within, bend_cosine: the predictor is bent by the change of the tangent from the point before, but for steps
         longer than so many times the one that the change is from, and where the tangents' cosine is below this:
@@ -47,6 +51,7 @@ class StepLengths:
     frequency_scale: float = 0.5
     moved: tuple[float, float] = (0.5, 1.6)
     off_predicted: float = 0.05
+    resolution: float = 0.005
     sharp_turns: float = 2e-3
     bend_within: float = 4.0
     bend_cosine: float = 0.9
@@ -67,6 +72,8 @@ class StepLengths:
             raise ValueError(f"after_recovery = {self.after_recovery}: at least 1")
         if not 0 < self.off_predicted < 1:
             raise ValueError(f"off_predicted = {self.off_predicted}: a share between 0 and 1")
+        if not 0 <= self.resolution < 1:
+            raise ValueError(f"resolution = {self.resolution}: a share below 1")
         if not 0 < self.moved[0] < 1 < self.moved[1]:
             raise ValueError(f"moved = {self.moved}: one share below 1 and one above it are needed")
 
@@ -102,6 +109,12 @@ class StepLengths:
     def as_predicted(self, off: float, moved: float) -> bool:
         """Whether a solution this far off the predicted place, and from the last point, is on the branch."""
         return moved < self.sharp_turns or off <= self.off_predicted * moved
+
+    def one_turn(self, angle: float, off: float, moved: float) -> bool:
+        """Whether a branch that turns once, by this angle [rad], leads so far [arc].
+
+        off: what the tangents at both ends do not account for of the move [arc]"""
+        return off <= self.off_predicted * moved and angle * moved <= 4 * self.resolution
 
     def bent(self, step: float, before: float, cosine: float) -> bool:
         """Whether the change of the tangent along the step before, and the cosine between both, say how the branch

@@ -7,6 +7,7 @@ import jax
 import numpy as np
 from support.peers import one_degree_of_freedom
 
+from updamp.hbm.continuation.continuation import ContinuationOptions
 from updamp.hbm.continuation.curve import CurveRequest
 from updamp.hbm.problem.elements import ElementGroup
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
@@ -40,10 +41,12 @@ class DipInDamping:
 
 def isolated_resonance() -> tuple[NonlinearSystem, CurveRequest]:
     """Mass 1 kg on 1 N/m. At its resonance, w = 1, a (c + c2 a^2 / 4 + c4 a^4 / 8) = F has three solutions at this
-    force (`resonances`): the lowest is the peak of the curve, the others are top and bottom of a closed loop."""
+    force (`resonances`): the lowest is the peak of the curve, the others are top and bottom of a closed loop. Steps are
+    so short that points lie near these."""
     group = ElementGroup(DipInDamping(), DipParameters(np.array([SECOND]), np.array([FOURTH])), np.array([[0]]))
     system = one_degree_of_freedom(DAMPING, group, (0, 1), 128)
-    return system, CurveRequest("1", Excitation(system.free.row("mass"), FORCE), WINDOW, ("mass",))
+    options = ContinuationOptions(largest_step=0.1)
+    return system, CurveRequest("1", Excitation(system.free.row("mass"), FORCE), WINDOW, ("mass",), options=options)
 
 
 def resonances() -> np.ndarray:

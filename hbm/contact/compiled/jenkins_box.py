@@ -12,6 +12,7 @@ from updamp.hbm.contact.compiled.keeping import inner, kept
 from updamp.hbm.contact.compiled.normal import (
     add_missing,
     add_missing_tangent,
+    ever_closes,
     identity,
     limit_rows,
     set_limits,
@@ -43,7 +44,8 @@ def force_with_tangent(
         _press(coefficients[2], p, e, tables, pressing, rate, openings)
         missing[:] = 0.0
         add_missing(pressing, rate, openings, tables.weights, missing)
-        write_normal(pressing, missing, coefficients[2], p.n0[e] - kn * p.gap[e], kn, tables.constant, force[e, 2])
+        presses, rest = ever_closes(pressing, openings), p.n0[e] - kn * p.gap[e]
+        write_normal(presses, missing, coefficients[2], rest, kn, tables.constant, force[e, 2])
         if len(tangent):
             _write_normal_tangent(pressing, openings, kn, rows, tables.weights, out, tangent[e, 2], False)
         ratio, p_rows = _hold(p, e, pressing, rate, path, openings), limit_rows(p.mu[e], rows, 1.0, own)
@@ -191,7 +193,7 @@ def _write_normal_tangent(
 ) -> None:
     """tangent: (n_coefficients, 3, n_coefficients); closed: whether the contact is taken to be so over the period"""
     tangent[:] = 0.0
-    if pressing.max() <= 0:
+    if not ever_closes(pressing, openings):
         return
     identity(out.by_u)
     if not closed:

@@ -45,7 +45,8 @@ def force_with_tangent(
         pressing += p.n0[e] / kn - p.gap[e]
         missing[:] = 0.0
         add_missing_samples(pressing, tables.shares, missing)
-        write_normal(pressing, missing, coefficients[2], p.n0[e] - kn * p.gap[e], kn, tables.constant, force[e, 2])
+        presses, rest = pressing.max() > 0, p.n0[e] - kn * p.gap[e]
+        write_normal(presses, missing, coefficients[2], rest, kn, tables.constant, force[e, 2])
         if len(tangent):
             _write_normal_tangent(pressing, kn, tables, by_u, tangent[e, 2], False)
         ratio = set_limits(p.mu[e], kn / kt, pressing, limit)

@@ -11,18 +11,24 @@ from updamp.hbm.contact.compiled.tables import add_outer, hat_rows, slope_rows
 
 @inner
 def write_normal(
-    pressing: Any, missing: Any, coefficients: Any, rest: float, kn: float, constant: Any, out: Any
+    presses: bool, missing: Any, coefficients: Any, rest: float, kn: float, constant: Any, out: Any
 ) -> None:
     """Writes the normal force, (n_coefficients,) [N], of a motion of these coefficients [m].
 
-    pressing: (n_time + 1,) compression [m]; missing: coefficients of what a spring that always presses has less while
-    the contact is open, over kn (`add_missing`); rest: n0 - kn gap [N]; constant: as in `Tables`
+    presses: whether the contact closes at any time; missing: coefficients of what a spring that always presses has less
+    while the contact is open, over kn (`add_missing`); rest: n0 - kn gap [N]; constant: as in `Tables`
     """
     for a in range(len(out)):
-        if pressing.max() <= 0:  # open throughout: exactly nothing, where the difference leaves round-off
+        if not presses:  # exactly nothing, where the difference leaves round-off
             out[a] = -positive(rest) * constant[a]
         else:
             out[a] = kn * (coefficients[a] + missing[a]) + (rest - positive(rest)) * constant[a]
+
+
+@inner
+def ever_closes(p: Any, openings: Openings) -> bool:
+    """Whether the contact is closed at any time, if only between two samples."""
+    return p.max() > 0 or openings.first.max() >= 0
 
 
 @inner

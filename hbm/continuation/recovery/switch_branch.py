@@ -14,14 +14,14 @@ one that has passed a further kink is known by its orientation. Contacts that mi
 together, and the sign tells nothing there: of such problems half is solved (hbm/problem/mirror.py).
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 import scipy.linalg
 
-from updamp.hbm.continuation.branch import BranchPoint, point_at
+from updamp.hbm.continuation.branch import BranchPoint, branch_point
 from updamp.hbm.continuation.corrector import Corrector
 from updamp.hbm.continuation.retracing import TracedBranch
 from updamp.hbm.newton.equation import evaluate
@@ -43,7 +43,7 @@ class SwitchBranch:
 
     ahead: arc beyond the last point at which the far side is looked at, rising; up to `furthest`, or the last step but
         the smallest that may have failed: the kink lies within that step ahead of the last point
-    bisections: by which the kink is located between two of these
+    located: how well the kink is, between two of these, by bisection [arc]: a tenth of the shortest step
     steps: arc beyond the kink, tried in turn
     no_kink: cosine between two tangents above which there is no kink between them; no_kink_mean: and change of their
         mean position, of which the metric sees little, relative to the larger, below which there is none
@@ -52,7 +52,7 @@ class SwitchBranch:
 
     ahead: tuple[float, ...] = (1e-9, 1e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.03, 0.1)
     furthest: float = 1e-3
-    bisections: int = 24
+    located: float = 1e-8
     steps: tuple[float, ...] = (0.01, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 1e-6, 1e-7)
     no_kink: float = 0.98
     no_kink_mean: float = 0.2
@@ -60,32 +60,42 @@ class SwitchBranch:
     longest: float = 3.0
 
     def __call__(self, corrector: Corrector, traced: TracedBranch) -> Sequence[BranchPoint]:
-        system, excitation, last = corrector.system, corrector.excitation, traced.last
-        if (found := self.kink(corrector, last)) is None:
-            return []
-        (x, w), (dx, dw) = found
-        for step in self.steps:
-            arc = Arc(x + step * dx, w + step * dw, (dx, dw), last.metric)
-            solution = solve(system, excitation, arc.x0, arc.w0, corrector.options.newton, arc)
-            if not solution.converged:
-                continue
-            point = point_at(solution, excitation, last.metric.scale_w, (dx, dw), last.distance(solution))
-            move = (solution.x - x, solution.w - w)
-            length = last.metric.length(move)
-            straight = last.metric.product((dx, dw), move) > self.straight * length and length < self.longest * step
-            off = last.metric.length((solution.x - arc.x0, solution.w - arc.w0))
-            if (
-                straight
-                and corrector.options.as_predicted(off, step)
-                and _oriented_alike(point, last)
-                and not lies_on_last_points(traced.points, solution)
-            ):
-                return [point]
+        for place, direction in self.far_sides(corrector, traced.last):
+            for step in self.steps:
+                point = self._step(corrector, traced, place, direction, step)
+                if point is not None:
+                    return [point]
         return []
 
-    def kink(self, corrector: Corrector, last: BranchPoint) -> tuple[Move, Move] | None:
-        """Place (x, w) of the first kink ahead and the direction of the branch beyond it, of unit length in the metric
-        of the last point; None where there is none."""
+    def _step(
+        self, corrector: Corrector, traced: TracedBranch, place: Move, direction: Move, step: float
+    ) -> BranchPoint | None:
+        """From the kink's place along the direction; its tangent is taken at the solution itself: that of the iterate
+        before may be the other side's."""
+        system, excitation, last = corrector.system, corrector.excitation, traced.last
+        (x, w), (dx, dw) = place, direction
+        arc = Arc(x + step * dx, w + step * dw, direction, last.metric)
+        solution = solve(system, excitation, arc.x0, arc.w0, corrector.options.newton, arc)
+        if not solution.converged:
+            return None
+        move = (solution.x - x, solution.w - w)
+        length = last.metric.length(move)
+        straight = last.metric.product(direction, move) > self.straight * length and length < self.longest * step
+        off = last.metric.length((solution.x - arc.x0, solution.w - arc.w0))
+        if not (straight and corrector.options.as_predicted(off, step)):
+            return None
+        point = branch_point(system, excitation, solution.x, solution.w, last.metric.scale_w, direction)
+        if not _oriented_alike(point, last) or lies_on_last_points(traced.points, solution):
+            return None
+        return replace(point, step=last.distance(solution))
+
+    def far_sides(self, corrector: Corrector, last: BranchPoint) -> Iterator[tuple[Move, Move]]:
+        """The place (x, w) of the first kink ahead, with each direction in which the branch may go on beyond it: as it
+        does at once, then as it does a little further on, where that is another one. Of unit length in the metric of
+        the last point. None where there is no kink.
+
+        A contact that opens for an instant, or begins to slip, may yield without limit at first (its tangent grows as
+        one over the root of the distance); then the branch has turned on within less than any step."""
         orientation = _orientation(corrector, last)
 
         def beyond(ahead: float) -> Move | None:
@@ -94,21 +104,30 @@ class SwitchBranch:
             return None if direction is None or self._goes_on(last, direction) else direction
 
         furthest = max(self.furthest, max(corrector.options.shortening) * corrector.options.smallest_step)
-        here = 0.0
+        here, direction = 0.0, None
         for there in (ahead for ahead in self.ahead if ahead <= furthest):
-            direction = beyond(there)
-            if direction is not None:
-                break
-            here = there
-        else:
-            return None
-        for _ in range(self.bisections):
+            if (found := beyond(there)) is None:
+                here = there if direction is None else here
+                continue
+            if direction is None:
+                at, direction = self._located(beyond, here, there, found)
+                place = last.x + at * last.tangent_x, last.w + at * last.tangent_w
+                yield place, direction
+            if last.metric.product(direction, found) < self.no_kink:
+                direction = found
+                yield place, direction
+
+    def _located(
+        self, beyond: Callable[[float], Move | None], here: float, there: float, direction: Move
+    ) -> tuple[float, Move]:
+        """How far ahead the kink between two places is, and the direction just beyond it."""
+        while there - here > self.located:
             middle = (here + there) / 2
             if (found := beyond(middle)) is None:
                 here = middle
             else:
                 there, direction = middle, found
-        return (last.x + there * last.tangent_x, last.w + there * last.tangent_w), direction
+        return there, direction
 
     def _goes_on(self, last: BranchPoint, direction: Move) -> bool:
         """Whether the direction is the last point's tangent, up to what an even bend may have changed."""

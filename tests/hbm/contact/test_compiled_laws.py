@@ -111,6 +111,23 @@ def test_likewise_where_friction_varies_over_the_period(law):
     np.testing.assert_allclose(ours.tangent, theirs.tangent, rtol=0, atol=1e-11)
 
 
+def test_likewise_where_a_contact_closes_between_two_samples_alone():
+    """Its force would jump from one moment to the next as the highest point passes a sample."""
+    p = parameters(mu=np.full(ELEMENTS, 0.5), n0=np.zeros(ELEMENTS), gap=np.zeros(ELEMENTS))
+    motion = motions(p)
+    half_a_step = np.pi / 128
+    motion[:, 2] = 0.0
+    motion[:, 2, 1:3] = np.cos(half_a_step), np.sin(half_a_step)  # highest half way between two samples
+    rises = 1 - np.cos(half_a_step)  # from the samples beside it to the highest point
+    motion[:, 2, 0] = -1 + np.linspace(0.1, 1.0, ELEMENTS) * rises  # at no sample above zero
+    assert ((HARMONICS.synthesis(128) @ motion[:, 2].T).max(axis=0) < 1e-15).all()
+    ours, theirs = both(JenkinsBox(2), p, motion)
+    assert np.abs(theirs.force[:, 2]).max(axis=1).min() > 0
+    scale = np.abs(theirs.force[:, 2]).max()
+    np.testing.assert_allclose(ours.force[:, 2], theirs.force[:, 2], rtol=0, atol=1e-9 * scale)
+    np.testing.assert_allclose(ours.tangent, theirs.tangent, rtol=0, atol=1e-11)
+
+
 def test_likewise_where_a_motion_of_a_high_order_turns_often_between_few_samples():
     harmonics, law, p = Harmonics((0, 1, 11)), JenkinsBox(2), parameters()
     motion = np.random.default_rng(6).normal(size=(ELEMENTS, 3, 5))

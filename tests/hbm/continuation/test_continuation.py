@@ -14,7 +14,8 @@ from updamp.hbm.continuation.completeness import CompletenessLimits
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions, continue_branch
 from updamp.hbm.continuation.corrector import Corrector
 from updamp.hbm.continuation.curve import CurveRequest, trace
-from updamp.hbm.continuation.retracing import TracedBranch
+from updamp.hbm.continuation.retracing import TracedBranch, turn_between
+from updamp.hbm.continuation.step_lengths import StepLengths
 from updamp.hbm.continuation.sweeps import sweep, swept, turning_points
 from updamp.hbm.newton.newton import NewtonOptions, Status
 from updamp.hbm.problem.elements import ElementGroup
@@ -91,6 +92,36 @@ def test_a_solution_far_off_the_predicted_place_is_refused(duffing):
         point, solution = corrector.step(TracedBranch.through(first), step)
         assert (point is not None) == taken
         assert solution.converged == taken
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
+def test_a_kink_between_two_points_is_told_from_another_branch(duffing, share):
+    """Wherever it lies both tangents account for the move; what lies between two branches they do not."""
+    system, request, _ = duffing
+    last, other = [*islice(continue_branch(system, request.excitation, request.window), 10)][-2:]
+    metric, step, beside = last.metric, 0.01, 0.002
+    unit = metric.length(other.tangent)
+    x1, w1 = other.tangent_x / unit, other.tangent_w / unit
+    x = last.x + step * (share * last.tangent_x + (1 - share) * x1)
+    w = last.w + step * (share * last.tangent_w + (1 - share) * w1)
+    angle, off = turn_between(last, replace(other, x=x, w=w))
+    assert np.cos(angle) == pytest.approx(metric.product(last.tangent, (x1, w1)))
+    assert off < 1e-9 * step
+    across = np.zeros_like(x)
+    across[0, -1] = 1.0
+    for tangent in (last.tangent, (x1, w1)):
+        across = across - metric.product(tangent, (across, 0.0)) * tangent[0]
+    across *= beside / metric.length((across, 0.0))
+    _, off = turn_between(last, replace(other, x=x + across, w=w))
+    assert off == pytest.approx(beside, rel=0.05)
+
+
+def test_the_sharper_a_kink_the_shorter_the_step_across_it():
+    lengths = StepLengths(resolution=0.005)
+    assert lengths.one_turn(angle=0.1, off=0.0, moved=0.19)
+    assert not lengths.one_turn(angle=0.2, off=0.0, moved=0.19)
+    assert lengths.one_turn(angle=0.2, off=0.0, moved=0.09)
+    assert not lengths.one_turn(angle=0.2, off=0.006, moved=0.09), "another branch"
 
 
 def test_a_branch_without_folds_is_seen_whole():
