@@ -93,4 +93,4 @@ def _widened(plan: Plan, width: float) -> Plan:
         noise = run.noise.copy()
         noise[:, 0] = np.hypot(noise[:, 0], width * _range(run))
         runs.append(replace(run, noise=noise))
-    return replace(plan, observations=tuple(runs), as_many=0.0)
+    return replace(plan, observations=tuple(runs), lacks_nothing=True)

@@ -59,7 +59,7 @@ class Plan:
     """conditions: the tests; observations: all runs and repeats of them
     drift, gain: relative standard deviations as stated (`Measurement`), before repeats have been looked at
     repeatability: as stated, 0 where repeats tell; the observations' noise has it
-    as_many: points that count as one for what a model lacks (`failing_model.py`), 0 for one that lacks nothing
+    lacks_nothing: whether the model that is compared is taken to
     noise_read: whether the observations' noise was read off how rough the runs are, and is no better known than that
     """
 
@@ -68,7 +68,7 @@ class Plan:
     drift: float = DRIFT
     gain: float = GAIN
     repeatability: float = 0.0
-    as_many: float = 1.0
+    lacks_nothing: bool = False
     noise_read: bool = False
 
     @property
@@ -80,6 +80,13 @@ class Plan:
         """Numbers that a model is compared with: amplitude, and phase where it was recorded, of every sensor at every
         point."""
         return sum(len(o) * int(np.isfinite(o.noise[:, 1:]).all(axis=0).sum()) for o in self.observations)
+
+    @property
+    def as_many(self) -> float:
+        """Points that count as one for what a model lacks (`failing_model.py`), 0 for one that lacks nothing."""
+        if self.lacks_nothing or not self.observations:
+            return 0.0
+        return as_many(float(np.median([len(o) for o in self.observations])))
 
     @property
     def independent(self) -> float:
@@ -132,9 +139,8 @@ def plan_of(measurement: Measurement, harmonics: Sequence[int] = (1,)) -> Plan:
         conditions = [replace(c, held=None, unit=measurement.units[1]) for c in conditions]
     conditions = [replace(c, noise=tuple(noise_of(observations, test).tolist())) for test, c in enumerate(conditions)]
     stated = measurement.drift, measurement.gain, measurement.repeatability
-    points = as_many(float(np.median([len(o) for o in observations])))
     read_alone = noise_read and not measurement.repeatability
-    return Plan(tuple(conditions), tuple(observations), *stated, points, read_alone)
+    return Plan(tuple(conditions), tuple(observations), *stated, noise_read=read_alone)
 
 
 def noise_of(observations: Sequence[Observations], test: int) -> Floats:

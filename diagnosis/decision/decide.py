@@ -51,7 +51,7 @@ def _by_misfit(evidence: Evidence, criteria: Criteria) -> Decision:
     pair = _best_pair(evidence, criteria, best)
     if pair is not None:
         return Decision("identified", pair.effects, (), pair)
-    if _still_fails(best, evidence, criteria):
+    if still_fails(best, evidence, criteria):
         return Decision("unknown", (), (), best)
     equals = [t for t in accepted if t is not best and t.excess < (1 + criteria.as_good) * best.excess]
     if equals:
@@ -104,7 +104,7 @@ def _best_pair(evidence: Evidence, criteria: Criteria, single: Trial | None) -> 
         for p in evidence.pairs
         if not reason_against(p, evidence, criteria)
         and not _alike(evidence, p.effects, criteria)
-        and not _still_fails(p, evidence, criteria)
+        and not still_fails(p, evidence, criteria)
     ]
     if single is not None:
         # a second effect has to make up for a misfit that stands out, not for the last tenths of it
@@ -113,7 +113,8 @@ def _best_pair(evidence: Evidence, criteria: Criteria, single: Trial | None) -> 
     return min(good, key=lambda p: p.excess, default=None)
 
 
-def _still_fails(trial: Trial, evidence: Evidence, criteria: Criteria) -> bool:
+def still_fails(trial: Trial, evidence: Evidence, criteria: Criteria) -> bool:
+    """Whether it leaves more than chance can, on held-out runs too."""
     unseen = criteria.fails(trial.unseen, evidence.unseen_independent)
     return criteria.fails(trial.excess, evidence.independent) or unseen
 
