@@ -38,7 +38,7 @@ class StageOptions:
     narrower: float = 32.0
 
 
-_STAGE = FitOptions(rounds=8, largest_step=1.0, share=0.02)
+_STAGE = FitOptions(rounds=8, largest_step=1.0, share=0.02, retraced=False)
 # Half of what a parameter costs that is one standard deviation off.
 LAST = FitOptions(largest_step=1.0, tolerance=0.5)
 
