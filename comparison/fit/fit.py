@@ -41,7 +41,7 @@ class FitOptions:
     """rounds: in which branches are solved anew, at most; largest_step: of a parameter in a round, in units of its
         scale (prior deviation, or typical size of an effect)
     tolerance: fall of chi2 to be expected of another round below which there is none; share: likewise, of chi2
-    retraced: whether it settles on branches that were traced where it stands, and not on those that were moved there:
+    retraced: whether it settles, and turns back from a step, on traced branches alone, not on those that were moved:
         what no sweep saw where a branch came from has been left out of it, and may be what a sweep sees now
     """
 
@@ -122,7 +122,9 @@ def fit(
             best, moved = _traced(parametrisation, plan, ahead, branches_of), False
             continue
         common = predict_branches(parametrisation, ahead.u, plan, best.branches, branches_of, inflation=ahead.inflation)
-        solved = compare_at(parametrisation, ahead.u, plan, common, ahead.scatter, ahead.offsets)
+        solved, again = compare_at(parametrisation, ahead.u, plan, common, ahead.scatter, ahead.offsets), False
+        if options.retraced and _rises(parametrisation, here, solved):
+            solved, again = _traced(parametrisation, plan, ahead, branches_of), True
         progress(_fall(here, solved))
         if _rises(parametrisation, here, solved):
             reach /= 3
@@ -130,7 +132,8 @@ def fit(
                 message = "no step lowers chi-square any more"
                 break
             continue
-        best, reach, moved = solved, min(1.5 * reach, options.largest_step), options.retraced
+        best, reach = solved, min(1.5 * reach, options.largest_step)
+        moved = options.retraced and not again
         if enough(best):
             message = "ended where it was asked to"
             break
