@@ -7,8 +7,6 @@ from dataclasses import dataclass, field
 
 from scipy.stats import chi2, norm
 
-from updamp.comparison.fit.failing_model import AS_MANY
-
 
 @dataclass(frozen=True)
 class SearchEffort:
@@ -67,20 +65,20 @@ class Criteria:
         """Prior deviations that are exceeded, to either side, with the probability `chance`."""
         return float(norm.isf(self.chance / 2))
 
-    def fails(self, misfit: float, values: int) -> bool:
-        """Whether a mean squared misfit of so many values is no chance; never where there are none (nan)."""
-        return misfit > largest_by_chance(values, self.chance)
+    def fails(self, misfit: float, independent: float) -> bool:
+        """Whether a mean squared misfit of so many values of their own is no chance; never of none (nan)."""
+        return misfit > largest_by_chance(independent, self.chance)
 
-    def is_doubtful(self, misfit: float, values: int) -> bool:
+    def is_doubtful(self, misfit: float, independent: float) -> bool:
         """Likewise, whether it may be none."""
-        return misfit > largest_by_chance(values, self.doubtful)
+        return misfit > largest_by_chance(independent, self.doubtful)
 
 
-def largest_by_chance(values: int, probability: float) -> float:
+def largest_by_chance(independent: float, probability: float) -> float:
     """Mean squared misfit that a model which lacks nothing exceeds with this probability.
 
     What little is wrong with it, as a mesh, is the same for neighbouring points, so that these count as one
-    (`failing_model.AS_MANY`), and at least one counts.
+    (`Compared.independent`), and at least one counts.
     """
-    points = max(values / AS_MANY, 1.0)
-    return float(chi2.isf(probability, points) / points)
+    n = max(independent, 1.0)
+    return float(chi2.isf(probability, n) / n)

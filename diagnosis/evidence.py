@@ -66,7 +66,8 @@ class Evidence:
     tested: the highest score first; trials: of single effects; pairs: of two
     alike: pairs of effects whose signatures look alike, with the cosine
     farthest, deviations, if_repeatable: as for a `Trial`, of the model without effects
-    values, unseen_values: number of measured ones, of the runs of the fit and of the rest
+    independent, unseen_independent: values that count of their own for what the model lacks, of the runs of the fit and
+        of the rest; as_many: how many values count as one of these
     """
 
     excess: float
@@ -79,9 +80,10 @@ class Evidence:
     farthest: str = ""
     deviations: float = 0.0
     if_repeatable: tuple[IfRepeatable, ...] = ()
-    values: int = 1
+    independent: float = 1.0
     unseen: float = float("nan")
-    unseen_values: int = 0
+    unseen_independent: float = 0.0
+    as_many: float = 1.0
 
     def trial_of(self, effects: tuple[str, ...]) -> Trial | None:
         return next((t for t in (*self.trials, *self.pairs) if t.effects == effects), None)
@@ -91,4 +93,4 @@ class Evidence:
 
 
 # `evidence.json`, every number kept to the last digit.
-EVIDENCE_JSON = JsonDocument(Evidence, "updamp evidence 3", "updamp diagnose")
+EVIDENCE_JSON = JsonDocument(Evidence, "updamp evidence 4", "updamp diagnose")

@@ -48,4 +48,4 @@ def _of_repeats(fit: Fit, plan: Plan) -> Scatter:
     if len(fit.compared.assemblies) < 2:
         return fit.compared.scatter
     scatter, repeatability = scatter_of_repeats(fit, plan)
-    return replace(scatter, noise=repeatability)
+    return replace(scatter, noise=scatter.noise * repeatability)

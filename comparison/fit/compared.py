@@ -64,6 +64,11 @@ class Compared:
         return sum(len(a.residual) for a in self.assemblies)
 
     @property
+    def independent(self) -> float:
+        """Values that count of their own for what the model lacks."""
+        return self.values / max(self.as_many, 1.0)
+
+    @property
     def mean_squared_misfit(self) -> float:
         """Chi-square over the number of measured values, 1 where the scatter is all there is."""
         return self.chi2 / self.values

@@ -2,22 +2,28 @@
 
 Weighed as if every point were independent, a large misfit would outweigh whatever is known of parameters, and of the
 offsets of single runs: they would go wherever they lessen it a little. So the residual, of mean square e, is taken for
-noise of variance 1 and a discrepancy of variance e - 1, the same for `AS_MANY` neighbours. The mean of n points
-then has the variance (1 + AS_MANY (e - 1)) / n: as if their noise were inflated by the root of n times that. Least
+noise of variance 1 and a discrepancy of variance e - 1, the same for m neighbours. The mean of n points then has the
+variance (1 + m (e - 1)) / n: as if their noise were inflated by the root of n times that. How many neighbours these
+are is a matter of how densely a curve was measured: what is missing is wrong over a stretch of it (`as_many`). Least
 squares with the weights found anew at every step lower `unlikelihood`, whose derivative by chi2 the weight is (P. J.
 Green, J. R. Stat. Soc. B 46 (1984) 149).
 """
 
 import numpy as np
 
-# Points along a curve that count as one for what a model lacks: a resonance is measured with some tens, and what is
-# missing in a model makes it too high, too low, too wide on one side or the other.
-AS_MANY = 10.0
+# Stretches of a curve in each of which what a model lacks is the same: it makes a resonance too high, too low, too wide
+# on one side or the other.
+STRETCHES = 4
 # Mean squared misfit beyond which a model fails badly: first order about it says little.
 TOLERATED = 3.0
 
 
-def inflation(chi2: float, values: int, as_many: float = AS_MANY) -> float:
+def as_many(points: float) -> float:
+    """Neighbours that count as one for what a model lacks, of a curve with so many points."""
+    return max(points / STRETCHES, 1.0)
+
+
+def inflation(chi2: float, values: int, as_many: float) -> float:
     """Factor on the noise.
 
     chi2: sum of squares of so many values in standard deviations of the sensors; as_many: points that count as one for
@@ -26,7 +32,7 @@ def inflation(chi2: float, values: int, as_many: float = AS_MANY) -> float:
     return float(np.sqrt(1 + as_many * max(chi2 / values - 1, 0.0)))
 
 
-def unlikelihood(chi2: float, values: int, as_many: float = AS_MANY) -> float:
+def unlikelihood(chi2: float, values: int, as_many: float) -> float:
     """Minus twice the logarithm of the probability of the data: chi2 up to a mean square of 1, its logarithm beyond."""
     if as_many == 0:
         return chi2

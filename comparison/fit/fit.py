@@ -24,6 +24,7 @@ from updamp.comparison.fit.scatter import MOST_NOISE, Scatter, learn
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
+from updamp.hbm.continuation.continuation import BranchStoppedError
 
 Floats = NDArray[np.float64]
 Progress = Callable[[str], None]
@@ -40,12 +41,15 @@ class FitOptions:
     """rounds: in which branches are solved anew, at most; largest_step: of a parameter in a round, in units of its
         scale (prior deviation, or typical size of an effect)
     tolerance: fall of chi2 to be expected of another round below which there is none; share: likewise, of chi2
+    retraced: whether it settles, and turns back from a step, on traced branches alone, not on those that were moved:
+        what no sweep saw where a branch came from has been left out of it, and may be what a sweep sees now
     """
 
     rounds: int = 12
     largest_step: float = 0.5
     tolerance: float = 4.0
     share: float = _DIGITS
+    retraced: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,16 +110,21 @@ def fit(
     common = at_start if at_start is not None else predict_branches(parametrisation, start, plan, None, branches_of)
     spread = np.where(np.isfinite(parametrisation.deviation), parametrisation.deviation, 0.0)
     best = compare_at(parametrisation, start, plan, tuple(common), scatter or prior, None, spread)
-    reach, message = options.largest_step, f"not settled in {options.rounds} rounds"
+    reach, message, moved = options.largest_step, f"not settled in {options.rounds} rounds", options.retraced
     for _ in range(options.rounds):
         ahead = _round(parametrisation, plan, best, scatter, prior, reach)
         here = reweighed(parametrisation, plan, best, ahead.scatter)
         gain = objective(parametrisation, here) - objective(parametrisation, ahead)
         if gain < max(options.tolerance, options.share * here.weighed):
-            # what is still to be gained is, to first order: two standard deviations at most, no need for solving anew
-            return _result(parametrisation, _weighed(parametrisation, plan, ahead, scatter, prior), True, "settled")
+            if not moved:
+                # what is still to be gained is, to first order: two standard deviations at most
+                return _result(parametrisation, _weighed(parametrisation, plan, ahead, scatter, prior), True, "settled")
+            best, moved = _traced(parametrisation, plan, ahead, branches_of), False
+            continue
         common = predict_branches(parametrisation, ahead.u, plan, best.branches, branches_of, inflation=ahead.inflation)
-        solved = compare_at(parametrisation, ahead.u, plan, common, ahead.scatter, ahead.offsets)
+        solved, again = compare_at(parametrisation, ahead.u, plan, common, ahead.scatter, ahead.offsets), False
+        if options.retraced and _rises(parametrisation, here, solved):
+            solved, again = _traced(parametrisation, plan, ahead, branches_of), True
         progress(_fall(here, solved))
         if _rises(parametrisation, here, solved):
             reach /= 3
@@ -124,10 +133,21 @@ def fit(
                 break
             continue
         best, reach = solved, min(1.5 * reach, options.largest_step)
+        moved = options.retraced and not again
         if enough(best):
             message = "ended where it was asked to"
             break
+    best = _traced(parametrisation, plan, best, branches_of) if moved else best
     return _result(parametrisation, _weighed(parametrisation, plan, best, scatter, prior), False, message)
+
+
+def _traced(parametrisation: Parametrisation, plan: Plan, there: Compared, branches_of: Branches) -> Compared:
+    """The same with branches traced there, where the model has a response at the beginning of every run."""
+    try:
+        branches = predict_branches(parametrisation, there.u, plan, None, branches_of)
+    except BranchStoppedError:
+        return there
+    return compare_at(parametrisation, there.u, plan, branches, there.scatter, there.offsets)
 
 
 def _fall(before: Compared, after: Compared) -> str:

@@ -38,7 +38,7 @@ class StageOptions:
     narrower: float = 32.0
 
 
-_STAGE = FitOptions(rounds=8, largest_step=1.0, share=0.02)
+_STAGE = FitOptions(rounds=8, largest_step=1.0, share=0.02, retraced=False)
 # Half of what a parameter costs that is one standard deviation off.
 LAST = FitOptions(largest_step=1.0, tolerance=0.5)
 
@@ -93,4 +93,4 @@ def _widened(plan: Plan, width: float) -> Plan:
         noise = run.noise.copy()
         noise[:, 0] = np.hypot(noise[:, 0], width * _range(run))
         runs.append(replace(run, noise=noise))
-    return replace(plan, observations=tuple(runs), as_many=0.0)
+    return replace(plan, observations=tuple(runs), lacks_nothing=True)

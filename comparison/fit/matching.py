@@ -26,7 +26,8 @@ class Matched:
     """One run against the branch.
 
     place: (n,) along the branch; difference: (n, m) measured less model there, phases to the nearest turn
-    residual: (n, m - 1) across the branch, in standard deviations of sensors and numerics; fewer where phases are not
+    noise: (n, m) standard deviations of sensors and numerics
+    residual: (n, m - 1) across the branch, in these; fewer where phases are not
         known
     by_parameter: (n, m - 1, p) what a unit of each parameter takes from it; by_observation: (n, m - 1, m) likewise a
         unit of each observation, such as a drift of frequency (0) or a sensor's gain
@@ -35,6 +36,7 @@ class Matched:
     observations: Observations
     place: Floats
     difference: Floats
+    noise: Floats
     residual: Floats
     by_parameter: Floats
     by_observation: Floats
@@ -164,6 +166,7 @@ def _across(run: Observations, place: Floats, difference: Floats, model: Observe
         run,
         place,
         difference,
+        noise,
         np.einsum("nrm,nm->nr", basis, difference),
         np.einsum("nrm,npm->nrp", basis, model.slopes[:, :-1]),
         basis,

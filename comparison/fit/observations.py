@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.fit.failing_model import AS_MANY
+from updamp.comparison.fit.failing_model import as_many
 from updamp.comparison.prediction.run_condition import DERIVATIVES, HeldResponse, RunCondition
 from updamp.measurement.measurement import DRIFT, GAIN, MeasuredRun, Measurement
 
@@ -16,6 +16,8 @@ Floats = NDArray[np.float64]
 FREQUENCY_NOISE = 2e-6
 # Standard deviation of the logarithm of a run's roughness, of some forty points.
 _ROUGHNESS_KNOWN = 0.25
+# Points of a run that its roughness is told from.
+_FEWEST = 8
 # Of an amplitude where nothing is stated and too little is measured to tell.
 _AMPLITUDE = 0.01
 
@@ -57,7 +59,8 @@ class Plan:
     """conditions: the tests; observations: all runs and repeats of them
     drift, gain: relative standard deviations as stated (`Measurement`), before repeats have been looked at
     repeatability: as stated, 0 where repeats tell; the observations' noise has it
-    as_many: points that count as one for what a model lacks (`failing_model.py`), 0 for one that lacks nothing
+    lacks_nothing: whether the model that is compared is taken to
+    noise_read: whether the observations' noise was read off how rough the runs are, and is no better known than that
     """
 
     conditions: tuple[RunCondition, ...]
@@ -65,7 +68,8 @@ class Plan:
     drift: float = DRIFT
     gain: float = GAIN
     repeatability: float = 0.0
-    as_many: float = AS_MANY
+    lacks_nothing: bool = False
+    noise_read: bool = False
 
     @property
     def repeats(self) -> tuple[int, ...]:
@@ -73,8 +77,21 @@ class Plan:
 
     @property
     def values(self) -> int:
-        """Numbers that a model is compared with: amplitude and phase of every sensor at every point."""
-        return sum(len(o) * (o.observed.shape[1] - 1) for o in self.observations)
+        """Numbers that a model is compared with: amplitude, and phase where it was recorded, of every sensor at every
+        point."""
+        return sum(len(o) * int(np.isfinite(o.noise[:, 1:]).all(axis=0).sum()) for o in self.observations)
+
+    @property
+    def as_many(self) -> float:
+        """Points that count as one for what a model lacks (`failing_model.py`), 0 for one that lacks nothing."""
+        if self.lacks_nothing or not self.observations:
+            return 0.0
+        return as_many(float(np.median([len(o) for o in self.observations])))
+
+    @property
+    def independent(self) -> float:
+        """Values that count of their own for what a model lacks."""
+        return self.values / max(self.as_many, 1.0)
 
     @property
     def has_phases(self) -> bool:
@@ -114,14 +131,16 @@ def plan_of(measurement: Measurement, harmonics: Sequence[int] = (1,)) -> Plan:
         condition = _condition(measurement, runs, harmonics)
         observations += [_observations(run, len(conditions), condition, measurement) for run in runs]
         conditions.append(condition)
-    if all(run.noise is None for run in measurement.runs):
+    noise_read = all(run.noise is None for run in measurement.runs)
+    if noise_read:
         observations = _pooled(observations, conditions)
     observations = [_no_better_than(o, measurement.repeatability) for o in observations]
     if len({c.unit for c in conditions}) > 1:  # forces are the one thing that all of them have
         conditions = [replace(c, held=None, unit=measurement.units[1]) for c in conditions]
     conditions = [replace(c, noise=tuple(noise_of(observations, test).tolist())) for test, c in enumerate(conditions)]
     stated = measurement.drift, measurement.gain, measurement.repeatability
-    return Plan(tuple(conditions), tuple(observations), *stated)
+    read_alone = noise_read and not measurement.repeatability
+    return Plan(tuple(conditions), tuple(observations), *stated, noise_read=read_alone)
 
 
 def noise_of(observations: Sequence[Observations], test: int) -> Floats:
@@ -182,12 +201,19 @@ def _deviation(run: MeasuredRun, channel: str, k: int) -> Floats:
 
 
 def roughness(values: Floats) -> float:
-    """Standard deviation of the noise on a smooth run of values, from its third differences (variance 20)."""
-    if len(values) < 8:
-        return _AMPLITUDE
-    third = np.diff(values, 3) / np.sqrt(20)
-    # the median is not drawn up by the few places where the run itself is not smooth
-    return max(float(np.median(np.abs(third)) / 0.6745), 1e-4)
+    """Standard deviation of the noise on a smooth run of values."""
+    third = third_differences(values)
+    return max(deviation_of(third), 1e-4) if len(third) else _AMPLITUDE
+
+
+def third_differences(values: Floats) -> Floats:
+    """Of a smooth run of values, scaled to the standard deviation of its noise; none of a run too short to tell."""
+    return np.diff(values, 3) / np.sqrt(20) if len(values) >= _FEWEST else np.zeros(0)
+
+
+def deviation_of(normal: Floats) -> float:
+    """Standard deviation by the median, which is not drawn up by the few places where a run itself is not smooth."""
+    return float(np.median(np.abs(normal)) / 0.6745)
 
 
 def _no_better_than(o: Observations, repeatability: float) -> Observations:

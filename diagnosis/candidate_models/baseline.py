@@ -29,7 +29,7 @@ Floats = NDArray[np.float64]
 # Fewest levels of a mode of which one is kept for judging.
 _ENOUGH = 3
 # Of the calibration that the scatter of repeats is learnt beside; the one after it goes on until it settles.
-_FIRST = FitOptions(rounds=4)
+_FIRST = FitOptions(rounds=4, retraced=False)
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 
 # Times the size that was fitted.
 SIZE_FACTORS = (0.5, 2.0)
-_ROUNDS = FitOptions(rounds=6)
+_ROUNDS = FitOptions(rounds=6, retraced=False)
 # Of chi2, that 95 % of the minima of one parameter lie within.
 _WITHIN = 3.84
 

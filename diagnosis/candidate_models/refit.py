@@ -13,7 +13,7 @@ from updamp.comparison.fit.compared import (
     objective,
     predict_branches,
 )
-from updamp.comparison.fit.failing_model import AS_MANY, TOLERATED
+from updamp.comparison.fit.failing_model import TOLERATED
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
 from updamp.comparison.fit.fit_from_far import LAST, fit_from_far
 from updamp.comparison.fit.observations import Plan
@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 # Share of it that a start has to bring it down to.
 _FAR = 0.1
 _COARSE = ContinuationOptions(largest_step=0.4)
-_SHORT, FULL = FitOptions(rounds=2), FitOptions(rounds=8)
+_SHORT, FULL = FitOptions(rounds=2, retraced=False), FitOptions(rounds=8)
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,14 +199,14 @@ def _options(full: bool) -> FitOptions:
 def assessed(base: Fit, found: Fit, effects: Sequence[Effect], criteria: Criteria) -> Refit:
     drop = misfit(base.parametrisation, base.compared) - misfit(found.parametrisation, found.compared)
     parameters = sum(len(e.parameters) for e in effects)
-    delta_bic = gain_of_bic(drop, parameters, found.compared.values)
+    delta_bic = gain_of_bic(drop, parameters, found.compared.independent, found.compared.as_many)
     return Refit(tuple(effects), found, drop, delta_bic, _at_bound(found, effects, criteria))
 
 
-def gain_of_bic(drop: float, parameters: int, values: int) -> float:
+def gain_of_bic(drop: float, parameters: int, independent: float, as_many: float) -> float:
     """Of the Bayesian information criterion (G. Schwarz, Ann. Statist. 6 (1978) 461), neighbouring points counted as
     one: numerics are wrong all along a curve, and a thousand points do not ask for an effect that makes up for that."""
-    return drop / AS_MANY - parameters * float(np.log(values / AS_MANY))
+    return drop / as_many - parameters * float(np.log(independent))
 
 
 def _at_bound(found: Fit, effects: Sequence[Effect], criteria: Criteria) -> str:

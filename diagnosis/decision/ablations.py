@@ -19,7 +19,7 @@ def ablations(evidence: Evidence, criteria: Criteria) -> dict[str, VerdictSummar
     with and without scatter, by BIC alone, and without held-out runs."""
     return {
         "no orthogonalisation": _by(
-            evidence, lambda t: t.alone, criteria.is_doubtful(evidence.excess, evidence.values)
+            evidence, lambda t: t.alone, criteria.is_doubtful(evidence.excess, evidence.independent)
         ),
         "no scatter": _by(evidence, lambda t: t.without_scatter, True, _FOUND),
         "score only": _by(evidence, lambda t: t.score, True, _FOUND),

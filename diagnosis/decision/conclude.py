@@ -12,8 +12,9 @@ from updamp.comparison.fit.repeat_scatter import scatter_of_repeats
 from updamp.diagnosis.candidate_models.baseline import unseen
 from updamp.diagnosis.candidate_models.refit import Refit
 from updamp.diagnosis.criteria import Criteria
-from updamp.diagnosis.decision.decide import Decision, far_off, not_identifiable, reason_against
+from updamp.diagnosis.decision.decide import Decision, not_identifiable, reason_against
 from updamp.diagnosis.decision.explanations import explanations
+from updamp.diagnosis.decision.sentence import Wording, sentence
 from updamp.diagnosis.decision.signature_curves import signatures
 from updamp.diagnosis.decision.verdict_strip import strip
 from updamp.diagnosis.evidence import EffectScore, Trial
@@ -33,8 +34,6 @@ from updamp.effects.effect import Effect
 
 Floats = NDArray[np.float64]
 _95 = 1.96
-# Explanations that are told where none is good enough.
-_CLOSEST = 3
 
 
 def conclude(
@@ -51,7 +50,7 @@ def conclude(
     candidates = _candidates(found, decision, criteria)
     return Verdict(
         verdict=decision.outcome,
-        sentence=sentence(decision, found, candidates, criteria),
+        sentence=sentence(decision, found.evidence, criteria, _words(found, candidates)),
         effects=decision.effects,
         group=decision.group,
         candidates=candidates,
@@ -166,51 +165,7 @@ def _confounding(found: SearchResult, criteria: Criteria) -> Confounding:
     return Confounding(names, cosines(found.scored), criteria.cosine, tuple(dict.fromkeys(groups)))
 
 
-def sentence(decision: Decision, found: SearchResult, candidates: Sequence[Candidate], criteria: Criteria) -> str:
-    """The verdict in plain words."""
-    sentences = {c.name: c.sentence for c in candidates}
-    before, trial = float(np.sqrt(found.evidence.excess)), decision.trial
-    if decision.outcome == "adequate":
-        return (
-            f"nothing is missing: the calibrated model is off by {before:.2f} times {_scatter(found)}{_unseen(found)}"
-        )
-    if decision.outcome == "unknown":
-        return (
-            f"something is missing that the catalogue does not have: the model is off by {before:.1f} times "
-            f"{_scatter(found)}, and no effect explains it{_closest(found, criteria)}"
-        )
-    if decision.outcome == "undecidable":
-        found_so = "" if trial is None else f"; {' and '.join(trial.effects)} would explain the data with it"
-        return f"{decision.reason}{found_so}. Check it, and what the files state of it, before anything is named"
-    assert trial is not None, "an effect has been chosen by its fit"
-    fall = f"the error falls from {before:.1f} to {trial.excess**0.5:.2f} times {_scatter(found)}"
-    if np.isfinite(trial.held_out):
-        fall += f", on {unseen(found.baseline)} from {found.evidence.held_out:.1f} to {trial.held_out:.2f}"
-    if decision.outcome == "inseparable":
-        return f"one of {', '.join(decision.group)} is missing, and these data do not tell which: {fall}"
-    return f"{' and '.join(sentences[e] for e in decision.effects)} ({', '.join(decision.effects)}): {fall}"
-
-
-def _scatter(found: SearchResult) -> str:
+def _words(found: SearchResult, candidates: Sequence[Candidate]) -> Wording:
     several = len(found.baseline.train_plan.repeats) > 1
-    return "the scatter of the repeats" if several else "the scatter that is stated"
-
-
-def _unseen(found: SearchResult) -> str:
-    if not found.baseline.held_out:
-        return "; no run was held out"
-    return ", and no effect predicts better what the fit has not seen"
-
-
-def _closest(found: SearchResult, criteria: Criteria) -> str:
-    """What was tried and left least, with what it predicted of held-out runs, and what it asks of the calibration that
-    nobody would believe."""
-    tried = [t for t in (*found.evidence.trials, *found.evidence.pairs) if t.full]
-    best = sorted(tried, key=lambda t: t.excess)[:_CLOSEST]
-    left = [f"{' and '.join(t.effects)} leave{'s' if len(t.effects) == 1 else ''} {_left(t, criteria)}" for t in best]
-    return f". Closest: {'; '.join(left)}" if left else ""
-
-
-def _left(trial: Trial, criteria: Criteria) -> str:
-    held_out = f" ({trial.held_out:.1f} on held-out runs)" if np.isfinite(trial.held_out) else ""
-    return f"{trial.excess**0.5:.1f} times{held_out}{' with ' + off if (off := far_off(trial, criteria)) else ''}"
+    scatter = "the scatter of the repeats" if several else "the scatter that is stated"
+    return Wording({c.name: c.sentence for c in candidates}, scatter, unseen(found.baseline))

@@ -44,12 +44,14 @@ def _by_misfit(evidence: Evidence, criteria: Criteria) -> Decision:
         pair = _best_pair(evidence, criteria, None)
         if pair is not None:
             return Decision("identified", pair.effects, (), pair)
-        return Decision("unknown" if criteria.fails(evidence.excess, evidence.values) else "adequate", (), (), None)
+        return Decision(
+            "unknown" if criteria.fails(evidence.excess, evidence.independent) else "adequate", (), (), None
+        )
     best = min(accepted, key=lambda t: t.excess)
     pair = _best_pair(evidence, criteria, best)
     if pair is not None:
         return Decision("identified", pair.effects, (), pair)
-    if _still_fails(best, evidence, criteria):
+    if still_fails(best, evidence, criteria):
         return Decision("unknown", (), (), best)
     equals = [t for t in accepted if t is not best and t.excess < (1 + criteria.as_good) * best.excess]
     if equals:
@@ -91,7 +93,7 @@ def within_scatter(evidence: Evidence) -> bool:
 def _allowed(evidence: Evidence, criteria: Criteria) -> float:
     """Error on held-out runs: below that without the effect, or no larger where they were within the scatter before,
     since there is nothing to gain then (what shows at the highest level alone need not show below it)."""
-    badly = criteria.is_doubtful(evidence.unseen, evidence.unseen_values)
+    badly = criteria.is_doubtful(evidence.unseen, evidence.unseen_independent)
     return (1 - criteria.gain) * evidence.held_out if badly else evidence.held_out
 
 
@@ -102,18 +104,19 @@ def _best_pair(evidence: Evidence, criteria: Criteria, single: Trial | None) -> 
         for p in evidence.pairs
         if not reason_against(p, evidence, criteria)
         and not _alike(evidence, p.effects, criteria)
-        and not _still_fails(p, evidence, criteria)
+        and not still_fails(p, evidence, criteria)
     ]
     if single is not None:
         # a second effect has to make up for a misfit that stands out, not for the last tenths of it
-        enough = not criteria.is_doubtful(single.excess, evidence.values)
+        enough = not criteria.is_doubtful(single.excess, evidence.independent)
         good = [] if enough else [p for p in good if (1 + criteria.as_good) * p.excess < single.excess]
     return min(good, key=lambda p: p.excess, default=None)
 
 
-def _still_fails(trial: Trial, evidence: Evidence, criteria: Criteria) -> bool:
-    unseen = criteria.fails(trial.unseen, evidence.unseen_values)
-    return criteria.fails(trial.excess, evidence.values) or unseen
+def still_fails(trial: Trial, evidence: Evidence, criteria: Criteria) -> bool:
+    """Whether it leaves more than chance can, on held-out runs too."""
+    unseen = criteria.fails(trial.unseen, evidence.unseen_independent)
+    return criteria.fails(trial.excess, evidence.independent) or unseen
 
 
 def _alike(evidence: Evidence, effects: tuple[str, ...], criteria: Criteria) -> bool:

@@ -28,7 +28,8 @@ _WORDS = (
 def explanations(evidence: Evidence) -> tuple[Explanation, ...]:
     """Of the model without effects and of all fits that were left to settle, the likeliest first."""
     settled = [t for t in (*evidence.trials, *evidence.pairs) if t.full]
-    gains = np.array([0.0, *(gain_of_bic(t.drop, t.parameters, evidence.values) for t in settled)])
+    counted = evidence.independent, evidence.as_many
+    gains = np.array([0.0, *(gain_of_bic(t.drop, t.parameters, *counted) for t in settled)])
     weights = np.exp((gains - gains.max()) / 2)
     left = [((), evidence.excess, evidence.held_out), *((t.effects, t.excess, t.held_out) for t in settled)]
     found = [

@@ -29,7 +29,7 @@ def _restated(evidence: Evidence, i: int) -> Evidence:
             return t
         then = t.if_repeatable[i]
         drop = of_null.misfit - then.misfit
-        gain = gain_of_bic(drop, t.parameters, evidence.values)
+        gain = gain_of_bic(drop, t.parameters, evidence.independent, evidence.as_many)
         return replace(t, excess=then.excess, drop=drop, delta_bic=gain, held_out=then.held_out, unseen=then.unseen)
 
     trials = tuple(restated(t) for t in evidence.trials)

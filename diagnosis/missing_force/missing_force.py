@@ -76,7 +76,7 @@ def missing_forces(compared: Compared, parametrisation: Parametrisation, plan: P
 
 def _by_sensors_noise(compared: Compared, parametrisation: Parametrisation, plan: Plan) -> Compared:
     """What the model lacks is what is read here, and counts as no noise (comparison/fit/failing_model.py)."""
-    plan, u = replace(plan, as_many=0.0), compared.u
+    plan, u = replace(plan, lacks_nothing=True), compared.u
     return compare_at(parametrisation, u, plan, compared.branches, compared.scatter, compared.offsets)
 
 

@@ -82,7 +82,7 @@ def _is_worth_a_fit(scored: Score, start: Baseline, criteria: Criteria) -> bool:
     if scored.score >= criteria.search.score:
         return True
     compared = start.fitted.compared
-    return scored.effect.finite_step and criteria.is_doubtful(compared.mean_squared_misfit, compared.values)
+    return scored.effect.finite_step and criteria.is_doubtful(compared.mean_squared_misfit, compared.independent)
 
 
 def _sizes(effect: Effect) -> tuple[Floats, ...]:

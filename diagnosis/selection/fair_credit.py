@@ -43,6 +43,7 @@ def credited(found: Mapping[Names, FittedCandidate], before: Fit, without: Fit) 
 def _credited(one: FittedCandidate, less: float) -> FittedCandidate:
     drop = one.refit.drop - less
     parameters = sum(len(e.parameters) for e in one.refit.effects)
-    gain = gain_of_bic(drop, parameters, one.refit.fitted.compared.values)
+    compared = one.refit.fitted.compared
+    gain = gain_of_bic(drop, parameters, compared.independent, compared.as_many)
     refit = replace(one.refit, drop=drop, delta_bic=gain)
     return replace(one, refit=refit, trial=replace(one.trial, drop=drop, delta_bic=gain))

@@ -22,8 +22,8 @@ def try_pairs(fits: FitContext, effects: Sequence[Effect], singles: CandidateFit
     settled = sorted((r.refit for r in singles.values() if r.trial.full), key=lambda r: -r.drop)
     if not settled or settled[0].drop <= 0:
         return {}
-    values = settled[0].fitted.compared.values
-    if not criteria.is_doubtful(settled[0].mean_squared_misfit, values) and not settled[0].at_bound:
+    independent = settled[0].fitted.compared.independent
+    if not criteria.is_doubtful(settled[0].mean_squared_misfit, independent) and not settled[0].at_bound:
         return {}
     found: CandidateFits = {}
     if start.fitted.parametrisation.base.contacts is None:

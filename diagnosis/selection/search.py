@@ -103,9 +103,10 @@ def _evidence(
         _alike(scored, fits.criteria),
         *farthest_off(base),
         if_repeatable(base, start, BranchesBy(fits.workers)),
-        base.compared.values,
+        base.compared.independent,
         held_out.misfit,
-        held_out.values,
+        held_out.values / max(base.compared.as_many, 1.0),
+        base.compared.as_many,
     )
 
 

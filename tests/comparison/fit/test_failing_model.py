@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support.jumping_beam import Joint, Mode, measured
 
-from updamp.comparison.fit.failing_model import AS_MANY, inflation, unlikelihood
+from updamp.comparison.fit.failing_model import STRETCHES, as_many, inflation, unlikelihood
 from updamp.comparison.fit.fit import prior_scatter
 from updamp.comparison.fit.fit_from_far import fit_from_far
 from updamp.comparison.fit.observations import plan_of
@@ -23,16 +23,21 @@ MODEL = modal_before_effects(load_modal(Path(__file__).parents[3] / "rigs" / "br
 def test_data_count_as_the_weights_of_a_fit_have_them(mean_square: float) -> None:
     n, step = 200, 1e-3
     chi2 = n * mean_square
-    slope = (unlikelihood(chi2 + step, n) - unlikelihood(chi2 - step, n)) / (2 * step)
-    assert slope == pytest.approx(1 / inflation(chi2, n) ** 2, rel=0.06)  # the corner at 1 lies within a step of it
+    slope = (unlikelihood(chi2 + step, n, 10) - unlikelihood(chi2 - step, n, 10)) / (2 * step)
+    assert slope == pytest.approx(1 / inflation(chi2, n, 10) ** 2, rel=0.06)  # the corner at 1 lies within a step of it
 
 
 def test_the_mean_of_a_misfit_is_as_uncertain_as_the_inflated_noise_says() -> None:
     n, discrepancy, rng = 400, 1.5, np.random.default_rng(1)
-    blocks = np.repeat(discrepancy * rng.standard_normal((4000, n // int(AS_MANY))), int(AS_MANY), axis=1)
+    blocks = np.repeat(discrepancy * rng.standard_normal((4000, n // 10)), 10, axis=1)
     residual = blocks + rng.standard_normal((4000, n))
-    expected = inflation(float(np.mean(np.sum(residual**2, axis=1))), n) / np.sqrt(n)
+    expected = inflation(float(np.mean(np.sum(residual**2, axis=1))), n, 10) / np.sqrt(n)
     assert np.std(residual.mean(axis=1)) == pytest.approx(expected, rel=0.05)
+
+
+@pytest.mark.parametrize("points", [4, 15, 40, 400])
+def test_what_a_model_lacks_counts_the_same_however_densely_a_curve_is_measured(points: int) -> None:
+    assert points / as_many(points) == STRETCHES
 
 
 def test_a_model_that_lacks_a_spring_does_not_call_it_drift() -> None:

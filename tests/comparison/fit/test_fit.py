@@ -8,7 +8,7 @@ from support.small_model import NUISANCES, condition, parametrisation, synthetic
 
 from updamp.comparison.findings.findings import findings, misfits
 from updamp.comparison.fit.compared import compare_at, predict_branches
-from updamp.comparison.fit.fit import Fit, fit
+from updamp.comparison.fit.fit import Fit, FitOptions, fit
 from updamp.comparison.fit.observations import Plan, roughness
 from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.prediction.traced_branch import trace_branch
@@ -101,3 +101,26 @@ def test_intervals_know_what_finer_numerics_would_move_the_parameters_by(fitted)
         known.uncertainty**2 - fitted.deviations**2, np.array([0.0025, 0.0, 0.05, 0.02]) ** 2, atol=1e-15
     )
     np.testing.assert_array_equal(fitted.uncertainty, fitted.deviations)
+
+
+def test_a_fit_does_not_settle_on_branches_that_lack_what_a_sweep_sees(fitted, runs):
+    """As those do that were moved from where a sweep saw less: half of the measured points have no place there."""
+    plan, p = runs[0], parametrisation()
+    places = [[m.place for m in fitted.compared.matched if m.observations.test == i] for i in range(len(CONDITIONS))]
+    lacking = [
+        with_a_gap(trace_branch(p, fitted.u, c), np.concatenate(place))
+        for c, place in zip(CONDITIONS, places, strict=True)
+    ]
+    settled, kept = (
+        fit(p, plan, fitted.u, fitted.compared.scatter, lacking, FitOptions(retraced=retraced)).compared
+        for retraced in (True, False)
+    )
+    assert kept.mean_squared_misfit > 2 * fitted.compared.mean_squared_misfit
+    assert settled.mean_squared_misfit == pytest.approx(fitted.compared.mean_squared_misfit, rel=0.05)
+
+
+def with_a_gap(branch, place):
+    low, high = np.quantile(place, [0.25, 0.75])
+    gone = (branch.place > low) & (branch.place < high)
+    points = tuple(replace(point, after_gap=lacks) for point, lacks in zip(branch.points, gone, strict=True))
+    return replace(branch, points=points)

@@ -9,8 +9,8 @@ from updamp.diagnosis.decision.ablations import ablations
 from updamp.diagnosis.decision.decide import decide, reason_against
 from updamp.diagnosis.evidence import EVIDENCE_JSON, EffectScore, Evidence, Trial
 
-# of 192 and 72 independent points: 1.30 and 1.53 are left by chance once in 370, 1.17 and 1.29 once in 20
-VALUES = {"values": 1920, "unseen_values": 720}
+# of 192 and 72 independent values: 1.30 and 1.53 are left by chance once in 370, 1.17 and 1.29 once in 20
+VALUES = {"independent": 192.0, "unseen_independent": 72.0}
 RIGHT = Trial(("right",), 1.05, 9000.0, 8990.0, 1.1, "", True, unseen=1.1)
 EVIDENCE = Evidence(
     excess=9.0,
@@ -76,7 +76,7 @@ def test_an_effect_that_leaves_a_misfit_is_not_the_answer():
     assert outcome(trials=(replace(RIGHT, excess=2.5),)) == ("unknown", ())
     assert outcome(trials=(replace(RIGHT, unseen=1.6),)) == ("unknown", ())
     # as much is nothing unusual where few points were measured
-    few = {"values": 240, "unseen_values": 60}
+    few = {"independent": 24.0, "unseen_independent": 6.0}
     assert outcome(trials=(replace(RIGHT, excess=1.6, unseen=1.6),), **few) == ("identified", ("right",))
 
 

@@ -5,16 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from updamp.comparison.fit.failing_model import AS_MANY
 from updamp.diagnosis.decision.explanations import explanations, in_words
 from updamp.diagnosis.evidence import Evidence, Trial
 
-VALUES = 1000
-PENALTY = float(np.log(VALUES / AS_MANY))
+AS_MANY, INDEPENDENT = 10.0, 100.0
+PENALTY = float(np.log(INDEPENDENT))
 ONE = Trial(("slip",), 1.2, AS_MANY * (PENALTY + 6.0), 6.0, 1.1, "", True)
 EQUAL = replace(ONE, effects=("spring",), excess=1.1)
 TWO = replace(ONE, effects=("slip", "spring"), drop=AS_MANY * (2 * PENALTY + 2.0), parameters=2)
-EVIDENCE = Evidence(9.0, 2.5, 1.0, (), (ONE, EQUAL), (TWO,), (), values=VALUES)
+EVIDENCE = Evidence(9.0, 2.5, 1.0, (), (ONE, EQUAL), (TWO,), (), independent=INDEPENDENT, as_many=AS_MANY)
 
 
 def test_probabilities_are_the_criterion_s_weights() -> None:

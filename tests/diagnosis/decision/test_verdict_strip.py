@@ -28,8 +28,9 @@ EVIDENCE = Evidence(
     pairs=(BOTH,),
     alike=(),
     if_repeatable=stated(40.0),
-    values=VALUES,
-    unseen_values=VALUES // 4,
+    independent=VALUES / 10,
+    unseen_independent=VALUES / 40,
+    as_many=10.0,
 )
 
 

@@ -122,7 +122,7 @@ def test_the_separation_foretells_what_the_run_shows(explanations):
 
 def _adjusted(f, plan):
     """chi2 of new data alone, with the parameters' covariance so far."""
-    plan = replace(plan, as_many=0.0)  # what the wrong model lacks is what is looked for: no noise
+    plan = replace(plan, lacks_nothing=True)  # what the wrong model lacks is what is looked for: no noise
     about = compare_at(f.parametrisation, f.u, plan, predict_branches(f.parametrisation, f.u, plan), f.compared.scatter)
     residual, columns = about.equations()
     right = columns.T @ residual

@@ -1,0 +1,90 @@
+"""The verdict in a sentence that says no more than the evidence does."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from updamp.diagnosis.criteria import Criteria
+from updamp.diagnosis.decision.decide import Decision, far_off, reason_against, still_fails
+from updamp.diagnosis.evidence import Evidence, Trial
+
+# Explanations that are told where none is good enough.
+_CLOSEST = 3
+
+
+@dataclass(frozen=True)
+class Wording:
+    """effects: what each says, by name; scatter: what errors are told in; unseen: what the held-out error is of"""
+
+    effects: Mapping[str, str]
+    scatter: str
+    unseen: str
+
+
+def sentence(decision: Decision, evidence: Evidence, criteria: Criteria, words: Wording) -> str:
+    """The verdict in plain words."""
+    before, trial = float(np.sqrt(evidence.excess)), decision.trial
+    if decision.outcome == "adequate":
+        return (
+            f"nothing is missing that these data show: the calibrated model is off by {before:.2f} times "
+            f"{words.scatter}{_held_out(evidence, words)}{_asked_for(evidence, criteria)}"
+        )
+    if decision.outcome == "unknown":
+        return _of_unknown(evidence, criteria, words)
+    if decision.outcome == "undecidable":
+        found_so = "" if trial is None else f"; {' and '.join(trial.effects)} would explain the data with it"
+        return f"{decision.reason}{found_so}. Check it, and what the files state of it, before anything is named"
+    assert trial is not None, "an effect has been chosen by its fit"
+    fall = f"the error falls from {before:.1f} to {trial.excess**0.5:.2f} times {words.scatter}"
+    if np.isfinite(trial.held_out):
+        fall += f", on {words.unseen} from {evidence.held_out:.1f} to {trial.held_out:.2f}"
+    if decision.outcome == "inseparable":
+        return f"one of {', '.join(decision.group)} is missing, and these data do not tell which: {fall}"
+    return f"{' and '.join(words.effects[e] for e in decision.effects)} ({', '.join(decision.effects)}): {fall}"
+
+
+def _held_out(evidence: Evidence, words: Wording) -> str:
+    if not np.isfinite(evidence.held_out):
+        return "; no run was held out"
+    return f", on {words.unseen} by {evidence.held_out:.2f}"
+
+
+def _asked_for(evidence: Evidence, criteria: Criteria) -> str:
+    """What the data of the fit ask for and is not accepted all the same, with the reason."""
+    asked = next((t for t in _settled(evidence) if t.delta_bic >= criteria.delta_bic), None)
+    return "" if asked is None else f"; {_leaves(asked)}, but {_why(asked, evidence, criteria)}"
+
+
+def _of_unknown(evidence: Evidence, criteria: Criteria, words: Wording) -> str:
+    """What was tried and left least, with what it predicted of held-out runs, and what speaks against it."""
+    best, before = _settled(evidence)[:_CLOSEST], float(np.sqrt(evidence.excess))
+    off = f"the model is off by {before:.1f} times {words.scatter}"
+    if all(still_fails(t, evidence, criteria) for t in best):
+        said = f"something is missing that the catalogue does not have: {off}, and no effect explains it"
+    else:
+        said = f"something is missing that cannot be named: {off}, and nothing that explains it is accepted"
+    left = [_in_the_way(t, evidence, criteria) for t in best]
+    return said + (f". Closest: {'; '.join(left)}" if left else "")
+
+
+def _in_the_way(trial: Trial, evidence: Evidence, criteria: Criteria) -> str:
+    off = far_off(trial, criteria)
+    told = _leaves(trial) + (f" with {off}" if off else "")
+    return told if still_fails(trial, evidence, criteria) else f"{told}, but {_why(trial, evidence, criteria)}"
+
+
+def _why(trial: Trial, evidence: Evidence, criteria: Criteria) -> str:
+    """Of what explains the data and is not named; a pair that nothing else speaks against looks alike."""
+    return reason_against(trial, evidence, criteria) or "the two look alike"
+
+
+def _settled(evidence: Evidence) -> list[Trial]:
+    """Fits that were left to settle, what leaves least first."""
+    return sorted((t for t in (*evidence.trials, *evidence.pairs) if t.full), key=lambda t: t.excess)
+
+
+def _leaves(trial: Trial) -> str:
+    held_out = f" ({trial.held_out:.1f} on held-out runs)" if np.isfinite(trial.held_out) else ""
+    leave = "leaves" if len(trial.effects) == 1 else "leave"
+    return f"{' and '.join(trial.effects)} {leave} {trial.excess**0.5:.1f} times{held_out}"

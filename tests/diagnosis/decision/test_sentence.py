@@ -1,0 +1,88 @@
+"""No sentence says what the evidence beside it does not."""
+
+from dataclasses import replace
+
+import pytest
+
+from updamp.diagnosis.criteria import Criteria
+from updamp.diagnosis.decision.decide import decide
+from updamp.diagnosis.decision.sentence import Wording, sentence
+from updamp.diagnosis.evidence import EffectScore, Evidence, Trial
+
+WORDS = Wording({"slip": "contacts slip", "spring": "a spring is there"}, "the scatter", "runs that the fit never saw")
+SLIP = Trial(("slip",), 1.05, 9000.0, 890.0, 1.1, "", True, unseen=1.1)
+EVIDENCE = Evidence(
+    excess=9.0,
+    held_out=3.0,
+    repeatability=1.0,
+    tested=(EffectScore("slip", 90.0, 0.8, 8100.0, 0.6, 200.0),),
+    trials=(SLIP,),
+    pairs=(),
+    alike=(),
+    independent=192.0,
+    unseen=9.0,
+    unseen_independent=72.0,
+    as_many=10.0,
+)
+
+
+def said(**changes) -> str:
+    evidence = replace(EVIDENCE, **changes)
+    return sentence(decide(evidence, Criteria()), evidence, Criteria(), WORDS)
+
+
+def test_what_is_named_is_told_with_its_fall() -> None:
+    assert said() == (
+        "contacts slip (slip): the error falls from 3.0 to 1.02 times the scatter, on runs that the fit never saw "
+        "from 3.0 to 1.10"
+    )
+
+
+def test_an_adequate_model_is_told_without_a_word_on_effects_that_predict_better() -> None:
+    """One predicted the held-out runs better, and the data do not ask for it."""
+    better = replace(SLIP, excess=0.9, delta_bic=3.0, held_out=0.5, unseen=0.3)
+    assert said(excess=1.1, held_out=0.9, unseen=0.8, trials=(better,)) == (
+        "nothing is missing that these data show: the calibrated model is off by 1.05 times the scatter, on runs that "
+        "the fit never saw by 0.90"
+    )
+
+
+def test_an_adequate_model_is_told_with_what_the_data_ask_for_and_why_it_is_not_named() -> None:
+    found = said(excess=1.2, held_out=0.9, unseen=0.8, trials=(replace(SLIP, at_bound="slip.size"),))
+    why = "slip.size would have to be beyond what is physical"
+    assert found.endswith(f"; slip leaves 1.0 times (1.1 on held-out runs), but {why}")
+
+
+@pytest.mark.parametrize(
+    ("against", "why"),
+    [
+        ({"at_bound": "slip.size"}, "slip.size would have to be beyond what is physical"),
+        ({"held_out": 3.1}, "runs that the fit never saw are not predicted better"),
+    ],
+)
+def test_an_unknown_does_not_say_that_nothing_explains_what_something_does(against, why) -> None:
+    found = said(trials=(replace(SLIP, **against),))
+    assert "no effect explains it" not in found
+    assert found.endswith(f", but {why}")
+
+
+def test_an_unknown_says_that_nothing_explains_it_where_nothing_does() -> None:
+    found = said(trials=(replace(SLIP, excess=4.0, unseen=4.0, held_out=2.0, farthest="preload", deviations=5.2),))
+    assert found == (
+        "something is missing that the catalogue does not have: the model is off by 3.0 times the scatter, and no "
+        "effect explains it. Closest: slip leaves 2.0 times (2.0 on held-out runs) with preload 5.2 deviations from "
+        "what is stated"
+    )
+
+
+def test_two_that_look_alike_are_not_named_together_and_the_sentence_says_so() -> None:
+    both = replace(SLIP, effects=("slip", "spring"))
+    found = said(trials=(), pairs=(both,), alike=(("slip", "spring", 0.95),))
+    assert found.endswith("slip and spring leave 1.0 times (1.1 on held-out runs), but the two look alike")
+
+
+def test_with_nothing_held_out_nothing_is_said_of_it() -> None:
+    nan = float("nan")
+    alone = replace(SLIP, held_out=nan, unseen=nan)
+    found = said(excess=1.1, held_out=nan, unseen=nan, unseen_independent=0.0, trials=(replace(alone, delta_bic=1.0),))
+    assert found.endswith("1.05 times the scatter; no run was held out")
