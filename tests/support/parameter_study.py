@@ -9,7 +9,7 @@ from updamp.parameter_study.run_study import StudyRun, run_parameter_study
 from updamp.parameter_study.study_file import read_parameter_study
 from updamp.workflow.progress import Display
 
-RIG = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
+RIG = Path(__file__).parents[1] / "data" / "early_opening.toml"
 
 STUDY = """
 [study]

@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 from updamp.pipeline import app
 
-RIG = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
+RIG = Path(__file__).parents[1] / "data" / "early_opening.toml"
 COARSE = """[mesh.small]
 width = 6
 face = 2

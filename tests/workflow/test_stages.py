@@ -9,7 +9,7 @@ from updamp.geometry.build_mesh import build_mesh
 from updamp.model.rig_files import load_rig
 from updamp.workflow import stages
 
-RIG = Path(__file__).parents[2] / "rigs" / "pesaresi2017.toml"
+RIG = Path(__file__).parents[1] / "data" / "early_opening.toml"
 ALL = {"mesh", "blade", "damper", "finite_elements", "coupled_check", "static_contact", "curve"}
 AFTER_THE_MESH = ALL - {"mesh"}
 BLADE_ALONE, DAMPER_ALONE = ALL - {"damper"}, ALL - {"blade"}

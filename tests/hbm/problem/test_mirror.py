@@ -114,8 +114,9 @@ def test_stability_of_both_halves_is_that_of_the_whole(curves):
     for i in slipping[:: max(1, len(slipping) // 4)]:
         x, w = curve.displacement[i], 2 * np.pi * curve.frequency[i]
         halves, one = stability(system, x, w), stability(whole, x, w)
-        assert (halves.stable, halves.trusted) == (one.stable, one.trusted)
+        assert halves.trusted == one.trusted
         if one.trusted:  # what is not known may be not a number in the one and a number in the other
+            assert halves.stable == one.stable
             assert halves.decisive.real == pytest.approx(one.decisive.real, rel=1e-3)
             compared += 1
     assert compared >= 3
