@@ -36,14 +36,20 @@ ONE, THREE = effect("one", 1), effect("three", 3)
 def test_a_pair_pays_for_the_parameters_that_it_has_beyond_the_better_one_of_its_effects(drops, further):
     alone = singles(refit(ONE, drop=drops[0]), refit(THREE, drop=drops[1]))
     for order in ((ONE, THREE), (THREE, ONE)):
-        assert gain_over_one(refit(*order, drop=4000.0), alone) == pytest.approx(gain_of_bic(1000.0, further, VALUES, AS_MANY))
+        assert gain_over_one(refit(*order, drop=4000.0), alone) == pytest.approx(
+            gain_of_bic(1000.0, further, VALUES, AS_MANY)
+        )
 
 
 def test_the_better_one_of_two_is_the_one_that_gains_more_with_its_parameters_paid_for():
     alone = singles(refit(ONE, drop=1000.0), refit(THREE, drop=1001.0))
-    assert gain_over_one(refit(ONE, THREE, drop=4000.0), alone) == pytest.approx(gain_of_bic(3000.0, 3, VALUES, AS_MANY))
+    assert gain_over_one(refit(ONE, THREE, drop=4000.0), alone) == pytest.approx(
+        gain_of_bic(3000.0, 3, VALUES, AS_MANY)
+    )
 
 
 def test_where_one_of_them_has_not_been_fitted_alone_the_other_one_counts():
     alone = singles(refit(ONE, drop=1000.0))
-    assert gain_over_one(refit(ONE, THREE, drop=4000.0), alone) == pytest.approx(gain_of_bic(3000.0, 3, VALUES, AS_MANY))
+    assert gain_over_one(refit(ONE, THREE, drop=4000.0), alone) == pytest.approx(
+        gain_of_bic(3000.0, 3, VALUES, AS_MANY)
+    )
