@@ -14,12 +14,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from updamp.benchmarks.reference_rig.members import peaks
-from updamp.benchmarks.reference_rig.onset import UNIFORM, tip_at_onset
+from updamp.benchmarks.reference_rig.onset import tip_at_onset
 from updamp.design.run_study import windows_of
 from updamp.design.solved_design import DesignInput, SolvedDesign, observed_point
 from updamp.design.solved_peak import PeakRequest
-from updamp.design.tracked_modes import mode_references
+from updamp.design.tracked_modes import UnknownResponseError, mode_references
 from updamp.hbm.compilation_cache import keep_compiled
 from updamp.model.rig_files import load_any
 
@@ -27,6 +26,7 @@ ROOT = Path(__file__).parents[2]
 RIG = ROOT / "rigs" / "pesaresi2017.toml"
 FORCES = (0.096, 0.96, 3.84, 9.6, 17.0)
 MOST_POINTS = 500
+UNIFORM = {"contact.pressure": {"model": "uniform"}}
 
 PATHS = (
     "blade.width", "blade.axis_offset", "platform.underside_angle", "platform.gap", "damper.face_start",
@@ -55,6 +55,19 @@ def changes(name: str) -> dict[str, Any]:
     return {**stated, "material.loss_factor": loss}
 
 
+def print_peaks(design: SolvedDesign, mode: str) -> None:
+    """Peak receptances [mm/N], or why the resonance was not followed so far."""
+    for request in design.given.peaks:
+        if request.mode != mode:
+            continue
+        try:
+            peak = design.peak(request)
+            found = f"{peak.frequency:.2f} Hz {1e3 * peak.receptance:.5f}"
+        except (UnknownResponseError, RuntimeError) as error:
+            found = f": {error}"
+        print(f"    {mode} {request.force:g} N {found}", flush=True)
+
+
 def main() -> None:
     reader = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     reader.add_argument("names", nargs="*", default=list(RIGS))
@@ -74,7 +87,7 @@ def main() -> None:
         print(f"{name}: {stuck}; slips at {slips:.3f} mm, opens at {opens:.3f} mm: {slips / opens:.2f}", flush=True)
         if not stated.without_peaks:
             for one in references:
-                peaks(replace(given, changes=changes(name)), one.name)
+                print_peaks(SolvedDesign(replace(given, changes=changes(name))), one.name)
 
 
 if __name__ == "__main__":
