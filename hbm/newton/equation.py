@@ -16,6 +16,11 @@ Floats = NDArray[np.float64]
 # The mean position counts in the size of a displacement up to so many times the vibration: a larger one does not make
 # a solution better.
 _MOST_MEAN = 1000.0
+# A residual stands for a force at the contacts: itself times their stiffness. It is measured by so many times the
+# displacement at which the stiffest contact carries the excitation: 1e-9 of that is 1e-4 of the excitation.
+_CARRYING = 1e5
+# What round-off lets a residual be known to, 1e-12 of the displacement, is 1e-9 of this share of it.
+_KNOWN = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,6 +28,7 @@ class Equation:
     """Residual r(x, w) = x - x_lin(w) + G(w) g(x) at one point, with all that Newton needs.
 
     w: [rad/s], or what varies along the branch in its place; residual: (n_relative, n_coefficients) [m]
+    force: amplitude of the excitation [N]
     """
 
     x: Floats
@@ -30,12 +36,23 @@ class Equation:
     receptance: Receptance
     departure: Departure
     residual: Floats
+    force: float
 
     @property
     def error(self) -> float:
-        """Largest residual over largest displacement (`displacement_size`); infinite where not finite."""
-        size = np.abs(self.residual).max() / displacement_size(self.receptance.system, self.x)
-        return float(size) if np.isfinite(size) else np.inf
+        """Largest residual over `size`; infinite where not finite."""
+        error = np.abs(self.residual).max() / self.size
+        return float(error) if np.isfinite(error) else np.inf
+
+    @property
+    def size(self) -> float:
+        """What a residual is measured by [m]: the largest displacement (`displacement_size`), or less, where contacts
+        are so stiff that the residual would stand for forces that count beside the excitation."""
+        system = self.receptance.system
+        displacement, stiffest = displacement_size(system, self.x), system.reference_stiffness.max(initial=0.0)
+        if not self.force * stiffest:
+            return displacement
+        return min(displacement, max(_CARRYING * abs(self.force) / stiffest, _KNOWN * displacement))
 
     def factorised(self, support: float = 0.0, near: DirectForces | None = None) -> Jacobian:
         """support: as in `NewtonOptions`; near: factors at a similar point, to do without new ones
@@ -74,7 +91,7 @@ def evaluate(system: NonlinearSystem, excitation: Forcing, x: Floats, w: float) 
     receptance = Receptance(system, frequency)
     departure = system.departure(x, frequency)
     residual = x - receptance.excitation(applied) + receptance.apply(departure.value)
-    return Equation(x, w, receptance, departure, residual)
+    return Equation(x, w, receptance, departure, residual, applied.force)
 
 
 def residual_alone(system: NonlinearSystem, excitation: Forcing, x: Floats, w: float) -> Floats:

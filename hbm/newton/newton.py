@@ -1,7 +1,7 @@
 """Newton's method on the harmonic balance residual, at fixed frequency or along an arc."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
 import numpy as np
@@ -9,7 +9,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from updamp.hbm.newton.active_forces import DirectForces
-from updamp.hbm.newton.equation import Equation, displacement_size, evaluate, residual_alone
+from updamp.hbm.newton.equation import Equation, evaluate, residual_alone
 from updamp.hbm.newton.jacobian import Jacobian
 from updamp.hbm.newton.metric import Metric, Move
 from updamp.hbm.problem.system import Forcing, NonlinearSystem
@@ -40,12 +40,15 @@ _ADVICE = {
 
 @dataclass(frozen=True)
 class NewtonOptions:
-    """tolerance: largest residual over largest displacement; iterations: at most this many.
+    """tolerance: largest residual over the displacement (`Equation.size`); iterations: at most this many.
     smallest_damping: shortest part of a step that is tried
     memory: a residual may exceed the last one, but not all of this many
     damped: whether steps are shortened at all. Across a kink the full step solves the far side's equations, however
         much the residual rises on the way; a shortened one stays at the kink. For starts close to a solution.
     patience: given up where after so many iterations the residual is not below `PROGRESS` of the first; None: never
+    watchdog: in place of being given up there, it goes on from the best iterate, by steps that lower the residual: full
+        steps may go to and fro between two states of a contact for ever (Chamberlain, Powell, Lemarechal and Pedersen
+        1982, Math. Programming Study 16)
     support: share of their stiffness in the mean position that slipping and open contacts keep in Newton's tangent.
         Where they all slip in a direction, little holds the mean position: from a residual of 1e-10 of the displacement
         the exact step may go thousands of displacements, far beyond where contacts stick again. Solutions are the same,
@@ -60,6 +63,7 @@ class NewtonOptions:
     memory: int = 4
     damped: bool = True
     patience: int | None = None
+    watchdog: bool = False
     support: float = 0.0
 
     def __post_init__(self) -> None:
@@ -71,6 +75,11 @@ class NewtonOptions:
             raise ValueError(f"patience = {self.patience}: at least 1, or None")
         if not 0 <= self.support < 1:
             raise ValueError(f"support = {self.support}: at least 0 and below 1")
+
+    @property
+    def lowering(self) -> "NewtonOptions":
+        """Each step lowers the residual."""
+        return replace(self, damped=True, memory=1, patience=None)
 
     def out_of_patience(self, errors: Sequence[float]) -> bool:
         """errors: of all iterates so far"""
@@ -135,7 +144,8 @@ def solve(
     """
     options = options or NewtonOptions()
     equation = evaluate(system, excitation, x, w)
-    errors, sizes = [equation.error], [float(np.linalg.norm(equation.residual))]
+    errors, best = [equation.error], equation
+    sizes = [float(np.linalg.norm(equation.residual))]
     step: _Step | None = None
     status = Status.TOO_MANY_ITERATIONS
     while len(errors) <= options.iterations and not (errors[-1] < options.tolerance and step is not None):
@@ -148,7 +158,11 @@ def solve(
         near = step.jacobian.factors or near
         errors.append(equation.error)
         sizes.append(float(np.linalg.norm(equation.residual)))
+        best = equation if equation.error < best.error else best
         if options.out_of_patience(errors):
+            if options.watchdog:
+                found = solve(system, excitation, best.x, best.w, options.lowering, arc, near)
+                return replace(found, iterations=found.iterations + len(errors) - 1, errors=(*errors, *found.errors[1:]))
             status = Status.STALLED
             break
     if errors[-1] < options.tolerance and step is not None:
@@ -228,7 +242,7 @@ def _damped(
     contact changes its state the residual has a kink, and a step across it may have to go up first.
     """
     damping = 1.0
-    floor = options.tolerance * displacement_size(system, equation.x)
+    floor = options.tolerance * equation.size
 
     def falls(residual: Floats) -> bool:
         return bool(np.linalg.norm(residual) < bound or np.abs(residual).max() < floor)

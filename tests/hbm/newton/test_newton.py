@@ -1,8 +1,13 @@
 """The Jacobian against differences, statuses, and options that refuse bad values by name."""
 
+from dataclasses import dataclass, replace
+from typing import ClassVar, NamedTuple
+
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
-from support.peers import blades_and_damper_system
+from support.peers import blades_and_damper_system, one_degree_of_freedom
 
 from updamp.hbm.contact.coulomb_circle import CoulombCircle
 from updamp.hbm.contact.jenkins_box import JenkinsBox
@@ -13,7 +18,29 @@ from updamp.hbm.newton.equation import evaluate, linear_solution
 from updamp.hbm.newton.jacobian import factorise
 from updamp.hbm.newton.newton import NewtonOptions, Status, solve
 from updamp.hbm.newton.tangent import active_rows, apply_tangent
+from updamp.hbm.problem.elements import ElementGroup
 from updamp.hbm.problem.system import Excitation
+
+
+class YieldParameters(NamedTuple):
+    """stiffness: (n_elements,) [N/m]"""
+
+    stiffness: jax.Array
+
+
+@dataclass(frozen=True)
+class YieldingSpring:
+    """f = k u, at most 1 N either way, without memory."""
+
+    parameters: ClassVar[type] = YieldParameters
+    directions: ClassVar[int] = 1
+    rate_dependent: ClassVar[bool] = False
+
+    def force(self, displacement: jax.Array, velocity: jax.Array, parameters: YieldParameters) -> jax.Array:  # noqa: ARG002
+        return jnp.clip(parameters.stiffness * displacement, -1.0, 1.0)
+
+    def reference_stiffness(self, parameters: YieldParameters) -> jax.Array:
+        return parameters.stiffness[None]
 
 
 @pytest.fixture(params=[JenkinsBox(2), CoulombCircle(3)], ids=["box", "circle"])
@@ -110,6 +137,30 @@ def test_without_progress_it_is_given_up_after_its_patience(slipping):
         assert given.status is (Status.STALLED if ended[-1] else never.status)
     assert any(ended)
     assert not all(ended)
+
+
+def test_full_steps_that_go_to_and_fro_are_followed_by_steps_that_lower_the_residual():
+    """A spring of 1000 N/m that yields elastically at 1 N bears 0.5 N beside one of 1 N/m: it does not yield.
+    From beyond either limit full steps lead beyond the other one."""
+    group = ElementGroup(YieldingSpring(), YieldParameters(np.array([1000.0])), np.array([[0]]))
+    system = one_degree_of_freedom(0.0, group, (1,), 128)
+    excitation, start = Excitation(system.free.row("mass"), 0.5), np.array([[3.0, 0.0]])
+    full = NewtonOptions(damped=False, patience=5)
+    assert solve(system, excitation, start, 1e-3, full).status is Status.STALLED
+    found = solve(system, excitation, start, 1e-3, replace(full, watchdog=True))
+    assert found.converged
+    assert found.x[0] == pytest.approx([0.5 / (1001 - 1e-6), 0.0], rel=1e-6)
+    assert len(found.errors) == found.iterations + 1
+
+
+@pytest.mark.parametrize(("stiffness", "most"), [(1e2, 1e-9), (1e5, 1e-4 * 1e-2 / 1e5), (1e13, 1e-12)])
+def test_a_residual_is_measured_by_the_force_that_it_stands_for(stiffness, most):
+    """A residual counts as solved up to 1e-9 of the displacement, and where its force in the contact is at most 1e-4 of
+    the excitation; round-off, 1e-12 of the displacement, always."""
+    group = ElementGroup(YieldingSpring(), YieldParameters(np.array([stiffness])), np.array([[0]]))
+    system = one_degree_of_freedom(0.0, group, (1,), 128)
+    equation = evaluate(system, Excitation(system.free.row("mass"), 1e-2), np.array([[1.0, 0.0]]), 1e-3)
+    assert NewtonOptions().tolerance * equation.size == pytest.approx(most)
 
 
 @pytest.mark.parametrize(
