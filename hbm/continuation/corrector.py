@@ -23,9 +23,7 @@ class StepOptions(StepLengths):
     raises: ValueError naming the option that is out of range
     """
 
-    newton: NewtonOptions = field(
-        default_factory=lambda: NewtonOptions(iterations=8, damped=False, patience=5, watchdog=True)
-    )
+    newton: NewtonOptions = field(default_factory=lambda: NewtonOptions(iterations=8, damped=False, patience=5))
     patience: int = 4
     persistent: NewtonOptions = field(default_factory=lambda: NewtonOptions(iterations=20))
 
@@ -50,7 +48,7 @@ class Corrector:
         last, newton = traced.last, newton or self.options.newton
         arc = Arc(*self._predict(traced.points, step), last.tangent, last.metric)
         if step > self.options.short_step and newton.patience:
-            newton = replace(newton, patience=self.options.patience, watchdog=False)
+            newton = replace(newton, patience=self.options.patience)
         jacobian = last.solution.jacobian
         factors = None if jacobian is None else jacobian.factors
         solution = solve(self.system, self.excitation, arc.x0, arc.w0, newton, arc, factors)

@@ -12,6 +12,7 @@ from typing import Protocol
 from updamp.hbm.continuation.branch import BranchPoint
 from updamp.hbm.continuation.corrector import Corrector, StepOptions
 from updamp.hbm.continuation.recovery.jump import Jump, SkipAhead
+from updamp.hbm.continuation.recovery.lowering_step import LoweringStep
 from updamp.hbm.continuation.recovery.step_in_phase import StepInPhase
 from updamp.hbm.continuation.recovery.supported_step import SupportedStep
 from updamp.hbm.continuation.recovery.switch_branch import SwitchBranch
@@ -28,7 +29,13 @@ class Recovery(Protocol):
 
 
 # Without jumps: for branches of which every part is wanted.
-CONNECTED: tuple[Recovery, ...] = (SwitchBranch(), StepInPhase(), SupportedStep(), SkipAhead())
+CONNECTED: tuple[Recovery, ...] = (
+    SwitchBranch(),
+    LoweringStep(),
+    StepInPhase(),
+    SupportedStep(),
+    SkipAhead(),
+)
 
 
 @dataclass(frozen=True)

@@ -46,9 +46,6 @@ class NewtonOptions:
     damped: whether steps are shortened at all. Across a kink the full step solves the far side's equations, however
         much the residual rises on the way; a shortened one stays at the kink. For starts close to a solution.
     patience: given up where after so many iterations the residual is not below `PROGRESS` of the first; None: never
-    watchdog: in place of being given up there, it goes on from the best iterate, by steps that lower the residual: full
-        steps may go to and fro between two states of a contact for ever (Chamberlain, Powell, Lemarechal and Pedersen
-        1982, Math. Programming Study 16)
     support: share of their stiffness in the mean position that slipping and open contacts keep in Newton's tangent.
         Where they all slip in a direction, little holds the mean position: from a residual of 1e-10 of the displacement
         the exact step may go thousands of displacements, far beyond where contacts stick again. Solutions are the same,
@@ -63,7 +60,6 @@ class NewtonOptions:
     memory: int = 4
     damped: bool = True
     patience: int | None = None
-    watchdog: bool = False
     support: float = 0.0
 
     def __post_init__(self) -> None:
@@ -78,7 +74,7 @@ class NewtonOptions:
 
     @property
     def lowering(self) -> "NewtonOptions":
-        """Each step lowers the residual."""
+        """The same, but that each step lowers the residual, as long as one does."""
         return replace(self, damped=True, memory=1, patience=None)
 
     def out_of_patience(self, errors: Sequence[float]) -> bool:
@@ -144,8 +140,7 @@ def solve(
     """
     options = options or NewtonOptions()
     equation = evaluate(system, excitation, x, w)
-    errors, best = [equation.error], equation
-    sizes = [float(np.linalg.norm(equation.residual))]
+    errors, sizes = [equation.error], [float(np.linalg.norm(equation.residual))]
     step: _Step | None = None
     status = Status.TOO_MANY_ITERATIONS
     while len(errors) <= options.iterations and not (errors[-1] < options.tolerance and step is not None):
@@ -158,11 +153,7 @@ def solve(
         near = step.jacobian.factors or near
         errors.append(equation.error)
         sizes.append(float(np.linalg.norm(equation.residual)))
-        best = equation if equation.error < best.error else best
         if options.out_of_patience(errors):
-            if options.watchdog:
-                found = solve(system, excitation, best.x, best.w, options.lowering, arc, near)
-                return replace(found, iterations=found.iterations + len(errors) - 1, errors=(*errors, *found.errors[1:]))
             status = Status.STALLED
             break
     if errors[-1] < options.tolerance and step is not None:

@@ -1,6 +1,6 @@
 """The Jacobian against differences, statuses, and options that refuse bad values by name."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
 import jax
@@ -139,7 +139,7 @@ def test_without_progress_it_is_given_up_after_its_patience(slipping):
     assert not all(ended)
 
 
-def test_full_steps_that_go_to_and_fro_are_followed_by_steps_that_lower_the_residual():
+def test_where_full_steps_go_to_and_fro_steps_that_lower_the_residual_find_the_solution():
     """A spring of 1000 N/m that yields elastically at 1 N bears 0.5 N beside one of 1 N/m: it does not yield.
     From beyond either limit full steps lead beyond the other one."""
     group = ElementGroup(YieldingSpring(), YieldParameters(np.array([1000.0])), np.array([[0]]))
@@ -147,10 +147,9 @@ def test_full_steps_that_go_to_and_fro_are_followed_by_steps_that_lower_the_resi
     excitation, start = Excitation(system.free.row("mass"), 0.5), np.array([[3.0, 0.0]])
     full = NewtonOptions(damped=False, patience=5)
     assert solve(system, excitation, start, 1e-3, full).status is Status.STALLED
-    found = solve(system, excitation, start, 1e-3, replace(full, watchdog=True))
+    found = solve(system, excitation, start, 1e-3, full.lowering)
     assert found.converged
     assert found.x[0] == pytest.approx([0.5 / (1001 - 1e-6), 0.0], rel=1e-6)
-    assert len(found.errors) == found.iterations + 1
 
 
 @pytest.mark.parametrize(("stiffness", "most"), [(1e2, 1e-9), (1e5, 1e-4 * 1e-2 / 1e5), (1e13, 1e-12)])
