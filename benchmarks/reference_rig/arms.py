@@ -4,7 +4,7 @@
 
 Each rig of the table below has thickness, platform height, edge and shaker's height chosen so that the free and stuck
 frequencies and the low-force receptance stay where they are stated, on mesh `small`. Printed: those, the amplitude of
-the tip [mm] at which half of the patches slip in OOP and a quarter open in IP (`onset.py`), and the peaks [mm/N] with
+the tip [mm] at which half of the patches slip in OOP and a quarter open in IP, and the peaks [mm/N] with
 the film of the rig file, followed in the force. docs/reference_rig.md says what came of it.
 """
 
@@ -14,12 +14,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from updamp.benchmarks.reference_rig.onset import tip_at_onset
+import numpy as np
+
 from updamp.design.run_study import windows_of
 from updamp.design.solved_design import DesignInput, SolvedDesign, observed_point
 from updamp.design.solved_peak import PeakRequest
 from updamp.design.tracked_modes import UnknownResponseError, mode_references
 from updamp.hbm.compilation_cache import keep_compiled
+from updamp.hbm.resonance.conditions import linear_peak
+from updamp.hbm.resonance.resonance import ResonanceProblem
 from updamp.model.rig_files import load_any
 
 ROOT = Path(__file__).parents[2]
@@ -53,6 +56,22 @@ def changes(name: str) -> dict[str, Any]:
     units = ("deg" if path.endswith("angle") else "mm" for path in PATHS)
     stated: dict[str, Any] = {p: f"{v:g} {unit}" for p, v, unit in zip(PATHS, lengths, units, strict=True)}
     return {**stated, "material.loss_factor": loss}
+
+
+def tip_at_onset(design: SolvedDesign, mode: str) -> float:
+    """Amplitude of the tip [mm] at which half of the patches slip (OOP) or a quarter of them open (IP)."""
+    system, tracked, rig = design.model.system, design.mode(mode), design.geometry
+    row, tip = system.free.row(design.model.excitation), system.free.row(design.observed)
+    peak = linear_peak(ResonanceProblem(system, row, tip), tracked.window, 0.0, tracked.frequency)
+    motion = np.abs(system.harmonics.amplitude(peak.z, 1).reshape(-1, 3))
+    rows = np.array([tip, row])
+    receptance = abs(system.stuck.receptance(peak.w, rows[:1], rows[1:])[0, 0])
+    contact = rig.contact
+    pressure = design.rest.normal_force.sum() / (2 * rig.face_area)
+    if mode == "OOP":
+        slip = contact.friction_coefficient * pressure / contact.tangential_stiffness
+        return float(1e3 * receptance * np.median(slip / np.hypot(motion[:, 0], motion[:, 1])))
+    return float(1e3 * receptance * np.quantile(pressure / contact.normal_stiffness / motion[:, 2], 0.25))
 
 
 def print_peaks(design: SolvedDesign, mode: str) -> None:
