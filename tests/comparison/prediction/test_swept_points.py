@@ -1,6 +1,6 @@
 """Of branches with a wide hysteresis is kept what the sweep sees: the same points as of the whole branch."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -110,8 +110,13 @@ class Kept:
         return Kept(SimpleNamespace(w=self.point.w, after_gap=after_gap, step=0.1))
 
 
+class Point(SimpleNamespace):
+    def distance(self, other: "Point") -> float:
+        return abs(self.w - other.w)
+
+
 def points(*frequencies: float):
-    return iter([SimpleNamespace(w=w, after_gap=False, step=0.1) for w in frequencies])
+    return iter([Point(w=w, after_gap=False, step=0.1) for w in frequencies])
 
 
 def of(kept: list[Kept]) -> list[tuple[float, bool]]:
@@ -204,3 +209,24 @@ def test_the_part_found_from_the_other_end_is_kept_whole():
     assert kept[MARGIN - 1 :] == there[::-1]
     assert kept[: MARGIN - 1] == pytest.approx([5.65, 5.6, 5.55])
     assert [gap for _, gap in of(found)].count(True) == 1
+
+
+def test_where_the_window_ends_in_a_hysteresis_both_parts_are_kept(softening):
+    """One sweep has begun above it, another inside: that one is on the part that the first never comes to."""
+    full = whole(softening, at(softening), DOWN)
+    folds = np.flatnonzero(np.diff(np.sign(np.diff(full.frequency)))) + 1
+    lower, upper = np.sort(full.frequency[folds[[0, -1]]])
+    inside = replace(DOWN, window=(float(lower + 0.4 * (upper - lower)), DOWN.window[1]))
+    assert lower < inside.wider[0] < upper
+    branch = trace_branch(softening, at(softening), inside)
+    (gap,) = [i for i, point in enumerate(branch.points) if point.after_gap]
+    assert branch.visited[:gap].all()
+    assert not branch.visited[gap:-1].any()
+    assert branch.frequency[gap:].max() == pytest.approx(upper, rel=5e-4)
+    behind = slice(None, folds[-1], -1)  # what a sweep jumps to, from the far end
+    expected = np.interp(branch.frequency[-2], full.frequency[behind], abs(full.amplitude[behind, 0]))
+    assert abs(branch.amplitude[-2, 0]) == pytest.approx(expected, rel=0.01)
+    # moved, it stays the same
+    moved = move_branch(softening, at(softening, 1e-3), branch)
+    assert moved is not None
+    assert [point.after_gap for point in moved.points].count(True) == 1
