@@ -226,7 +226,9 @@ def test_where_the_window_ends_in_a_hysteresis_both_parts_are_kept(softening):
     behind = slice(None, folds[-1], -1)  # what a sweep jumps to, from the far end
     expected = np.interp(branch.frequency[-2], full.frequency[behind], abs(full.amplitude[behind, 0]))
     assert abs(branch.amplitude[-2, 0]) == pytest.approx(expected, rel=0.01)
-    # moved, it stays the same
     moved = move_branch(softening, at(softening, 1e-3), branch)
     assert moved is not None
     assert [point.after_gap for point in moved.points].count(True) == 1
+    above = replace(DOWN, window=(1.005 * upper, DOWN.window[1]))
+    assert above.wider[0] > upper
+    assert not any(point.after_gap for point in trace_branch(softening, at(softening), above).points)
