@@ -232,3 +232,17 @@ def test_where_the_window_ends_in_a_hysteresis_both_parts_are_kept(softening):
     above = replace(DOWN, window=(1.005 * upper, DOWN.window[1]))
     assert above.wider[0] > upper
     assert not any(point.after_gap for point in trace_branch(softening, at(softening), above).points)
+
+
+def test_a_thinned_branch_is_the_same_curve_with_its_gap(softening):
+    branch = trace_branch(softening, at(softening), DOWN)
+    thin = branch.thinned(0.2)
+    assert len(thin.points) < len(branch.points)
+    (gap,) = [i for i, point in enumerate(thin.points) if point.after_gap]
+    apart = np.diff(thin.place)
+    assert sum(apart < 0.2) <= 3  # both sides of the gap, and the end
+    assert set(np.flatnonzero(apart < 0.2)) <= {gap - 2, gap - 1, len(apart) - 1}
+    np.testing.assert_allclose(thin.at(thin.place).value, branch.at(thin.place).value, rtol=1e-12)
+    again = move_branch(softening, at(softening), thin)
+    assert again is not None
+    assert_the_same(again, branch)
