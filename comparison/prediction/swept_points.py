@@ -195,9 +195,10 @@ class _SweptPoints:
         return True
 
     def add_beside(self, points: Sequence[ObservedPoint]) -> None:
-        """Another part of the branch, none of which this sweep comes to."""
+        """Another part of the branch, none of which this sweep comes to; what is behind a fold ends here."""
         self._points = [*self.whole(), *(seen if i else seen.after_gap() for i, seen in enumerate(points))]
         self._lately.clear()
+        self.behind_fold.points = 0
 
     def _add(self, passed: "_Passed") -> None:
         self.followed += 1

@@ -177,6 +177,16 @@ def test_an_other_end_that_turns_back_or_stops_leaves_the_way_back():
         assert found[1] == ""
 
 
+def test_a_branch_that_ends_behind_a_fold_keeps_the_other_end_beside_it():
+    turning = BranchFromFarEnd(lambda: points(12, 11, *(11 + 0.05 * i for i in range(1, 30))), 10.0)
+    alone = of(swept_points(points(8, 9, *BACK), True, Kept)[0])
+    found, _ = swept_points(points(8, 9, *BACK), True, Kept, turning)
+    assert of(found)[: len(alone)] == alone
+    ahead = [w for w, _ in of(found)[len(alone) :]]
+    assert ahead[-2:] == [11, 12]
+    assert of(found)[len(alone)][1]
+
+
 def test_a_second_fold_may_be_reached_though_the_first_was_not():
     """Hysteresis of one mode after the other: from the other end the branch turns back between both folds."""
     back = [9 - 0.1 * i for i in range(1, 20)]
