@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.fit.failing_model import inflation, unlikelihood
+from updamp.comparison.fit.failing_model import independent, inflation, unlikelihood
 from updamp.comparison.fit.matching import Matched, match
 from updamp.comparison.fit.observations import Observations, Plan
 from updamp.comparison.fit.scatter import (
@@ -66,7 +66,7 @@ class Compared:
     @property
     def independent(self) -> float:
         """Values that count of their own for what the model lacks."""
-        return self.values / max(self.as_many, 1.0)
+        return independent(self.values, self.as_many)
 
     @property
     def mean_squared_misfit(self) -> float:

@@ -23,6 +23,11 @@ def as_many(points: float) -> float:
     return max(points / STRETCHES, 1.0)
 
 
+def independent(values: int, as_many: float) -> float:
+    """Values that count of their own for what a model lacks, of so many."""
+    return values / max(as_many, 1.0)
+
+
 def inflation(chi2: float, values: int, as_many: float) -> float:
     """Factor on the noise.
 

@@ -96,13 +96,14 @@ def fit(
     options: FitOptions | None = None,
     progress: Progress = lambda _: None,
     branches_of: Branches = in_turn,
-    enough: Callable[[Compared], bool] = lambda _: False,
+    known: Callable[[Compared], bool] = lambda _: False,
 ) -> Fit:
     """Least squares of the whitened residual with the parameters' priors.
 
     scatter: to keep as it is; by default it is learnt from the repeats
     at_start: branches solved at `start`, where they are at hand
-    enough: asked after each round; where it says so the fit ends there, not settled
+    known: asked of where a round leads to first order, before it is solved; where it says so that is a minimum that is
+        known already, and the fit ends there, not settled
     raises: BranchStoppedError where the model has no response to compare at the start
     """
     options = options or FitOptions()
@@ -114,6 +115,9 @@ def fit(
     for _ in range(options.rounds):
         ahead = _round(parametrisation, plan, best, scatter, prior, reach)
         here = reweighed(parametrisation, plan, best, ahead.scatter)
+        if known(ahead):
+            best, moved, message = ahead, False, "leads to what is known"
+            break
         gain = objective(parametrisation, here) - objective(parametrisation, ahead)
         if gain < max(options.tolerance, options.share * here.weighed):
             if not moved:
@@ -134,9 +138,6 @@ def fit(
             continue
         best, reach = solved, min(1.5 * reach, options.largest_step)
         moved = options.retraced and not again
-        if enough(best):
-            message = "ended where it was asked to"
-            break
     best = _traced(parametrisation, plan, best, branches_of) if moved else best
     return _result(parametrisation, _weighed(parametrisation, plan, best, scatter, prior), False, message)
 

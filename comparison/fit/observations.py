@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.fit.failing_model import as_many
+from updamp.comparison.fit.failing_model import as_many, independent
+from updamp.comparison.fit.roughness import roughness, shrunk
 from updamp.comparison.prediction.run_condition import DERIVATIVES, HeldResponse, RunCondition
 from updamp.measurement.measurement import DRIFT, GAIN, MeasuredRun, Measurement
 
@@ -14,12 +15,6 @@ Floats = NDArray[np.float64]
 
 # Relative standard deviation of a frequency as the generator sets it.
 FREQUENCY_NOISE = 2e-6
-# Standard deviation of the logarithm of a run's roughness, of some forty points.
-_ROUGHNESS_KNOWN = 0.25
-# Points of a run that its roughness is told from.
-_FEWEST = 8
-# Of an amplitude where nothing is stated and too little is measured to tell.
-_AMPLITUDE = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +86,7 @@ class Plan:
     @property
     def independent(self) -> float:
         """Values that count of their own for what a model lacks."""
-        return self.values / max(self.as_many, 1.0)
+        return independent(self.values, self.as_many)
 
     @property
     def has_phases(self) -> bool:
@@ -200,22 +195,6 @@ def _deviation(run: MeasuredRun, channel: str, k: int) -> Floats:
     return np.full(len(run), roughness(np.log(np.abs(amplitude / run.force))))
 
 
-def roughness(values: Floats) -> float:
-    """Standard deviation of the noise on a smooth run of values."""
-    third = third_differences(values)
-    return max(deviation_of(third), 1e-4) if len(third) else _AMPLITUDE
-
-
-def third_differences(values: Floats) -> Floats:
-    """Of a smooth run of values, scaled to the standard deviation of its noise; none of a run too short to tell."""
-    return np.diff(values, 3) / np.sqrt(20) if len(values) >= _FEWEST else np.zeros(0)
-
-
-def deviation_of(normal: Floats) -> float:
-    """Standard deviation by the median, which is not drawn up by the few places where a run itself is not smooth."""
-    return float(np.median(np.abs(normal)) / 0.6745)
-
-
 def _no_better_than(o: Observations, repeatability: float) -> Observations:
     """With what another test of the same would differ by as noise of every amplitude and phase."""
     noise = o.noise.copy()
@@ -224,31 +203,15 @@ def _no_better_than(o: Observations, repeatability: float) -> Observations:
 
 
 def _pooled(observations: Sequence[Observations], conditions: Sequence[RunCondition]) -> list[Observations]:
-    """With the noise of each sensor shrunk towards what all its runs have in common.
-
-    That of one run is known to a fifth or so only, and weights made of it would be off by half. How much the runs
-    really differ is what is left of their spread (empirical Bayes: C. N. Morris, J. Am. Stat. Assoc. 78 (1983) 47).
-    """
-    levels: dict[tuple[str, int], list[float]] = {}
-    for o in observations:
+    """With the noise of each sensor drawn towards what all its runs have in common."""
+    noise = [o.noise.copy() for o in observations]
+    places: dict[tuple[str, int], list[tuple[int, int]]] = {}
+    for i, o in enumerate(observations):
         for j, sensor in enumerate(conditions[o.test].sensors):
-            levels.setdefault(sensor, []).append(float(np.median(np.log(o.noise[:, 1 + 2 * j]))))
-    shrunk = {sensor: _shrinkage(np.array(each)) for sensor, each in levels.items()}
-    found = []
-    for o in observations:
-        noise = o.noise.copy()
-        for j, sensor in enumerate(conditions[o.test].sensors):
-            centre, share = shrunk[sensor]
-            columns = slice(1 + 2 * j, 3 + 2 * j)
-            level = np.median(np.log(o.noise[:, 1 + 2 * j]))
-            noise[:, columns] *= np.exp((1 - share) * (centre - level))
-        found.append(replace(o, noise=noise))
-    return found
-
-
-def _shrinkage(levels: Floats) -> tuple[float, float]:
-    """Centre of the logarithms of the noise of several runs, and the share of their distance from it that is real."""
-    if len(levels) < 3:
-        return float(np.mean(levels)), 1.0
-    spread = float(np.var(levels, ddof=1))
-    return float(np.median(levels)), max(0.0, 1 - _ROUGHNESS_KNOWN**2 / spread) if spread > 0 else 0.0
+            places.setdefault(sensor, []).append((i, 1 + 2 * j))
+    for each in places.values():
+        levels = np.array([np.median(np.log(noise[i][:, column])) for i, column in each])
+        better = shrunk(levels, [len(observations[i]) for i, _ in each])
+        for (i, column), factor in zip(each, np.exp(better - levels), strict=True):
+            noise[i][:, column : column + 2] *= factor
+    return [replace(o, noise=n) for o, n in zip(observations, noise, strict=True)]

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.fit.matching import Matched
-from updamp.comparison.fit.observations import Plan, deviation_of, third_differences
+from updamp.comparison.fit.observations import Plan
+from updamp.comparison.fit.roughness import deviation_of, third_differences
 
 Floats = NDArray[np.float64]
 

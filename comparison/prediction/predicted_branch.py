@@ -24,6 +24,8 @@ Floats = NDArray[np.float64]
 _BETWEEN = 8
 # Distance of places that stand for the whole branch: half of the longest step of a continuation (`StepLengths`).
 _APART = 0.1
+# Arrays of a branch with one row for each of its points.
+_OF_POINTS = ("place", "state", "along", "slopes", "w_by_parameter", "visited")
 # Amplitude that is as good as none [m]
 _NONE = 1e-20
 
@@ -92,16 +94,23 @@ class PredictedBranch:
         """(n_places, p + 1, m) squares of the slopes at these places, in gaps too: what is no gap stays as it is"""
         return np.square(self.at(self.even_places).slopes)
 
-    @cached_property
-    def spread_out(self) -> list[int]:
+    def spread_out(self, apart: float = _APART) -> list[int]:
         """Numbers of some of its points: the first and the last one, both sides of gaps, and others no closer to the
-        one before than places that stand for the whole branch."""
+        one before than that, by default than places that stand for the whole branch."""
         chosen, last = [0], len(self.points) - 1
         for i in range(1, last + 1):
             at_gap = self.points[i].after_gap or (i < last and self.points[i + 1].after_gap)
-            if i == last or at_gap or self.place[i] - self.place[chosen[-1]] >= _APART:
+            if i == last or at_gap or self.place[i] - self.place[chosen[-1]] >= apart:
                 chosen.append(i)
         return chosen
+
+    def thinned(self, apart: float) -> "PredictedBranch":
+        """With those points alone, for a first guess."""
+        some = self.spread_out(apart)
+        each = {name: getattr(self, name)[some] for name in _OF_POINTS}
+        rough = None if self.rough is None else self.rough[some]
+        points, by_parameter = tuple(self.points[i] for i in some), tuple(self.x_by_parameter[i] for i in some)
+        return replace(self, points=points, x_by_parameter=by_parameter, rough=rough, **each)
 
     def at(self, place: Floats) -> "Observed":
         """What is observed at places along the branch."""

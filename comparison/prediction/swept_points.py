@@ -6,6 +6,9 @@ nothing, and in a wide hysteresis it is the hardest to follow. So the part that 
 the far end of the window, up to where it turns back itself; where it is not found there, the branch is followed back,
 but what runs against the sweep is neither differentiated nor kept, nor moved when parameters change.
 
+Where the branch does not turn back inside the window, the window may still end inside a hysteresis: then the far end
+stands on another part, which a sweep that began there is on, and which is kept up to where it turns back.
+
 Of a response with one hysteresis there are two stable parts beyond the fold: the one that the sweep has left, and the
 one that the rest of the window belongs to. With more of them, one within another, a sweep could jump to a part between,
 which only the whole branch would show.
@@ -27,6 +30,9 @@ MARGIN = 4
 # Share of the window that a branch has to come back behind a fold for it to be more than a corner that some contact's
 # onset of slip makes.
 _FAR = 0.01
+# A point on a piece of a branch is no farther from either end of it than the piece is long; half as far again it is
+# beside it.
+_BESIDE = 1.5
 
 
 @dataclass(frozen=True)
@@ -93,9 +99,23 @@ class BranchAfterJump:
         reached = next((n for n in range(self._margin, len(beyond) + 1) if all(beyond[n - self._margin : n])), 0)
         if not reached:
             return []
+        return self._up_to_fold(reached)
+
+    def beside(self, last: Sequence[BranchPoint]) -> list[ObservedPoint]:
+        """The same from where the part turns back to the far end, where that is not on the branch that ends there.
+
+        last: two points of that branch, on either side of the far end
+        """
+        with suppress(BranchStoppedError):
+            end = next(iter(self._end.points()))
+            if max(end.distance(point) for point in last) > _BESIDE * last[0].distance(last[1]):
+                return self._up_to_fold()
+        return []
+
+    def _up_to_fold(self, least: int = 0) -> list[ObservedPoint]:
+        """With a margin behind the fold, in the order of the sweep; least: points"""
         ahead = [self._sign * o.point.w for o in self._followed]
-        begins = int(np.argmin(ahead))
-        return turned_round(self._followed[: max(begins + self._margin, reached)])
+        return turned_round(self._followed[: max(int(np.argmin(ahead)) + self._margin, least)])
 
     @cached_property
     def _followed(self) -> list[ObservedPoint]:
@@ -145,6 +165,8 @@ def swept_points(
             raise
         if ahead is None or not kept.behind_fold.points or not kept.jump_to(ahead.beyond(kept.behind_fold)):
             return kept.whole(), str(stop)
+    if ahead is not None and not kept.jumped:
+        kept.add_beside(ahead.beside([seen.point for seen in kept.whole()[-2:]]))
     return kept.whole(), ""
 
 
@@ -155,6 +177,7 @@ class _SweptPoints:
         self._observe, self.followed, self.behind_fold = observe, 0, DistanceBehindFold(sign)
         self._points: list[ObservedPoint] = []
         self._lately: list[_Passed] = []
+        self.jumped = False
 
     def add(self, point: BranchPoint) -> None:
         self._add(_Passed(point))
@@ -163,12 +186,19 @@ class _SweptPoints:
         """Go on with these, of another part of the branch, if there are any; behind the fold the margin is kept."""
         if not points:
             return False
+        self.jumped = True
         self._lately.clear()
         self.behind_fold.points = min(self.behind_fold.points, MARGIN)
         for i, seen in enumerate(points):
             there = seen if i else seen.after_gap()
             self._add(_Passed(there.point, there))
         return True
+
+    def add_beside(self, points: Sequence[ObservedPoint]) -> None:
+        """Another part of the branch, none of which this sweep comes to; what is behind a fold ends here."""
+        self._points = [*self.whole(), *(seen if i else seen.after_gap() for i, seen in enumerate(points))]
+        self._lately.clear()
+        self.behind_fold.points = 0
 
     def _add(self, passed: "_Passed") -> None:
         self.followed += 1

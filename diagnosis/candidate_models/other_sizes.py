@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.fit.compared import Compared, objective
-from updamp.comparison.fit.fit import Fit, FitOptions, fit
+from updamp.comparison.fit.fit import Fit, FitOptions, fit, fit_linear
 from updamp.diagnosis.candidate_models.baseline import Baseline
 from updamp.diagnosis.candidate_models.refit import as_given, compared_at
 from updamp.effects.effect import Effect
@@ -21,6 +21,8 @@ Floats = NDArray[np.float64]
 # Times the size that was fitted.
 SIZE_FACTORS = (0.5, 2.0)
 _ROUNDS = FitOptions(rounds=6, retraced=False)
+# Share of an effect's size by which it may change to first order: back from half of what was found.
+_REACH = 1.0
 # Of chi2, that 95 % of the minima of one parameter lie within.
 _WITHIN = 3.84
 
@@ -31,15 +33,19 @@ def have_two_signs(effects: tuple[Effect, ...]) -> bool:
 
 def fit_from_size(found: Fit, effects: tuple[Effect, ...], size: float, start: Baseline) -> Fit | None:
     """The fit from so many times the effects' sizes: the other parameters as they are, or as given, whatever is closer;
-    None where the model has no response at either, and where the fit comes back to what was found."""
-    p, scatter = found.parametrisation, found.compared.scatter
+    None where the model has no response at either, and where the fit comes back to what was found, which from most
+    sizes first order tells: where a law takes long nothing else is to be solved then."""
+    p, scatter, plan = found.parametrisation, found.compared.scatter, start.train_plan
     starts = [_sized(found, effects, size, others) for others in (found.u, as_given(found))]
-    solved = compared_at(p, start.train_plan, starts, found.compared)
+    same, solved = partial(_same_minimum, found), list[Compared]()
+    for compared in compared_at(p, plan, starts, found.compared):
+        if same(fit_linear(p, plan, compared, scatter, _REACH)):
+            return None
+        solved.append(compared)
     best = min(solved, key=lambda compared: objective(p, compared), default=None)
     if best is None:
         return None
-    same = partial(_same_minimum, found)
-    other = fit(p, start.train_plan, best.u, scatter, best.branches, _ROUNDS, enough=same)
+    other = fit(p, plan, best.u, scatter, best.branches, _ROUNDS, known=same)
     return None if same(other.compared) else other
 
 

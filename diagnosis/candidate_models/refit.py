@@ -26,7 +26,7 @@ from updamp.hbm.continuation.continuation import BranchStoppedError, Continuatio
 Floats = NDArray[np.float64]
 # Share of it that a start has to bring it down to.
 _FAR = 0.1
-_COARSE = ContinuationOptions(largest_step=0.4)
+COARSE = ContinuationOptions(largest_step=0.4)
 _SHORT, FULL = FitOptions(rounds=2, retraced=False), FitOptions(rounds=8)
 
 
@@ -180,7 +180,7 @@ def as_given(fitted: Fit) -> Floats:
 def coarse_enough(base: Fit) -> ContinuationOptions | None:
     """Of branches that only a first guess depends on. Interpolation between longer steps is off by several times the
     noise of the sensors at most, which is nothing beside what a model lacks that fails badly."""
-    return _COARSE if fails_badly(base) else None
+    return COARSE if fails_badly(base) else None
 
 
 def fails_badly(base: Fit) -> bool:

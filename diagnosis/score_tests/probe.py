@@ -21,7 +21,7 @@ from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.diagnosis.candidate_models.baseline import Baseline
 from updamp.diagnosis.candidate_models.fit_tasks import without_branches
-from updamp.diagnosis.candidate_models.refit import as_given, coarse_enough
+from updamp.diagnosis.candidate_models.refit import COARSE, as_given, coarse_enough
 from updamp.effects.effect import Effect
 from updamp.hbm.continuation.continuation import BranchStoppedError
 from updamp.parallel.workers import LongestFirst, Workers, here
@@ -29,6 +29,9 @@ from updamp.parallel.workers import LongestFirst, Workers, here
 Floats = NDArray[np.float64]
 # Of an effect's parameters from their typical size, and of nuisance parameters, in units of their scale.
 _REACH = 2.0
+# Distance of the points that a probe is moved from: half of the longest step of a branch traced for a first guess.
+# Where contacts begin to slip these lie closer by far, and each takes as long as the law of an effect does.
+_APART = COARSE.largest_step / 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,16 +56,9 @@ def probes(
     """
     plan = start.train_plan.only(highest_levels(start.train_plan))
     at = as_given(start.fitted)
-    near = predict_branches(
-        start.fitted.parametrisation,
-        at,
-        plan,
-        None,
-        BranchesBy(workers),
-        coarse_enough(start.fitted),
-        start.fitted.compared.inflation,
-    )
-    shared = _About(without_branches(start.fitted), plan, at, near)
+    p, inflation = start.fitted.parametrisation, start.fitted.compared.inflation
+    near = predict_branches(p, at, plan, None, BranchesBy(workers), coarse_enough(start.fitted), inflation)
+    shared = _About(without_branches(start.fitted), plan, at, [branch.thinned(_APART) for branch in near])
     # an effect without derivative is of a law or of harmonics that take longer
     longest_first = LongestFirst(workers, lambda effect: effect.finite_step)
     found = longest_first(_best_of, shared, effects, lambda i, _: progress(f"{effects[i].name} at its typical size"))

@@ -119,7 +119,7 @@ def _differentiated(shared: tuple[ModelAt, Sequence[Change]], branch: PredictedB
     for: of these some are left out.
     """
     there, changes = shared
-    some = branch.spread_out
+    some = branch.spread_out()
     points = with_matrices(there.model, branch.condition, [branch.points[i] for i in some])
     seen = observe(there, branch.condition, points, branch.stopped, changes)
     n = there.parametrisation.n_of_model

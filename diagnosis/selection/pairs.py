@@ -36,11 +36,15 @@ def try_pairs(fits: FitContext, effects: Sequence[Effect], singles: CandidateFit
 def _all_pairs(
     fits: FitContext, effects: Sequence[Effect], firsts: Sequence[Refit], singles: CandidateFits
 ) -> CandidateFits:
-    """Each effect beside every better one: two that are missing together need not come close alone."""
+    """Each effect beside every other, once: two that are missing together need not come close alone, and one may show
+    beside the other and not the other way round. The better one goes first where both show."""
     found: CandidateFits = {}
-    for i, first in enumerate(firsts[:-1]):
-        worse = {r.effects[0].name for r in firsts[i + 1 :]}
-        found |= _beside(fits, first, [e for e in effects if e.name in worse], singles)
+    for first in firsts:
+        (one,) = first.effects
+        fitted = {one.name} | {name for names in found if one.name in names for name in names}
+        known = {r.effects[0].name for r in firsts} - fitted
+        if known:
+            found |= _beside(fits, first, [e for e in effects if e.name in known], singles)
     return found
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.comparison.fit.failing_model import independent
 from updamp.comparison.fit.prediction_error import PredictionError, prediction_error
 from updamp.comparison.prediction.branch_tasks import BranchesBy
 from updamp.diagnosis.candidate_models.baseline import Baseline, farthest_off
@@ -105,7 +106,7 @@ def _evidence(
         if_repeatable(base, start, BranchesBy(fits.workers)),
         base.compared.independent,
         held_out.misfit,
-        held_out.values / max(base.compared.as_many, 1.0),
+        independent(held_out.values, base.compared.as_many),
         base.compared.as_many,
     )
 

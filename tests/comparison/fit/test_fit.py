@@ -9,7 +9,7 @@ from support.small_model import NUISANCES, condition, parametrisation, synthetic
 from updamp.comparison.findings.findings import findings, misfits
 from updamp.comparison.fit.compared import compare_at, predict_branches
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
-from updamp.comparison.fit.observations import Plan, roughness
+from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.prediction.traced_branch import trace_branch
 
@@ -84,12 +84,6 @@ def test_a_shifted_resonance_is_named(runs):
     said = findings(found, plan, misfits(found, plan, [1.0] * 3))
     assert said
     assert said[0].quantity == "frequency"
-
-
-def test_noise_is_told_from_the_roughness_of_a_run():
-    rng = np.random.default_rng(0)
-    x = np.linspace(0, 3, 400)
-    assert roughness(np.sin(x) + 0.01 * rng.standard_normal(400)) == pytest.approx(0.01, rel=0.15)
 
 
 def test_intervals_know_what_finer_numerics_would_move_the_parameters_by(fitted):

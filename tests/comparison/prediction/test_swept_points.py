@@ -1,6 +1,6 @@
 """Of branches with a wide hysteresis is kept what the sweep sees: the same points as of the whole branch."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -110,8 +110,13 @@ class Kept:
         return Kept(SimpleNamespace(w=self.point.w, after_gap=after_gap, step=0.1))
 
 
+class Point(SimpleNamespace):
+    def distance(self, other: "Point") -> float:
+        return abs(self.w - other.w)
+
+
 def points(*frequencies: float):
-    return iter([SimpleNamespace(w=w, after_gap=False, step=0.1) for w in frequencies])
+    return iter([Point(w=w, after_gap=False, step=0.1) for w in frequencies])
 
 
 def of(kept: list[Kept]) -> list[tuple[float, bool]]:
@@ -172,6 +177,16 @@ def test_an_other_end_that_turns_back_or_stops_leaves_the_way_back():
         assert found[1] == ""
 
 
+def test_a_branch_that_ends_behind_a_fold_keeps_the_other_end_beside_it():
+    turning = BranchFromFarEnd(lambda: points(12, 11, *(11 + 0.05 * i for i in range(1, 30))), 10.0)
+    alone = of(swept_points(points(8, 9, *BACK), True, Kept)[0])
+    found, _ = swept_points(points(8, 9, *BACK), True, Kept, turning)
+    assert of(found)[: len(alone)] == alone
+    ahead = [w for w, _ in of(found)[len(alone) :]]
+    assert ahead[-2:] == [11, 12]
+    assert of(found)[len(alone)][1]
+
+
 def test_a_second_fold_may_be_reached_though_the_first_was_not():
     """Hysteresis of one mode after the other: from the other end the branch turns back between both folds."""
     back = [9 - 0.1 * i for i in range(1, 20)]
@@ -204,3 +219,40 @@ def test_the_part_found_from_the_other_end_is_kept_whole():
     assert kept[MARGIN - 1 :] == there[::-1]
     assert kept[: MARGIN - 1] == pytest.approx([5.65, 5.6, 5.55])
     assert [gap for _, gap in of(found)].count(True) == 1
+
+
+def test_where_the_window_ends_in_a_hysteresis_both_parts_are_kept(softening):
+    """One sweep has begun above it, another inside: that one is on the part that the first never comes to."""
+    full = whole(softening, at(softening), DOWN)
+    folds = np.flatnonzero(np.diff(np.sign(np.diff(full.frequency)))) + 1
+    lower, upper = np.sort(full.frequency[folds[[0, -1]]])
+    inside = replace(DOWN, window=(float(lower + 0.4 * (upper - lower)), DOWN.window[1]))
+    assert lower < inside.wider[0] < upper
+    branch = trace_branch(softening, at(softening), inside)
+    (gap,) = [i for i, point in enumerate(branch.points) if point.after_gap]
+    assert branch.visited[:gap].all()
+    assert not branch.visited[gap:-1].any()
+    assert branch.frequency[gap:].max() == pytest.approx(upper, rel=5e-4)
+    behind = slice(None, folds[-1], -1)  # what a sweep jumps to, from the far end
+    expected = np.interp(branch.frequency[-2], full.frequency[behind], abs(full.amplitude[behind, 0]))
+    assert abs(branch.amplitude[-2, 0]) == pytest.approx(expected, rel=0.01)
+    moved = move_branch(softening, at(softening, 1e-3), branch)
+    assert moved is not None
+    assert [point.after_gap for point in moved.points].count(True) == 1
+    above = replace(DOWN, window=(1.005 * upper, DOWN.window[1]))
+    assert above.wider[0] > upper
+    assert not any(point.after_gap for point in trace_branch(softening, at(softening), above).points)
+
+
+def test_a_thinned_branch_is_the_same_curve_with_its_gap(softening):
+    branch = trace_branch(softening, at(softening), DOWN)
+    thin = branch.thinned(0.2)
+    assert len(thin.points) < len(branch.points)
+    (gap,) = [i for i, point in enumerate(thin.points) if point.after_gap]
+    apart = np.diff(thin.place)
+    assert sum(apart < 0.2) <= 3  # both sides of the gap, and the end
+    assert set(np.flatnonzero(apart < 0.2)) <= {gap - 2, gap - 1, len(apart) - 1}
+    np.testing.assert_allclose(thin.at(thin.place).value, branch.at(thin.place).value, rtol=1e-12)
+    again = move_branch(softening, at(softening), thin)
+    assert again is not None
+    assert_the_same(again, branch)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support.small_model import NUISANCES, condition, small_model, synthetic_plan
 
-from updamp.comparison.fit import numerical_gate
+from updamp.comparison.fit import fit, numerical_gate
 from updamp.comparison.fit.compared import objective
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.diagnosis.candidate_models.baseline import baseline
@@ -73,10 +73,14 @@ def test_the_other_minimum_is_found_is_as_likely_and_is_in_the_interval(fitted):
     assert both.lower < ALIKE[0] < ALIKE[1] < both.upper
 
 
-def test_where_there_is_one_minimum_every_size_leads_back_to_it(fitted):
+def test_where_there_is_one_minimum_every_size_leads_back_to_it(fitted, monkeypatch):
     start, found = fitted(PLAIN)
     for size in SIZE_FACTORS:
         assert fit_from_size(found.fitted, (PLAIN,), size, start) is None
+    solved = []
+    monkeypatch.setattr(fit, "predict_branches", lambda *each, **_: solved.append(each))
+    assert fit_from_size(found.fitted, (PLAIN,), 1.05, start) is None
+    assert not solved  # but the start: first order tells
 
 
 def test_an_effect_that_has_no_sign_is_not_turned_round():

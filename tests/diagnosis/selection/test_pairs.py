@@ -5,6 +5,7 @@ import pytest
 from updamp.diagnosis.candidate_models.fit_tasks import FittedCandidate
 from updamp.diagnosis.candidate_models.refit import Refit, gain_of_bic
 from updamp.diagnosis.evidence import Trial
+from updamp.diagnosis.selection import pairs
 from updamp.diagnosis.selection.pairs import gain_over_one
 from updamp.effects.effect import Effect, EffectParameter
 
@@ -53,3 +54,23 @@ def test_where_one_of_them_has_not_been_fitted_alone_the_other_one_counts():
     assert gain_over_one(refit(ONE, THREE, drop=4000.0), alone) == pytest.approx(
         gain_of_bic(3000.0, 3, VALUES, AS_MANY)
     )
+
+
+def test_a_pair_is_fitted_in_the_order_in_which_it_shows_and_once(monkeypatch):
+    shows = {("three", "one"), ("two", "three"), ("three", "two")}
+    tried = []
+
+    def beside(_, first, effects, __):
+        (one,) = first.effects
+        tried.extend((one.name, e.name) for e in effects)
+        return {(one.name, e.name): e for e in effects if (one.name, e.name) in shows}
+
+    monkeypatch.setattr(pairs, "_beside", beside)
+    effects = [ONE, effect("two", 1), THREE]
+    firsts = [refit(e, drop=drop) for e, drop in zip(effects, (30.0, 20.0, 10.0), strict=True)]
+    assert set(pairs._all_pairs(None, [*effects, effect("four", 1)], firsts, {})) == {
+        ("three", "one"),
+        ("two", "three"),
+    }
+    assert ("three", "two") not in tried
+    assert not any("four" in names for names in tried)
