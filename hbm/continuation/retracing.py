@@ -24,8 +24,9 @@ class BranchLimits:
     points_kept: as they are, to predict from; of the others only the chords between them
     off_chord: a point no further off a chord than this share of the chord, and of the step that led to it, is on it
     same_mean: two mean positions closer than this share of their size are the same
-    bifurcation: steps up to this length may pass a bifurcation, where the orientation changes; in a longer one the
-        change of orientation tells another branch
+    bifurcation: steps up to this length may pass a bifurcation of a symmetric motion, where the orientation changes; in
+        a longer one the change of orientation tells another branch
+    symmetric: even harmonics of a motion without any, as a share of it: what Newton's method leaves of them
     ahead, straight: least cosine between tangent and move, of an ordinary step and of one through a bifurcation
     """
 
@@ -33,6 +34,7 @@ class BranchLimits:
     off_chord: float = 0.1
     same_mean: float = 0.05
     bifurcation: float = 2e-3
+    symmetric: float = 1e-8
     ahead: float = 0.3
     straight: float = 0.9
 
@@ -118,13 +120,25 @@ def on_same_branch(last: BranchPoint, point: BranchPoint, limits: BranchLimits) 
     (hbm/continuation/recovery/switch_branch.py).
 
     The response of a symmetric structure is symmetric, and goes straight on through bifurcations to asymmetric ones;
-    the sign changes there. Where it is costly to know, it is not asked for.
+    the sign changes there. Without a symmetry to be broken it does not: a step that changes it, however short, has
+    ended on another branch. Where it is costly to know, it is not asked for.
     """
     move = last.move_to(point)
     cosine = point.metric.product(point.tangent, move) / point.metric.length(move)
     before, after = last.orientation, point.orientation
     kept = before is None or after is None or before == after
-    return cosine > limits.ahead if kept else point.step < limits.bifurcation and cosine > limits.straight
+    if kept:
+        return cosine > limits.ahead
+    return point.step < limits.bifurcation and cosine > limits.straight and _may_bifurcate(last, limits)
+
+
+def _may_bifurcate(point: BranchPoint, limits: BranchLimits) -> bool:
+    """Whether the motion may have a symmetry that a bifurcation breaks: the structure's mirror image, or that each half
+    of the period is the other one turned over."""
+    system, x = point.solution.equation.receptance.system, point.x
+    even = [i for k, place in system.harmonics.slices.items() if k % 2 == 0 for i in range(place.start, place.stop)]
+    turned_over = bool(even) and float(np.linalg.norm(x[:, even])) <= limits.symmetric * float(np.linalg.norm(x))
+    return system.mirror is not None or turned_over
 
 
 def turn_between(last: BranchPoint, point: BranchPoint) -> tuple[float, float]:
