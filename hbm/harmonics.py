@@ -100,15 +100,6 @@ class Harmonics:
             matrix[part, 2 * i : 2 * i + 2] = np.diag([1.0, -1.0])[: part.stop - part.start]
         return matrix
 
-    def phase_derivative(self, coefficients: Floats) -> Floats:
-        """(..., n_coefficients) of the same motion, with respect to w t: how it changes as it is shifted in phase."""
-        changed = np.zeros_like(coefficients)
-        for k, place in self.slices.items():
-            if k:
-                cosine, sine = np.moveaxis(coefficients[..., place], -1, 0)
-                changed[..., place] = np.stack([k * sine, -k * cosine], axis=-1)
-        return changed
-
     def change_to(self, other: "Harmonics", coefficients: Floats) -> Floats:
         """The same motion in other harmonics: missing ones are dropped, new ones are zero."""
         changed = np.zeros((*coefficients.shape[:-1], other.n_coefficients))

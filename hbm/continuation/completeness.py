@@ -40,7 +40,14 @@ def shortcoming(curve: ResponseCurve, window: tuple[float, float], limits: Compl
     if abs(frequency[-1] - frequency[0]) < (high - low) / 2:
         return f"the branch turned back and left the window where it had entered, at {frequency[-1]:.2f} Hz"
     response = curve.amplitudes()
-    width = half_width(frequency, np.abs(response[:, np.abs(response).max(axis=0).argmax()]))
+    size = np.abs(response[:, np.abs(response).max(axis=0).argmax()])
+    top = int(size.argmax())
+    if top in (0, len(size) - 1) or not low <= frequency[top] <= high:
+        return (
+            f"the response is largest at {frequency[top]:.2f} Hz, at or beyond the end of the window from {low:.4g} to "
+            f"{high:.4g} Hz, so that its resonance does not lie within it: widen the window"
+        )
+    width = half_width(frequency, size)
     for i in np.flatnonzero(after_gap):
         apart = abs(frequency[i] - frequency[i - 1])
         change = relative_change(response[i - 1], response[i])

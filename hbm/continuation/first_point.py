@@ -10,7 +10,6 @@ import numpy as np
 
 from updamp.hbm.continuation.branch import BranchPoint, point_at
 from updamp.hbm.continuation.predictor_corrector import BranchStoppedError, ContinuationOptions, PredictorCorrector
-from updamp.hbm.continuation.recovery.supported_step import SupportedStep
 from updamp.hbm.continuation.retracing import TracedBranch
 from updamp.hbm.newton.equation import linear_solution, open_solution
 from updamp.hbm.newton.newton import NewtonOptions, Solution, Status, solve
@@ -110,8 +109,7 @@ def _at_force(
     (a, b), (w, target) = neighbours, place
     share = (target - a.w) / (b.w - a.w)
     for x in (a.x + share * (b.x - a.x), b.x, a.x):
-        for support in SupportedStep().supports:
-            solution = solve(system, excitation, x, w, replace(options.persistent, support=support))
-            if solution.converged:
-                return solution
+        solution = solve(system, excitation, x, w, options.persistent)
+        if solution.converged:
+            return solution
     raise BranchStoppedError(w / (2 * np.pi), solution.errors[-1], solution.status)

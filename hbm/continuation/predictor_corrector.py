@@ -6,15 +6,13 @@ something.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Protocol
 
 from updamp.hbm.continuation.branch import BranchPoint
 from updamp.hbm.continuation.corrector import Corrector, StepOptions
-from updamp.hbm.continuation.recovery.jump import Jump, SkipAhead
+from updamp.hbm.continuation.recovery.jump import Jump
 from updamp.hbm.continuation.recovery.lowering_step import LoweringStep
-from updamp.hbm.continuation.recovery.step_in_phase import StepInPhase
-from updamp.hbm.continuation.recovery.supported_step import SupportedStep
 from updamp.hbm.continuation.recovery.switch_branch import SwitchBranch
 from updamp.hbm.continuation.retracing import TracedBranch
 from updamp.hbm.newton.newton import Status
@@ -29,13 +27,7 @@ class Recovery(Protocol):
 
 
 # Without jumps: for branches of which every part is wanted.
-CONNECTED: tuple[Recovery, ...] = (
-    SwitchBranch(),
-    LoweringStep(),
-    StepInPhase(),
-    SupportedStep(),
-    SkipAhead(),
-)
+CONNECTED: tuple[Recovery, ...] = (SwitchBranch(), LoweringStep())
 
 
 @dataclass(frozen=True)
@@ -89,16 +81,15 @@ class PredictorCorrector(Corrector):
 
         raises: BranchStoppedError
         """
-        options, last, asked_for = self.options, traced.last, step
+        options, asked_for = self.options, step
         while True:
-            for support in sorted({0.0, last.solution.support}, reverse=True):
-                point, solution = self.step(traced, step, replace(options.newton, support=support))
-                if point is not None:
-                    return [point], options.following(step, point.step, solution.iterations, step < asked_for)
+            point, solution = self.step(traced, step)
+            if point is not None:
+                return [point], options.following(step, point.step, solution.iterations, step < asked_for)
             if step <= options.smallest_step:
                 break
             step = options.shortened(step)
         for recovery in options.recoveries:
             if points := recovery(self, traced):
                 return points, options.recovered(points[-1].step)
-        raise BranchStoppedError(last.frequency, solution.errors[-1], solution.status)
+        raise BranchStoppedError(traced.last.frequency, solution.errors[-1], solution.status)

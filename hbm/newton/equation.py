@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from updamp.hbm.newton.active_forces import DirectForces
 from updamp.hbm.newton.jacobian import Jacobian, factorise
-from updamp.hbm.newton.tangent import supported
 from updamp.hbm.problem.receptance import Receptance
 from updamp.hbm.problem.system import Departure, Excitation, Forcing, NonlinearSystem
 
@@ -54,12 +53,12 @@ class Equation:
             return displacement
         return min(displacement, max(_CARRYING * abs(self.force) / stiffest, _KNOWN * displacement))
 
-    def factorised(self, support: float = 0.0, near: DirectForces | None = None) -> Jacobian:
-        """support: as in `NewtonOptions`; near: factors at a similar point, to do without new ones
+    def factorised(self, near: DirectForces | None = None) -> Jacobian:
+        """near: factors at a similar point, to do without new ones
 
         raises: scipy.linalg.LinAlgError where a tangent is not finite
         """
-        return factorise(self.receptance, supported(self.receptance.system, self.departure, support), near)
+        return factorise(self.receptance, self.departure, near)
 
     def frequency_derivative(self, excitation: Forcing) -> Floats:
         """dr/dw"""

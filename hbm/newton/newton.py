@@ -46,10 +46,6 @@ class NewtonOptions:
     damped: whether steps are shortened at all. Across a kink the full step solves the far side's equations, however
         much the residual rises on the way; a shortened one stays at the kink. For starts close to a solution.
     patience: given up where after so many iterations the residual is not below `PROGRESS` of the first; None: never
-    support: share of their stiffness in the mean position that slipping and open contacts keep in Newton's tangent.
-        Where they all slip in a direction, little holds the mean position: from a residual of 1e-10 of the displacement
-        the exact step may go thousands of displacements, far beyond where contacts stick again. Solutions are the same,
-        as the residual has no such support.
 
     raises: ValueError naming the option that is out of range
     """
@@ -60,7 +56,6 @@ class NewtonOptions:
     memory: int = 4
     damped: bool = True
     patience: int | None = None
-    support: float = 0.0
 
     def __post_init__(self) -> None:
         if not 1e-14 < self.tolerance < 1e-2:
@@ -69,8 +64,6 @@ class NewtonOptions:
             raise ValueError(f"iterations = {self.iterations}: at least 1")
         if self.patience is not None and self.patience < 1:
             raise ValueError(f"patience = {self.patience}: at least 1, or None")
-        if not 0 <= self.support < 1:
-            raise ValueError(f"support = {self.support}: at least 0 and below 1")
 
     @property
     def lowering(self) -> "NewtonOptions":
@@ -91,7 +84,6 @@ PROGRESS = 0.3
 class Solution:
     """x: (n_relative, n_coefficients) [m]; w [rad/s]; errors: as in Equation, one entry an iteration
 
-    support: what Newton's tangents had of it (`NewtonOptions`)
     jacobian: at the iterate before the last; by_frequency: its J^-1 dr/dw [m s], None at fixed frequency
     """
 
@@ -103,7 +95,6 @@ class Solution:
     equation: Equation
     jacobian: Jacobian | None
     by_frequency: Floats | None = None
-    support: float = 0.0
 
     @property
     def converged(self) -> bool:
@@ -158,12 +149,9 @@ def solve(
             break
     if errors[-1] < options.tolerance and step is not None:
         status = Status.CONVERGED
-        if options.support:
-            equation, step = _last_step_unsupported(system, excitation, equation, arc, near)
-            errors.append(equation.error)
     jacobian, slope = (None, None) if step is None else (step.jacobian, step.by_frequency)
     place = (equation.x, equation.w)
-    return Solution(*place, status, len(errors) - 1, tuple(errors), equation, jacobian, slope, options.support)
+    return Solution(*place, status, len(errors) - 1, tuple(errors), equation, jacobian, slope)
 
 
 def _advance(
@@ -180,20 +168,11 @@ def _advance(
     if not np.isfinite(equation.error):
         return Status.DIVERGED
     try:
-        step = _step(equation, equation.factorised(options.support, near), excitation, arc, before)
+        step = _step(equation, equation.factorised(near), excitation, arc, before)
     except scipy.linalg.LinAlgError:
         return Status.DIVERGED
     found = _damped(system, excitation, equation, (step.dx, step.dw), options, bound)
     return Status.STALLED if found is None else (found, step)
-
-
-def _last_step_unsupported(
-    system: NonlinearSystem, excitation: Forcing, equation: Equation, arc: Arc | None, near: DirectForces | None
-) -> tuple[Equation, "_Step"]:
-    """One exact step more, for the branch's tangent; taken where the residual does not rise."""
-    step = _step(equation, equation.factorised(near=near), excitation, arc, None)
-    further = evaluate(system, excitation, equation.x + step.dx, equation.w + step.dw)
-    return (further if further.error <= equation.error else equation), step
 
 
 @dataclass(frozen=True, eq=False)

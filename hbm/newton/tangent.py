@@ -1,7 +1,5 @@
 """The tangent T of the elements' departure from stuck: block diagonal by element, zero where an element is stuck."""
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,22 +21,6 @@ def apply_tangent(system: NonlinearSystem, departure: Departure, displacement: F
         product = tangent.reshape(n, d * c, d * c) @ motion.reshape(n, d * c, -1)
         forces[group.rows] = product.reshape(motion.shape)
     return forces
-
-
-def supported(system: NonlinearSystem, departure: Departure, share: float) -> Departure:
-    """With tangents of elements that keep `share` of their reference stiffness in the mean position, if there is one.
-
-    T is minus the reference stiffness where an element slips or is open, and zero where it sticks.
-    """
-    if not share or 0 not in system.harmonics.orders:
-        return departure
-    tangents = []
-    for tangent in departure.tangents:
-        kept = tangent.copy()
-        for d in range(tangent.shape[1]):
-            kept[:, d, 0, d, 0] *= 1 - share
-        tangents.append(kept)
-    return replace(departure, tangents=tuple(tangents))
 
 
 def active_rows(system: NonlinearSystem, departure: Departure) -> Integers:

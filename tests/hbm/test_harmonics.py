@@ -46,11 +46,3 @@ def test_bad_orders_are_named(orders):
 def test_too_few_samples():
     with pytest.raises(ValueError, match="time_samples = 6"):
         Harmonics((1, 3)).analysis(6)
-
-
-@pytest.mark.parametrize("orders", [(0, 1, 2, 3), (1, 3)])
-def test_phase_derivative_is_that_of_the_shifted_motion(orders):
-    harmonics = Harmonics(orders)
-    x = np.random.default_rng(4).normal(size=(3, harmonics.n_coefficients))
-    rate = harmonics.synthesis_rate(32) @ x.T
-    np.testing.assert_allclose(harmonics.synthesis(32) @ harmonics.phase_derivative(x).T, rate, atol=1e-13)

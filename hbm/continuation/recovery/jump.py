@@ -14,21 +14,6 @@ from updamp.hbm.newton.newton import Arc, NewtonOptions, solve
 
 
 @dataclass(frozen=True)
-class SkipAhead:
-    """A point a little ahead, with the orientation kept: where the law, sampled in time, has a discontinuity.
-
-    lengths: ahead of the last point, in units of arc
-    """
-
-    lengths: tuple[float, ...] = (3e-4, 1e-3, 3e-3, 0.01)
-
-    def __call__(self, corrector: Corrector, traced: TracedBranch) -> Sequence[BranchPoint]:
-        options = corrector.options
-        point = point_beyond_gap(corrector, traced, options.no_shorter(self.lengths), options.newton)
-        return [point] if point is not None and point.orientation == traced.last.orientation else []
-
-
-@dataclass(frozen=True)
 class Jump:
     """The points beyond a jump: from where its far side begins to where the jump ended.
 

@@ -9,8 +9,7 @@ from support.peers import blades_and_damper_system, one_degree_of_freedom, solve
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring, UnilateralParameters, UnilateralSpring
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions, continue_branch, first_point
-from updamp.hbm.continuation.recovery.step_in_phase import StepInPhase
-from updamp.hbm.continuation.recovery.supported_step import SupportedStep
+from updamp.hbm.continuation.recovery.lowering_step import LoweringStep
 from updamp.hbm.continuation.recovery.switch_branch import SwitchBranch, lies_on_last_points
 from updamp.hbm.continuation.retracing import TracedBranch
 from updamp.hbm.newton.active_forces import DirectForces, KrylovForces, ModalForces
@@ -69,7 +68,7 @@ def test_branch_switching_does_not_depend_on_how_small_the_smallest_step_is(agai
 
 
 def test_without_the_far_sides_tangent_it_stops_there(against_a_stop):
-    found, stop = followed(*against_a_stop, recoveries=(StepInPhase(), SupportedStep()))
+    found, stop = followed(*against_a_stop, recoveries=(LoweringStep(),))
     assert stop is not None
     assert found[-1].w == pytest.approx(1.35, abs=0.01)
 

@@ -196,6 +196,16 @@ def test_a_branch_that_leaves_the_window_where_it_came_in_is_not_complete():
     assert "is covered to" in shortcoming(folded, WINDOW)
 
 
+@pytest.mark.parametrize("window", [(0.5, 0.95), (1.05, 2.0)])
+@pytest.mark.parametrize("upwards", [True, False])
+def test_a_largest_response_at_the_end_of_the_window_is_no_peak(window, upwards):
+    """The resonance, at 1 rad/s, lies beyond it."""
+    system, request = linear_oscillator()
+    *_, curve = trace(system, replace(request, window=tuple(w / 2 / np.pi for w in window), upwards=upwards))
+    assert not curve.complete
+    assert "its resonance does not lie within it: widen the window" in curve.stopped
+
+
 def test_half_width_of_a_linear_resonance_is_that_of_its_damping():
     frequency, ratio = np.linspace(0.9, 1.1, 2001), 0.01
     size = 1 / np.abs(1 - frequency**2 + 2j * ratio * frequency)

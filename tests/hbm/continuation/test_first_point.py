@@ -6,15 +6,12 @@ from support.peers import blades_and_damper_system, one_degree_of_freedom
 
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
-from updamp.hbm.continuation.branch import branch_point, point_after
 from updamp.hbm.continuation.continuation import BranchStoppedError
 from updamp.hbm.continuation.first_point import ForceRamp, by_force_continuation, first_point
 from updamp.hbm.continuation.predictor_corrector import ContinuationOptions, PredictorCorrector
-from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.newton.equation import evaluate, linear_solution
 from updamp.hbm.newton.metric import Metric
-from updamp.hbm.newton.newton import Arc, NewtonOptions, Status, solve
-from updamp.hbm.newton.tangent import supported
+from updamp.hbm.newton.newton import Status
 from updamp.hbm.problem.elements import ElementGroup
 from updamp.hbm.problem.system import Excitation
 
@@ -85,29 +82,6 @@ def test_derivative_in_the_force_against_differences():
     assert np.isfinite(evaluate(system, ramp, x, 1e6).residual).all(), "Newton's method may ask for any force"
 
 
-def test_support_of_the_mean_position_leaves_solution_and_tangent_as_they_are():
-    """On a plane across a branch with slip and separation; more iterations, the same point."""
-    system = blades_and_damper_system(JenkinsBox(2))
-    excitation, w = Excitation(system.free.row("excitation"), 40.0), 2 * np.pi * 232.0
-    start = first_point(system, excitation, w)
-    last = branch_point(system, excitation, start.x, w, 100.0, (0 * start.x, 1.0))
-    place = (last.x + 0.1 * last.tangent_x, last.w + 0.1 * last.tangent_w)
-    tight = {"tolerance": 1e-12, "iterations": 60}
-    exact, supported = (
-        solve(
-            system, excitation, *place, NewtonOptions(support=support, **tight), Arc(*place, last.tangent, last.metric)
-        )
-        for support in (0.0, 1e-2)
-    )
-    assert exact.converged
-    assert supported.converged
-    assert supported.iterations > exact.iterations
-    np.testing.assert_allclose(supported.x, exact.x, atol=1e-8 * np.abs(exact.x).max())
-    one, other = (point_after(last, solution, excitation) for solution in (exact, supported))
-    assert one.orientation == other.orientation
-    assert one.metric.length((one.tangent_x - other.tangent_x, one.tangent_w - other.tangent_w)) < 1e-5
-
-
 def test_a_drift_of_the_mean_position_does_not_hide_the_vibration():
     """Neither in the metric nor in the tolerance, however far the damper has drifted."""
     system = blades_and_damper_system(JenkinsBox(2))
@@ -122,17 +96,3 @@ def test_a_drift_of_the_mean_position_does_not_hide_the_vibration():
     assert far.length((drifted, 0.0)) < 2.0, "a drift is measured against itself"
     equation = evaluate(system, excitation, drifted, w)
     assert equation.error > 100 * np.abs(equation.residual).max() / np.abs(drifted).max()
-
-
-@pytest.mark.parametrize("orders", [(0, 1, 2, 3), (1, 2, 3)])
-def test_support_is_of_the_mean_position_alone(orders):
-    system = blades_and_damper_system(JenkinsBox(2)).with_harmonics(Harmonics(orders))
-    x = 100 * linear_solution(system, 2 * np.pi * 232.0, Excitation(system.free.row("excitation"), 10.0))
-    departure = system.departure(x, 2 * np.pi * 232.0)
-    before, after = departure.tangents[0], supported(system, departure, 0.25).tangents[0]
-    share = np.ones(before.shape)
-    if 0 in orders:
-        for d in range(3):
-            share[:, d, 0, d, 0] = 0.75
-    assert np.abs(before[:, 0, 0, 0, 0]).max() > 0
-    np.testing.assert_allclose(after, share * before)

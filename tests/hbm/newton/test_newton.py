@@ -12,7 +12,6 @@ from support.peers import blades_and_damper_system, one_degree_of_freedom
 from updamp.hbm.contact.coulomb_circle import CoulombCircle
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.continuation.continuation import ContinuationOptions, first_point
-from updamp.hbm.continuation.recovery.supported_step import SupportedStep
 from updamp.hbm.newton.active_forces import DirectForces, KrylovForces
 from updamp.hbm.newton.equation import evaluate, linear_solution
 from updamp.hbm.newton.jacobian import factorise
@@ -168,10 +167,8 @@ def test_a_residual_is_measured_by_the_force_that_it_stands_for(stiffness, most)
         (lambda: NewtonOptions(tolerance=1.0), "tolerance"),
         (lambda: NewtonOptions(iterations=0), "iterations"),
         (lambda: NewtonOptions(patience=0), "patience"),
-        (lambda: NewtonOptions(support=1.0), "support"),
         (lambda: ContinuationOptions(smallest_step=1.0), "smallest_step"),
         (lambda: ContinuationOptions(max_points=1), "max_points"),
-        (lambda: SupportedStep(supports=(0.0, -0.1)), "supports"),
     ],
 )
 def test_options_refuse_bad_values_by_name(options, name):
