@@ -5,6 +5,7 @@ none, or three. The residual is what is left across the branch, after the place 
 (errors in all variables: W. E. Deming, Statistical Adjustment of Data, 1943).
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -121,35 +122,63 @@ class _Moved:
         return _Moved(branch, run.observed - everywhere, of_drive if of_drive.any() else None, curves)
 
     def distance(self, tried: Floats, weights: Floats) -> Floats:
-        """(n, k) squared, of every point of the run from the places tried for it (n or 1, k); one kind of observation
-        after the other, since arrays whose last axis has the few of them take several times as long."""
+        """(n, k) squared, of every point of the run from the places tried for it (n or 1, k)"""
+        total = np.zeros((len(self.seen), tried.shape[1]))
+        for off, turn in self._off(tried, weights):
+            total += np.square(_within_turn(off, turn))
+        return total
+
+    def nearest_piece(self, ends: Floats, followed: NDArray[np.bool_], weights: Floats) -> tuple[Floats, Floats]:
+        """(n,) the place nearest to every point of the run on straight lines from each of the places to the next, and
+        how long its line is along the branch. Lines, not places: where frequencies are known far better than places
+        are close, the place whose frequency happens to be the nearest may be on another part of the branch.
+
+        ends: (k + 1,) places; followed: (k,)
+        """
+        square, product, length = (np.zeros((len(self.seen), len(followed))) for _ in range(3))
+        for off, turn in self._off(ends[None], weights):
+            change = _within_turn(np.diff(off, axis=1), turn)
+            start = _within_turn(off[:, :-1] + change / 2, turn) - change / 2
+            square += start**2
+            product += start * change
+            length += change**2
+        share = np.clip(-product / np.maximum(length, np.finfo(float).tiny), 0.0, 1.0)
+        distance = np.where(followed, square + share * (2 * product + share * length), np.inf)
+        best = np.argmin(distance, axis=1)
+        along = np.diff(ends)[best]
+        return ends[best] + share[np.arange(len(best)), best] * along, along
+
+    def _off(self, tried: Floats, weights: Floats) -> Iterator[tuple[Floats, float]]:
+        """(n, k) how far every point of the run is off the places tried for it (n or 1, k), and what a turn is, 0
+        but for phases; by `weights` (m,) that are not 0. One kind of observation after the other, since arrays
+        whose last axis has the few of them take several times as long."""
         found = self.curves(tried)
         value, change = logarithms(found[..., 0, :], found[..., 1:, :])
         # of amplitudes proportional to the force without a curve
         drive = change[..., 1, :] if change.shape[-2] > 1 else of_force(change.shape[-1])
         value += change[..., 0, :]
-        total = np.zeros((len(self.seen), tried.shape[1]))
         for j in np.flatnonzero(weights):
             off = self.seen[:, j, None] - value[..., j]
             if self.of_drive is not None:
                 off -= self.of_drive[:, None] * drive[..., j]
-            if j and j % 2 == 0:  # a phase, to the nearest turn
-                off -= 2 * np.pi * np.round(off / (2 * np.pi))
-            off *= weights[j]
-            total += np.square(off, out=off)
-        return total
+            is_phase = j and j % 2 == 0
+            yield off * weights[j], 2 * np.pi * weights[j] if is_phase else 0.0
+
+
+def _within_turn(off: Floats, turn: float) -> Floats:
+    """Phases to the nearest turn; turn: 0 for what is no phase"""
+    return off - turn * np.round(off / turn) if turn else off
 
 
 def _nearest(moved: _Moved, weights: Floats) -> Floats:
-    """(n,) the best of many places, then finer and finer looks around it; a gradient would go astray where contacts
-    begin to slip.
+    """(n,) the nearest on many short straight lines, then finer and finer looks around it; a gradient would go astray
+    where contacts begin to slip.
 
     All of the branch is tried, whichever part a sweep would be on: a sweep may leave a part before its fold, when
     something disturbs it, and one that begins in a hysteresis may begin on either part.
     """
-    tried, widths = moved.branch.places_between
-    best = np.argmin(moved.distance(tried[None], weights), axis=1)
-    place, width, each = tried[best], widths[best], np.arange(len(best))
+    place, width = moved.nearest_piece(*moved.branch.pieces, weights)
+    each = np.arange(len(place))
     for _ in range(_LOOKS):
         around = place[:, None] + width[:, None] * _AROUND
         around = np.clip(around, moved.branch.place[0], moved.branch.place[-1])

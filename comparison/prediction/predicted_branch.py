@@ -122,12 +122,11 @@ class PredictedBranch:
         return Observed(value, change[..., 0, :], change[..., 1:, :])
 
     @cached_property
-    def places_between(self) -> tuple[Floats, Floats]:
-        """(k,) places between its points, but for gaps, and half of the distance to the next."""
-        at = np.flatnonzero(self.followed)
-        length = np.diff(self.place)[at]
-        tried = self.place[at][:, None] + length[:, None] * (np.arange(_BETWEEN) + 0.5) / _BETWEEN
-        return tried.ravel(), np.repeat(length / _BETWEEN, _BETWEEN)
+    def pieces(self) -> tuple[Floats, NDArray[np.bool_]]:
+        """(k + 1,) places of its points and between them, so close that it is all but straight from one to the next;
+        (k,) whether it was followed there."""
+        ends = self.place[:-1, None] + np.diff(self.place)[:, None] * np.arange(_BETWEEN) / _BETWEEN
+        return np.append(ends.ravel(), self.place[-1]), np.repeat(self.followed, _BETWEEN)
 
     def rough_at(self, place: Floats) -> Floats:
         """(..., 1 + 2 n_sensors)"""

@@ -54,9 +54,16 @@ def test_nothing_along_the_branch_is_nearer_than_the_place_found(measured):
     np.testing.assert_array_less(left, (1 + 1e-6) * least)
 
 
+@pytest.mark.parametrize(
+    ("known", "of_frequency"), [(1e-3, 1e-3), (0.03, 2e-6)], ids=["as amplitudes", "far better known"]
+)
 @pytest.mark.parametrize("upper", [False, True])
-def test_where_there_are_two_motions_a_run_is_compared_with_the_one_that_it_is_on(upper):
-    """Between 77.5 and 79.5 Hz: on the part that a sweep upwards leaves at 79.7 Hz, or on the one that it jumps to."""
+def test_where_there_are_two_motions_a_run_is_compared_with_the_one_that_it_is_on(upper, known, of_frequency):
+    """Between 77.5 and 79.5 Hz: on the part that a sweep upwards leaves at 79.7 Hz, or on the one that it jumps to.
+
+    However well frequencies are known: places that are tried lie much further apart, and the one whose frequency
+    happens to be the nearest may be on the other part.
+    """
     p = softening_beam()
     branch = trace_branch(p, at(p), UP)
     reference = whole(p, at(p), UP)
@@ -64,7 +71,8 @@ def test_where_there_are_two_motions_a_run_is_compared_with_the_one_that_it_is_o
     part = np.arange(last + 2, len(reference.points) - 1) if upper else np.arange(3, first - 1)
     part = part[(reference.frequency[part] > 77.5) & (reference.frequency[part] < 79.5)]
     value = reference.observed.value[part]
-    noise = np.full(value.shape, 1e-3)
+    noise = np.full(value.shape, known)
+    noise[:, 0] = of_frequency
     run = Observations("up", 0, 1, value, noise, np.zeros(len(part)))
     found = match(branch, run, branch.u, np.zeros(len(branch.u)))
     assert len(part) > 3
