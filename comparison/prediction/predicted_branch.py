@@ -20,8 +20,8 @@ from updamp.hbm.continuation.branch import BranchPoint
 
 Floats = NDArray[np.float64]
 
-# Places tried between two neighbouring points, for what was measured.
-_BETWEEN = 8
+# Straight lines that the branch is taken as between two neighbouring points, to find what was measured on it.
+_BETWEEN = 4
 # Distance of places that stand for the whole branch: half of the longest step of a continuation (`StepLengths`).
 _APART = 0.1
 # Arrays of a branch with one row for each of its points.
