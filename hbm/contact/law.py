@@ -123,6 +123,51 @@ class CompiledForces(Protocol):
 
 
 @runtime_checkable
+class CompiledFriction(CompiledForces, Protocol):
+    """Forces that also say how they depend on a friction coefficient that varies over the period."""
+
+    def by_friction(
+        self,
+        numbers: NDArray[np.int64],
+        displacement: NDArray[np.float64],
+        parameters: Any,
+        mu_rows: NDArray[np.float64],
+    ) -> NDArray[np.float64]:
+        """(len(numbers), 2, n_coefficients, m) derivatives of the forces in t1 and t2 by m numbers that mu depends on.
+
+        parameters: with mu (n_elements, n_time); mu_rows: (len(numbers), n_time, m) its derivatives
+        """
+        ...
+
+
+class CompiledRateForces(Protocol):
+    """As `CompiledForces`, of a law that depends on the rate, at the angular frequency w [rad/s].
+
+    by_frequency: like force, its derivative by w [N s], written for the elements of these numbers
+    """
+
+    def write_forces(
+        self,
+        numbers: NDArray[np.int64],
+        displacement: NDArray[np.float64],
+        w: float,
+        parameters: Any,
+        force: NDArray[np.float64],
+    ) -> None: ...
+
+    def write_with_tangents(
+        self,
+        numbers: NDArray[np.int64],
+        displacement: NDArray[np.float64],
+        w: float,
+        parameters: Any,
+        force: NDArray[np.float64],
+        tangent: NDArray[np.float64],
+        by_frequency: NDArray[np.float64],
+    ) -> None: ...
+
+
+@runtime_checkable
 class CompiledStates(CompiledForces, Protocol):
     """Forces that tell what a contact does over a period without its samples."""
 
@@ -143,6 +188,23 @@ class CompiledLaw(ContactLaw, Protocol):
     def compiled(self, harmonics: Harmonics, n_time: int) -> CompiledForces | None:
         """None where a law inside is in JAX alone."""
         ...
+
+
+@runtime_checkable
+class CompiledRateLaw(ContactLaw, Protocol):
+    """As `CompiledLaw`, for one that depends on the rate."""
+
+    def compiled_rate(self, harmonics: Harmonics, n_time: int) -> CompiledRateForces | None:
+        """None where a law inside is in JAX alone."""
+        ...
+
+
+@runtime_checkable
+class SumOfLaws(ContactLaw, Protocol):
+    """A law whose force is the sum of those of others, with the same parameters: each is evaluated in its own way."""
+
+    @property
+    def parts(self) -> "tuple[ContactLaw, ...]": ...
 
 
 @runtime_checkable

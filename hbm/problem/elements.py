@@ -1,7 +1,7 @@
 """Groups of contact elements that obey one law, and their forces in the frequency domain (AFT) with exact tangents."""
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -12,8 +12,11 @@ from numpy.typing import NDArray
 
 from updamp.hbm.contact.law import (
     CompiledForces,
+    CompiledRateForces,
+    CompiledRateLaw,
     ContactLaw,
     StickingLaw,
+    SumOfLaws,
     compiled_forces_of,
     decoupled_directions_of,
     force_for_analysis,
@@ -62,6 +65,12 @@ class ElementGroup:
         return value * copies.reshape(-1, *[1] * (value.ndim - 1))
 
     @cached_property
+    def parts(self) -> "tuple[ElementGroup, ...]":
+        """The same elements with each of the laws that theirs is the sum of; none where it is no sum."""
+        laws = self.law.parts if isinstance(self.law, SumOfLaws) else ()
+        return tuple(replace(self, law=law) for law in laws)
+
+    @cached_property
     def values(self) -> Any:
         """The parameters as NumPy arrays: some of the elements are picked out of them at every evaluation."""
         return type(self.parameters)(*(np.asarray(value) for value in self.parameters))
@@ -88,6 +97,12 @@ def _as_sticking_law(law: ContactLaw) -> StickingLaw | None:
 def compiled_forces(law: ContactLaw, harmonics: Harmonics, n_time: int) -> CompiledForces | None:
     """None where the law is in JAX alone."""
     return compiled_forces_of(law, harmonics, n_time)
+
+
+@lru_cache(maxsize=32)
+def compiled_rate_forces(law: ContactLaw, harmonics: Harmonics, n_time: int) -> CompiledRateForces | None:
+    """None where the law does not depend on the rate, or is in JAX alone."""
+    return law.compiled_rate(harmonics, n_time) if isinstance(law, CompiledRateLaw) else None
 
 
 @lru_cache(maxsize=32)
@@ -125,6 +140,8 @@ def element_forces(
 def departures(group: ElementGroup, displacement: Floats, w: float, harmonics: Harmonics, n_time: int) -> ElementForces:
     """As `element_forces`, less the forces of the reference springs: elements that surely stick are not evaluated, and
     have none."""
+    if group.parts:
+        return _sum_of([departures(part, displacement, w, harmonics, n_time) for part in group.parts])
     active, stiffness = group.may_slip_or_separate(displacement, harmonics, n_time), group.stiffness_of_one
     force = np.zeros_like(displacement)
     tangent = np.zeros((*displacement.shape, *displacement.shape[1:]))
@@ -132,6 +149,8 @@ def departures(group: ElementGroup, displacement: Floats, w: float, harmonics: H
     compiled = compiled_forces(group.law, harmonics, n_time)
     if compiled is not None:
         compiled.write_with_tangents(active, displacement, group.values, force, tangent)
+    elif rate is not None and (at_rate := compiled_rate_forces(group.law, harmonics, n_time)) is not None:
+        at_rate.write_with_tangents(active, displacement, w, group.values, force, tangent, rate)
     else:
         evaluate = _compiled(group.law, harmonics, n_time)
         for some in _batches(active, elements_a_batch(_n_seeds(group.law, harmonics)), len(displacement)):
@@ -143,6 +162,15 @@ def departures(group: ElementGroup, displacement: Floats, w: float, harmonics: H
     _diagonal(tangent)[active] -= stiffness[active][..., None]
     rate = None if rate is None else group.of_all_copies(rate)
     return ElementForces(group.of_all_copies(force), group.of_all_copies(tangent), rate)
+
+
+def _sum_of(parts: Sequence[ElementForces]) -> ElementForces:
+    rates = [part.frequency_derivative for part in parts if part.frequency_derivative is not None]
+    return ElementForces(
+        np.sum([part.force for part in parts], axis=0),
+        np.sum([part.tangent for part in parts], axis=0),
+        np.sum(rates, axis=0) if rates else None,
+    )
 
 
 def _diagonal(tangent: Floats) -> Floats:
@@ -159,11 +187,16 @@ def force_only(group: ElementGroup, displacement: Floats, w: float, harmonics: H
 
 def departure_only(group: ElementGroup, displacement: Floats, w: float, harmonics: Harmonics, n_time: int) -> Floats:
     """As `departures`, without the tangent"""
+    if group.parts:
+        each = [departure_only(part, displacement, w, harmonics, n_time) for part in group.parts]
+        return np.asarray(np.sum(each, axis=0))
     force = np.zeros_like(displacement)
     active, stiffness = group.may_slip_or_separate(displacement, harmonics, n_time), group.stiffness_of_one
     compiled = compiled_forces(group.law, harmonics, n_time)
     if compiled is not None:
         compiled.write_forces(active, displacement, group.values, force)
+    elif (at_rate := compiled_rate_forces(group.law, harmonics, n_time)) is not None:
+        at_rate.write_forces(active, displacement, w, group.values, force)
     else:
         evaluate = _compiled_force(group.law, harmonics, n_time)
         for some in _batches(active, FORCES_A_BATCH, len(displacement)):

@@ -19,6 +19,13 @@ class BoxForces(KernelForces):
 
     states: Callable[..., None]
 
+    def by_friction(self, numbers: Integers, displacement: Floats, parameters: Any, mu_rows: Floats) -> Floats:
+        from updamp.hbm.contact.compiled.by_friction import by_friction
+
+        found = np.empty((len(numbers), 2, displacement.shape[2], mu_rows.shape[2]))
+        by_friction(numbers, own(displacement), self.own(parameters), *self.arguments, own(mu_rows), found)
+        return found
+
     def contact_states(self, numbers: Integers, displacement: Floats, parameters: Any) -> Integers:
         states = np.empty(len(numbers), dtype=np.int64)
         self.states(numbers, own(displacement), self.own(parameters), *self.arguments, states)

@@ -36,21 +36,21 @@ def force_with_tangent(
         varies over the period
     """
     c, n = tables.synthesis.shape
-    path, grid, openings, pressing, rate, missing = _room(n, c)
+    path, grid, openings, pressing, rate, missing = room(n, c)
     slider, out = new_slider(len(grid.share), n), new_scratch(len(grid.share), tables.weights)
-    rows, own = _rows_of(tables)
+    rows, own = rows_of(tables)
     for e in numbers:
         coefficients, kt, kn = displacement[e], p.kt[e], p.kn[e]
-        _press(coefficients[2], p, e, tables, pressing, rate, openings)
+        press(coefficients[2], p, e, tables, pressing, rate, openings)
         missing[:] = 0.0
         add_missing(pressing, rate, openings, tables.weights, missing)
         presses, rest = ever_closes(pressing, openings), p.n0[e] - kn * p.gap[e]
         write_normal(presses, missing, coefficients[2], rest, kn, tables.constant, force[e, 2])
         if len(tangent):
             _write_normal_tangent(pressing, openings, kn, rows, tables.weights, out, tangent[e, 2], False)
-        ratio, p_rows = _hold(p, e, pressing, rate, path, openings), limit_rows(p.mu[e], rows, 1.0, own)
+        ratio, p_rows = hold(p, e, pressing, rate, path, openings), limit_rows(p.mu[e], rows, 1.0, own)
         for d in range(2):
-            _slide(coefficients[d], p, e, d, tables, path, ratio, openings, cycles, grid, slider)
+            slide(coefficients[d], p, e, d, tables, path, ratio, openings, cycles, grid, slider)
             tell_apart(grid, path, ratio, slider)
             out.force[:] = coefficients[d]
             add_force(grid, path, ratio, slider, tables.weights, out)
@@ -72,18 +72,18 @@ def perturbed_tangent(
     tangent: complex
     """
     c, n = tables.synthesis.shape
-    path, grid, openings, pressing, rate, _ = _room(n, c)
+    path, grid, openings, pressing, rate, _ = room(n, c)
     slider, out = new_slider(len(grid.share), n), new_scratch(len(grid.share), growing.weights)
-    rows, own = _rows_of(growing)
+    rows, own = rows_of(growing)
     for e in numbers:
         coefficients, kt, kn = displacement[e], p.kt[e], p.kn[e]
-        _press(coefficients[2], p, e, tables, pressing, rate, openings)
+        press(coefficients[2], p, e, tables, pressing, rate, openings)
         closed = stays_closed(pressing)
         _write_normal_tangent(pressing, openings, kn, rows, growing.weights, out, tangent[e, 2], closed)
-        ratio = _hold(p, e, pressing, rate, path, openings)
+        ratio = hold(p, e, pressing, rate, path, openings)
         p_rows = limit_rows(p.mu[e], rows, growing.last_period, own)
         for d in range(2):
-            _slide(coefficients[d], p, e, d, tables, path, ratio, openings, cycles, grid, slider)
+            slide(coefficients[d], p, e, d, tables, path, ratio, openings, cycles, grid, slider)
             identity(out.by_u)
             out.by_p[:] = 0.0
             if not rests(path.u, grid.sample, slider.position):
@@ -96,18 +96,18 @@ def perturbed_tangent(
 def loop_areas(numbers: Any, displacement: Any, p: Any, cycles: int, tables: Tables, areas: Any) -> None:
     """Writes (len(numbers),) areas of the force loops [J], of the forces at the samples."""
     c, n = tables.synthesis.shape
-    path, grid, openings, pressing, rate, _ = _room(n, c)
+    path, grid, openings, pressing, rate, _ = room(n, c)
     force = np.empty(n + 1)
     slider = new_slider(len(grid.share), n)
     for i, e in enumerate(numbers):
         kt, kn = p.kt[e], p.kn[e]
-        _press(displacement[e, 2], p, e, tables, pressing, rate, openings)
+        press(displacement[e, 2], p, e, tables, pressing, rate, openings)
         for t in range(n + 1):
             force[t] = kn * positive(pressing[t])
         areas[i] = loop_area(pressing, force)
-        ratio = _hold(p, e, pressing, rate, path, openings)
+        ratio = hold(p, e, pressing, rate, path, openings)
         for d in range(2):
-            _slide(displacement[e, d], p, e, d, tables, path, ratio, openings, cycles, grid, slider)
+            slide(displacement[e, d], p, e, d, tables, path, ratio, openings, cycles, grid, slider)
             for t in range(n + 1):
                 force[t] = kt * (path.u[t] - slider.position[grid.sample[t]])
             areas[i] += loop_area(path.u, force)
@@ -117,14 +117,14 @@ def loop_areas(numbers: Any, displacement: Any, p: Any, cycles: int, tables: Tab
 def contact_states(numbers: Any, displacement: Any, p: Any, cycles: int, tables: Tables, states: Any) -> None:
     """Writes (len(numbers),) `observe.ContactState`: what each contact does over a period, between the samples too."""
     c, n = tables.synthesis.shape
-    path, grid, openings, pressing, rate, _ = _room(n, c)
+    path, grid, openings, pressing, rate, _ = room(n, c)
     slider = new_slider(len(grid.share), n)
     for i, e in enumerate(numbers):
-        _press(displacement[e, 2], p, e, tables, pressing, rate, openings)
-        ratio = _hold(p, e, pressing, rate, path, openings)
+        press(displacement[e, 2], p, e, tables, pressing, rate, openings)
+        ratio = hold(p, e, pressing, rate, path, openings)
         opens, closes, slips = False, False, False
         for d in range(2):
-            _slide(displacement[e, d], p, e, d, tables, path, ratio, openings, cycles, grid, slider)
+            slide(displacement[e, d], p, e, d, tables, path, ratio, openings, cycles, grid, slider)
             least, position = SLIDER_STANDS * np.abs(path.u).max(), slider.position
             for k in range(grid.number[0]):
                 opens, closes = opens or not grid.closed[k], closes or grid.closed[k]
@@ -133,12 +133,12 @@ def contact_states(numbers: Any, displacement: Any, p: Any, cycles: int, tables:
 
 
 @inner
-def _room(n: int, c: int) -> Any:
+def room(n: int, c: int) -> Any:
     return new_path(n), new_grid(n), new_openings(n), np.empty(n + 1), np.empty(n + 1), np.empty(c)
 
 
 @inner
-def _rows_of(tables: Any) -> Any:
+def rows_of(tables: Any) -> Any:
     """Of a motion, and room for those of a slip limit."""
     values = tables.values
     own = Rows(np.empty_like(values), np.empty_like(values), np.empty_like(values))
@@ -146,7 +146,7 @@ def _rows_of(tables: Any) -> Any:
 
 
 @inner
-def _press(coefficients: Any, p: Any, e: int, tables: Tables, pressing: Any, rate: Any, openings: Any) -> None:
+def press(coefficients: Any, p: Any, e: int, tables: Tables, pressing: Any, rate: Any, openings: Any) -> None:
     """Writes the compression of element e, (n_time + 1,), its slope, and where it passes zero."""
     sample(coefficients, tables.synthesis, pressing)
     pressing += p.n0[e] / p.kn[e] - p.gap[e]
@@ -155,7 +155,7 @@ def _press(coefficients: Any, p: Any, e: int, tables: Tables, pressing: Any, rat
 
 
 @inner
-def _hold(p: Any, e: int, pressing: Any, rate: Any, path: Any, openings: Any) -> float:
+def hold(p: Any, e: int, pressing: Any, rate: Any, path: Any, openings: Any) -> float:
     """Writes what sets the slip limit of element e, and its openings; returns as `set_limits`. openings: those of the
     compression, which they are where friction does not vary"""
     ratio = set_limits(p.mu[e], p.kn[e] / p.kt[e], pressing, path.p)
@@ -167,7 +167,7 @@ def _hold(p: Any, e: int, pressing: Any, rate: Any, path: Any, openings: Any) ->
 
 
 @inner
-def _slide(
+def slide(
     coefficients: Any,
     p: Any,
     e: int,

@@ -6,8 +6,8 @@ from typing import Any, ClassVar
 import jax
 import jax.numpy as jnp
 
-from updamp.hbm.contact.law import decoupled_directions_of
-from updamp.hbm.contact.modified.modified_law import ModifiedLaw, compression
+from updamp.hbm.contact.law import ContactLaw, decoupled_directions_of
+from updamp.hbm.contact.modified.modified_law import ModifiedLaw, compression, extended_type
 
 
 @dataclass(frozen=True)
@@ -29,8 +29,33 @@ class ViscousFilm(ModifiedLaw):
         return decoupled_directions_of(self.inner)
 
     def outer_force(self, force: jax.Array, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
-        closed = closed_share(compression(self.inner, *self.inner_arguments(displacement, velocity, parameters)))
-        return force + parameters.viscosity * velocity * closed[:, None]
+        return force + FilmForce(self.inner).force(displacement, velocity, parameters)
+
+    @property
+    def parts(self) -> tuple[ContactLaw, ...]:
+        return self.inner, FilmForce(self.inner)
+
+
+@dataclass(frozen=True)
+class FilmForce:
+    """The dashpots alone. inner: the law that tells when the contact is closed"""
+
+    inner: Any
+    directions: ClassVar[int] = 3
+    decoupled_directions: ClassVar[tuple[int, ...]] = (0, 1)
+    rate_dependent: ClassVar[bool] = True
+
+    @property
+    def parameters(self) -> type:
+        return extended_type(self.inner.parameters, ViscousFilm.entries)
+
+    def force(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
+        closed = closed_share(compression(self.inner, displacement, velocity, parameters))
+        viscous: jax.Array = parameters.viscosity * velocity * closed[:, None]
+        return viscous
+
+    def reference_stiffness(self, parameters: Any) -> jax.Array:
+        return jnp.zeros(3)
 
 
 def closed_share(compression: jax.Array) -> jax.Array:

@@ -11,12 +11,20 @@ from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
 from updamp.hbm.contact.law import SEPARATED, SLIP, CompiledLaw, compiled_forces_of, force_for_analysis
+from updamp.hbm.contact.modified.film import ViscousFilm
 from updamp.hbm.contact.modified.microslip import SLIDERS, SubPatchMicroslip, evenly
 from updamp.hbm.contact.modified.modified_law import with_entries
 from updamp.hbm.contact.modified.static_share import StaticShare
 from updamp.hbm.contact.modified.velocity_friction import VelocityFriction
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.problem.elements import ElementGroup, element_forces, force_only, loop_areas, over_period
+from updamp.hbm.problem.elements import (
+    ElementGroup,
+    compiled_rate_forces,
+    element_forces,
+    force_only,
+    loop_areas,
+    over_period,
+)
 from updamp.hbm.stability.contact_tangent import _follow_springs
 from updamp.hbm.stability.perturbed_forces import in_jax, perturbed_tangent
 
@@ -218,6 +226,54 @@ def test_so_are_their_tangents_to_what_grows(law, s):
 def of_springs(group, numbers):
     """Tangents of the reference springs alone."""
     return np.einsum("ed,df,ab->edafb", group.stiffness_of_one[numbers], np.eye(3), np.eye(7))
+
+
+@dataclass(frozen=True)
+class RateInJax(InJax):
+    rate_dependent: ClassVar[bool] = True
+
+    def force(self, displacement, velocity, parameters):
+        return self.law.averaged_force(displacement, velocity, parameters)
+
+
+class CoupledInJax(RateInJax):
+    """Every direction's force depends on every motion."""
+
+    decoupled_directions: ClassVar[tuple[int, ...]] = ()
+
+
+@pytest.mark.parametrize("inner", [JenkinsBox(2), SubPatchMicroslip(JenkinsBox(2))])
+def test_a_film_is_the_compiled_law_inside_and_dashpots_beside_it(inner):
+    law, rng, w = ViscousFilm(inner), np.random.default_rng(9), 1.7
+    p = with_entries(parameters(), viscosity=rng.random(ELEMENTS), limit_spread=rng.random(ELEMENTS))
+    motion, rows = motions(p), np.arange(3 * ELEMENTS).reshape(-1, 3)
+    group = ElementGroup(law, p, rows)
+    assert compiled_forces_of(group.parts[0].law, HARMONICS, 128) is not None
+    ours, theirs = (
+        element_forces(g, motion, w, HARMONICS, 128) for g in (group, ElementGroup(RateInJax(law), p, rows))
+    )
+    size = np.abs(theirs.force).max()
+    np.testing.assert_allclose(ours.force, theirs.force, rtol=0, atol=1e-13 * size)
+    np.testing.assert_allclose(ours.tangent, theirs.tangent, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(ours.frequency_derivative, theirs.frequency_derivative, rtol=0, atol=1e-12 * size)
+    np.testing.assert_allclose(force_only(group, motion, w, HARMONICS, 128), ours.force, rtol=0, atol=1e-13 * size)
+
+
+def test_friction_that_depends_on_the_speed_is_the_compiled_law_with_friction_that_varies():
+    law, rng, w = VelocityFriction(JenkinsBox(2)), np.random.default_rng(10), 1.7
+    p = with_entries(parameters(), velocity_drop=0.6 * rng.random(ELEMENTS), reference_speed=0.2 + rng.random(ELEMENTS))
+    motion, rows = motions(p), np.arange(3 * ELEMENTS).reshape(-1, 3)
+    assert compiled_rate_forces(law, HARMONICS, 128) is not None
+    groups = [AllEvaluated(each, p, rows) for each in (law, CoupledInJax(law))]
+    ours, theirs = (element_forces(each, motion, w, HARMONICS, 128) for each in groups)
+    size = np.abs(theirs.force).max()
+    np.testing.assert_allclose(ours.force, theirs.force, rtol=0, atol=1e-13 * size)
+    np.testing.assert_allclose(ours.tangent, theirs.tangent, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(ours.frequency_derivative, theirs.frequency_derivative, rtol=0, atol=1e-11 * size)
+    assert np.abs(ours.frequency_derivative).max() > 0.01
+    some = element_forces(ElementGroup(law, p, rows), motion, w, HARMONICS, 128)  # without those that surely stick
+    np.testing.assert_allclose(some.tangent, theirs.tangent, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(force_only(groups[0], motion, w, HARMONICS, 128), ours.force, rtol=0, atol=1e-13 * size)
 
 
 def test_a_law_inside_that_is_not_compiled_leaves_them_to_jax():
