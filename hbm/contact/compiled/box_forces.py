@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from updamp.hbm.contact.compiled import jenkins_box, jenkins_box_sampled
+from updamp.hbm.contact.compiled.by_friction import by_friction
 from updamp.hbm.contact.compiled.kernel_forces import Floats, Integers, KernelForces, own
 from updamp.hbm.contact.compiled.tables import tables
 from updamp.hbm.contact.friction import FrictionParameters
@@ -20,8 +21,6 @@ class BoxForces(KernelForces):
     states: Callable[..., None]
 
     def by_friction(self, numbers: Integers, displacement: Floats, parameters: Any, mu_rows: Floats) -> Floats:
-        from updamp.hbm.contact.compiled.by_friction import by_friction
-
         found = np.empty((len(numbers), 2, displacement.shape[2], mu_rows.shape[2]))
         by_friction(numbers, own(displacement), self.own(parameters), *self.arguments, own(mu_rows), found)
         return found
