@@ -24,6 +24,7 @@ IMPORT_ON_CALL = {
     "hbm/contact/iwan.py": "numba, where something is solved",
     "hbm/contact/jenkins_box.py": "likewise",
     "hbm/contact/jenkins_box_sampled.py": "likewise",
+    "hbm/contact/modified/pressure_stiffness.py": "likewise",
     "model/rig_files.py": "JAX, which most rig files do not need",
     "notebook/curve.py": "matplotlib, where a picture is asked for",
     "notebook/outcomes.py": "likewise",

@@ -70,6 +70,23 @@ def tables(harmonics: Harmonics, n_time: int) -> Tables:
     return Tables(np.ascontiguousarray(synthesis.T), *rows, shares, _weights(rows[2], shares), constant)
 
 
+@lru_cache(maxsize=32)
+def sampled(n_time: int) -> Floats:
+    """(n_time + 1, n_time) what the integrals of a motion between samples against the hats add to its samples, if all
+    do: those of the cubics about any samples give these back."""
+    return np.ascontiguousarray(growing_sampled(n_time, 0.0).real)
+
+
+def growing_sampled(n_time: int, growth: complex) -> NDArray[np.complex128]:
+    """The same of changes of the motion that grow; growth: s / w"""
+    last_period = complex(np.exp(-2 * np.pi * growth))
+    growths = np.exp(2 * np.pi * growth / n_time * np.arange(n_time + 1))
+    unit = np.concatenate([np.eye(n_time), np.eye(n_time)[:1]]) * growths[:, None]
+    hats = _rows(np.ascontiguousarray(unit, np.complex128), last_period)[2]
+    back = np.linalg.solve(hats[:-1].T, np.diag(growths[:-1]))  # from integrals to samples, transposed
+    return np.ascontiguousarray(np.concatenate([back, last_period * back[:1]]))
+
+
 def _rows(values: NDArray[Any], last_period: Any) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
     """Of the samples, of their slopes, of the integrals against hats."""
     slopes, hats = np.empty_like(values), np.empty_like(values)

@@ -6,8 +6,10 @@ from typing import Any, ClassVar
 import jax
 import jax.numpy as jnp
 
-from updamp.hbm.contact.law import decoupled_directions_of
+from updamp.hbm.contact.jenkins_box import JenkinsBox
+from updamp.hbm.contact.law import CompiledForces, decoupled_directions_of
 from updamp.hbm.contact.modified.modified_law import LawArguments, ModifiedLaw, with_entries
+from updamp.hbm.harmonics import Harmonics
 
 # The share of the mean force below which the stiffness that the solver starts from falls no further; it has no
 # influence on the solution.
@@ -31,6 +33,11 @@ class PressureStiffness(ModifiedLaw):
     @property
     def decoupled_directions(self) -> tuple[int, ...]:
         return decoupled_directions_of(self.inner)
+
+    def compiled(self, harmonics: Harmonics, n_time: int) -> CompiledForces | None:
+        from updamp.hbm.contact.compiled.pressed_forces import pressed_forces
+
+        return pressed_forces(self.cycles, harmonics, n_time) if isinstance(self.inner, JenkinsBox) else None
 
     def inner_arguments(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> LawArguments:
         p, m = parameters, parameters.pressure_exponent

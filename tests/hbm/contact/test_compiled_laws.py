@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import jax
 import numpy as np
 import pytest
 
@@ -14,6 +15,7 @@ from updamp.hbm.contact.law import SEPARATED, SLIP, CompiledLaw, compiled_forces
 from updamp.hbm.contact.modified.film import ViscousFilm
 from updamp.hbm.contact.modified.microslip import SLIDERS, SubPatchMicroslip, evenly
 from updamp.hbm.contact.modified.modified_law import with_entries
+from updamp.hbm.contact.modified.pressure_stiffness import PressureStiffness
 from updamp.hbm.contact.modified.static_share import StaticShare
 from updamp.hbm.contact.modified.velocity_friction import VelocityFriction
 from updamp.hbm.harmonics import Harmonics
@@ -274,6 +276,51 @@ def test_friction_that_depends_on_the_speed_is_the_compiled_law_with_friction_th
     some = element_forces(ElementGroup(law, p, rows), motion, w, HARMONICS, 128)  # without those that surely stick
     np.testing.assert_allclose(some.tangent, theirs.tangent, rtol=0, atol=1e-10)
     np.testing.assert_allclose(force_only(groups[0], motion, w, HARMONICS, 128), ours.force, rtol=0, atol=1e-13 * size)
+
+
+def pressed_parameters():
+    rng = np.random.default_rng(11)
+    exponent, share = 0.6 * rng.random(ELEMENTS), rng.random(ELEMENTS)
+    return with_entries(
+        parameters(), pressure_exponent=exponent, mean_force=0.3 + rng.random(ELEMENTS), static_share=share
+    )
+
+
+@pytest.mark.parametrize("law", [PressureStiffness(JenkinsBox(2)), StaticShare(PressureStiffness(JenkinsBox(3)))])
+def test_stiffness_that_depends_on_the_pressure_is_that_of_the_law_in_jax(law):
+    p, rows = pressed_parameters(), np.arange(3 * ELEMENTS).reshape(-1, 3)
+    motion = motions(p)
+    groups = [AllEvaluated(each, p, rows) for each in (law, InJax(law))]
+    ours, theirs = (element_forces(group, motion, 1.0, HARMONICS, 128) for group in groups)
+    assert compiled_forces_of(law, HARMONICS, 128) is not None
+    np.testing.assert_allclose(ours.force, theirs.force, rtol=0, atol=1e-13 * np.abs(theirs.force).max())
+    np.testing.assert_allclose(ours.tangent, theirs.tangent, rtol=0, atol=1e-11)
+    alone = force_only(groups[0], motion, 1.0, HARMONICS, 128)
+    np.testing.assert_allclose(alone, ours.force, rtol=0, atol=1e-14 * np.abs(ours.force).max())
+    areas = [loop_areas(AllEvaluated(each, p, rows), motion, 1.0, HARMONICS, 128) for each in (law, AtSamples(law))]
+    np.testing.assert_allclose(*areas, rtol=0, atol=1e-12 * np.abs(areas[1]).max())
+
+
+@pytest.mark.parametrize("s", [0.0, 0.03 + 0.4j])
+def test_so_is_its_tangent_to_what_grows(s):
+    law, p = PressureStiffness(JenkinsBox(2)), pressed_parameters()
+    motion, group = motions(p), ElementGroup(law, p, np.arange(3 * ELEMENTS).reshape(-1, 3))
+    numbers = np.delete(np.arange(ELEMENTS), np.r_[HELD])  # held at a limit there are ties
+    ours = perturbed_tangent(group, motion, 1.0, s, HARMONICS, 128, numbers)
+    theirs = in_jax(group, motion, 1.0, s, HARMONICS, 128, numbers)
+    still = element_forces(group, motion, 1.0, HARMONICS, 128).tangent[numbers]
+    # a slider at rest, where the first of all periods has pushed it, follows its spring
+    inside = ElementGroup(JenkinsBox(2), settled(p), group.rows)
+    at_rest = _follow_springs(inside, motion.reshape(-1, 7), 1.0, HARMONICS, 128)[numbers]
+    assert 3 < (~at_rest[:, :2]).sum() < at_rest[:, :2].size
+    np.testing.assert_allclose(ours[~at_rest], theirs[~at_rest], rtol=0, atol=1e-11)
+    assert s == 0 or np.abs(ours - still).max() > 0.01, "growth counts"
+
+
+def settled(p):
+    """Parameters of the law inside."""
+    each = jax.vmap(lambda one: PressureStiffness(JenkinsBox(2)).inner_arguments(None, None, one)[2])(p)
+    return FrictionParameters(*(np.asarray(value) for value in each[:6]))
 
 
 def test_a_law_inside_that_is_not_compiled_leaves_them_to_jax():

@@ -1,0 +1,220 @@
+"""`PressureStiffness` of `JenkinsBox` for numba: the box law's samples times a power of its pressing force.
+
+What the box law has between two samples is shared between them, as in `event_march.py`, before it is multiplied: its
+samples are linear in the integrals of the slider's path, and so are the coefficients of the product, by weights that
+are each element's own.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.hbm.contact.compiled.at_rest import rests, stays_closed
+from updamp.hbm.contact.compiled.columns import Rows
+from updamp.hbm.contact.compiled.cubic import positive
+from updamp.hbm.contact.compiled.jenkins_box import hold, press, room, rows_of, slide
+from updamp.hbm.contact.compiled.keeping import inner, kept
+from updamp.hbm.contact.compiled.normal import add_missing, add_missing_tangent, limit_rows
+from updamp.hbm.contact.compiled.slider import Scratch, add_force, add_tangent, new_scratch, new_slider, tell_apart
+from updamp.hbm.contact.compiled.tables import GrowingTables, Tables, add_outer, loop_area
+
+Floats = NDArray[np.float64]
+
+
+class PressedBox(NamedTuple):
+    """box: FrictionParameters of the law inside; exponent: (n_elements,) of its pressing force over `mean_force` [N]
+    at_rest: (n_elements, 3) force at rest [N]"""
+
+    box: Any
+    exponent: Floats
+    mean_force: Floats
+    at_rest: Floats
+
+
+class _Factor(NamedTuple):
+    """Of one element. factor, slope: (n_time,) what the samples are multiplied by, and its derivative by the
+    compression [1/m]; scaled: (n_time, n_coefficients) what a sample adds to the coefficients then; weights: (n_time +
+    1, n_coefficients) what an integral against a hat adds to them"""
+
+    factor: Floats
+    slope: Floats
+    scaled: NDArray[Any]
+    weights: NDArray[Any]
+
+
+@kept
+def force_with_tangent(
+    numbers: Any, displacement: Any, p: PressedBox, cycles: int, sampled: Any, tables: Tables, force: Any, tangent: Any
+) -> None:
+    """As in jenkins_box.py beside this file. sampled: (n_time + 1, n_time) what integrals against hats add to the
+    samples (`tables.sampled`)"""
+    c, n = tables.synthesis.shape
+    path, grid, openings, pressing, rate, _ = room(n, c)
+    slider, out = new_slider(len(grid.share), n), new_scratch(len(grid.share), tables.weights)
+    averaged, by = np.empty(n), _new_factor(n, tables.weights)
+    rows, own = rows_of(tables)
+    for e in numbers:
+        coefficients, kt, kn = displacement[e], p.box.kt[e], p.box.kn[e]
+        press(coefficients[2], p.box, e, tables, pressing, rate, openings)
+        _set_factor(pressing, kn, p, e, sampled, tables.shares, by)
+        _average_normal(pressing, rate, openings, sampled, averaged)
+        _write_force(kn, averaged, by.scaled, p.at_rest[e, 2], tables.constant, force[e, 2])
+        if len(tangent):
+            _write_normal_tangent(pressing, openings, kn, averaged, rows, tables.shares, by, out, tangent[e, 2], False)
+        ratio = hold(p.box, e, pressing, rate, path, openings)
+        p_rows = limit_rows(p.box.mu[e], rows, 1.0, own)
+        for d in range(2):
+            slide(coefficients[d], p.box, e, d, tables, path, ratio, openings, cycles, grid, slider)
+            tell_apart(grid, path, ratio, slider)
+            _average_slider(grid, path, ratio, slider, sampled, out, averaged)
+            _write_force(kt, averaged, by.scaled, p.at_rest[e, d], tables.constant, force[e, d])
+            if len(tangent):
+                _set_springs(by.scaled, rows, out)
+                add_tangent(grid, path, rows, p_rows, ratio, slider, by.weights, 1.0, out)
+                _write_tangent(kt, averaged, rows, tables.shares, by, out, d, tangent[e, d])
+
+
+@kept
+def perturbed_tangent(
+    numbers: Any,
+    displacement: Any,
+    p: PressedBox,
+    cycles: int,
+    sampled: Any,
+    tables: Tables,
+    growing_sampled: Any,
+    growing: GrowingTables,
+    tangent: Any,
+) -> None:
+    """As in jenkins_box.py beside this file; growing_sampled: `sampled` of what grows"""
+    c, n = tables.synthesis.shape
+    path, grid, openings, pressing, rate, _ = room(n, c)
+    slider, out = new_slider(len(grid.share), n), new_scratch(len(grid.share), growing.weights)
+    averaged, by = np.empty(n), _new_factor(n, growing.weights)
+    rows, own = rows_of(growing)
+    for e in numbers:
+        coefficients, kt, kn = displacement[e], p.box.kt[e], p.box.kn[e]
+        press(coefficients[2], p.box, e, tables, pressing, rate, openings)
+        _set_factor(pressing, kn, p, e, growing_sampled, growing.shares, by)
+        _average_normal(pressing, rate, openings, sampled, averaged)
+        closed = stays_closed(pressing)
+        _write_normal_tangent(pressing, openings, kn, averaged, rows, growing.shares, by, out, tangent[e, 2], closed)
+        ratio = hold(p.box, e, pressing, rate, path, openings)
+        p_rows = limit_rows(p.box.mu[e], rows, growing.last_period, own)
+        for d in range(2):
+            slide(coefficients[d], p.box, e, d, tables, path, ratio, openings, cycles, grid, slider)
+            tell_apart(grid, path, ratio, slider)
+            _average_slider(grid, path, ratio, slider, sampled, out, averaged)
+            _set_springs(by.scaled, rows, out)
+            if not rests(path.u, grid.sample, slider.position):
+                add_tangent(grid, path, rows, p_rows, ratio, slider, by.weights, growing.last_period, out)
+            _write_tangent(kt, averaged, rows, growing.shares, by, out, d, tangent[e, d])
+
+
+@kept
+def loop_areas(
+    numbers: Any, displacement: Any, p: PressedBox, cycles: int, sampled: Any, tables: Tables, areas: Any
+) -> None:
+    """As in jenkins_box.py beside this file."""
+    c, n = tables.synthesis.shape
+    path, grid, openings, pressing, rate, _ = room(n, c)
+    force, slider, by = np.empty(n + 1), new_slider(len(grid.share), n), _new_factor(n, tables.weights)
+    for i, e in enumerate(numbers):
+        kt, kn = p.box.kt[e], p.box.kn[e]
+        press(displacement[e, 2], p.box, e, tables, pressing, rate, openings)
+        _set_factor(pressing, kn, p, e, sampled, tables.shares, by)
+        for t in range(n + 1):
+            force[t] = kn * positive(pressing[t]) * by.factor[t % n]
+        areas[i] = loop_area(pressing, force)
+        ratio = hold(p.box, e, pressing, rate, path, openings)
+        for d in range(2):
+            slide(displacement[e, d], p.box, e, d, tables, path, ratio, openings, cycles, grid, slider)
+            for t in range(n + 1):
+                force[t] = kt * (path.u[t] - slider.position[grid.sample[t]]) * by.factor[t % n]
+            areas[i] += loop_area(path.u, force)
+
+
+@inner
+def _new_factor(n: int, weights: Any) -> _Factor:
+    return _Factor(np.empty(n), np.empty(n), np.empty_like(weights[:n]), np.empty_like(weights))
+
+
+@inner
+def _set_factor(pressing: Any, kn: float, p: PressedBox, e: int, sampled: Any, shares: Any, by: _Factor) -> None:
+    """shares, sampled: as in tables, of the motion or of what grows"""
+    n, exponent = len(by.factor), p.exponent[e]
+    for t in range(n):
+        by.factor[t] = by.slope[t] = 0.0
+        if pressing[t] > 0:
+            by.factor[t] = (kn * pressing[t] / p.mean_force[e]) ** exponent
+            by.slope[t] = exponent * by.factor[t] / pressing[t]
+        by.scaled[t] = by.factor[t] * shares[t]
+    by.weights[:] = np.dot(sampled, by.scaled)
+
+
+@inner
+def _average_normal(pressing: Any, rate: Any, openings: Any, sampled: Any, averaged: Any) -> None:
+    """Writes (n_time,) compressions where positive, what is between the samples shared between them [m]."""
+    averaged[:] = pressing[: len(averaged)]
+    add_missing(pressing, rate, openings, sampled, averaged)
+
+
+@inner
+def _average_slider(grid: Any, path: Any, ratio: float, slider: Any, sampled: Any, out: Scratch, averaged: Any) -> None:
+    """Writes (n_time,) the force in one direction over kt, likewise [m]."""
+    averaged[:] = path.u[: len(averaged)]
+    at_samples = Scratch(averaged, out.by_u, out.by_p, out.integrals, out.sources, out.used, out.u, out.p)
+    add_force(grid, path, ratio, slider, sampled, at_samples)
+
+
+@inner
+def _write_force(stiffness: float, averaged: Any, scaled: Any, at_rest: float, constant: Any, force: Any) -> None:
+    for a in range(len(force)):
+        total = 0.0
+        for t in range(len(averaged)):
+            total += scaled[t, a] * averaged[t]
+        force[a] = stiffness * total - at_rest * constant[a]
+
+
+@inner
+def _set_springs(scaled: Any, rows: Rows, out: Scratch) -> None:
+    """Derivatives of what springs that never slip or open would have, over their stiffness."""
+    out.by_u[:] = np.dot(scaled.T, rows.values[: len(scaled)])
+    out.by_p[:] = 0.0
+
+
+@inner
+def _write_normal_tangent(
+    pressing: Any,
+    openings: Any,
+    kn: float,
+    averaged: Any,
+    rows: Rows,
+    shares: Any,
+    by: _Factor,
+    out: Scratch,
+    tangent: Any,
+    closed: bool,
+) -> None:
+    """As in jenkins_box.py beside this file."""
+    _set_springs(by.scaled, rows, out)
+    if not closed:
+        add_missing_tangent(pressing, openings, by.weights, rows, out.p, out.by_u)
+    _write_tangent(kn, averaged, rows, shares, by, out, 2, tangent)
+
+
+@inner
+def _write_tangent(
+    stiffness: float, averaged: Any, rows: Rows, shares: Any, by: _Factor, out: Scratch, d: int, tangent: Any
+) -> None:
+    """Writes tangent, (n_coefficients, 3, n_coefficients), of the force in direction d; out.by_u, out.by_p: derivatives
+    by the motion in it and by the compression with the factor held"""
+    for t in range(len(averaged)):
+        if by.slope[t] != 0:
+            add_outer(shares[t], averaged[t] * by.slope[t], rows.values[t], out.by_p)
+    tangent[:] = 0.0
+    for a in range(len(out.by_u)):
+        for b in range(len(out.by_u)):
+            tangent[a, d, b] += stiffness * out.by_u[a, b]
+            tangent[a, 2, b] += stiffness * out.by_p[a, b]
