@@ -10,6 +10,7 @@ from pathlib import Path
 from updamp.measurement.conversion import measured_run
 from updamp.measurement.measurement import (
     DRIFT,
+    FREQUENCY_ERROR,
     GAIN,
     Channel,
     Feature,
@@ -108,6 +109,7 @@ def _with_runs(path: Path, file: MeasurementFile, files: _Files) -> Measurement:
         repeatability=file.repeatability or 0.0,
         drift=file.frequency_drift or DRIFT,
         gain=file.gain_error or GAIN,
+        frequency_error=file.frequency_error or FREQUENCY_ERROR,
         units=_own_units(file),
     )
 

@@ -15,6 +15,8 @@ Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 # Where nothing is stated: a steel beam detunes by 1e-4 with half a kelvin; a calibrated sensor is good to a per cent.
 DRIFT, GAIN = 1e-4, 0.01
+# Relative standard deviation of a single frequency as a generator sets it.
+FREQUENCY_ERROR = 2e-6
 
 
 @dataclass(frozen=True)
@@ -106,6 +108,7 @@ class Measurement:
     repeatability: relative standard deviation of a response from test to test as stated, 0 where the repeats tell
     questions: what is hardly meant as it is stated, found when it was held against a model; `stated` has them first
     drift: relative standard deviation of the resonance from run to run of one assembly; gain: of a sensor's gain
+    frequency_error: relative standard deviation of a single frequency
     units: those that responses and force are in where a channel is not calibrated, such as ("V", "N")
     """
 
@@ -121,6 +124,7 @@ class Measurement:
     questions: tuple[str, ...] = ()
     drift: float = DRIFT
     gain: float = GAIN
+    frequency_error: float = FREQUENCY_ERROR
     units: tuple[str, str] = ("m", "N")
 
     @property

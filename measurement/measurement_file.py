@@ -144,6 +144,8 @@ class MeasurementFile(InputTable):
     repeatability: relative standard deviation of a response when the test is repeated, known from elsewhere; only where
     no repeats are among the runs
     frequency_drift: relative standard deviation of the resonance from run to run of one assembly (temperature, clock)
+    frequency_error: relative standard deviation of a single frequency where a generator's clock is not all: of points
+    read off a figure, of a sweep in steps where it jumps
     gain_error: that of a sensor's gain, as on its data sheet
     """
 
@@ -155,6 +157,7 @@ class MeasurementFile(InputTable):
     features: Annotated[Text, Field(examples=["stated.toml"])] | None = None
     repeatability: Annotated[float, Field(strict=True, gt=0, lt=1, examples=[0.05])] | None = None
     frequency_drift: Annotated[float, Field(strict=True, gt=0, lt=0.1, examples=[1e-4])] | None = None
+    frequency_error: Annotated[float, Field(strict=True, gt=0, lt=0.1, examples=[3.6e-4])] | None = None
     gain_error: Annotated[float, Field(strict=True, gt=0, lt=1, examples=[0.01])] | None = None
     channels: Annotated[Mapping[str, ChannelTable], Field(min_length=1)]
     runs: Annotated[

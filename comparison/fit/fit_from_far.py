@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from updamp.comparison.fit.compared import compare_at, objective, predict_branches
 from updamp.comparison.fit.fit import Fit, FitOptions, Progress, fit, prior_scatter
-from updamp.comparison.fit.observations import FREQUENCY_NOISE, Observations, Plan
+from updamp.comparison.fit.observations import Observations, Plan
 from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.parameters import Parametrisation
@@ -76,8 +76,8 @@ def _solved_there(found: Fit) -> bool:
 
 def _widths(plan: Plan, stages: StageOptions) -> list[float]:
     """Shares of the range measured, as long as they count more than the instrument."""
-    widest = max(_range(o) for o in plan.observations)
-    number = int(np.ceil(np.log(stages.first * widest / FREQUENCY_NOISE) / np.log(stages.narrower)))
+    widest = max(_range(o) / float(np.median(o.noise[:, 0])) for o in plan.observations)
+    number = int(np.ceil(np.log(stages.first * widest) / np.log(stages.narrower)))
     return [stages.first / stages.narrower**i for i in range(max(number, 0))]
 
 

@@ -13,9 +13,6 @@ from updamp.measurement.measurement import DRIFT, GAIN, MeasuredRun, Measurement
 
 Floats = NDArray[np.float64]
 
-# Relative standard deviation of a frequency as the generator sets it.
-FREQUENCY_NOISE = 2e-6
-
 
 @dataclass(frozen=True, eq=False)
 class Observations:
@@ -166,7 +163,7 @@ def _control(measurement: Measurement, run: MeasuredRun) -> HeldResponse | None:
 def _observations(run: MeasuredRun, test: int, condition: RunCondition, measurement: Measurement) -> Observations:
     points = {channel.point: channel.name for channel in measurement.channels}
     turn = run.force / np.abs(run.force)
-    columns, noise = [np.log(run.frequency)], [np.full(len(run), FREQUENCY_NOISE)]
+    columns, noise = [np.log(run.frequency)], [np.full(len(run), measurement.frequency_error)]
     for point, k in condition.sensors:
         amplitude = run.amplitude(points[point], k) / turn**k
         deviation = _deviation(run, points[point], k)

@@ -23,9 +23,10 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 from updamp.comparison.fit.matching import across, match
-from updamp.comparison.fit.observations import FREQUENCY_NOISE, Observations
+from updamp.comparison.fit.observations import Observations
 from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
+from updamp.measurement.measurement import FREQUENCY_ERROR
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -71,7 +72,7 @@ def _one_way(truth: PredictedRun, model: PredictedRun, sensors: Sequence[Sensor]
     a, b = _Local.of(truth.branch, place, sensors), _Local.of(model.branch, there, sensors)
     scale = _scale(a, sensors, truth)
     noise = np.array([truth.noise.get(point, truth.noise[""]) for point, _ in sensors]) * truth.scatter.noise
-    deviation = np.append(FREQUENCY_NOISE, np.repeat(noise, 2))
+    deviation = np.append(FREQUENCY_ERROR, np.repeat(noise, 2))
     basis = across(b.scaled(b.along, scale), np.broadcast_to(deviation, (len(place), len(deviation))))
 
     def project(changes: Floats) -> Floats:
@@ -160,7 +161,7 @@ def _matched(truth: PredictedRun, model: PredictedRun, place: Floats, sensors: S
     first = [s for s in sensors if s[1] == 1 and s[0] in truth.noise]
     a, b = _restricted(truth.branch, first), _restricted(model.branch, first)
     noise = np.array([truth.noise[point] for point, _ in first]) * truth.scatter.noise
-    deviation = np.broadcast_to(np.append(FREQUENCY_NOISE, np.repeat(noise, 2)), (len(place), 1 + 2 * len(first)))
+    deviation = np.broadcast_to(np.append(FREQUENCY_ERROR, np.repeat(noise, 2)), (len(place), 1 + 2 * len(first)))
     run = Observations("", 0, 0, a.at(place).value, deviation, np.zeros(len(place)))
     sizes = np.sqrt(np.diag(model.covariance))
     return match(b, run, b.u, sizes).place

@@ -112,3 +112,9 @@ def test_the_beams_are_read_as_their_readme_has_them() -> None:
         peaks = [run.frequency[np.argmax(np.abs(run.amplitude("gauge")))] for run in runs]
         np.testing.assert_allclose(peaks, frequencies, atol=0.005)
     assert [len(run) for run in magnets.runs] == [81, 79, 81, 79, 106, 100, 121, 119]
+
+
+def test_frequencies_are_known_as_well_as_is_stated(tmp_path):
+    stated = load_measurement(written(tmp_path, "repeatability = 0.03", "repeatability = 0.03\nfrequency_error = 4e-4"))
+    assert (plan_of(stated).observations[0].noise[:, 0] == 4e-4).all()
+    assert (plan_of(load_measurement(written(tmp_path))).observations[0].noise[:, 0] == 2e-6).all()

@@ -1,5 +1,6 @@
 """Fits of beams whose curves jump, against a global optimiser and against the truth that they were made with."""
 
+from copy import copy
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -128,3 +129,24 @@ def test_offsets_never_make_the_fit_worse() -> None:
         p, plan, scatter = SOFTENING.parametrisation, SOFTENING.plan, SOFTENING.scatter
         chi2 = [compare_at(p, u, plan, branches, scatter, rounds=n).chi2 for n in (1, 2, 4, 6)]
         assert np.all(np.diff(chi2) <= 0), i
+
+
+@pytest.mark.parametrize(("error", "slopes"), [(7.7e-4, True), (2e-6, False)], ids=["to a step", "exactly"])
+def test_jumps_known_to_a_step_leave_a_slope_to_the_best_fit(error: float, slopes: bool) -> None:
+    """What a fit lowers, with springs softer than the true one: points that are past the model's fold count by how far
+    it is from them in frequency. Known exactly each of them counts a factor of thirty in amplitude, and no small change
+    lessens that."""
+    mode, spring = mode_of(np.array([0.0, -0.3, 0.0])), joint_of(("joint_cubic",), np.array([0.5]))
+    data = measured((mode,), spring, (79.9, 84.0), (0.5, 1.0), True, 20, 0.01, 5)
+    runs = tuple(replace(run, without_phase=("a",)) for run in data.runs)
+    case = replace_plan(HARDENING, plan_of(replace(data, runs=runs, frequency_error=error)))  # a step is 0.22 Hz
+    values = [case.unlikely(np.array([0.0, -0.3, 0.0, 0.5 * factor]), 400) for factor in np.linspace(0.9, 1.0, 11)]
+    falls = -np.diff(values)
+    assert (falls[:5].sum() > 0.2 * falls.sum()) == slopes  # over the farther half of the way
+    assert (falls.max() < 0.5 * falls.sum()) == slopes
+
+
+def replace_plan(case: Case, plan: Plan) -> Case:
+    other = copy(case)
+    other.plan = plan
+    return other
