@@ -398,7 +398,9 @@ def test_compare_shows_the_smaller_error_and_adds_it_to_the_history(beam, diagno
 def test_run_takes_the_new_file_and_traces_curves_only(rig, diagnosed, tmp_path):
     short = around_first_stuck_mode(rig, 0.8)
     text = rig.read_text(encoding="utf-8")
-    text = text.replace('["432 Hz", "450 Hz"]', f'["{short[0]}", "{short[1]}"]').replace("= 128", "= 64")
+    of_oop = '["433 Hz", "451 Hz"]'
+    assert of_oop in text
+    text = text.replace(of_oop, f'["{short[0]}", "{short[1]}"]').replace("= 128", "= 64")
     rig.write_text(text.replace('law = "jenkins_box"', 'law = "jenkins_box_sampled"'), encoding="utf-8")
 
     def must_not_run(*_):
