@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 
 from updamp.hbm.contact.compiled.columns import Rows, multiply
-from updamp.hbm.contact.compiled.jenkins_box import hold, press, room, rows_of, slide
+from updamp.hbm.contact.compiled.jenkins_box import hold, press, room, slide
 from updamp.hbm.contact.compiled.keeping import kept
-from updamp.hbm.contact.compiled.slider import add_tangent, new_scratch, new_slider, tell_apart
+from updamp.hbm.contact.compiled.slider import gather_tangent, new_scratch, new_slider, tell_apart
 from updamp.hbm.contact.compiled.tables import Tables, hat_rows, slope_rows
 
 
@@ -23,7 +23,6 @@ def by_friction(
     c, n = tables.synthesis.shape
     path, grid, openings, pressing, rate, _ = room(n, c)
     slider, out = new_slider(len(grid.share), n), new_scratch(len(grid.share), tables.weights)
-    of_motion, _ = rows_of(tables)
     values = np.empty((n + 1, mu_rows.shape[2]))
     of_limit = Rows(values, np.empty_like(values), np.empty_like(values))
     for i, e in enumerate(numbers):
@@ -37,6 +36,6 @@ def by_friction(
         for d in range(2):
             slide(displacement[e, d], p, e, d, tables, path, ratio, openings, cycles, grid, slider)
             tell_apart(grid, path, ratio, slider)
-            add_tangent(grid, path, of_motion, of_motion, ratio, slider, tables.weights, 1.0, out)
+            gather_tangent(grid, path, ratio, slider, tables.weights, 1.0, out)
             multiply(out.p, of_limit, derivative[i, d])
             derivative[i, d] *= p.kt[e]

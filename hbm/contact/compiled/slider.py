@@ -172,6 +172,16 @@ def add_tangent(
 
     last_period: factor of what moved the slider in the period before (1 where the motion's change is periodic)
     """
+    gather_tangent(grid, path, ratio, slider, weights, last_period, out)
+    multiply(out.u, u, out.by_u)
+    multiply(out.p, p, out.by_p)
+
+
+@inner
+def gather_tangent(
+    grid: Grid, path: Path, ratio: float, slider: Slider, weights: Any, last_period: Any, out: Scratch
+) -> None:
+    """Writes out.u and out.p: what motion and limit add to the coefficients, to be multiplied by their derivatives."""
     empty(out.u)
     empty(out.p)
     used = out.used
@@ -192,8 +202,6 @@ def add_tangent(
     for k in range(grid.number[0] + 1):
         if used[k]:
             _add_source(grid, path, ratio, slider.side[k], k, out)
-    multiply(out.u, u, out.by_u)
-    multiply(out.p, p, out.by_p)
 
 
 @inner

@@ -191,14 +191,20 @@ def modified_parameters():
 
 @pytest.mark.parametrize("law", MODIFIED)
 def test_modified_laws_are_made_of_the_compiled_one_inside(law):
-    p, rows = modified_parameters(), np.arange(3 * ELEMENTS).reshape(-1, 3)
+    p = modified_parameters()
     motion = motions(p)
     motion[HELD] += 0.1  # held at its limit a sampled law has ties between stick and slip
-    of_each = [AllEvaluated(each, p, rows) for each in (law, InJax(law))]
-    ours, theirs = (element_forces(group, motion, 1.0, HARMONICS, 128) for group in of_each)
+    assert_as_in_jax(law, p, motion)
+
+
+def assert_as_in_jax(law, p, motion):
+    """Forces with and without tangents, and loops."""
+    rows = np.arange(3 * ELEMENTS).reshape(-1, 3)
+    groups = [AllEvaluated(each, p, rows) for each in (law, InJax(law))]
+    ours, theirs = (element_forces(group, motion, 1.0, HARMONICS, 128) for group in groups)
     np.testing.assert_allclose(ours.force, theirs.force, rtol=0, atol=1e-13 * np.abs(theirs.force).max())
     np.testing.assert_allclose(ours.tangent, theirs.tangent, rtol=0, atol=1e-11)
-    alone = force_only(of_each[0], motion, 1.0, HARMONICS, 128)
+    alone = force_only(groups[0], motion, 1.0, HARMONICS, 128)
     np.testing.assert_allclose(alone, ours.force, rtol=0, atol=1e-14 * np.abs(ours.force).max())
     areas = [loop_areas(AllEvaluated(each, p, rows), motion, 1.0, HARMONICS, 128) for each in (law, AtSamples(law))]
     np.testing.assert_allclose(*areas, rtol=0, atol=1e-12 * np.abs(areas[1]).max())
@@ -288,17 +294,9 @@ def pressed_parameters():
 
 @pytest.mark.parametrize("law", [PressureStiffness(JenkinsBox(2)), StaticShare(PressureStiffness(JenkinsBox(3)))])
 def test_stiffness_that_depends_on_the_pressure_is_that_of_the_law_in_jax(law):
-    p, rows = pressed_parameters(), np.arange(3 * ELEMENTS).reshape(-1, 3)
-    motion = motions(p)
-    groups = [AllEvaluated(each, p, rows) for each in (law, InJax(law))]
-    ours, theirs = (element_forces(group, motion, 1.0, HARMONICS, 128) for group in groups)
+    p = pressed_parameters()
     assert compiled_forces_of(law, HARMONICS, 128) is not None
-    np.testing.assert_allclose(ours.force, theirs.force, rtol=0, atol=1e-13 * np.abs(theirs.force).max())
-    np.testing.assert_allclose(ours.tangent, theirs.tangent, rtol=0, atol=1e-11)
-    alone = force_only(groups[0], motion, 1.0, HARMONICS, 128)
-    np.testing.assert_allclose(alone, ours.force, rtol=0, atol=1e-14 * np.abs(ours.force).max())
-    areas = [loop_areas(AllEvaluated(each, p, rows), motion, 1.0, HARMONICS, 128) for each in (law, AtSamples(law))]
-    np.testing.assert_allclose(*areas, rtol=0, atol=1e-12 * np.abs(areas[1]).max())
+    assert_as_in_jax(law, p, motions(p))
 
 
 @pytest.mark.parametrize("s", [0.0, 0.03 + 0.4j])
