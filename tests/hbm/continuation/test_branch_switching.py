@@ -4,7 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.peers import blades_and_damper_system, one_degree_of_freedom, solved
+from support.peers import (
+    blades_and_damper,
+    blades_and_damper_system,
+    friction,
+    one_degree_of_freedom,
+    solved,
+)
 
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring, UnilateralParameters, UnilateralSpring
@@ -12,12 +18,13 @@ from updamp.hbm.continuation.continuation import BranchStoppedError, Continuatio
 from updamp.hbm.continuation.recovery.lowering_step import LoweringStep
 from updamp.hbm.continuation.recovery.switch_branch import SwitchBranch, lies_on_last_points
 from updamp.hbm.continuation.retracing import TracedBranch
+from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.newton.active_forces import DirectForces, KrylovForces, ModalForces
 from updamp.hbm.newton.equation import evaluate
 from updamp.hbm.newton.jacobian import factorise
 from updamp.hbm.newton.newton import NewtonOptions, solve
 from updamp.hbm.problem.elements import ElementGroup
-from updamp.hbm.problem.system import Excitation
+from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 ROW = np.array([[0]])
 GAP = 1.0
@@ -145,3 +152,18 @@ def test_undamped_steps_cross_a_kink_at_which_damped_ones_stay(against_a_stop):
     full = solve(system, excitation, start, w, NewtonOptions(damped=False))
     assert full.converged
     assert max(full.errors) >= full.errors[0]
+
+
+@pytest.mark.parametrize("round_off", [-1e-12, 1e-12])
+def test_kinks_closer_than_a_ten_thousandth_are_passed_one_by_one(round_off):
+    """20 stiff contacts. With a smallest step of 1e-4 the branch jumped at 241.6 Hz and stopped at 249.9 Hz, with one
+    change of round-off and not with another."""
+    linear, given = blades_and_damper()
+    n = len(given.n0)
+    stiff = friction(n, 0.5056, 134.8 * float(given.kt[0]) * (1 + round_off), 2.225 * float(given.kn[0]), given.n0)
+    group = ElementGroup(JenkinsBox(2), stiff, np.arange(3 * n).reshape(n, 3))
+    system = NonlinearSystem(linear, (group,), Harmonics((0, 1, 2, 3)), 64)
+    excitation = Excitation(system.free.row("excitation"), 107.6)
+    points = list(continue_branch(system, excitation, (200.0, 252.0)))
+    assert points[-1].frequency > 252.0
+    assert not any(point.after_gap for point in points)
