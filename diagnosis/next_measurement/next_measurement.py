@@ -22,7 +22,7 @@ from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.decision.decide import Decision
 from updamp.diagnosis.evidence import Trial
 from updamp.diagnosis.next_measurement.candidate_runs import CandidateRun, Recording, candidate_runs
-from updamp.diagnosis.next_measurement.separation import PredictedRun, separation
+from updamp.diagnosis.next_measurement.separation import PredictedRun, RunNoise, separation
 from updamp.diagnosis.selection.search import SearchResult
 from updamp.diagnosis.verdict import NextMeasurement
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions
@@ -110,20 +110,19 @@ def _measurement(
     return NextMeasurement(sentence, pair, apart, recording.hours)
 
 
-def _noise(plan: Plan) -> dict[str, float]:
-    """Point -> relative standard deviation of its first harmonic in the plan; under "" that of all points."""
+def _noise(plan: Plan) -> RunNoise:
+    """As in the plan: of its frequencies, and of each point's first harmonic; under "" that of all points."""
     values: dict[str, list[float]] = {}
     for o in plan.observations:
         for j, (point, k) in enumerate(plan.conditions[o.test].sensors):
             if k == 1:
                 values.setdefault(point, []).append(float(np.median(o.noise[:, 1 + 2 * j])))
-    noise = {point: float(np.median(each)) for point, each in values.items()}
-    return {**noise, "": float(np.median(list(noise.values())))} if noise else noise
+    sensors = {point: float(np.median(each)) for point, each in values.items()}
+    frequency = float(np.median(np.concatenate([o.noise[:, 0] for o in plan.observations])))
+    return RunNoise(frequency, {**sensors, "": float(np.median(list(sensors.values())))} if sensors else sensors)
 
 
-def _prediction(
-    shared: tuple[Mapping[str, Fit], Mapping[str, float]], wanted: tuple[CandidateRun, str]
-) -> PredictedRun | None:
+def _prediction(shared: tuple[Mapping[str, Fit], RunNoise], wanted: tuple[CandidateRun, str]) -> PredictedRun | None:
     """None where the model has no response there. shared: explanations, and noise; wanted: run, and whose prediction"""
     (fits, noise), (run, name) = shared, wanted
     fit = fits[name]

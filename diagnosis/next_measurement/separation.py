@@ -26,7 +26,6 @@ from updamp.comparison.fit.matching import across, match
 from updamp.comparison.fit.observations import Observations
 from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
-from updamp.measurement.measurement import FREQUENCY_ERROR
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -38,15 +37,28 @@ _POINTS = 40  # of the run
 
 
 @dataclass(frozen=True, eq=False)
+class RunNoise:
+    """Relative standard deviations: of a single frequency, and of the sensor at each point, under "" that of others"""
+
+    frequency: float
+    sensors: Mapping[str, float]
+
+    def deviations(self, points: Sequence[str], scale: float) -> Floats:
+        """(1 + 2 n,) of a frequency and of the real and imaginary part at each point, sensors' noise times `scale`"""
+        each = scale * np.array([self.sensors.get(point, self.sensors[""]) for point in points])
+        return np.append(self.frequency, np.repeat(each, 2))
+
+
+@dataclass(frozen=True, eq=False)
 class PredictedRun:
     """A run as one explanation has it. covariance: (p, p) of the branch's parameters, the first of which are the
-    nuisance parameters named in `scatter`; noise: point -> relative standard deviation of the sensor there"""
+    nuisance parameters named in `scatter`"""
 
     branch: PredictedBranch
     covariance: Floats
     nuisances: tuple[str, ...]
     scatter: Scatter
-    noise: Mapping[str, float]
+    noise: RunNoise
 
     @property
     def root(self) -> Floats:
@@ -71,8 +83,7 @@ def _one_way(truth: PredictedRun, model: PredictedRun, sensors: Sequence[Sensor]
     there = _matched(truth, model, place, sensors)
     a, b = _Local.of(truth.branch, place, sensors), _Local.of(model.branch, there, sensors)
     scale = _scale(a, sensors, truth)
-    noise = np.array([truth.noise.get(point, truth.noise[""]) for point, _ in sensors]) * truth.scatter.noise
-    deviation = np.append(FREQUENCY_ERROR, np.repeat(noise, 2))
+    deviation = truth.noise.deviations([point for point, _ in sensors], truth.scatter.noise)
     basis = across(b.scaled(b.along, scale), np.broadcast_to(deviation, (len(place), len(deviation))))
 
     def project(changes: Floats) -> Floats:
@@ -138,9 +149,12 @@ def _scale(local: _Local, sensors: Sequence[Sensor], truth: PredictedRun) -> Flo
     """(n, n_sensors) amplitudes that relative noise is relative to: of the first harmonic at the same point; at a point
     that no noise is known of, no less than where it is known, since a further sensor is no better than the others."""
     size = {s: np.abs(local.amplitude[:, i]) for i, s in enumerate(sensors) if s[1] == 1}
-    known = [value for (point, _), value in size.items() if point in truth.noise]
+    known_at = truth.noise.sensors
+    known = [value for (point, _), value in size.items() if point in known_at]
     usual = np.exp(np.mean(np.log(known), axis=0))
-    each = [size[point, 1] if point in truth.noise else np.maximum(size[point, 1], usual) for point, _ in sensors]
+    each = [
+        size[point, 1] if point in truth.noise.sensors else np.maximum(size[point, 1], usual) for point, _ in sensors
+    ]
     return np.stack(each, axis=1)
 
 
@@ -158,10 +172,10 @@ def _places(branch: PredictedBranch, other: PredictedBranch) -> Floats:
 
 def _matched(truth: PredictedRun, model: PredictedRun, place: Floats, sensors: Sequence[Sensor]) -> Floats:
     """(n,) places on the model's branch, found from the first harmonics, which are measured anyway."""
-    first = [s for s in sensors if s[1] == 1 and s[0] in truth.noise]
+    first = [s for s in sensors if s[1] == 1 and s[0] in truth.noise.sensors]
     a, b = _restricted(truth.branch, first), _restricted(model.branch, first)
-    noise = np.array([truth.noise[point] for point, _ in first]) * truth.scatter.noise
-    deviation = np.broadcast_to(np.append(FREQUENCY_ERROR, np.repeat(noise, 2)), (len(place), 1 + 2 * len(first)))
+    deviation = truth.noise.deviations([point for point, _ in first], truth.scatter.noise)
+    deviation = np.broadcast_to(deviation, (len(place), len(deviation)))
     run = Observations("", 0, 0, a.at(place).value, deviation, np.zeros(len(place)))
     sizes = np.sqrt(np.diag(model.covariance))
     return match(b, run, b.u, sizes).place

@@ -19,16 +19,18 @@ from updamp.diagnosis.evidence import Evidence, Trial
 from updamp.diagnosis.next_measurement.candidate_runs import candidate_runs
 from updamp.diagnosis.next_measurement.next_measurement import (
     NOTHING,
+    _noise,
     _worth_recording,
     next_measurements,
     surviving_explanations,
 )
-from updamp.diagnosis.next_measurement.separation import PredictedRun, distance, separation
+from updamp.diagnosis.next_measurement.separation import PredictedRun, RunNoise, distance, separation
 from updamp.diagnosis.verdict import NextMeasurement
 from updamp.effects.effect import Effect, EffectParameter
 from updamp.effects.rig_model import PointElement
 from updamp.hbm.continuation.continuation import ContinuationOptions
 from updamp.hbm.problem.structural_changes import Attachment
+from updamp.measurement.measurement import FREQUENCY_ERROR
 from updamp.model.calibration import FRICTION, LOSS_FACTOR, PRELOAD
 
 NUISANCES = (LOSS_FACTOR, FRICTION, PRELOAD)
@@ -129,10 +131,28 @@ def _adjusted(f, plan):
     return residual @ residual - right @ np.linalg.solve(np.linalg.inv(f.covariance) + columns.T @ columns, right)
 
 
-def _prediction(f, force):
+def _prediction(f, force, frequency_error=FREQUENCY_ERROR):
     branch = trace_branch(f.parametrisation, f.u, condition(force, window=(37.5, 52.5)), FINE)
-    noise = {"a.x": 0.005, "b.x": 0.005, "": 0.005}
+    noise = RunNoise(frequency_error, {"a.x": 0.005, "b.x": 0.005, "": 0.005})
     return PredictedRun(branch, f.covariance, tuple(n.name for n in NUISANCES), f.compared.scatter, noise)
+
+
+def test_explanations_lie_closer_where_frequencies_are_known_less_well(explanations):
+    """As a measurement states it (`frequency_error`), of points read off a figure for one."""
+    apart = [
+        separation(*(_prediction(f, 20.0, error) for f in explanations.values()), FIRST)
+        for error in (FREQUENCY_ERROR, 1e-3, 3e-2)
+    ]
+    assert apart[0] > apart[1] > apart[2], "a little: these two hardly move the frequency"
+    assert apart[2] < 0.995 * apart[0]
+
+
+def test_runs_are_planned_with_the_frequency_error_of_the_measurement(measured):
+    stated = [
+        replace(o, noise=np.column_stack([0 * o.noise[:, 0] + 4e-4, o.noise[:, 1:]])) for o in measured.observations
+    ]
+    assert _noise(measured).frequency == pytest.approx(FREQUENCY_ERROR)
+    assert _noise(replace(measured, observations=tuple(stated))).frequency == pytest.approx(4e-4)
 
 
 def test_an_explanation_does_not_lie_apart_from_itself(explanations):
