@@ -1,11 +1,17 @@
 """A stepped sine on the bench: frequency by frequency at held force, each from where the last one left the rig.
 
-Where the motion cannot be continued, or only past a fold, the step is divided; where that does not help either the rig
-has jumped, and the motion is sought from the stuck one with the force raised in steps.
+Where the motion cannot be continued, or only to one that no rig stays in, the step is divided; where that does not help
+either the rig has jumped, and the motion is sought from the stuck one with the force raised in steps.
+
+Newton's method finds motions between two folds as well, and near a jump it may come to one from anywhere. At a fixed
+frequency the response is S-shaped in the force there: between the folds a motion that is less takes more force, and is
+unstable (A. H. Nayfeh and D. T. Mook, Nonlinear Oscillations, 1979, chapter 4). That does not depend on where the
+sweep came from.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +21,13 @@ from updamp.benchmarks.virtual_rig.periodic import Motion, NotSolvedError, Solve
 
 Floats = NDArray[np.float64]
 
-# Of a step of frequency and force, by which it is taken back to see which way the motion goes.
-_PART = 1e-3
+# Shares of the force by which it is changed to see which way the motion goes: three times what a force is held to,
+# since where contacts change their states a branch turns back within some thousandths, dozens of times, and such folds
+# are none; and as much as it is held to, next to a fold beyond which there is no motion nearby.
+_CHANGED = (0.01, -0.01, 0.003, -0.003)
+# What they change is ten-thousandths of the motion at least. What is not soon found, or is farther away than a tenth of
+# the motion, is not nearby: between parts of a branch phases differ by that and more.
+_SOON, _ROUGHLY, _NEARBY = 15, 1e-5, 0.1
 # Tip's receptance [m/N] at about which half of the unrecorded drop of force is reached: near that of stuck resonances.
 DROP_AT = 2e-6
 
@@ -50,26 +61,24 @@ class StepMotor:
                 found = self.settled(w, force, start)
             except NotSolvedError:
                 continue
-            if not self._past_a_fold(last, found, force):
+            if not self.is_unstable(found):
                 return found
         if depth == 4:
             raise NotSolvedError(f"{w / 2 / np.pi:.3f} Hz: not reached in steps")
         self.before, self.motion = last, self._continued((last.w + w) / 2, (last.force + force) / 2, depth + 1)
         return self._continued(w, force, depth + 1)
 
-    def _past_a_fold(self, last: Motion, found: Motion, force: float) -> bool:
-        """Whether Newton's method has come to the unstable side of a fold, where no rig stays: the same change of
-        frequency and force moves it the other way there."""
-        step = found.w - last.w, force - last.force
-        try:
-            ways = [self._back(motion, step).x - motion.x for motion in (last, found)]
-        except NotSolvedError:
-            return False
-        return float(np.vdot(*ways)) < 0
-
-    def _back(self, motion: Motion, step: tuple[float, float]) -> Motion:
-        """The motion a little before. raises: NotSolvedError"""
-        return self.settled(motion.w - _PART * step[0], motion.force - _PART * step[1], motion.x)
+    def is_unstable(self, motion: Motion) -> bool:
+        """Whether contacts move less under more force; where there is no motion nearby under more or less force that is
+        not known, and it counts as stable."""
+        aside = StepMotor(self.rig, replace(self.options, iterations=_SOON, tolerance=_ROUGHLY), self.motion)
+        size = float(np.linalg.norm(motion.x))
+        for more in _CHANGED:
+            with suppress(NotSolvedError):
+                x = aside.settled(motion.w, motion.force * (1 + more), motion.x).x
+                if np.linalg.norm(x - motion.x) < _NEARBY * size:
+                    return bool(more * (np.linalg.norm(x) - size) < 0)
+        return False
 
     def _starts(self, w: float) -> Iterator[Floats]:
         last, before = self.motion, self.before
@@ -88,7 +97,8 @@ class StepMotor:
                 for share in np.linspace(1 / steps, 1, steps):
                     found = self.settled(w, share * force, x if x is None else x * share / (share - 1 / steps))
                     x = found.x
-                return found
+                if not self.is_unstable(found):
+                    return found
             except NotSolvedError:
                 continue
         self.lost += 1
