@@ -152,9 +152,7 @@ def _scale(local: _Local, sensors: Sequence[Sensor], truth: PredictedRun) -> Flo
     known_at = truth.noise.sensors
     known = [value for (point, _), value in size.items() if point in known_at]
     usual = np.exp(np.mean(np.log(known), axis=0))
-    each = [
-        size[point, 1] if point in truth.noise.sensors else np.maximum(size[point, 1], usual) for point, _ in sensors
-    ]
+    each = [size[point, 1] if point in known_at else np.maximum(size[point, 1], usual) for point, _ in sensors]
     return np.stack(each, axis=1)
 
 
