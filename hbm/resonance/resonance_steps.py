@@ -32,7 +32,7 @@ class ResonanceOptions(StepLengths):
 
     straight: a step counts where the tangents at both its ends go its way, by the cosine of their angles to it at
         least: what does not is another branch, or the same one on its way back
-    smallest_step: that of which the kinks are looked for ahead; smaller ones, as for curves, were not tried
+    smallest_step: as the first of `beyond_kinks`; shorter ones, as curves take them, have not been tried
     beyond_kinks: where no smaller step is solved contacts change their states: so far ahead [arc] the tangent of the
         branch beyond is taken, and steps of the lengths after the kink are tried along it
     off_predicted: wider than a curve's: with 0.3, 0.2 and 0.1 the same resonance was met (benchmarks/harmonic_balance/
