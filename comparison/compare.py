@@ -18,6 +18,7 @@ from updamp.comparison.findings.all_findings import all_findings
 from updamp.comparison.findings.backbone import measured_backbones, model_backbones
 from updamp.comparison.findings.findings import lack_of_fit, misfits
 from updamp.comparison.findings.stated_values import feature_findings
+from updamp.comparison.findings.unlike_repeats import unlike_repeats
 from updamp.comparison.fit.compared import compare_at, predict_branches
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
 from updamp.comparison.fit.fit_from_far import fit_from_far
@@ -143,6 +144,7 @@ def comparison_of(
         level_unit=plan.conditions[0].unit,
         response_unit=measurement.units[0],
         force_unit=measurement.units[1],
+        unlike_repeats=unlike_repeats(fitted.compared, plan),
     )
 
 

@@ -30,6 +30,29 @@ class Finding:
     significance: float
 
 
+@dataclass(frozen=True)
+class UnlikeRun:
+    """One of the repeats of a test that differs from the others by more than they do among each other.
+
+    run: name of the test; level: with its unit; repeat: number of the assembly; times: how many times their scatter it
+    is away from their mean; chance: probability of as much by chance
+    """
+
+    run: str
+    mode: str
+    level: str
+    repeat: int
+    times: float
+    chance: float
+
+    @property
+    def text(self) -> str:
+        return (
+            f"{self.mode} at {self.level}, repeat {self.repeat}: unlike its repeats, {self.times:.1f} times as far "
+            "from them as they are from each other; look at this run, or leave it out"
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class MeasuredCurve:
     """One repeat of a run at one channel. frequency: (n,) [Hz]; receptance: (n,) [m/N]; force: (n,) [N]
@@ -146,6 +169,7 @@ class Comparison:
     level_unit: of every `level`: that of the force, or SI unit of the response that was held
     response_unit, force_unit: "m" and "N", or what stands for them where channels are not calibrated
     contact_states: for each curve's name "OOP 17 N": share of contacts stuck, slipping, separating, open at the peak
+    unlike_repeats: runs that are to be looked at, whatever the model does
     """
 
     title: str
@@ -168,8 +192,9 @@ class Comparison:
     level_unit: str = "N"
     response_unit: str = "m"
     force_unit: str = "N"
+    unlike_repeats: tuple[UnlikeRun, ...] = ()
 
 
 # `comparison.json`, every number kept to the last digit: the fields of `Comparison` by their names, and `schema`;
 # complex as {"re", "im"}, nan as null.
-COMPARISON_JSON = JsonDocument(Comparison, "updamp comparison 1", "updamp compare")
+COMPARISON_JSON = JsonDocument(Comparison, "updamp comparison 2", "updamp compare")

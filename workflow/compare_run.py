@@ -85,6 +85,8 @@ def run_compare(
                 branches,
             )
         display.done("comparison", f"findings: {len(comparison.findings)}")
+        for run in comparison.unlike_repeats:
+            display.note("check", run.text)
         files.out.mkdir(parents=True, exist_ok=True)
         COMPARISON_JSON.write(files.comparison, comparison)
         write_report(comparison, files.report, pictures_of(files.out))

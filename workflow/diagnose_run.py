@@ -10,7 +10,7 @@ from pydantic_core import to_json
 from rich.console import Console
 
 from updamp.comparison.compare import compare
-from updamp.comparison.comparison import COMPARISON_JSON
+from updamp.comparison.comparison import COMPARISON_JSON, Comparison
 from updamp.comparison.fit.observations import Plan, plan_of
 from updamp.comparison.prediction.branch_tasks import Branches, BranchesBy, in_turn
 from updamp.diagnosis.candidate_models.baseline import Baseline, baseline, held_out_runs
@@ -95,7 +95,8 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
             EVIDENCE_JSON.write(files.out / "evidence.json", found.evidence)
             write_ablations(files.out / "ablations.json", found.evidence, options.criteria)
             if options.report:
-                _report(files, inputs, verdict, progress, BranchesBy(workers))
+                for run in _report(files, inputs, verdict, progress, BranchesBy(workers)).unlike_repeats:
+                    display.note("check", run.text)
         display.done(_STAGE, f"{verdict.verdict}: {', '.join(verdict.effects or verdict.group) or 'no effect'}")
     return verdict
 
@@ -217,7 +218,7 @@ def _report(
     verdict: Verdict,
     progress: Callable[[str], None],
     branches_of: Branches,
-) -> None:
+) -> Comparison:
     comparison, _ = compare(
         inputs.before_effects,
         inputs.measurement,
@@ -231,6 +232,7 @@ def _report(
     )
     COMPARISON_JSON.write(files.comparison, comparison)
     write_report(comparison, files.report, pictures_of(files.out), verdict)
+    return comparison
 
 
 def _progress_bar(display: Display) -> Callable[[str], None]:

@@ -28,8 +28,8 @@ class QuestionOptions:
     gives as much
     exact: how close to a known factor an amplitude is for it to be asked about; odd: a factor that is asked about in
     any case: mode shapes are hardly wrong by as much
-    height: points from this share of the peak on are used; scatter: of them about the straight line, relative, up to
-    which it tells
+    height: points from this share of the peak on are used; scatter: of them about the straight line, relative, and
+    of its slopes on both sides of the resonance, up to which it tells
     """
 
     points: int = 5
@@ -174,7 +174,9 @@ def _amplitude(
 
 
 def modal_constant(frequency: Floats, receptance: NDArray[np.complex128], options: QuestionOptions) -> float | None:
-    """|A| of the straight line through 1/H around the peak [1/kg]; None where too few points lie on one."""
+    """|A| of the straight line through 1/H around the peak [1/kg]; None where too few points lie on one, or it is
+    not as steep on both sides of the resonance: one that bends over shows a straight line on one side, of another
+    slope."""
     size = np.abs(receptance)
     if not np.all(size > 0):
         return None
@@ -188,4 +190,13 @@ def modal_constant(frequency: Floats, receptance: NDArray[np.complex128], option
     left = np.abs(columns @ line - 1)
     if np.sqrt(np.mean(left**2)) > options.scatter or line[1] == 0:
         return None
+    stiffness = np.real(np.conj(line[1]) / np.abs(line[1]) / H)  # negative on one side of the resonance
+    sides = [_slope(squared[one], stiffness[one], spread) for one in (stiffness < 0, stiffness >= 0)]
+    if not all(abs(slope / np.abs(line[1]) - 1) <= options.scatter for slope in sides):
+        return None
     return float(spread / abs(line[1]))
+
+
+def _slope(squared: Floats, stiffness: Floats, spread: float) -> float:
+    """Of a straight line; nan of less than two points."""
+    return float(np.polyfit((squared - squared.mean()) / spread, stiffness, 1)[0]) if len(squared) > 1 else np.nan

@@ -22,14 +22,20 @@ def noise_of_sensors(matched: Sequence[Matched], plan: Plan) -> float:
     leave rougher runs than there were."""
     if not plan.noise_read:
         return 1.0
-    rough = np.concatenate([third_differences(column) for m in matched for column in _left(m).T])
+    rough = np.concatenate([third_differences(column) for m in matched for column in left_at_sensors(m).T])
     return min(1.0, deviation_of(rough)) if len(rough) else 1.0
 
 
-def _left(m: Matched) -> Floats:
+def left_at_sensors(m: Matched) -> Floats:
     """(n, amplitudes and phases that were recorded) measured less model across the branch, in deviations of the
     sensors."""
+    return np.asarray(np.einsum("nrm,nr->nm", to_sensors(m), m.residual))
+
+
+def to_sensors(m: Matched) -> Floats:
+    """(n, values across the branch, amplitudes and phases that were recorded) what takes the former to the latter, in
+    deviations of the sensors."""
     recorded = 1 + np.flatnonzero(np.isfinite(m.noise[:, 1:]).all(axis=0))
     numerics = m.noise[:, recorded] / m.observations.noise[:, recorded]
     whitened = m.by_observation[:, :, recorded] * m.noise[:, None, recorded]
-    return np.asarray(numerics * np.einsum("nrm,nr->nm", whitened, m.residual))
+    return np.asarray(numerics[:, None, :] * whitened)

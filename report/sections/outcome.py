@@ -14,6 +14,8 @@ FEW = 5  # findings that are not folded away
 BEFORE_SEARCH = """The model that the search for the missing effect began with: calibrated, without any effect that the
 verdict on top of this page names. What of it stands out of the scatter:"""
 
+UNLIKE = "Runs to look at, whatever the model does:"
+
 
 def render(report: Report) -> Content:
     """Where the page has the verdict of a diagnosis, that is the only one."""
@@ -24,6 +26,8 @@ def render(report: Report) -> Content:
         html = paragraph(BEFORE_SEARCH if comparison.findings else verdict_sentence(comparison))
     if comparison.findings:
         html += _findings([_finding(finding, comparison) for finding in comparison.findings])
+    if comparison.unlike_repeats:
+        html += paragraph(UNLIKE) + "".join(f"<p>{escape(run.text)}</p>" for run in comparison.unlike_repeats)
     return Content(html + _cards(comparison))
 
 

@@ -14,13 +14,14 @@ import pytest
 from support.synthetic_comparison import features_only, synthetic_comparison
 from support.synthetic_verdict import synthetic_verdict
 
-from updamp.comparison.comparison import Comparison
+from updamp.comparison.comparison import Comparison, UnlikeRun
 from updamp.diagnosis.verdict import Explanation
 from updamp.report.markup import MINUS, MISSING, TIMES, level_name, number, percent, with_unit
 from updamp.report.page import build_page, write_report
 from updamp.report.registry import SECTIONS
 from updamp.report.section import Content, Report, ReportSection
 from updamp.report.sections.outcome import SECTION as OUTCOME
+from updamp.report.sections.outcome import UNLIKE
 
 PNG = b"\x89PNG\r\n\x1a\n" + bytes(40)
 HOSTILE = '</script><img src=x onerror="window.broken=1">&<b>'
@@ -101,6 +102,13 @@ def test_curves_in_the_page_are_those_compared(comparison: Comparison, page: str
             complex_value = np.array(values["a"]) * np.exp(1j * np.radians(values["p"]))
             np.testing.assert_allclose(complex_value, 1e3 * measured.receptance, rtol=1e-5)
             assert np.abs(np.diff(values["p"])).max() < 180  # no curve is cut in two
+
+
+def test_runs_that_are_unlike_their_repeats_are_shown_on_top(comparison: Comparison) -> None:
+    run = UnlikeRun("OOP 17 N", "OOP", "17 N", 2, 6.2, 1e-9)
+    page = build_page(Report(replace(comparison, unlike_repeats=(run,)), None, {}), SECTIONS)
+    assert run.text in page
+    assert UNLIKE not in build_page(Report(comparison, None, {}), SECTIONS)
 
 
 def test_volts_are_shown_as_volts_and_phases_that_nobody_recorded_not_at_all(comparison: Comparison) -> None:

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.jumping_beam import Joint, Mode, swept
 
 from updamp.measurement.load import load_measurement
 from updamp.model.build import modal_model
@@ -31,6 +32,20 @@ def test_it_is_not_told_from_what_is_no_resonance() -> None:
     assert modal_constant(F, noise, QuestionOptions()) is None
     assert modal_constant(F, oscillator(1e-5), QuestionOptions()) is None, "one point on the peak is not enough"
     assert modal_constant(F, 0 * noise, QuestionOptions()) is None
+
+
+@pytest.mark.parametrize("upwards", [False, True])
+def test_it_is_not_told_from_a_resonance_that_bends_over(upwards: bool) -> None:
+    """By a tenth of its width it is told, by one of them and by three, with a jump, it is not: there one side shows a
+    straight line of some other slope."""
+    beam, softens = Mode(80.4, 0.003, 2.0), Joint(cubic=-2e9)
+    f = np.linspace(78.5, 82.0, 100)
+    f = f if upwards else f[::-1]
+    slight, bent, jumping = (
+        modal_constant(f, swept((beam,), softens, f, force) / force, QuestionOptions()) for force in (0.35, 2.0, 4.0)
+    )
+    assert slight == pytest.approx(0.5, rel=0.01)
+    assert bent is jumping is None
 
 
 def test_a_real_test_in_the_right_units_is_asked_nothing() -> None:

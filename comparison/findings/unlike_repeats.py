@@ -1,0 +1,122 @@
+"""Runs that are unlike their repeats: a sensor that came loose, a sweep that was disturbed.
+
+The repeats of a test are z = c + R b + e: c is what the model gets wrong, anything but common to all of them, b the
+offsets of each run with the scatter that is known of them, and e noise. The offsets are each run's own here, though an
+assembly's are the same in all its tests: what they do to a test is known to first order only. With P the inverse of the
+covariance of z projected off c, a run that is left out differs from what the others predict by P_ii^-1 (P z)_i, of
+covariance P_ii^-1 (R. Christensen, L. M. Pearson, W. Johnson, Technometrics 34 (1992) 38). Its square is held against
+what the others leave, no less than the noise, in an F-test. Two repeats do not tell which of them is to be looked at.
+
+As for what a model lacks, values count as one over a quarter of the curve (`comparison/fit/failing_model.py`).
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import f as f_distribution
+
+from updamp.comparison.comparison import UnlikeRun
+from updamp.comparison.findings.findings import RISK, level_of
+from updamp.comparison.fit.compared import Compared
+from updamp.comparison.fit.failing_model import STRETCHES
+from updamp.comparison.fit.matching import Matched
+from updamp.comparison.fit.observations import Plan
+from updamp.comparison.fit.sensor_noise import to_sensors
+
+Floats = NDArray[np.float64]
+# Fewest repeats of which one can be told from the others.
+_FEWEST = 3
+# Share of the largest eigenvalue of what is projected below which it is none.
+_NOTHING = 1e-9
+
+
+def unlike_repeats(compared: Compared, plan: Plan, risk: float = RISK) -> tuple[UnlikeRun, ...]:
+    """The least likely first; none where there are fewer than three repeats.
+
+    risk: that repeats which differ by chance alone have any run named
+    """
+    tested = [
+        UnlikeRun(condition.name, condition.mode, level_of(plan, test), run.repeat, times, chance)
+        for test, condition in enumerate(plan.conditions)
+        for run, times, chance in _off(_repeats(compared, test))
+    ]
+    return tuple(sorted((run for run in tested if run.chance * len(tested) < risk), key=lambda run: run.chance))
+
+
+@dataclass(frozen=True, eq=False)
+class _Run:
+    """values: (d,) means over stretches of the branch of what the model leaves, in deviations of the sensors
+    covariance: (d, d) of them by noise and offsets"""
+
+    repeat: int
+    values: Floats
+    covariance: Floats
+
+
+def _off(runs: Sequence[_Run]) -> Iterator[tuple[_Run, float, float]]:
+    """How many times the scatter each is off, and the probability of as much by chance."""
+    if len(runs) < _FEWEST or not len(runs[0].values):
+        return
+    projected = _projected(runs)
+    off = projected @ np.concatenate([run.values for run in runs])
+    d = len(runs[0].values)
+    all_, all_free = _squared(projected, off, slice(None))
+    for i, run in enumerate(runs):
+        own, free = _squared(projected, off, slice(i * d, (i + 1) * d))
+        ratio = own / free / max((all_ - own) / (all_free - free), 1.0)
+        yield run, float(ratio**0.5), float(f_distribution.sf(ratio, free, all_free - free))
+
+
+def _projected(runs: Sequence[_Run]) -> Floats:
+    """P = V^-1 - V^-1 C (C' V^-1 C)^-1 C' V^-1: of the covariance V, with the columns C of what is common."""
+    inverses = [np.linalg.inv(run.covariance) for run in runs]
+    of_common = np.concatenate(inverses)
+    projected = -of_common @ np.linalg.solve(np.sum(inverses, axis=0), of_common.T)
+    d = len(inverses[0])
+    for i, inverse in enumerate(inverses):
+        projected[i * d : (i + 1) * d, i * d : (i + 1) * d] += inverse
+    return np.asarray(projected)
+
+
+def _squared(projected: Floats, off: Floats, places: slice) -> tuple[float, int]:
+    """Of values left out, against their prediction from the rest in deviations of it, and how many are free."""
+    sizes, directions = np.linalg.eigh(projected[places, places])
+    free = sizes > _NOTHING * sizes[-1]
+    return float(np.sum((directions.T @ off[places])[free] ** 2 / sizes[free])), int(free.sum())
+
+
+def _repeats(compared: Compared, test: int) -> list[_Run]:
+    """Of a test; over stretches with as many points of all of them, where each has some."""
+    of_test = [m for m in compared.matched if m.observations.test == test]
+    if len(of_test) < _FEWEST:
+        return []
+    edges = np.quantile(np.concatenate([m.place for m in of_test]), np.linspace(0, 1, STRETCHES + 1)[1:-1])
+    within = [np.digitize(m.place, edges)[:, None] == np.arange(STRETCHES) for m in of_test]
+    points = np.array([each.sum(axis=0) for each in within])
+    kept = np.flatnonzero(points.min(axis=0))
+    return [
+        _reduced(compared, m, each[:, kept] / n[kept], 1 / n[kept])
+        for m, each, n in zip(of_test, within, points, strict=True)
+    ]
+
+
+def _reduced(compared: Compared, m: Matched, share: Floats, variance: Floats) -> _Run:
+    """share: (n, stretches) of each point in their means; variance: (stretches,) that noise of unit size gives these"""
+    mean = np.einsum("ns,nrm->smnr", share, to_sensors(m))
+    columns = mean.shape[1]
+    mean = mean.reshape(-1, m.residual.size)
+    residual, random, deviations = _equations(compared, m)
+    values = mean @ residual / compared.scatter.noise
+    offsets = mean @ random * deviations
+    return _Run(m.observations.repeat, values, np.diag(np.repeat(variance, columns)) + offsets @ offsets.T)
+
+
+def _equations(compared: Compared, run: Matched) -> tuple[Floats, Floats, Floats]:
+    """Of one run: residual at no offset (n,), by the offsets (n, q), and their deviations (q,)."""
+    (a,) = (a for a in compared.assemblies if a.repeat == run.observations.repeat)
+    of_assembly = [m for m in compared.matched if m.observations.repeat == a.repeat]
+    start = sum(m.residual.size for m in of_assembly[: of_assembly.index(run)])
+    rows = slice(start, start + run.residual.size)
+    return a.residual[rows], a.random[rows], a.deviations(compared.scatter)
