@@ -10,7 +10,7 @@ from pydantic_core import to_json
 from rich.console import Console
 
 from updamp.comparison.compare import compare
-from updamp.comparison.comparison import COMPARISON_JSON, Comparison
+from updamp.comparison.comparison import COMPARISON_JSON
 from updamp.comparison.fit.observations import Plan, plan_of
 from updamp.comparison.prediction.branch_tasks import Branches, BranchesBy, in_turn
 from updamp.diagnosis.candidate_models.baseline import Baseline, baseline, held_out_runs
@@ -95,8 +95,7 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
             EVIDENCE_JSON.write(files.out / "evidence.json", found.evidence)
             write_ablations(files.out / "ablations.json", found.evidence, options.criteria)
             if options.report:
-                for run in _report(files, inputs, verdict, progress, BranchesBy(workers)).unlike_repeats:
-                    display.note("check", run.text)
+                _report(files, inputs, verdict, display, progress, BranchesBy(workers))
         display.done(_STAGE, f"{verdict.verdict}: {', '.join(verdict.effects or verdict.group) or 'no effect'}")
     return verdict
 
@@ -129,7 +128,7 @@ def _of_stated(
     files.out.mkdir(parents=True, exist_ok=True)
     VERDICT_JSON.write(files.out / "diagnosis.json", found.verdict)
     if options.report:
-        _report(files, inputs, found.verdict, progress, in_turn)
+        _report(files, inputs, found.verdict, display, progress, in_turn)
     display.done(_STAGE, found.verdict.verdict)
     for table in tables(found):
         console.print(table)
@@ -216,9 +215,10 @@ def _report(
     files: CompareFiles,
     inputs: ComparisonInputs,
     verdict: Verdict,
+    display: Display,
     progress: Callable[[str], None],
     branches_of: Branches,
-) -> Comparison:
+) -> None:
     comparison, _ = compare(
         inputs.before_effects,
         inputs.measurement,
@@ -232,7 +232,8 @@ def _report(
     )
     COMPARISON_JSON.write(files.comparison, comparison)
     write_report(comparison, files.report, pictures_of(files.out), verdict)
-    return comparison
+    for run in comparison.unlike_repeats:
+        display.note("check", run.text)
 
 
 def _progress_bar(display: Display) -> Callable[[str], None]:
