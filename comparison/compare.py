@@ -14,7 +14,7 @@ from updamp.comparison.comparison import (
     PointResidual,
 )
 from updamp.comparison.curves import curve_pairs
-from updamp.comparison.findings.all_findings import all_findings
+from updamp.comparison.findings.all_findings import all_findings, of_repeats
 from updamp.comparison.findings.backbone import measured_backbones, model_backbones
 from updamp.comparison.findings.findings import lack_of_fit, misfits
 from updamp.comparison.findings.stated_values import feature_findings
@@ -144,7 +144,7 @@ def comparison_of(
         level_unit=plan.conditions[0].unit,
         response_unit=measurement.units[0],
         force_unit=measurement.units[1],
-        unlike_repeats=unlike_repeats(fitted.compared, plan),
+        unlike_repeats=unlike_repeats(fitted.compared, of_repeats(fitted, plan), plan),
     )
 
 

@@ -37,14 +37,15 @@ def all_findings(
     if fit.parametrisation.base.contacts is None:
         return linear_findings(fit, plan, first_order, measured, model)
     missing = without_peak_findings(without_peak(plan, branches), plan)
-    peaks = (*missing, *peak_findings(peak_misfits(fit, plan, branches, _of_repeats(fit, plan)), plan, names))
+    peaks = (*missing, *peak_findings(peak_misfits(fit, plan, branches, of_repeats(fit, plan)), plan, names))
     if not peaks:
         return findings(fit, plan, first_order)
     of_harmonics = [m for m in first_order if m.direction.quantity == SENSOR and m.direction.sensor[1] != 1]
     return (*peaks, *(findings(fit, plan, of_harmonics) if of_harmonics else ()))
 
 
-def _of_repeats(fit: Fit, plan: Plan) -> Scatter:
+def of_repeats(fit: Fit, plan: Plan) -> Scatter:
+    """What the repeats alone show; that of the fit where there are none."""
     if len(fit.compared.assemblies) < 2:
         return fit.compared.scatter
     scatter, repeatability = scatter_of_repeats(fit, plan)

@@ -23,6 +23,7 @@ from updamp.comparison.fit.compared import Compared
 from updamp.comparison.fit.failing_model import STRETCHES
 from updamp.comparison.fit.matching import Matched
 from updamp.comparison.fit.observations import Plan
+from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.fit.sensor_noise import to_sensors
 
 Floats = NDArray[np.float64]
@@ -32,15 +33,16 @@ _FEWEST = 3
 _NOTHING = 1e-9
 
 
-def unlike_repeats(compared: Compared, plan: Plan, risk: float = RISK) -> tuple[UnlikeRun, ...]:
+def unlike_repeats(compared: Compared, scatter: Scatter, plan: Plan, risk: float = RISK) -> tuple[UnlikeRun, ...]:
     """The least likely first; none where there are fewer than three repeats.
 
+    scatter: that the repeats alone show, since a model that fails is fitted with more
     risk: that repeats which differ by chance alone have any run named
     """
     tested = [
         UnlikeRun(condition.name, condition.mode, level_of(plan, test), run.repeat, times, chance)
         for test, condition in enumerate(plan.conditions)
-        for run, times, chance in _off(_repeats(compared, test))
+        for run, times, chance in _off(_repeats(compared, scatter, test))
     ]
     return tuple(sorted((run for run in tested if run.chance * len(tested) < risk), key=lambda run: run.chance))
 
@@ -87,7 +89,7 @@ def _squared(projected: Floats, off: Floats, places: slice) -> tuple[float, int]
     return float(np.sum((directions.T @ off[places])[free] ** 2 / sizes[free])), int(free.sum())
 
 
-def _repeats(compared: Compared, test: int) -> list[_Run]:
+def _repeats(compared: Compared, scatter: Scatter, test: int) -> list[_Run]:
     """Of a test; over stretches with as many points of all of them, where each has some."""
     of_test = [m for m in compared.matched if m.observations.test == test]
     if len(of_test) < _FEWEST:
@@ -97,26 +99,25 @@ def _repeats(compared: Compared, test: int) -> list[_Run]:
     points = np.array([each.sum(axis=0) for each in within])
     kept = np.flatnonzero(points.min(axis=0))
     return [
-        _reduced(compared, m, each[:, kept] / n[kept], 1 / n[kept])
+        _reduced(compared, scatter, m, each[:, kept] / n[kept])
         for m, each, n in zip(of_test, within, points, strict=True)
     ]
 
 
-def _reduced(compared: Compared, m: Matched, share: Floats, variance: Floats) -> _Run:
-    """share: (n, stretches) of each point in their means; variance: (stretches,) that noise of unit size gives these"""
+def _reduced(compared: Compared, scatter: Scatter, m: Matched, share: Floats) -> _Run:
+    """share: (n, stretches) of each point in the mean of its stretch"""
     mean = np.einsum("ns,nrm->smnr", share, to_sensors(m))
-    columns = mean.shape[1]
+    variance = np.repeat(np.sum(share**2, axis=0), mean.shape[1])
     mean = mean.reshape(-1, m.residual.size)
-    residual, random, deviations = _equations(compared, m)
-    values = mean @ residual / compared.scatter.noise
-    offsets = mean @ random * deviations
-    return _Run(m.observations.repeat, values, np.diag(np.repeat(variance, columns)) + offsets @ offsets.T)
+    (a,) = (a for a in compared.assemblies if a.repeat == m.observations.repeat)
+    rows = _rows(compared, m)
+    offsets = mean @ a.random[rows] * a.deviations(scatter)
+    values = mean @ a.residual[rows] / scatter.noise
+    return _Run(a.repeat, values, np.diag(variance) + offsets @ offsets.T)
 
 
-def _equations(compared: Compared, run: Matched) -> tuple[Floats, Floats, Floats]:
-    """Of one run: residual at no offset (n,), by the offsets (n, q), and their deviations (q,)."""
-    (a,) = (a for a in compared.assemblies if a.repeat == run.observations.repeat)
-    of_assembly = [m for m in compared.matched if m.observations.repeat == a.repeat]
+def _rows(compared: Compared, run: Matched) -> slice:
+    """Of one run in the equations of its assembly."""
+    of_assembly = [m for m in compared.matched if m.observations.repeat == run.observations.repeat]
     start = sum(m.residual.size for m in of_assembly[: of_assembly.index(run)])
-    rows = slice(start, start + run.residual.size)
-    return a.residual[rows], a.random[rows], a.deviations(compared.scatter)
+    return slice(start, start + run.residual.size)

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from support.small_model import NOISE, NUISANCES, condition, parametrisation, synthetic_plan
 
+from updamp.comparison.comparison import UnlikeRun
 from updamp.comparison.findings.unlike_repeats import unlike_repeats
-from updamp.comparison.fit.compared import Compared, compare_at
+from updamp.comparison.fit.compared import compare_at
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.prediction.traced_branch import trace_branch
@@ -29,9 +30,9 @@ def runs(seed: int, repeats: int = 3) -> Plan:
     return synthetic_plan(p, np.zeros(len(p)), CONDITIONS, SCATTER, seed, repeats=repeats)[0]
 
 
-def compared(plan: Plan, branches) -> Compared:
-    sizes = dict(zip((n.name for n in NUISANCES), SCATTER, strict=True))
-    return compare_at(parametrisation(), MISFIT, plan, branches, Scatter(sizes, drift=5e-5, gain=0.005))
+def named(plan: Plan, branches) -> tuple[UnlikeRun, ...]:
+    scatter = Scatter(dict(zip((n.name for n in NUISANCES), SCATTER, strict=True)), drift=5e-5, gain=0.005)
+    return unlike_repeats(compare_at(parametrisation(), MISFIT, plan, branches, scatter), scatter, plan)
 
 
 def disturbed(plan: Plan, test: int, repeat: int, by: float) -> Plan:
@@ -48,7 +49,7 @@ def disturbed(plan: Plan, test: int, repeat: int, by: float) -> Plan:
 
 def test_the_disturbed_run_is_named_and_no_other(branches) -> None:
     plan = disturbed(runs(seed=1), test=1, repeat=2, by=10 * NOISE)
-    (found,) = unlike_repeats(compared(plan, branches), plan)
+    (found,) = named(plan, branches)
     assert (found.run, found.repeat) == (CONDITIONS[1].name, 2)
     assert found.times > 2
     assert "60 N" in found.text
@@ -59,9 +60,9 @@ def test_repeats_that_differ_by_chance_are_left_alone(branches) -> None:
     """Six measurements of nine runs whose assemblies differ, with a risk of a hundredth each: two have a run named with
     a probability of 0.0015."""
     plans = [runs(seed) for seed in range(100, 106)]
-    assert sum(len(unlike_repeats(compared(plan, branches), plan)) > 0 for plan in plans) <= 1
+    assert sum(len(named(plan, branches)) > 0 for plan in plans) <= 1
 
 
 def test_two_repeats_do_not_tell(branches) -> None:
     plan = disturbed(runs(seed=1, repeats=2), test=1, repeat=2, by=10 * NOISE)
-    assert unlike_repeats(compared(plan, branches), plan) == ()
+    assert named(plan, branches) == ()
