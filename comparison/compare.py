@@ -14,7 +14,7 @@ from updamp.comparison.comparison import (
     PointResidual,
 )
 from updamp.comparison.curves import curve_pairs
-from updamp.comparison.findings.all_findings import all_findings, of_repeats
+from updamp.comparison.findings.all_findings import all_findings
 from updamp.comparison.findings.backbone import measured_backbones, model_backbones
 from updamp.comparison.findings.findings import lack_of_fit, misfits
 from updamp.comparison.findings.stated_values import feature_findings
@@ -24,6 +24,7 @@ from updamp.comparison.fit.fit import Fit, FitOptions, fit
 from updamp.comparison.fit.fit_from_far import fit_from_far
 from updamp.comparison.fit.numerical_gate import apply_numerical_gate
 from updamp.comparison.fit.observations import Plan, plan_of
+from updamp.comparison.fit.repeat_scatter import of_repeats
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch, at_sizes, with_patterns
@@ -122,7 +123,8 @@ def comparison_of(
     names = {channel.point: channel.name for channel in measurement.channels}
     of_tests, of_model = measured_backbones(plan, names), model_backbones(plan, names, after)
     first_order = misfits(fitted, plan, [damping_share(b, loss_factor) for b in after])
-    found = all_findings(fitted, plan, after, first_order, names, of_tests, of_model)
+    repeats = of_repeats(fitted, plan)
+    found = all_findings(fitted, plan, after, first_order, names, of_tests, of_model, repeats)
     return Comparison(
         title=measurement.title,
         adequate=not found,
@@ -144,7 +146,7 @@ def comparison_of(
         level_unit=plan.conditions[0].unit,
         response_unit=measurement.units[0],
         force_unit=measurement.units[1],
-        unlike_repeats=unlike_repeats(fitted.compared, of_repeats(fitted, plan), plan),
+        unlike_repeats=unlike_repeats(fitted.compared, repeats, plan),
     )
 
 

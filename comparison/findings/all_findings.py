@@ -1,7 +1,6 @@
 """What a comparison says: which reading of the misfit it goes by."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 from updamp.comparison.comparison import Backbone, Finding
 from updamp.comparison.findings.findings import SENSOR, Misfit, findings
@@ -10,7 +9,6 @@ from updamp.comparison.findings.peak_misfit import peak_misfits, without_peak
 from updamp.comparison.findings.peak_sentences import peak_findings, without_peak_findings
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Plan
-from updamp.comparison.fit.repeat_scatter import scatter_of_repeats
 from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
 
@@ -23,6 +21,7 @@ def all_findings(
     names: Mapping[str, str],
     measured: Sequence[Backbone],
     model: Sequence[Backbone],
+    repeats: Scatter,
 ) -> tuple[Finding, ...]:
     """Sentences on what stands out of the scatter, none where the model is adequate.
 
@@ -32,21 +31,13 @@ def all_findings(
     the material's, and the phase tells it.
 
     branches: calibrated, one a condition; first_order: `misfits`; names: of the channels, by point
-    measured, model: backbones, as for `linear_findings`
+    measured, model: backbones, as for `linear_findings`; repeats: `of_repeats`
     """
     if fit.parametrisation.base.contacts is None:
         return linear_findings(fit, plan, first_order, measured, model)
     missing = without_peak_findings(without_peak(plan, branches), plan)
-    peaks = (*missing, *peak_findings(peak_misfits(fit, plan, branches, of_repeats(fit, plan)), plan, names))
+    peaks = (*missing, *peak_findings(peak_misfits(fit, plan, branches, repeats), plan, names))
     if not peaks:
         return findings(fit, plan, first_order)
     of_harmonics = [m for m in first_order if m.direction.quantity == SENSOR and m.direction.sensor[1] != 1]
     return (*peaks, *(findings(fit, plan, of_harmonics) if of_harmonics else ()))
-
-
-def of_repeats(fit: Fit, plan: Plan) -> Scatter:
-    """What the repeats alone show; that of the fit where there are none."""
-    if len(fit.compared.assemblies) < 2:
-        return fit.compared.scatter
-    scatter, repeatability = scatter_of_repeats(fit, plan)
-    return replace(scatter, noise=scatter.noise * repeatability)

@@ -29,8 +29,6 @@ from updamp.comparison.fit.sensor_noise import to_sensors
 Floats = NDArray[np.float64]
 # Fewest repeats of which one can be told from the others.
 _FEWEST = 3
-# Share of the largest eigenvalue of what is projected below which it is none.
-_NOTHING = 1e-9
 
 
 def unlike_repeats(compared: Compared, scatter: Scatter, plan: Plan, risk: float = RISK) -> tuple[UnlikeRun, ...]:
@@ -61,14 +59,15 @@ def _off(runs: Sequence[_Run]) -> Iterator[tuple[_Run, float, float]]:
     """How many times the scatter each is off, and the probability of as much by chance."""
     if len(runs) < _FEWEST or not len(runs[0].values):
         return
-    projected = _projected(runs)
-    off = projected @ np.concatenate([run.values for run in runs])
-    d = len(runs[0].values)
-    all_, all_free = _squared(projected, off, slice(None))
+    projected, values = _projected(runs), np.concatenate([run.values for run in runs])
+    off = projected @ values
+    n, d = len(runs), len(runs[0].values)
     for i, run in enumerate(runs):
-        own, free = _squared(projected, off, slice(i * d, (i + 1) * d))
-        ratio = own / free / max((all_ - own) / (all_free - free), 1.0)
-        yield run, float(ratio**0.5), float(f_distribution.sf(ratio, free, all_free - free))
+        own = slice(i * d, (i + 1) * d)
+        squared = float(off[own] @ np.linalg.solve(projected[own, own], off[own]))
+        among = (float(values @ off) - squared) / (d * (n - 2))
+        ratio = squared / d / max(among, 1.0)
+        yield run, ratio**0.5, float(f_distribution.sf(ratio, d, d * (n - 2)))
 
 
 def _projected(runs: Sequence[_Run]) -> Floats:
@@ -80,13 +79,6 @@ def _projected(runs: Sequence[_Run]) -> Floats:
     for i, inverse in enumerate(inverses):
         projected[i * d : (i + 1) * d, i * d : (i + 1) * d] += inverse
     return np.asarray(projected)
-
-
-def _squared(projected: Floats, off: Floats, places: slice) -> tuple[float, int]:
-    """Of values left out, against their prediction from the rest in deviations of it, and how many are free."""
-    sizes, directions = np.linalg.eigh(projected[places, places])
-    free = sizes > _NOTHING * sizes[-1]
-    return float(np.sum((directions.T @ off[places])[free] ** 2 / sizes[free])), int(free.sum())
 
 
 def _repeats(compared: Compared, scatter: Scatter, test: int) -> list[_Run]:

@@ -51,6 +51,14 @@ def scatter_of_repeats(fitted: Fit, plan: Plan) -> tuple[Scatter, float]:
     return replace(learnt, noise=noise), learnt.noise / noise
 
 
+def of_repeats(fit: Fit, plan: Plan) -> Scatter:
+    """What the repeats alone show; that of the fit where there are none."""
+    if len(fit.compared.assemblies) < 2:
+        return fit.compared.scatter
+    scatter, repeatability = scatter_of_repeats(fit, plan)
+    return replace(scatter, noise=scatter.noise * repeatability)
+
+
 def _independent(assemblies: Sequence[Assembly]) -> list[Assembly]:
     """The same with common directions that do not depend on each other: many are there twice, and which of them the
     data tell would else change with the last digits."""

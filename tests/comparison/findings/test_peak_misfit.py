@@ -15,6 +15,7 @@ from updamp.comparison.findings.peak_sentences import peak_findings, without_pea
 from updamp.comparison.fit.compared import compare_at
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Observations, Plan
+from updamp.comparison.fit.repeat_scatter import of_repeats
 from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.comparison.prediction.traced_branch import trace_branch
@@ -131,9 +132,10 @@ def test_what_the_fit_took_for_scatter_does_not_hide_a_shift_that_all_repeats_ha
     fit = Fit(parametrisation(), compared, 1e-12 * np.eye(4), True, "")
     assert peak_findings(peak_misfits(fit, plan, branches), plan, NAMES) == ()
     (told,) = peak_findings(misfits(plan, branches), plan, NAMES)
-    assert [f.text for f in all_findings(fit, plan, branches, (), NAMES, (), ())] == [told.text]
+    assert [f.text for f in all_findings(fit, plan, branches, (), NAMES, (), (), of_repeats(fit, plan))] == [told.text]
     silent = compare_at(parametrisation(), NONE, plans[0], branches, too_large)
-    assert all_findings(replace(fit, compared=silent), plans[0], branches, (), NAMES, (), ()) == ()
+    quiet = replace(fit, compared=silent)
+    assert all_findings(quiet, plans[0], branches, (), NAMES, (), (), of_repeats(quiet, plans[0])) == ()
 
 
 # Resonances read off curves are those of the oscillator that made them.
