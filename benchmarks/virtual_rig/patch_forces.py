@@ -129,14 +129,13 @@ def _springs(n0, kt, kn, gap, m, stated_at, u, normal, normal_by_u, stiff, stiff
 
 @njit(cache=True)
 def _normal(i, n_c, k, rest, u, normal, by_u, b, a, force, value, tangent):
+    rows = np.empty((len(u), n_c))  # derivatives of the force at each sample
     for t in range(len(u)):
         force[t] = normal[t] - rest - k * u[t]
-        change = by_u[t] - k
-        if change != 0.0:
-            for c in range(n_c):
-                for e in range(n_c):
-                    tangent[i, 2 * n_c + c, 2 * n_c + e] += change * a[c, t] * b[t, e]
+        for c in range(n_c):
+            rows[t, c] = (by_u[t] - k) * b[t, c]
     value[i, 2] += a @ force
+    tangent[i, 2 * n_c :, 2 * n_c :] += a @ rows
 
 
 @njit(cache=True)
@@ -145,81 +144,56 @@ def _slides(
     force, value, tangent,
 ):  # fmt: skip
     """A Jenkins element in direction d with `share` of the stiffness and `limit` times the mean limit: all of these
-    have the same reach mu N / kt but for that factor. k: stiffness at rest, of all of them."""
+    have the same reach mu N / kt but for that factor. k: stiffness at rest, of all of them.
+
+    The slider stands at u - side * reach of the sample where it last slipped: the force is differentiated there too.
+    """
     n_time, slider, last, side = len(u), 0.0, -1, 0.0
-    weight = np.zeros(n_c)  # of the slider's place on the coefficients of the force
+    by_own, by_normal = np.empty((n_time, n_c)), np.empty((n_time, n_c))  # derivatives of the force at each sample
+    by_speed = np.zeros((2, n_time if moving else 1, n_c))
     for passing in range(2):
         for t in range(n_time):
             reach = limit * friction[t] * normal[t] / stiff[t] if normal[t] > 0.0 else 0.0
-            slips = abs(u[t] - slider) > reach
-            if slips:
-                if passing and last >= 0:
-                    _slider(i, d, n_c, limit, last, side, weight, normal, normal_by_u, stiff, stiff_by_u, friction,
-                            by_v, moving, w, b, rate, tangent)  # fmt: skip
-                    weight[:] = 0.0
+            if abs(u[t] - slider) > reach:
                 side = 1.0 if u[t] > slider else -1.0
                 slider, last = u[t] - side * reach, t
+                reach_by_n = 0.0
+                if normal[t] > 0.0:
+                    by_n = normal_by_u[t] - normal[t] * stiff_by_u[t] / stiff[t]
+                    reach_by_n = limit * friction[t] * by_n / stiff[t]
             if passing:
                 force[t] = share * (stiff[t] * (u[t] - slider) - k * u[t])
-                by_t, by_n = share * (stiff[t] - k), share * stiff_by_u[t] * (u[t] - slider)
+                by_u, by_n = share * (stiff[t] - k), share * stiff_by_u[t] * (u[t] - slider)
+                by_place = share * stiff[t]
                 for c in range(n_c):
-                    weight[c] -= share * stiff[t] * a[c, t]
-                if by_t != 0.0 or by_n != 0.0:
+                    by_own[t, c], by_normal[t, c] = by_u * b[t, c], by_n * b[t, c]
+                if last >= 0:
+                    by_reach = by_place * side * reach_by_n
                     for c in range(n_c):
-                        for e in range(n_c):
-                            tangent[i, d * n_c + c, d * n_c + e] += by_t * a[c, t] * b[t, e]
-                            tangent[i, d * n_c + c, 2 * n_c + e] += by_n * a[c, t] * b[t, e]
-    if last >= 0:
-        _slider(i, d, n_c, limit, last, side, weight, normal, normal_by_u, stiff, stiff_by_u, friction, by_v, moving, w,
-                b, rate, tangent)  # fmt: skip
+                        by_own[t, c] -= by_place * b[last, c]
+                        by_normal[t, c] += by_reach * b[last, c]
+                    if moving and normal[last] > 0.0:
+                        for s in range(2):
+                            change = by_place * side * limit * normal[last] / stiff[last] * by_v[s, last] * w
+                            for c in range(n_c):
+                                by_speed[s, t, c] = change * rate[last, c]
     value[i, d] += a @ force
-
-
-@njit(cache=True)
-def _slider(
-    i,
-    d,
-    n_c,
-    limit,
-    t,
-    side,
-    weight,
-    normal,
-    normal_by_u,
-    stiff,
-    stiff_by_u,
-    friction,
-    by_v,
-    moving,
-    w,
-    b,
-    rate,
-    tangent,
-):
-    """The slider stands at u - side * reach of sample t, and the force feels its place with `weight`."""
-    for c in range(n_c):
-        for e in range(n_c):
-            tangent[i, d * n_c + c, d * n_c + e] += weight[c] * b[t, e]
-    if normal[t] == 0.0:
-        return
-    reach_by_n = limit * friction[t] * (normal_by_u[t] - normal[t] * stiff_by_u[t] / stiff[t]) / stiff[t]
-    for c in range(n_c):
-        for e in range(n_c):
-            tangent[i, d * n_c + c, 2 * n_c + e] -= side * reach_by_n * weight[c] * b[t, e]
+    own = slice(d * n_c, (d + 1) * n_c)
+    tangent[i, own, own] += a @ by_own
+    tangent[i, own, 2 * n_c :] += a @ by_normal
     if moving:
         for s in range(2):
-            by_speed = side * limit * normal[t] / stiff[t] * by_v[s, t] * w
-            for c in range(n_c):
-                for e in range(n_c):
-                    tangent[i, d * n_c + c, s * n_c + e] -= by_speed * weight[c] * rate[t, e]
+            tangent[i, own, s * n_c : (s + 1) * n_c] += a @ by_speed[s]
 
 
 @njit(cache=True)
 def _film(i, n_c, viscosity, v, normal, w, rate, a, value, tangent):
+    rows = np.empty((len(normal), n_c))
     for t in range(len(normal)):
-        if normal[t] > 0.0:
-            for d in range(3):
-                for c in range(n_c):
-                    value[i, d, c] += viscosity * a[c, t] * v[d, t]
-                    for e in range(n_c):
-                        tangent[i, d * n_c + c, d * n_c + e] += viscosity * w * a[c, t] * rate[t, e]
+        for c in range(n_c):
+            rows[t, c] = viscosity * w * rate[t, c] if normal[t] > 0.0 else 0.0
+    by_rate = a @ rows
+    for d in range(3):
+        own = slice(d * n_c, (d + 1) * n_c)
+        value[i, d] += a @ (np.where(normal > 0.0, viscosity, 0.0) * v[d])
+        tangent[i, own, own] += by_rate
