@@ -1,5 +1,6 @@
 """What the search has found out, as plain numbers: all that the decision is made from."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from updamp.comparison.json_document import JsonDocument
@@ -23,7 +24,7 @@ class Trial:
 
     effects: names; excess: mean squared misfit on the runs of the fit
     drop: of chi-square and priors, from the model without the effects
-    delta_bic: from the model with one effect less (of a pair: the better one of its two)
+    delta_bic: from the best model with one effect less
     held_out: weighted residual RMS on runs that the fit never saw, nan where there are none or it is not full
     unseen: mean squared misfit on these, in units of what the prediction is uncertain by too, nan likewise
     at_bound: parameter at the bound of what is physical, "" if none; full: whether the fit was left to settle
@@ -63,7 +64,7 @@ class EffectScore:
 class Evidence:
     """excess, held_out, unseen: as for a `Trial`, of the model without effects
     repeatability: RMS of what differs between repeats
-    tested: the highest score first; trials: of single effects; pairs: of two
+    tested: the highest score first; trials: of single effects; combined: of two and more
     alike: pairs of effects whose signatures look alike, with the cosine
     farthest, deviations, if_repeatable: as for a `Trial`, of the model without effects
     independent, unseen_independent: values that count of their own for what the model lacks, of the runs of the fit and
@@ -75,7 +76,7 @@ class Evidence:
     repeatability: float
     tested: tuple[EffectScore, ...]
     trials: tuple[Trial, ...]
-    pairs: tuple[Trial, ...]
+    combined: tuple[Trial, ...]
     alike: tuple[tuple[str, str, float], ...]
     farthest: str = ""
     deviations: float = 0.0
@@ -86,11 +87,18 @@ class Evidence:
     as_many: float = 1.0
 
     def trial_of(self, effects: tuple[str, ...]) -> Trial | None:
-        return next((t for t in (*self.trials, *self.pairs) if t.effects == effects), None)
+        return next((t for t in (*self.trials, *self.combined) if t.effects == effects), None)
 
     def test_of(self, effect: str) -> EffectScore | None:
         return next((t for t in self.tested if t.effect == effect), None)
 
 
+def gain_over_fewer(effects: frozenset[str], gains: Mapping[frozenset[str], float]) -> float:
+    """Gain of the information criterion by effects over the best known model with one of them less, which has fewer
+    parameters by those of that one. gains: over the model without effects"""
+    fewer = (gains[effects - {e}] for e in effects if effects - {e} in gains)
+    return gains[effects] - max(fewer, default=0.0)
+
+
 # `evidence.json`, every number kept to the last digit.
-EVIDENCE_JSON = JsonDocument(Evidence, "updamp evidence 4", "updamp diagnose")
+EVIDENCE_JSON = JsonDocument(Evidence, "updamp evidence 5", "updamp diagnose")

@@ -16,6 +16,7 @@ from updamp.effects import (
     friction_by_face,
     friction_gradient,
     joint_cubic,
+    joint_friction,
     joint_microslip,
     joint_quadratic,
     joint_viscoelastic,
@@ -81,6 +82,7 @@ JOINTS: Mapping[str, Effect] = MappingProxyType(
             joint_viscoelastic.EFFECT,
             joint_cubic.EFFECT,
             joint_quadratic.EFFECT,
+            joint_friction.EFFECT,
             joint_microslip.EFFECT,
         )
     }

@@ -97,8 +97,8 @@ def _all(x, w, b, rate, a, mu, kt, kn, n0, gap, viscosity, rest_k, stated_at, m,
             most = 0.0
             for t in range(n_time):
                 most = max(most, abs(u[d, t]))
-            if m != 0.0 or kt[i] * most > limits[0] * loosest:
-                for s in range(len(limits)):
+            for s in range(len(limits)):
+                if m != 0.0 or kt[i] * most > limits[s] * loosest:
                     _slides(
                         i, d, n_c, 1.0 / len(limits), limits[s], rest_k[i, d], u[d], normal, normal_by_u, stiff,
                         stiff_by_u, friction, friction_by_v, moving, w, b, rate, a, force, value, tangent,

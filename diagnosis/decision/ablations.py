@@ -47,7 +47,7 @@ def _without_held_out(evidence: Evidence, criteria: Criteria) -> VerdictSummary:
     blind = replace(
         evidence,
         trials=tuple(replace(t, held_out=nan, unseen=nan) for t in evidence.trials),
-        pairs=tuple(replace(t, held_out=nan, unseen=nan) for t in evidence.pairs),
+        combined=tuple(replace(t, held_out=nan, unseen=nan) for t in evidence.combined),
     )
     decision = decide(blind, criteria)
     return decision.outcome, decision.effects, decision.group

@@ -41,16 +41,16 @@ def far_off(fitted: Evidence | Trial, criteria: Criteria) -> str:
 def _by_misfit(evidence: Evidence, criteria: Criteria) -> Decision:
     accepted = [t for t in evidence.trials if not reason_against(t, evidence, criteria)]
     if not accepted:
-        pair = _best_pair(evidence, criteria, None)
-        if pair is not None:
-            return Decision("identified", pair.effects, (), pair)
+        several = _best_combined(evidence, criteria, None)
+        if several is not None:
+            return Decision("identified", several.effects, (), several)
         return Decision(
             "unknown" if criteria.fails(evidence.excess, evidence.independent) else "adequate", (), (), None
         )
     best = min(accepted, key=lambda t: t.excess)
-    pair = _best_pair(evidence, criteria, best)
-    if pair is not None:
-        return Decision("identified", pair.effects, (), pair)
+    several = _best_combined(evidence, criteria, best)
+    if several is not None:
+        return Decision("identified", several.effects, (), several)
     if still_fails(best, evidence, criteria):
         return Decision("unknown", (), (), best)
     equals = [t for t in accepted if t is not best and t.excess < (1 + criteria.as_good) * best.excess]
@@ -97,11 +97,11 @@ def _allowed(evidence: Evidence, criteria: Criteria) -> float:
     return (1 - criteria.gain) * evidence.held_out if badly else evidence.held_out
 
 
-def _best_pair(evidence: Evidence, criteria: Criteria, single: Trial | None) -> Trial | None:
-    """Two effects where one is not enough: both needed, and not two that look alike."""
+def _best_combined(evidence: Evidence, criteria: Criteria, single: Trial | None) -> Trial | None:
+    """Two effects and more where one is not enough: all needed, and no two that look alike."""
     good = [
         p
-        for p in evidence.pairs
+        for p in evidence.combined
         if not reason_against(p, evidence, criteria)
         and not _alike(evidence, p.effects, criteria)
         and not still_fails(p, evidence, criteria)
@@ -120,4 +120,4 @@ def still_fails(trial: Trial, evidence: Evidence, criteria: Criteria) -> bool:
 
 
 def _alike(evidence: Evidence, effects: tuple[str, ...], criteria: Criteria) -> bool:
-    return any({a, b} == set(effects) and cosine > criteria.cosine for a, b, cosine in evidence.alike)
+    return any({a, b} <= set(effects) and cosine > criteria.cosine for a, b, cosine in evidence.alike)

@@ -27,7 +27,7 @@ _WORDS = (
 
 def explanations(evidence: Evidence) -> tuple[Explanation, ...]:
     """Of the model without effects and of all fits that were left to settle, the likeliest first."""
-    settled = [t for t in (*evidence.trials, *evidence.pairs) if t.full]
+    settled = [t for t in (*evidence.trials, *evidence.combined) if t.full]
     counted = evidence.independent, evidence.as_many
     gains = np.array([0.0, *(gain_of_bic(t.drop, t.parameters, *counted) for t in settled)])
     weights = np.exp((gains - gains.max()) / 2)

@@ -81,7 +81,7 @@ def _why(trial: Trial, evidence: Evidence, criteria: Criteria) -> str:
 
 def _settled(evidence: Evidence) -> list[Trial]:
     """Fits that were left to settle, what leaves least first."""
-    return sorted((t for t in (*evidence.trials, *evidence.pairs) if t.full), key=lambda t: t.excess)
+    return sorted((t for t in (*evidence.trials, *evidence.combined) if t.full), key=lambda t: t.excess)
 
 
 def _leaves(trial: Trial) -> str:

@@ -5,7 +5,7 @@ from dataclasses import replace
 from updamp.diagnosis.candidate_models.refit import gain_of_bic
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.decision.decide import decide
-from updamp.diagnosis.evidence import Evidence, Trial
+from updamp.diagnosis.evidence import Evidence, Trial, gain_over_fewer
 from updamp.diagnosis.verdict import StripEntry
 
 
@@ -33,12 +33,13 @@ def _restated(evidence: Evidence, i: int) -> Evidence:
         return replace(t, excess=then.excess, drop=drop, delta_bic=gain, held_out=then.held_out, unseen=then.unseen)
 
     trials = tuple(restated(t) for t in evidence.trials)
-    gains = {t.effects[0]: t.delta_bic for t in trials}
-
-    def over_one(pair: Trial) -> Trial:
-        return replace(pair, delta_bic=pair.delta_bic - max((gains.get(e, 0.0) for e in pair.effects), default=0.0))
-
-    pairs = tuple(over_one(restated(t)) for t in evidence.pairs)
+    combined = tuple(restated(t) for t in evidence.combined)
+    gains = {frozenset(t.effects): t.delta_bic for t in (*trials, *combined)}
     return replace(
-        evidence, excess=of_null.excess, held_out=of_null.held_out, unseen=of_null.unseen, trials=trials, pairs=pairs
+        evidence,
+        excess=of_null.excess,
+        held_out=of_null.held_out,
+        unseen=of_null.unseen,
+        trials=trials,
+        combined=tuple(replace(t, delta_bic=gain_over_fewer(frozenset(t.effects), gains)) for t in combined),
     )

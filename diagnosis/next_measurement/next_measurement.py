@@ -146,7 +146,7 @@ def surviving_explanations(found: SearchResult, decision: Decision, criteria: Cr
     missing and the best effect that the data of the fit alone would ask for
     """
     evidence = found.evidence
-    settled = sorted((t for t in (*evidence.trials, *evidence.pairs) if t.full), key=lambda t: t.excess)
+    settled = sorted((t for t in (*evidence.trials, *evidence.combined) if t.full), key=lambda t: t.excess)
     if decision.outcome == "inseparable":
         chosen = [t for t in settled if len(t.effects) == 1 and t.effects[0] in decision.group]
     elif decision.outcome == "unknown":

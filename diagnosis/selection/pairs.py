@@ -1,15 +1,11 @@
 """Two effects, where one is not enough."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
-from updamp.comparison.prediction.branch_tasks import BranchesBy
-from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext, best_first, nearly
-from updamp.diagnosis.candidate_models.fit_tasks import FitTask, FittedCandidate, with_branches
-from updamp.diagnosis.candidate_models.refit import Refit, assessed
-from updamp.diagnosis.score_tests.candidates import fit_tasks
-from updamp.diagnosis.score_tests.score import scores
-from updamp.diagnosis.score_tests.signature import extend
+from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext, nearly
+from updamp.diagnosis.candidate_models.fit_tasks import FitTask, FittedCandidate
+from updamp.diagnosis.candidate_models.refit import Refit
+from updamp.diagnosis.selection.beside import beside
 from updamp.diagnosis.selection.single_effects import refits_with_own_numerics
 from updamp.effects.effect import Effect
 
@@ -29,7 +25,7 @@ def try_pairs(fits: FitContext, effects: Sequence[Effect], singles: CandidateFit
     if start.fitted.parametrisation.base.contacts is None:
         return _all_pairs(fits, effects, settled, singles)
     for first in (settled[0], *(r for r in settled[1:2] if nearly(r, settled[0], start, criteria))):
-        found = _better(found, _beside(fits, first, effects, singles))
+        found = _better(found, beside(fits, first, effects, singles))
     return found
 
 
@@ -44,7 +40,7 @@ def _all_pairs(
         fitted = {one.name} | {name for names in found if one.name in names for name in names}
         known = {r.effects[0].name for r in firsts} - fitted
         if known:
-            found |= _beside(fits, first, [e for e in effects if e.name in known], singles)
+            found |= beside(fits, first, [e for e in effects if e.name in known], singles)
     return found
 
 
@@ -67,7 +63,7 @@ def exchanged(
     found = pairs
     for r in by_itself.values():
         others = [e for e in effects if e.name != first.name]
-        found = _better(found, _beside(fits, r.refit, others, {**singles, **further}))
+        found = _better(found, beside(fits, r.refit, others, {**singles, **further}))
     return further, found
 
 
@@ -105,34 +101,3 @@ def alone(fits: FitContext, singles: CandidateFits, pairs: CandidateFits) -> Can
         return {}
     found = fits.results([_as_in(best, second)])
     return found | refits_with_own_numerics(fits, found)
-
-
-def _beside(fits: FitContext, first: Refit, effects: Sequence[Effect], singles: CandidateFits) -> CandidateFits:
-    (one,), start, criteria = first.effects, fits.start, fits.criteria
-    fits.progress(f"second effect beside {one.name}")
-    beside = replace(fits, start=replace(start, fitted=with_branches(first.fitted, start, BranchesBy(fits.workers))))
-    others = [e for e in effects if e.name != one.name]
-    again = scores(extend(beside.start.fitted, start.train_plan, others, fits.progress, fits.workers))
-    wanted = fit_tasks(beside.start, others, again, criteria, fits.progress, fits.workers)
-    if all(task.full for task in wanted):
-        settled = beside.results(wanted)
-    else:
-        short = beside.results(wanted[: criteria.search.short])
-        settled = beside.full(best_first(short)[: criteria.search.full])
-    found: CandidateFits = {}
-    for r in (settled | refits_with_own_numerics(beside, settled)).values():
-        (second,) = r.refit.effects
-        both = assessed(start.fitted, r.refit.fitted, (one, second), criteria)
-        names = (one.name, second.name)
-        parameters = len(one.parameters) + len(second.parameters)
-        gain = gain_over_one(both, singles)
-        trial = replace(r.trial, effects=names, drop=both.drop, delta_bic=gain, parameters=parameters)
-        found[names] = FittedCandidate(both, trial)
-    return found
-
-
-def gain_over_one(pair: Refit, singles: CandidateFits) -> float:
-    """Gain of the information criterion by a pair over the better one of its two effects alone, which has fewer
-    parameters by those of the other one."""
-    alone = [singles[(e.name,)].refit.delta_bic for e in pair.effects if (e.name,) in singles]
-    return pair.delta_bic - max(alone, default=0.0)

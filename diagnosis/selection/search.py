@@ -1,4 +1,4 @@
-"""The search: numerical gate, calibration, score tests, refits of the best, pairs where one effect is not enough."""
+"""The search: numerical gate, calibration, score tests, refits of the best, more effects where one is not enough."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -19,6 +19,7 @@ from updamp.diagnosis.evidence import EffectScore, Evidence
 from updamp.diagnosis.score_tests.score import Score, cosines, scores
 from updamp.diagnosis.score_tests.signature import Extended, extend
 from updamp.diagnosis.selection.fair_credit import credited, without_effects_again
+from updamp.diagnosis.selection.further_effects import further_effects
 from updamp.diagnosis.selection.pairs import alone, exchanged, try_pairs
 from updamp.diagnosis.selection.single_effects import other_sizes, try_singles
 from updamp.effects.effect import Effect
@@ -77,8 +78,9 @@ def search(
     further, pairs = exchanged(fits, fitting, singles, try_pairs(fits, fitting, singles))
     singles |= further
     singles |= alone(fits, singles, pairs)
-    evidence = _evidence(fits, extended, scored, held_out, singles, pairs)
-    refits = {names: r.refit for names, r in {**singles, **pairs}.items()}
+    combined = pairs | further_effects(fits, fitting, singles, pairs)
+    evidence = _evidence(fits, extended, scored, held_out, singles, combined)
+    refits = {names: r.refit for names, r in {**singles, **combined}.items()}
     return SearchResult(fits.start, extended, scored, refits, evidence)
 
 
@@ -88,11 +90,11 @@ def _evidence(
     scored: Sequence[Score],
     held_out: PredictionError,
     singles: CandidateFits,
-    pairs: CandidateFits,
+    combined: CandidateFits,
 ) -> Evidence:
     start, base = fits.start, fits.start.fitted
-    of_singles, of_pairs = (
-        tuple(sorted((r.trial for r in each.values()), key=lambda t: t.excess)) for each in (singles, pairs)
+    of_singles, of_combined = (
+        tuple(sorted((r.trial for r in each.values()), key=lambda t: t.excess)) for each in (singles, combined)
     )
     return Evidence(
         base.compared.mean_squared_misfit,
@@ -100,7 +102,7 @@ def _evidence(
         start.repeatability,
         _tested(extended, scored),
         of_singles,
-        of_pairs,
+        of_combined,
         _alike(scored, fits.criteria),
         *farthest_off(base),
         if_repeatable(base, start, BranchesBy(fits.workers)),

@@ -18,7 +18,7 @@ from updamp.model.build import modal_model
 from updamp.model.calibration import nuisances
 from updamp.model.rig_files import load_modal
 
-NAMES = ("joint_viscous", "joint_viscoelastic", "joint_cubic", "joint_quadratic", "joint_microslip")
+NAMES = ("joint_viscous", "joint_viscoelastic", "joint_cubic", "joint_quadratic", "joint_friction", "joint_microslip")
 POINT = "beam.drive.x"
 FORCED = RunCondition("forced", "first", 0.2, True, (79.0, 81.5), ((POINT, 1),))
 LEVEL = 40.0  # m/s^2
@@ -106,6 +106,7 @@ def test_slope_by_the_level_is_what_a_higher_level_does(beam: RigModel) -> None:
         ("joint_viscous", 0.0, 2.0),
         ("joint_cubic", 0.75 * 1e11, 0.0),
         ("joint_quadratic", 0.0, 8 / (3 * np.pi) * 50.0),
+        ("joint_friction", 0.0, 4 / np.pi * 0.1),
         ("joint_viscoelastic", 5e3, 0.0),
     ],
 )
@@ -113,7 +114,7 @@ def test_resonance_at_a_held_level_is_that_of_the_equivalent_mode(
     beam: RigModel, name: str, stiffness: float, dashpot: float
 ) -> None:
     """stiffness, dashpot: equivalent ones at this amplitude; those of the cubic spring per A^2, of the quadratic damper
-    per w A, the viscoelastic layer's as k i w tau / (1 + i w tau)."""
+    per w A, of dry friction over w A, the viscoelastic layer's as k i w tau / (1 + i w tau)."""
     f, receptance = peak(branch(beam, name, 1.0, HELD))
     w = 2 * np.pi * f
     amplitude = LEVEL / w**2
@@ -121,6 +122,8 @@ def test_resonance_at_a_held_level_is_that_of_the_equivalent_mode(
         stiffness *= amplitude**2
     if name == "joint_quadratic":
         dashpot *= w * amplitude
+    if name == "joint_friction":
+        dashpot /= w * amplitude
     added = complex(stiffness, w * dashpot)
     if name == "joint_viscoelastic":
         added = stiffness * 1j * w * 1e-3 / (1 + 1j * w * 1e-3)

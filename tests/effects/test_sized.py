@@ -28,6 +28,7 @@ def smaller():
     [
         ("joint_cubic", 0, FORCE / LENGTH**3),
         ("joint_quadratic", 0, FORCE / (LENGTH * FREQUENCY) ** 2),
+        ("joint_friction", 0, FORCE),
         ("joint_microslip", 0, FORCE / LENGTH),
         ("joint_microslip", 1, 1.0),
         ("feed_through", 0, LENGTH / FORCE),

@@ -49,14 +49,14 @@ def test_nothing_is_named_at_the_stated_repeatability(found: SearchResult, verdi
     assert verdict.verdict == "undecidable"
     assert verdict.effects == ()
     assert "joint_microslip and joint_cubic would explain the data with it" in verdict.sentence
-    trials = {t.effects: t for t in found.evidence.pairs}
+    trials = {t.effects: t for t in found.evidence.combined}
     assert abs(trials[PAIR].deviations) > 3
     assert "the resonance of run '" in trials[PAIR].farthest
     assert "deviations from what is stated" in verdict.sentence
 
 
 def test_error_falls_on_runs_that_no_fit_has_seen(found: SearchResult) -> None:
-    before, pair = found.evidence, next(t for t in found.evidence.pairs if t.effects == PAIR)
+    before, pair = found.evidence, next(t for t in found.evidence.combined if t.effects == PAIR)
     assert before.excess**0.5 > 3.5
     assert before.held_out > 4
     assert pair.excess**0.5 < 1.1
@@ -64,13 +64,13 @@ def test_error_falls_on_runs_that_no_fit_has_seen(found: SearchResult) -> None:
 
 
 def test_other_effects_are_worse_or_cannot_be_seen(found: SearchResult) -> None:
-    trials = {t.effects: t for t in (*found.evidence.trials, *found.evidence.pairs)}
+    trials = {t.effects: t for t in (*found.evidence.trials, *found.evidence.combined)}
     pair = trials[PAIR]
     print({n: (t.excess**0.5, t.held_out, t.farthest, t.deviations) for n, t in trials.items()})
     assert trials["joint_quadratic",].excess > 1.8 * pair.excess
     assert trials["joint_quadratic",].held_out > 1.3 * pair.held_out
     assert trials["joint_microslip",].excess > 4 * pair.excess
-    assert all(t.excess > 1.8 * pair.excess for t in found.evidence.pairs if t is not pair)
+    assert all(t.excess > 1.8 * pair.excess for t in found.evidence.combined if t is not pair)
     visible = {t.effect: t.visibility for t in found.evidence.tested}
     assert visible["joint_viscous"] < 0.1
     assert visible["joint_viscoelastic"] < 0.1

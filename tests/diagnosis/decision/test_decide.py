@@ -18,7 +18,7 @@ EVIDENCE = Evidence(
     repeatability=1.0,
     tested=(EffectScore("right", 90.0, 0.8, 8100.0, 0.6, 200.0), EffectScore("wrong", 60.0, 0.7, 3600.0, 0.7, 300.0)),
     trials=(RIGHT, Trial(("wrong",), 4.0, 4000.0, 990.0, 2.0, "", True, unseen=4.0)),
-    pairs=(),
+    combined=(),
     alike=(),
     unseen=9.0,
     **VALUES,
@@ -90,11 +90,11 @@ def test_rivals_are_named_as_a_group():
 def test_two_effects_where_one_leaves_a_misfit_and_both_are_needed():
     single = replace(RIGHT, excess=3.0)
     pair = Trial(("right", "second"), 1.1, 9500.0, 400.0, 1.05, "", True)
-    assert outcome(trials=(single,), pairs=(pair,)) == ("identified", ("right", "second"))
-    assert outcome(trials=(single,), pairs=(pair,), alike=(("second", "right", 0.95),)) == ("unknown", ())
-    assert outcome(trials=(single,), pairs=(replace(pair, delta_bic=5.0),)) == ("unknown", ())
+    assert outcome(trials=(single,), combined=(pair,)) == ("identified", ("right", "second"))
+    assert outcome(trials=(single,), combined=(pair,), alike=(("second", "right", 0.95),)) == ("unknown", ())
+    assert outcome(trials=(single,), combined=(replace(pair, delta_bic=5.0),)) == ("unknown", ())
     # where one is enough a second is not looked at
-    assert outcome(pairs=(pair,)) == ("identified", ("right",))
+    assert outcome(combined=(pair,)) == ("identified", ("right",))
 
 
 def test_a_calibration_that_nobody_would_believe_is_said_first():

@@ -32,7 +32,7 @@ def test_the_likeliest_come_first_with_what_they_leave_and_the_better_fit_of_two
 
 def test_fits_that_were_not_left_to_settle_and_gains_beyond_all_numbers_do_no_harm() -> None:
     huge, short = replace(ONE, drop=1e6), replace(EQUAL, full=False)
-    found = explanations(replace(EVIDENCE, trials=(huge, short), pairs=()))
+    found = explanations(replace(EVIDENCE, trials=(huge, short), combined=()))
     assert [(e.effects, e.probability) for e in found] == [(("slip",), 1.0), ((), 0.0)]
 
 

@@ -17,7 +17,7 @@ EVIDENCE = Evidence(
     repeatability=1.0,
     tested=(EffectScore("slip", 90.0, 0.8, 8100.0, 0.6, 200.0),),
     trials=(SLIP,),
-    pairs=(),
+    combined=(),
     alike=(),
     independent=192.0,
     unseen=9.0,
@@ -77,7 +77,7 @@ def test_an_unknown_says_that_nothing_explains_it_where_nothing_does() -> None:
 
 def test_two_that_look_alike_are_not_named_together_and_the_sentence_says_so() -> None:
     both = replace(SLIP, effects=("slip", "spring"))
-    found = said(trials=(), pairs=(both,), alike=(("slip", "spring", 0.95),))
+    found = said(trials=(), combined=(both,), alike=(("slip", "spring", 0.95),))
     assert found.endswith("slip and spring leave 1.0 times (1.1 on held-out runs), but the two look alike")
 
 

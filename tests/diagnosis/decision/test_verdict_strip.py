@@ -25,7 +25,7 @@ EVIDENCE = Evidence(
     repeatability=1.0,
     tested=tuple(EffectScore(name, 90.0, 0.8, 8100.0, 0.6, 200.0) for name in ("slip", "spring")),
     trials=(ONE,),
-    pairs=(BOTH,),
+    combined=(BOTH,),
     alike=(),
     if_repeatable=stated(40.0),
     independent=VALUES / 10,
@@ -47,4 +47,4 @@ def test_each_change_of_the_verdict_is_told() -> None:
 
 def test_where_repeats_tell_there_is_none() -> None:
     trials = replace(ONE, if_repeatable=())
-    assert strip(replace(EVIDENCE, if_repeatable=(), trials=(trials,), pairs=()), Criteria()) == ()
+    assert strip(replace(EVIDENCE, if_repeatable=(), trials=(trials,), combined=()), Criteria()) == ()

@@ -4,9 +4,8 @@ import pytest
 
 from updamp.diagnosis.candidate_models.fit_tasks import FittedCandidate
 from updamp.diagnosis.candidate_models.refit import Refit, gain_of_bic
-from updamp.diagnosis.evidence import Trial
+from updamp.diagnosis.evidence import Trial, gain_over_fewer
 from updamp.diagnosis.selection import pairs
-from updamp.diagnosis.selection.pairs import gain_over_one
 from updamp.effects.effect import Effect, EffectParameter
 
 VALUES, AS_MANY = 400, 10.0
@@ -28,6 +27,12 @@ def singles(*refits):
         names = tuple(e.name for e in r.effects)
         found[names] = FittedCandidate(r, Trial(names, 1.0, r.drop, r.delta_bic, float("nan"), "", True))
     return found
+
+
+def gain_over_one(pair, alone):
+    gains = {frozenset(names): r.refit.delta_bic for names, r in alone.items()}
+    names = frozenset(e.name for e in pair.effects)
+    return gain_over_fewer(names, gains | {names: pair.delta_bic})
 
 
 ONE, THREE = effect("one", 1), effect("three", 3)
@@ -65,7 +70,7 @@ def test_a_pair_is_fitted_in_the_order_in_which_it_shows_and_once(monkeypatch):
         tried.extend((one.name, e.name) for e in effects)
         return {(one.name, e.name): e for e in effects if (one.name, e.name) in shows}
 
-    monkeypatch.setattr(pairs, "_beside", beside)
+    monkeypatch.setattr(pairs, "beside", beside)
     effects = [ONE, effect("two", 1), THREE]
     firsts = [refit(e, drop=drop) for e, drop in zip(effects, (30.0, 20.0, 10.0), strict=True)]
     assert set(pairs._all_pairs(None, [*effects, effect("four", 1)], firsts, {})) == {

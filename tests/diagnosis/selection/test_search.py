@@ -161,7 +161,7 @@ def test_second_effects_are_looked_for_where_the_first_explains_all_but_stands_a
     singles = fits.results([FitTask((SPRING,), (np.full(1, 1.5),), full=True)])
     ((names, found_alone),) = singles.items()
     assert fits.explains(found_alone.trial)
-    monkeypatch.setattr(pairs, "_beside", lambda _fits, first, *_: tried.append(first) or {})
+    monkeypatch.setattr(pairs, "beside", lambda _fits, first, *_: tried.append(first) or {})
     pairs.try_pairs(fits, (SPRING, DASHPOT), singles)
     assert tried == []
     at_bound = replace(found_alone, refit=replace(found_alone.refit, at_bound="spring.k"))
@@ -181,7 +181,7 @@ def test_pairs_are_given_the_numerical_error_of_the_model_with_both_effects(monk
         }
 
     singles = fits.results([FitTask((DASHPOT,), (np.full(1, 0.5),), full=True)])
-    monkeypatch.setattr(pairs, "refits_with_own_numerics", anew)
+    monkeypatch.setattr("updamp.diagnosis.selection.beside.refits_with_own_numerics", anew)
     ((names, pair),) = pairs.try_pairs(fits, (SPRING, DASHPOT), singles).items()
     assert asked == [((DASHPOT,), (("spring",),))]
     assert names == ("dashpot", "spring") == pair.trial.effects

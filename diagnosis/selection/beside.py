@@ -1,0 +1,41 @@
+"""One effect more beside those that have been fitted."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from updamp.comparison.prediction.branch_tasks import BranchesBy
+from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext, best_first
+from updamp.diagnosis.candidate_models.fit_tasks import FittedCandidate, with_branches
+from updamp.diagnosis.candidate_models.refit import Refit, assessed
+from updamp.diagnosis.evidence import gain_over_fewer
+from updamp.diagnosis.score_tests.candidates import fit_tasks
+from updamp.diagnosis.score_tests.score import scores
+from updamp.diagnosis.score_tests.signature import extend
+from updamp.diagnosis.selection.single_effects import refits_with_own_numerics
+from updamp.effects.effect import Effect
+
+
+def beside(fits: FitContext, first: Refit, effects: Sequence[Effect], fewer: CandidateFits) -> CandidateFits:
+    """Fits with the effects of `first` and each of the others. fewer: fits with one effect less, to be better than"""
+    start, criteria = fits.start, fits.criteria
+    there = {e.name for e in first.effects}
+    fits.progress(f"another effect beside {' and '.join(e.name for e in first.effects)}")
+    about = replace(fits, start=replace(start, fitted=with_branches(first.fitted, start, BranchesBy(fits.workers))))
+    others = [e for e in effects if e.name not in there]
+    again = scores(extend(about.start.fitted, start.train_plan, others, fits.progress, fits.workers))
+    wanted = fit_tasks(about.start, others, again, criteria, fits.progress, fits.workers)
+    if all(task.full for task in wanted):
+        settled = about.results(wanted)
+    else:
+        short = about.results(wanted[: criteria.search.short])
+        settled = about.full(best_first(short)[: criteria.search.full])
+    found: CandidateFits = {}
+    for r in (settled | refits_with_own_numerics(about, settled)).values():
+        together = assessed(start.fitted, r.refit.fitted, (*first.effects, *r.refit.effects), criteria)
+        names = tuple(e.name for e in together.effects)
+        parameters = sum(len(e.parameters) for e in together.effects)
+        known = {frozenset(some): one.refit.delta_bic for some, one in fewer.items()}
+        gain = gain_over_fewer(frozenset(names), known | {frozenset(names): together.delta_bic})
+        trial = replace(r.trial, effects=names, drop=together.drop, delta_bic=gain, parameters=parameters)
+        found[names] = FittedCandidate(together, trial)
+    return found

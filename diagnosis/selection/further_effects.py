@@ -1,0 +1,34 @@
+"""A third and further effects, one by one, where two are not enough."""
+
+from collections.abc import Sequence
+
+from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext
+from updamp.diagnosis.candidate_models.fit_tasks import FittedCandidate
+from updamp.diagnosis.selection.beside import beside
+from updamp.effects.effect import Effect
+
+
+def further_effects(
+    fits: FitContext, effects: Sequence[Effect], singles: CandidateFits, pairs: CandidateFits
+) -> CandidateFits:
+    """Beside the likeliest pair, then beside the likeliest three, as long as what is found still fails and each effect more is
+    asked for by the data and makes runs that the fit never saw better predicted.
+
+    Of models without contacts alone: theirs are fitted in seconds.
+    """
+    found: CandidateFits = {}
+    if fits.start.fitted.parametrisation.base.contacts is not None:
+        return found
+    best, fewer = _likeliest(pairs), singles | pairs
+    while best is not None and fits.fails(best.trial) and best.trial.delta_bic >= fits.criteria.delta_bic:
+        more = beside(fits, best.refit, effects, fewer)
+        found, fewer = found | more, fewer | more
+        after = _likeliest(more)
+        if after is None or after.trial.held_out >= (1 - fits.criteria.gain) * best.trial.held_out:
+            break
+        best = after
+    return found
+
+
+def _likeliest(some: CandidateFits) -> FittedCandidate | None:
+    return max(some.values(), key=lambda r: r.refit.delta_bic, default=None)
