@@ -11,8 +11,8 @@ from updamp.effects.effect import Effect
 def further_effects(
     fits: FitContext, effects: Sequence[Effect], singles: CandidateFits, pairs: CandidateFits
 ) -> CandidateFits:
-    """Beside the likeliest pair, then beside the likeliest three, as long as what is found still fails and each effect more is
-    asked for by the data and makes runs that the fit never saw better predicted.
+    """Beside the likeliest pair, then beside the likeliest three, as long as what is found still fails and each effect
+    more is asked for by the data and makes runs that the fit never saw better predicted.
 
     Of models without contacts alone: theirs are fitted in seconds.
     """

@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 from updamp.hbm.contact.dry_friction import DryFriction, DryFrictionParameters
 
+# m/s: slower than anything that is measured; at rest there is to be a derivative.
+_AT_REST = 1e-12
+
 
 @dataclass(frozen=True)
 class CoulombFriction:
@@ -36,8 +39,7 @@ class CoulombFriction:
         return self._rounded(velocity).averaged_force(displacement, velocity, parameters)
 
     def _rounded(self, velocity: jax.Array) -> DryFriction:
-        # no velocity, no force: and no division by nothing either
-        amplitude = jnp.sqrt(2 * jnp.mean(velocity**2) + jnp.finfo(velocity.dtype).tiny)
+        amplitude = jnp.sqrt(2 * jnp.mean(velocity**2) + _AT_REST**2)
         return DryFriction(self.share * amplitude)  # type: ignore[arg-type]  # traced
 
     def reference_stiffness(self, parameters: DryFrictionParameters) -> jax.Array:
