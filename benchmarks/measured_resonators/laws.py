@@ -135,7 +135,7 @@ LAWS: dict[str, Kind] = {
     "quadratic": Kind(draw_quadratic, "joint_quadratic"),
     "microslip": Kind(draw_microslip, "joint_microslip"),
     "coulomb": Kind(draw_coulomb, "joint_friction"),
-    "fading": Kind(draw_fading, "joint_friction"),
+    "fading": Kind(draw_fading, ""),
     "threshold": Kind(draw_threshold, ""),
     "quintic": Kind(draw_quintic, ""),
 }
