@@ -3,6 +3,7 @@ compared by."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,7 @@ from updamp.comparison.fit.scatter import (
 from updamp.comparison.prediction.branch_tasks import Branches, BranchTask, in_turn
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
+from updamp.comparison.prediction.run_condition import same_sweeps
 from updamp.hbm.continuation.continuation import ContinuationOptions
 
 Floats = NDArray[np.float64]
@@ -125,9 +127,13 @@ def predict_branches(
     """
     starts = near if near is not None else [None] * len(plan.conditions)
     conditions = [c.less_sure(inflation) for c in plan.conditions]
-    return branches_of(
-        [BranchTask(parametrisation, u, c, start, options) for c, start in zip(conditions, starts, strict=True)]
-    )
+    together = same_sweeps(conditions)
+    tasks = [
+        BranchTask(parametrisation, u, conditions[first], starts[first], options, tuple(conditions[i] for i in others))
+        for first, *others in together
+    ]
+    found = dict(zip(chain.from_iterable(together), branches_of(tasks), strict=True))
+    return tuple(found[i] for i in range(len(conditions)))
 
 
 def compare_at(

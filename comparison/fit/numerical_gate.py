@@ -19,7 +19,7 @@ from updamp.comparison.prediction.branch_tasks import Branches, BranchTask, in_t
 from updamp.comparison.prediction.numerical_error import UNSURE, NumericalError, branch_difference, jaggedness
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
-from updamp.comparison.prediction.run_condition import RunCondition
+from updamp.comparison.prediction.run_condition import RunCondition, same_sweeps
 from updamp.effects.chosen import ChosenEffect
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.analysis.settings import Setting, more_harmonics, twice_the_samples
@@ -100,7 +100,9 @@ def _finer_tasks(
     for name, model in finer.items():
         # at u, and with nothing left to differentiate by: the pattern needs the branch alone
         there = replace(parametrisation, base=model).model(u)
-        found[name] = [_finer_task(there, b.condition) for b in branches if _differs(model, parametrisation.base, b)]
+        conditions = [b.condition for b in branches if _differs(model, parametrisation.base, b)]
+        together = ([conditions[i] for i in group] for group in same_sweeps(conditions))
+        found[name] = [_finer_task(there, group) for group in together]
     return {name: tasks for name, tasks in found.items() if tasks}
 
 
@@ -113,12 +115,14 @@ def _differs(model: RigModel, base: RigModel, branch: PredictedBranch) -> bool:
 
 def _finer_task(
     model: RigModel,
-    condition: RunCondition,
+    conditions: Sequence[RunCondition],
     numerics: NumericalError | None = None,
     options: ContinuationOptions | None = None,
 ) -> BranchTask:
+    """conditions: tests that sweep the same branch"""
     of_model = Parametrisation(model, (), numerics=numerics or NumericalError())
-    return BranchTask(of_model, np.zeros(len(of_model)), _wider(condition), options=options)
+    first, *others = (_wider(condition) for condition in conditions)
+    return BranchTask(of_model, np.zeros(len(of_model)), first, options=options, others=tuple(others))
 
 
 def _by_model(
@@ -126,7 +130,10 @@ def _by_model(
 ) -> dict[str, dict[str, PredictedBranch]]:
     """Finer model's name -> condition's name -> its branch; traced: of all tasks, in their order"""
     following = iter(traced)
-    return {name: {task.condition.name: next(following) for task in of_model} for name, of_model in tasks.items()}
+    return {
+        name: {condition.name: next(following) for task in of_model for condition in task.conditions}
+        for name, of_model in tasks.items()
+    }
 
 
 def _with_patterns(
@@ -192,7 +199,8 @@ def change_of_branch(
     options: of the continuation
     raises: BranchStoppedError where it has no response at the beginning of the run
     """
-    return _change(observed, _finer_task(model, condition, numerics, options).predicted(), condition)
+    (traced,) = _finer_task(model, (condition,), numerics, options).predicted()
+    return _change(observed, traced, condition)
 
 
 def _change(observed: Floats, traced: PredictedBranch, condition: RunCondition) -> Floats:

@@ -144,12 +144,27 @@ def _condition(measurement: Measurement, runs: Sequence[MeasuredRun], harmonics:
     first = runs[0]
     common = [c for c in first.channels if all(c in run.channels for run in runs)]
     orders = [k for k in harmonics if all(k in run.harmonics for run in runs)]
-    force = float(np.median(np.concatenate([np.abs(run.force) for run in runs])))
+    force = _force_of(runs, [run for run in measurement.runs if _at_one_level(run, first)])
     low, high = min(run.frequency.min() for run in runs), max(run.frequency.max() for run in runs)
     held, unit = (first.level, first.level_unit) if first.held == "response" else (None, measurement.units[1])
     sensors = tuple((measurement.channel(c).point, k) for c in common for k in orders)
     window, control = (float(low), float(high)), _control(measurement, first)
     return RunCondition(first.name, first.mode, force, first.upwards, window, sensors, held, unit, control)
+
+
+def _force_of(runs: Sequence[MeasuredRun], at_level: Sequence[MeasuredRun]) -> float:
+    """Median amplitude [N]: of all runs at the level, where each had that force at some time, so that tests which
+    differ by their direction alone are at one force; else of these. What points differ from it by is accounted for one
+    by one."""
+    forces = [np.abs(run.force) for run in at_level]
+    common = float(np.median(np.concatenate(forces))) if forces else np.nan
+    if forces and all(f.min() <= common <= f.max() for f in forces):
+        return common
+    return float(np.median(np.concatenate([np.abs(run.force) for run in runs])))
+
+
+def _at_one_level(one: MeasuredRun, other: MeasuredRun) -> bool:
+    return one.held == other.held == "force" and (one.mode, one.level) == (other.mode, other.level)
 
 
 def _control(measurement: Measurement, run: MeasuredRun) -> HeldResponse | None:

@@ -7,17 +7,18 @@ of a branch. Branches come back without matrices (`observed_point.py`).
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from itertools import chain
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.prediction.moved_branch import move_branch
+from updamp.comparison.prediction.moved_branch import move_sweeps
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.comparison.prediction.run_condition import RunCondition
-from updamp.comparison.prediction.traced_branch import trace_branch
+from updamp.comparison.prediction.traced_branch import trace_sweeps
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions
 from updamp.parallel.processes import processes
 from updamp.parallel.workers import Elsewhere, LongestFirst, WorkerLostError, Workers
@@ -34,13 +35,18 @@ class PredictionError(RuntimeError):
 @dataclass(frozen=True, eq=False)
 class BranchTask:
     """u: (p,) parameters; near: the same test's branch at other parameters, moved from there where that works
-    options: of the continuation"""
+    options: of the continuation; others: tests that sweep the same branch in another direction or window"""
 
     parametrisation: Parametrisation
     u: Floats
     condition: RunCondition
     near: PredictedBranch | None = None
     options: ContinuationOptions | None = None
+    others: tuple[RunCondition, ...] = ()
+
+    @property
+    def conditions(self) -> tuple[RunCondition, ...]:
+        return self.condition, *self.others
 
     @property
     def effort(self) -> float:
@@ -50,23 +56,25 @@ class BranchTask:
             return float(len(self.near.points))
         return self.condition.force * p.base.time_samples * p.base.harmonics.n_coefficients
 
-    def predicted(self) -> PredictedBranch:
-        """raises: BranchStoppedError where the branch has no beginning; PredictionError for anything else, both naming
+    def predicted(self) -> tuple[PredictedBranch, ...]:
+        """Of its tests.
+
+        raises: BranchStoppedError where the branch has no beginning; PredictionError for anything else, both naming
         the test"""
         try:
             moved = self._moved(self.near) if self.near is not None else None
-            return moved or trace_branch(self.parametrisation, self.u, self.condition, self.options)
+            return moved or trace_sweeps(self.parametrisation, self.u, self.conditions, self.options)
         except BranchStoppedError as stop:
             raise stop.of(self.condition.name) from stop
         except Exception as error:  # whatever it is, the user is to know where
             raise PredictionError(f"{self.condition.name}: {type(error).__name__}: {error}") from error
 
-    def _moved(self, near: PredictedBranch) -> PredictedBranch | None:
-        return move_branch(self.parametrisation, self.u, replace(near, condition=self.condition), self.options)
+    def _moved(self, near: PredictedBranch) -> tuple[PredictedBranch, ...] | None:
+        return move_sweeps(self.parametrisation, self.u, near, self.conditions, self.options)
 
 
 class Branches(Protocol):
-    """From tasks to their branches, in the same order; the numbers do not depend on how it is done."""
+    """From tasks to the branches of their tests, in the same order; the numbers do not depend on how it is done."""
 
     def __call__(self, tasks: Sequence[BranchTask]) -> tuple[PredictedBranch, ...]:
         """raises: as `BranchTask.predicted`"""
@@ -83,7 +91,7 @@ class InTurn:
         for task in tasks:
             found.append(task.predicted())
             self.report(task.condition.name, len(found), len(tasks))
-        return tuple(found)
+        return tuple(chain.from_iterable(found))
 
 
 in_turn = InTurn()
@@ -100,12 +108,13 @@ class BranchesBy:
         """raises: as `BranchTask.predicted`; PredictionError where a worker was ended from outside"""
         names: list[str] = []
 
-        def done(place: int, _: PredictedBranch) -> None:
+        def done(place: int, _: tuple[PredictedBranch, ...]) -> None:
             names.append(tasks[place].condition.name)
             self.report(names[-1], len(names), len(tasks))
 
         try:
-            return tuple(LongestFirst(self.workers, _effort)(_predicted, None, tasks, done))
+            found = LongestFirst(self.workers, _effort)(_predicted, None, tasks, done)
+            return tuple(chain.from_iterable(found))
         except WorkerLostError as error:
             raise PredictionError(f"{tasks[error.place].condition.name}: {error}") from error
 
@@ -114,7 +123,7 @@ def _effort(task: BranchTask) -> float:
     return task.effort
 
 
-def _predicted(_: None, task: BranchTask) -> PredictedBranch:
+def _predicted(_: None, task: BranchTask) -> tuple[PredictedBranch, ...]:
     return task.predicted()
 
 

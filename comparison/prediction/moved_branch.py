@@ -10,7 +10,7 @@ from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.comparison.prediction.refined import NEWTON, point_between
 from updamp.comparison.prediction.run_condition import RunCondition
-from updamp.comparison.prediction.traced_branch import observe_swept
+from updamp.comparison.prediction.traced_branch import observe_sweeps
 from updamp.hbm.continuation.branch import BranchPoint, other_way_round, point_at
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions, continue_branch
 from updamp.hbm.newton.newton import Arc, Solution, solve
@@ -30,16 +30,31 @@ _LOST = 0.25
 def move_branch(
     parametrisation: Parametrisation, u: Floats, before: PredictedBranch, options: ContinuationOptions | None = None
 ) -> PredictedBranch | None:
+    """As `move_sweeps`, of the branch's own test."""
+    found = move_sweeps(parametrisation, u, before, (before.condition,), options)
+    return None if found is None else found[0]
+
+
+def move_sweeps(
+    parametrisation: Parametrisation,
+    u: Floats,
+    before: PredictedBranch,
+    conditions: Sequence[RunCondition],
+    options: ContinuationOptions | None = None,
+) -> tuple[PredictedBranch, ...] | None:
     """Each point corrected across the branch from where its derivatives put it; where that leaves gaps points are put
     between, where it no longer covers the measured window the branch is followed further. None where that fails.
 
     The branch's parameters may be fewer than those now: its derivatives are of the first ones. A branch with
     the response held is not moved: it is single-valued in frequency, and soon traced.
+
+    conditions: tests that sweep the branch, the first of them in its direction
     """
-    if before.condition.control is not None:
+    condition = conditions[0].along_with(conditions[1:])
+    if condition.control is not None:
         return None
     there = model_at(parametrisation, u)
-    system, excitation = there.model.system, there.model.excited_by(before.condition.force)
+    system, excitation = there.model.system, there.model.excited_by(condition.force)
     if before.points[0].x.shape != (system.free.n_relative, system.harmonics.n_coefficients):
         return None  # an effect has brought elements or harmonics of its own
     moved = _moved(there, before, excitation)
@@ -49,11 +64,11 @@ def move_branch(
     filled = _filled(system, excitation, moved, _STRETCHED * steps.largest_step)
     if filled is None:
         return None
-    covering = filled if before.stopped else _covering(system, excitation, filled, before.condition, steps)
+    covering = filled if before.stopped else _covering(system, excitation, filled, condition, steps)
     if covering is None:
         return None
-    found = observe_swept(there, before.condition, covering, before.stopped)
-    return found if _visible_gaps(found) <= _visible_gaps(before) else None
+    found = observe_sweeps(there, conditions, covering, before.stopped)
+    return found if _visible_gaps(found[0]) <= _visible_gaps(before) else None
 
 
 def _visible_gaps(branch: PredictedBranch) -> int:

@@ -55,6 +55,19 @@ class RunCondition:
         """The same test with noise so many times larger: as a model that fails is weighed, so it is interpolated."""
         return replace(self, noise=tuple(factor * each for each in self.noise))
 
+    def sweeps_the_same(self, other: "RunCondition") -> bool:
+        """Whether the other test sweeps the same branch, in another direction or window. A held response is not shared:
+        it is soon traced."""
+        same = (self.mode, self.force, self.sensors, len(self.noise))
+        alone = self.control is not None or other.control is not None
+        return not alone and same == (other.mode, other.force, other.sensors, len(other.noise))
+
+    def along_with(self, others: Sequence["RunCondition"]) -> "RunCondition":
+        """The same test in a window that has those of the others in it, as sure as the surest of them."""
+        low, high = zip(*(c.window for c in (self, *others)), strict=True)
+        noise = tuple(min(each) for each in zip(*(c.noise for c in (self, *others)), strict=True))
+        return replace(self, window=(min(low), max(high)), noise=noise)
+
     @property
     def level(self) -> float:
         """What the test is called by: the force, unless a response was held."""
@@ -68,3 +81,15 @@ class RunCondition:
     def wider(self) -> tuple[float, float]:
         low, high = self.window
         return low - _BEYOND * (high - low), high + _BEYOND * (high - low)
+
+
+def same_sweeps(conditions: Sequence[RunCondition]) -> list[list[int]]:
+    """Places of the tests, those together that sweep the same branch."""
+    groups: list[list[int]] = []
+    for i, condition in enumerate(conditions):
+        known = next((g for g in groups if conditions[g[0]].sweeps_the_same(condition)), None)
+        if known is None:
+            groups.append([i])
+        else:
+            known.append(i)
+    return groups

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from updamp.comparison.prediction.derivatives import Change
 from updamp.comparison.prediction.held_branch import HeldPoint, held_state, trace_held
 from updamp.comparison.prediction.model_at import ModelAt, model_at
-from updamp.comparison.prediction.observed_point import ObservedPoint, Observer, light
+from updamp.comparison.prediction.observed_point import ObservedPoint, Observer, light, turned_round
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch, length_of, with_patterns
 from updamp.comparison.prediction.readings import as_read
@@ -32,9 +32,23 @@ def trace_branch(
 
     raises: BranchStoppedError where not even its first point is found
     """
+    return trace_sweeps(parametrisation, u, (condition,), options)[0]
+
+
+def trace_sweeps(
+    parametrisation: Parametrisation,
+    u: Floats,
+    conditions: Sequence[RunCondition],
+    options: ContinuationOptions | None = None,
+) -> tuple[PredictedBranch, ...]:
+    """Likewise, of tests that sweep the same branch, which is followed once.
+
+    raises: BranchStoppedError where not even its first point is found
+    """
     there = model_at(parametrisation, u)
+    condition = conditions[0].along_with(conditions[1:])
     if condition.control is not None:
-        return observe(there, condition, *trace_held(there, condition))
+        return (observe(there, condition, *trace_held(there, condition)),)
     system, excitation = there.model.system, there.model.excited_by(condition.force)
     low, high = condition.wider
 
@@ -42,7 +56,12 @@ def trace_branch(
         return continue_branch(system, excitation, (low, high), options, upwards)
 
     far_end = BranchFromFarEnd(lambda: follow(not condition.upwards), 2 * np.pi * (high - low))
-    return observe_swept(there, condition, follow(condition.upwards), far_end=far_end)
+    found = observe_sweeps(there, conditions, follow(condition.upwards), far_end=far_end)
+    if not found[0].stopped:
+        return found
+    # where it stops is no end that a sweep from the other side begins at
+    others = (trace_sweeps(parametrisation, u, (other,), options)[0] for other in conditions[1:])
+    return found[0], *others
 
 
 def observe_swept(
@@ -52,16 +71,32 @@ def observe_swept(
     stopped: str = "",
     far_end: BranchFromFarEnd | None = None,
 ) -> PredictedBranch:
-    """What a sweep sees of solved points, with margins.
+    """What a sweep sees of solved points, with margins: as `observe_sweeps`."""
+    return observe_sweeps(there, (condition,), points, stopped, far_end)[0]
 
-    stopped: why they end inside the window, if known beforehand; far_end: where to look for what a sweep jumps to
+
+def observe_sweeps(
+    there: ModelAt,
+    conditions: Sequence[RunCondition],
+    points: Iterable[BranchPoint],
+    stopped: str = "",
+    far_end: BranchFromFarEnd | None = None,
+) -> tuple[PredictedBranch, ...]:
+    """What sweeps of the same branch see of solved points, with margins. A sweep in the other direction sees the same:
+    the parts on either side of a hysteresis, each up to its fold.
+
+    points: in the direction of the first of the conditions; stopped: why they end inside the window, if known
+        beforehand; far_end: where to look for what a sweep jumps to
 
     raises: BranchStoppedError where the points end with it before there are enough of them
     """
+    condition = conditions[0].along_with(conditions[1:])
     look = Observer(there, condition)
     observed, reason = swept_points(points, condition.upwards, look, far_end)
-    return _of_observed(
-        there, condition, refined(observed, condition, _half_way(there, condition, look)), stopped or reason
+    seen = refined(observed, condition, _half_way(there, condition, look))
+    return tuple(
+        _of_observed(there, c, seen if c.upwards == condition.upwards else turned_round(seen), stopped or reason)
+        for c in conditions
     )
 
 
