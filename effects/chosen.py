@@ -184,8 +184,8 @@ def _value(p: EffectParameter, stated: Any) -> float:
         value = float(stated)
     else:
         raise ValueError(f"a number is wanted, such as {p.typical:g}")
-    if not p.lower <= value <= p.upper:
-        raise ValueError(f"out of range: allowed is {p.lower:g} to {p.upper:g} {p.unit}".rstrip())
+    if not p.allows(value):
+        raise ValueError(f"out of range: allowed is {p.allowed}")
     return value
 
 

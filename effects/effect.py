@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from math import isfinite
 
 from updamp.effects.rig_model import RigModel
 
@@ -28,6 +29,21 @@ class EffectParameter:
     source: str
     ends: tuple[float, ...] = ()
     grows_with: tuple[int, int, int] = (0, 0, 0)
+
+    def allows(self, value: float) -> bool:
+        """Whether a rig file may state it. Of what grows with the rig the sign alone is known beforehand: bounds that
+        are right for a beam rule out what was measured on a wire."""
+        if self.grows_with == (0, 0, 0):
+            return self.lower <= value <= self.upper
+        return isfinite(value) and (value > 0 or self.lower < 0 or value == self.lower)
+
+    @property
+    def allowed(self) -> str:
+        """In words, with the unit."""
+        if self.grows_with == (0, 0, 0):
+            return f"{self.lower:g} to {self.upper:g} {self.unit}".rstrip()
+        wanted = "finite value" if self.lower < 0 else "value from 0 on" if self.lower == 0 else "positive value"
+        return f"any {wanted}, in {self.unit}"
 
     @property
     def two_sided(self) -> bool:

@@ -76,6 +76,8 @@ def test_effects_are_read_with_units_and_applied_in_the_file_s_order(model, own)
         ('name = "edge_gap"\nvalues = { depth = 1e-7 }', "effects[0].values.depth = 1e-07: state its unit as text"),
         ('name = "edge_gap"\nvalues = { depth = "1 s" }', "wrong dimension"),
         ('name = "edge_gap"\nvalues = { depth = "1 mm" }', "out of range: allowed is 0 to 5e-06 m"),
+        ('name = "joint_quadratic"\nvalues = { coefficient = "-1 N*s^2/m^2" }', "any value from 0 on, in N*s"),
+        ('name = "joint_viscoelastic"\nvalues = { relaxation_time = "0 s" }', "allowed is any positive value, in s"),
         ('name = "edge_gap"\nvalues = { dept = "1 um" }', "values.dept: unknown parameter; did you mean depth?"),
         ('name = "pressure_crown"\nvalues = { crown = "1 m" }', "a number is wanted, such as 0.8"),
         ('name = "edge_gap"\nvalues = {}\nvalue = 1', "effects[0].value: unknown key; did you mean values?"),
@@ -87,6 +89,13 @@ def test_what_is_wrong_is_named_with_what_would_be_right(text, says):
     with pytest.raises(RigError) as error:
         read(f"[[effects]]\n{text}")
     assert says in str(error.value)
+
+
+def test_what_grows_with_the_rig_may_have_any_size():
+    """Bounds are those of a beam of 5e5 N/m; a wire of 3.5e-3 N/m has a background of 2.8e4 m/N."""
+    text = 'name = "feed_through"\nvalues = { in_phase = "28239 m/N", in_quadrature = "-12710 m/N" }'
+    (found,) = read(f"[[effects]]\n{text}")
+    assert dict(found.values) == {"in_phase": 28239.0, "in_quadrature": -12710.0}
 
 
 def test_all_problems_are_told_at_once():
