@@ -19,14 +19,32 @@ def further_effects(
     found: CandidateFits = {}
     if fits.start.fitted.parametrisation.base.contacts is not None:
         return found
-    best, fewer = _likeliest(pairs), singles | pairs
+    best, fewer = _likeliest(pairs), pairs
     while best is not None and fits.fails(best.trial) and best.trial.delta_bic >= fits.criteria.delta_bic:
-        more = beside(fits, best.refit, effects, fewer)
-        found, fewer = found | more, fewer | more
-        after = _likeliest(more)
+        more = _one_more(fits, effects, best, fewer, singles | pairs | found)
+        found = found | more
+        after, fewer = _likeliest(more), more
         if after is None or after.trial.held_out >= (1 - fits.criteria.gain) * best.trial.held_out:
             break
         best = after
+    return found
+
+
+def _one_more(
+    fits: FitContext, effects: Sequence[Effect], best: FittedCandidate, fewer: CandidateFits, known: CandidateFits
+) -> CandidateFits:
+    """One effect more beside the best; where that still fails, beside the others that the new best is made of too: an
+    effect in it may only have stood in for what is missing. fewer: as many effects as in the best"""
+    found = beside(fits, best.refit, effects, known)
+    after = _likeliest(found)
+    if after is None or not fits.fails(after.trial):
+        return found
+    parts = [r for names, r in fewer.items() if r is not best and set(names) < set(after.trial.effects)]
+    for part in parts:
+        for names, r in beside(fits, part.refit, effects, known).items():
+            same = next((n for n in found if set(n) == set(names)), None)
+            if same is None or r.refit.drop > found[same].refit.drop:
+                found = {n: f for n, f in found.items() if n != same} | {names: r}
     return found
 
 

@@ -15,7 +15,7 @@ PAIR = ("spring", "background")
 
 
 def candidate(names, excess, held_out=2.0, gain=100.0):
-    refit = SimpleNamespace(effects=names, delta_bic=gain)
+    refit = SimpleNamespace(effects=names, delta_bic=gain, drop=1e3)
     return {names: FittedCandidate(refit, Trial(names, excess, 1e3, gain, held_out, "", True))}
 
 
@@ -49,6 +49,29 @@ def test_effects_are_added_one_by_one_until_the_data_are_explained(asked):
     found = further_effects(context(), (), {}, candidate(PAIR, 20.0) | candidate(("spring", "loss"), 30.0))
     assert calls == [(PAIR, 2), (three, 4)]
     assert set(found) == {three, (*PAIR, "gain"), four}
+
+
+def test_an_effect_that_stood_in_for_another_is_left_out_again(monkeypatch):
+    """A background and micro-slip are likeliest, a spring with them fails; beside background and spring quadratic loss
+    explains all."""
+    likeliest, other = ("background", "microslip"), ("background", "spring")
+    found = {
+        likeliest: candidate((*likeliest, "spring"), 2.3) | candidate((*likeliest, "loss"), 20.0, gain=10.0),
+        other: candidate((*other, "microslip"), 2.4) | candidate((*other, "loss"), 1.0, gain=200.0),
+    }
+    calls = []
+
+    def beside(_fits, first, _effects, _fewer):
+        calls.append(first.effects)
+        return found[first.effects]
+
+    monkeypatch.setattr(module, "beside", beside)
+    pairs = (
+        candidate(likeliest, 25.0) | candidate(other, 50.0, gain=90.0) | candidate(("spring", "loss"), 60.0, gain=5.0)
+    )
+    result = further_effects(context(), (), {}, pairs)
+    assert calls == [likeliest, other]
+    assert set(result) == {(*likeliest, "spring"), (*likeliest, "loss"), (*other, "loss")}
 
 
 @pytest.mark.parametrize(
