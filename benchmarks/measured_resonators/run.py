@@ -103,7 +103,7 @@ def mark(expected: tuple[str, ...], verdict: str, effects: tuple[str, ...], grou
     if not named:
         right = verdict == ("unknown" if "" in expected else "adequate" if not expected else "")
         return "right" if right else "missed" if verdict == "adequate" else verdict if expected else "false alarm"
-    if not hidden and not expected:
+    if not expected:
         return "false alarm"
     if set(effects) == hidden and not group and "" not in expected:
         return "right"
@@ -142,9 +142,7 @@ def main(
 ) -> None:
     chosen = cases(seed, out)[:first]
     left = [case for case in chosen if not (case.folder / "outcome.json").is_file()]
-    in_turn(
-        solve, left, jobs, "resonators", lambda o: f"{o.mark}: {'+'.join(o.hidden) or 'nothing'}, {o.seconds:.0f} s"
-    )
+    in_turn(solve, left, jobs, "resonators", _line)
     outcomes = [read(case.folder / "outcome.json") for case in chosen]
     write_whole(out / "results.json", {"seed": seed, "cases": outcomes})
     for text, count in Counter(o["mark"] for o in outcomes if o is not None).most_common():

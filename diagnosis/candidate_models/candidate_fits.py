@@ -52,6 +52,18 @@ def best_first(found: CandidateFits) -> list[FittedCandidate]:
     return sorted(found.values(), key=lambda r: -r.refit.drop)
 
 
+def better_of(some: CandidateFits, others: CandidateFits) -> CandidateFits:
+    """All of them; of those that differ by the order of their effects the one that takes off more."""
+    found = dict(some)
+    for names, result in others.items():
+        same = [n for n in found if set(n) == set(names)]
+        if all(result.refit.drop > found[n].refit.drop for n in same):
+            for n in same:
+                del found[n]
+            found[names] = result
+    return found
+
+
 def nearly(one: Refit, best: Refit, start: Baseline, criteria: Criteria) -> bool:
     """Whether it takes off nearly as much of chi2 as the best one."""
     before = start.fitted.compared.mean_squared_misfit

@@ -29,12 +29,12 @@ def beside(fits: FitContext, first: Refit, effects: Sequence[Effect], fewer: Can
     else:
         short = about.results(wanted[: criteria.search.short])
         settled = about.full(best_first(short)[: criteria.search.full])
+    known = {frozenset(some): one.refit.delta_bic for some, one in fewer.items()}
     found: CandidateFits = {}
     for r in (settled | refits_with_own_numerics(about, settled)).values():
         together = assessed(start.fitted, r.refit.fitted, (*first.effects, *r.refit.effects), criteria)
         names = tuple(e.name for e in together.effects)
         parameters = sum(len(e.parameters) for e in together.effects)
-        known = {frozenset(some): one.refit.delta_bic for some, one in fewer.items()}
         gain = gain_over_fewer(frozenset(names), known | {frozenset(names): together.delta_bic})
         trial = replace(r.trial, effects=names, drop=together.drop, delta_bic=gain, parameters=parameters)
         found[names] = FittedCandidate(together, trial)

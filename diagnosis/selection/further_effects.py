@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext
+from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext, better_of
 from updamp.diagnosis.candidate_models.fit_tasks import FittedCandidate
 from updamp.diagnosis.selection.beside import beside
 from updamp.effects.effect import Effect
@@ -41,10 +41,7 @@ def _one_more(
         return found
     parts = [r for names, r in fewer.items() if r is not best and set(names) < set(after.trial.effects)]
     for part in parts:
-        for names, r in beside(fits, part.refit, effects, known).items():
-            same = next((n for n in found if set(n) == set(names)), None)
-            if same is None or r.refit.drop > found[same].refit.drop:
-                found = {n: f for n, f in found.items() if n != same} | {names: r}
+        found = better_of(found, beside(fits, part.refit, effects, known))
     return found
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext, nearly
+from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext, better_of, nearly
 from updamp.diagnosis.candidate_models.fit_tasks import FitTask, FittedCandidate
 from updamp.diagnosis.candidate_models.refit import Refit
 from updamp.diagnosis.selection.beside import beside
@@ -25,7 +25,7 @@ def try_pairs(fits: FitContext, effects: Sequence[Effect], singles: CandidateFit
     if start.fitted.parametrisation.base.contacts is None:
         return _all_pairs(fits, effects, settled, singles)
     for first in (settled[0], *(r for r in settled[1:2] if nearly(r, settled[0], start, criteria))):
-        found = _better(found, beside(fits, first, effects, singles))
+        found = better_of(found, beside(fits, first, effects, singles))
     return found
 
 
@@ -63,20 +63,8 @@ def exchanged(
     found = pairs
     for r in by_itself.values():
         others = [e for e in effects if e.name != first.name]
-        found = _better(found, beside(fits, r.refit, others, {**singles, **further}))
+        found = better_of(found, beside(fits, r.refit, others, {**singles, **further}))
     return further, found
-
-
-def _better(some: CandidateFits, others: CandidateFits) -> CandidateFits:
-    """All of them; of pairs that differ by the order of their effects the one that takes off more."""
-    found = dict(some)
-    for names, result in others.items():
-        same = [n for n in (names, names[::-1]) if n in found]
-        if all(result.refit.drop > found[n].refit.drop for n in same):
-            for n in same:
-                del found[n]
-            found[names] = result
-    return found
 
 
 def _best(pairs: CandidateFits) -> FittedCandidate | None:
