@@ -64,17 +64,6 @@ def trace_sweeps(
     return found[0], *others
 
 
-def observe_swept(
-    there: ModelAt,
-    condition: RunCondition,
-    points: Iterable[BranchPoint],
-    stopped: str = "",
-    far_end: BranchFromFarEnd | None = None,
-) -> PredictedBranch:
-    """What a sweep sees of solved points, with margins: as `observe_sweeps`."""
-    return observe_sweeps(there, (condition,), points, stopped, far_end)[0]
-
-
 def observe_sweeps(
     there: ModelAt,
     conditions: Sequence[RunCondition],

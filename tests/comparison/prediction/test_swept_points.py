@@ -12,7 +12,7 @@ from updamp.comparison.prediction.moved_branch import move_branch
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.comparison.prediction.swept_points import MARGIN, BranchFromFarEnd, swept_points
-from updamp.comparison.prediction.traced_branch import observe_swept, trace_branch
+from updamp.comparison.prediction.traced_branch import observe_sweeps, trace_branch
 from updamp.hbm.continuation.continuation import BranchStoppedError, continue_branch
 from updamp.hbm.newton.newton import Status
 
@@ -36,7 +36,7 @@ def test_what_is_seen_are_the_same_points_as_of_the_whole_branch(softening, cond
     there = ModelAt(softening, at(softening))
     force = there.model.excited_by(condition.force)
     walk = continue_branch(there.model.system, force, condition.wider, upwards=condition.upwards)
-    short, full = observe_swept(there, condition, walk), whole(softening, at(softening), condition)
+    (short,), full = observe_sweeps(there, (condition,), walk), whole(softening, at(softening), condition)
     left_out = ~np.isin(full.frequency, short.frequency)
     assert left_out.any(), "how many depends on the steps"
     assert not (left_out & runs_with_the_sweep(full)).any()
