@@ -65,6 +65,10 @@ class Criteria:
         """Prior deviations that are exceeded, to either side, with the probability `chance`."""
         return float(norm.isf(self.chance / 2))
 
+    def is_far_off(self, deviations: float) -> bool:
+        """Whether nobody would believe what is so many prior deviations from where it was stated to be."""
+        return abs(deviations) >= self.calibration
+
     def fails(self, misfit: float, independent: float) -> bool:
         """Whether a mean squared misfit of so many values of their own is no chance; never of none (nan)."""
         return misfit > largest_by_chance(independent, self.chance)

@@ -141,7 +141,7 @@ class NextMeasurement:
 
 @dataclass(frozen=True)
 class StripEntry:
-    """The verdict from a stated repeatability (relative) on, up to the next entry's; effects: named, or the group"""
+    """The verdict from a stated repeatability (relative) on, up to the next entry's; effects: named, with the group"""
 
     repeatability: float
     verdict: Outcome
@@ -165,9 +165,9 @@ class Explanation:
 
 @dataclass(frozen=True, eq=False)
 class Verdict:
-    """verdict: adequate: nothing is missing beyond repeatability; identified: `effects` are missing; inseparable: one
-    of `group` is, the data cannot say which; unknown: something outside the catalogue is; undecidable: the data do not
-    suffice
+    """verdict: adequate: nothing is missing beyond repeatability; identified: `effects` are missing; inseparable: of
+    `group` some are, the data cannot say which, and with them those of `effects` that are not in it; unknown: something
+    outside the catalogue is; undecidable: the data do not suffice
 
     sentence: the verdict in plain words
     candidates: every effect that was looked at, best first
@@ -193,6 +193,11 @@ class Verdict:
     calibration: tuple[Calibrated, ...] = ()
     strip: tuple[StripEntry, ...] = ()
     explanations: tuple[Explanation, ...] = ()
+
+    @property
+    def outright(self) -> tuple[str, ...]:
+        """Effects that are missing whichever of the group is."""
+        return tuple(name for name in self.effects if name not in self.group)
 
 
 # `diagnosis.json`, every number kept to the last digit: the fields of `Verdict` by their names, and `schema`; nan as

@@ -96,7 +96,7 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
             write_ablations(files.out / "ablations.json", found.evidence, options.criteria)
             if options.report:
                 _report(files, inputs, verdict, display, progress, BranchesBy(workers))
-        display.done(_STAGE, f"{verdict.verdict}: {', '.join(verdict.effects or verdict.group) or 'no effect'}")
+        display.done(_STAGE, f"{verdict.verdict}: {', '.join((*verdict.outright, *verdict.group)) or 'no effect'}")
     return verdict
 
 

@@ -24,6 +24,7 @@ from rich.console import Console
 
 from updamp.benchmarks.harmonic_balance.results import commit_of_code
 from updamp.benchmarks.hidden_effects.in_turn import in_turn
+from updamp.benchmarks.hidden_effects.judgement import Called, judged
 from updamp.benchmarks.hidden_effects.layout import read, write_whole
 from updamp.benchmarks.measured_resonators.laws import LAWS
 from updamp.benchmarks.measured_resonators.measured import FAULTS, measure
@@ -96,22 +97,6 @@ def cases(seed: int, out: Path) -> list[Case]:
     return [Case(name, wanted[i], seeds[i], out / name) for name, i in zip(names, order, strict=True)]
 
 
-def mark(expected: tuple[str, ...], verdict: str, effects: tuple[str, ...], group: tuple[str, ...]) -> str:
-    """Right, right group, partly, missed, unknown, undecidable or wrong. What the catalogue has no name for is right
-    where it is unknown."""
-    named, hidden = {*effects, *group}, {e for e in expected if e}
-    if not named:
-        right = verdict == ("unknown" if "" in expected else "adequate" if not expected else "")
-        return "right" if right else "missed" if verdict == "adequate" else verdict if expected else "false alarm"
-    if not expected:
-        return "false alarm"
-    if set(effects) == hidden and not group and "" not in expected:
-        return "right"
-    if group and len(hidden) == 1 and hidden <= named:
-        return "right group" if len(named) == 2 else "wide group"
-    return "partly" if named < hidden else "wrong"
-
-
 def solve(case: Case) -> Outcome:
     keep_compiled()
     started = time.perf_counter()
@@ -120,7 +105,7 @@ def solve(case: Case) -> Outcome:
     options = DiagnoseOptions(report=False, next_measurement=False)
     found = diagnose(files, "", options, Console(quiet=True))
     effects, group = tuple(found.effects), tuple(found.group)
-    said = mark(case.expected, found.verdict, effects, group)
+    said = judged("outside" if "" in case.expected else "", case.expected, Called(found.verdict, effects, group))
     error, seconds = found.error, time.perf_counter() - started
     outcome = Outcome(
         case.name, case.hidden, found.verdict, effects, group, said, error.before, error.after, error.held_out_after,

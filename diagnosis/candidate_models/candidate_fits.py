@@ -47,6 +47,10 @@ class FitContext:
         """Whether it leaves more than chance can on the runs that it was fitted to."""
         return self.criteria.fails(trial.excess, self.start.train_plan.independent)
 
+    def names_nothing(self, trial: Trial) -> bool:
+        """Whether no verdict can rest on it: it fails, or asks for a calibration that nobody would believe."""
+        return self.fails(trial) or self.criteria.is_far_off(trial.deviations)
+
 
 def best_first(found: CandidateFits) -> list[FittedCandidate]:
     return sorted(found.values(), key=lambda r: -r.refit.drop)

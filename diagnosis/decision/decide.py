@@ -1,9 +1,11 @@
 """From the evidence to the verdict."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from updamp.diagnosis.candidate_models.refit import gain_of_bic
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.evidence import Evidence, Trial
 from updamp.diagnosis.verdict import Outcome
@@ -12,13 +14,20 @@ from updamp.diagnosis.verdict import Outcome
 @dataclass(frozen=True)
 class Decision:
     """effects: those missing; group: effects of which one is, and the data do not tell which; trial: that rests on
-    reason: why nothing is said though the misfit would allow it, "" otherwise"""
+    reason: why nothing is said though the misfit would allow it, "" otherwise
+    alternatives: fits that explain the data as well, that one first; none where it is the only one"""
 
     outcome: Outcome
     effects: tuple[str, ...]
     group: tuple[str, ...]
     trial: Trial | None
     reason: str = ""
+    alternatives: tuple[Trial, ...] = ()
+
+    @property
+    def outright(self) -> tuple[str, ...]:
+        """Those missing whichever of the group is."""
+        return tuple(e for e in self.effects if e not in self.group)
 
 
 def decide(evidence: Evidence, criteria: Criteria) -> Decision:
@@ -33,31 +42,41 @@ def decide(evidence: Evidence, criteria: Criteria) -> Decision:
 
 def far_off(fitted: Evidence | Trial, criteria: Criteria) -> str:
     """What a fit asks for that nobody would believe, "" if nothing."""
-    if abs(fitted.deviations) < criteria.calibration:
+    if not criteria.is_far_off(fitted.deviations):
         return ""
     return f"{fitted.farthest} {abs(fitted.deviations):.1f} deviations from what is stated"
 
 
 def _by_misfit(evidence: Evidence, criteria: Criteria) -> Decision:
     accepted = [t for t in evidence.trials if not reason_against(t, evidence, criteria)]
-    if not accepted:
-        several = _best_combined(evidence, criteria, None)
-        if several is not None:
-            return Decision("identified", several.effects, (), several)
-        return Decision(
-            "unknown" if criteria.fails(evidence.excess, evidence.independent) else "adequate", (), (), None
-        )
-    best = min(accepted, key=lambda t: t.excess)
-    several = _best_combined(evidence, criteria, best)
-    if several is not None:
-        return Decision("identified", several.effects, (), several)
-    if still_fails(best, evidence, criteria):
-        return Decision("unknown", (), (), best)
-    equals = [t for t in accepted if t is not best and t.excess < (1 + criteria.as_good) * best.excess]
-    if equals:
-        group = (*best.effects, *(name for t in equals for name in t.effects))
-        return Decision("inseparable", best.effects, group, best)
-    return Decision("identified", best.effects, (), best)
+    single = min(accepted, key=lambda t: t.excess, default=None)
+    several = _combined(evidence, criteria, single)
+    if several:
+        return _named(max(several, key=lambda t: gain(t, evidence)), several, criteria)
+    if single is None:
+        failing = criteria.fails(evidence.excess, evidence.independent)
+        return Decision("unknown" if failing else "adequate", (), (), None)
+    if still_fails(single, evidence, criteria):
+        return Decision("unknown", (), (), single)
+    return _named(single, accepted, criteria)
+
+
+def _named(best: Trial, accepted: Sequence[Trial], criteria: Criteria) -> Decision:
+    """The best, or that the data do not tell it from others of as many effects that leave as little; what all of these
+    have is missing whichever it is."""
+    as_many = [t for t in accepted if t is not best and len(t.effects) == len(best.effects)]
+    equals = [t for t in as_many if t.excess < (1 + criteria.as_good) * best.excess]
+    if not equals:
+        return Decision("identified", best.effects, (), best)
+    alternatives = (best, *equals)
+    named = dict.fromkeys(name for t in alternatives for name in t.effects)
+    group = tuple(name for name in named if not all(name in t.effects for t in alternatives))
+    return Decision("inseparable", best.effects, group, best, alternatives=alternatives)
+
+
+def gain(trial: Trial, evidence: Evidence) -> float:
+    """Of the information criterion, over the model without effects."""
+    return gain_of_bic(trial.drop, trial.parameters, evidence.independent, evidence.as_many)
 
 
 def reason_against(trial: Trial, evidence: Evidence, criteria: Criteria) -> str:
@@ -97,8 +116,9 @@ def _allowed(evidence: Evidence, criteria: Criteria) -> float:
     return (1 - criteria.gain) * evidence.held_out if badly else evidence.held_out
 
 
-def _best_combined(evidence: Evidence, criteria: Criteria, single: Trial | None) -> Trial | None:
-    """Two effects and more where one is not enough: all needed, and no two that look alike."""
+def _combined(evidence: Evidence, criteria: Criteria, single: Trial | None) -> list[Trial]:
+    """Two effects and more where one is not enough, or by a calibration alone that nobody would believe: all needed,
+    and no two that look alike."""
     good = [
         p
         for p in evidence.combined
@@ -106,11 +126,13 @@ def _best_combined(evidence: Evidence, criteria: Criteria, single: Trial | None)
         and not _alike(evidence, p.effects, criteria)
         and not still_fails(p, evidence, criteria)
     ]
-    if single is not None:
-        # a second effect has to make up for a misfit that stands out, not for the last tenths of it
-        enough = not criteria.is_doubtful(single.excess, evidence.independent)
-        good = [] if enough else [p for p in good if (1 + criteria.as_good) * p.excess < single.excess]
-    return min(good, key=lambda p: p.excess, default=None)
+    if single is None:
+        return good
+    if far_off(single, criteria):
+        return [p for p in good if not far_off(p, criteria)]
+    if not criteria.is_doubtful(single.excess, evidence.independent):
+        return []  # a second effect has to make up for a misfit that stands out, not for the last tenths of it
+    return [p for p in good if (1 + criteria.as_good) * p.excess < single.excess]
 
 
 def still_fails(trial: Trial, evidence: Evidence, criteria: Criteria) -> bool:

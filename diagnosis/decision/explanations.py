@@ -2,13 +2,13 @@
 
 With all as likely beforehand the probability of a model is exp(gain / 2) over the sum of all, where gain is that of the
 criterion from the model without effects (R. E. Kass and A. E. Raftery, J. Am. Stat. Assoc. 90 (1995) 773),
-neighbouring points counted as one (`gain_of_bic`). None of them needs to be right: what the best one leaves says that.
+neighbouring points counted as one (`decide.gain`). None of them needs to be right: what the best one leaves says that.
 The verdict rests on `decide.py`; this is shown beside it.
 """
 
 import numpy as np
 
-from updamp.diagnosis.candidate_models.refit import gain_of_bic
+from updamp.diagnosis.decision.decide import gain
 from updamp.diagnosis.evidence import Evidence
 from updamp.diagnosis.verdict import Explanation
 
@@ -28,8 +28,7 @@ _WORDS = (
 def explanations(evidence: Evidence) -> tuple[Explanation, ...]:
     """Of the model without effects and of all fits that were left to settle, the likeliest first."""
     settled = [t for t in (*evidence.trials, *evidence.combined) if t.full]
-    counted = evidence.independent, evidence.as_many
-    gains = np.array([0.0, *(gain_of_bic(t.drop, t.parameters, *counted) for t in settled)])
+    gains = np.array([0.0, *(gain(t, evidence) for t in settled)])
     weights = np.exp((gains - gains.max()) / 2)
     left = [((), evidence.excess, evidence.held_out), *((t.effects, t.excess, t.held_out) for t in settled)]
     found = [

@@ -1,6 +1,6 @@
 """The verdict in a sentence that says no more than the evidence does."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,8 +40,19 @@ def sentence(decision: Decision, evidence: Evidence, criteria: Criteria, words: 
     if np.isfinite(trial.held_out):
         fall += f", on {words.unseen} from {evidence.held_out:.1f} to {trial.held_out:.2f}"
     if decision.outcome == "inseparable":
-        return f"one of {', '.join(decision.group)} is missing, and these data do not tell which: {fall}"
-    return f"{' and '.join(words.effects[e] for e in decision.effects)} ({', '.join(decision.effects)}): {fall}"
+        return f"{_apart(decision, words)}, and these data do not tell which: {fall}"
+    return f"{_told(decision.effects, words)}: {fall}"
+
+
+def _told(effects: Sequence[str], words: Wording) -> str:
+    return f"{' and '.join(words.effects[e] for e in effects)} ({', '.join(effects)})"
+
+
+def _apart(decision: Decision, words: Wording) -> str:
+    """What is missing whichever it is, and of how many it is not told which they are."""
+    left = len(decision.effects) - len(decision.outright)
+    some = f"{'one' if left == 1 else left} of {', '.join(decision.group)} {'is' if left == 1 else 'are'} missing"
+    return f"{_told(decision.outright, words)}, and {some} beside" if decision.outright else some
 
 
 def _held_out(evidence: Evidence, words: Wording) -> str:

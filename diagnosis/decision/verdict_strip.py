@@ -14,7 +14,7 @@ def strip(evidence: Evidence, criteria: Criteria) -> tuple[StripEntry, ...]:
     found: list[StripEntry] = []
     for i, of_null in enumerate(evidence.if_repeatable):
         decision = decide(_restated(evidence, i), criteria)
-        entry = StripEntry(of_null.repeatability, decision.outcome, decision.group or decision.effects)
+        entry = StripEntry(of_null.repeatability, decision.outcome, decision.outright + decision.group)
         if not found or (entry.verdict, entry.effects) != (found[-1].verdict, found[-1].effects):
             found.append(entry)
     return tuple(found)

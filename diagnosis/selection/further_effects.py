@@ -1,4 +1,4 @@
-"""A third and further effects, one by one, where two are not enough."""
+"""A third and further effects, one by one, where two are not enough; each for any other in what is found."""
 
 from collections.abc import Sequence
 
@@ -11,19 +11,19 @@ from updamp.effects.effect import Effect
 def further_effects(
     fits: FitContext, effects: Sequence[Effect], singles: CandidateFits, pairs: CandidateFits
 ) -> CandidateFits:
-    """Beside the likeliest pair, then beside the likeliest three, as long as what is found still fails and each effect
-    more is asked for by the data and makes runs that the fit never saw better predicted.
+    """Beside the likeliest pair, then beside the likeliest three, as long as no verdict can rest on what is found, each
+    effect more is asked for by the data and makes runs that the fit never saw better predicted.
 
     Of models without contacts alone: theirs are fitted in seconds.
     """
     found: CandidateFits = {}
     if fits.start.fitted.parametrisation.base.contacts is not None:
         return found
-    best, fewer = _likeliest(pairs), pairs
-    while best is not None and fits.fails(best.trial) and best.trial.delta_bic >= fits.criteria.delta_bic:
-        more = _one_more(fits, effects, best, fewer, singles | pairs | found)
-        found = found | more
-        after, fewer = _likeliest(more), more
+    best = _likeliest(pairs)
+    while best is not None and fits.names_nothing(best.trial) and _is_asked_for(fits, best):
+        more = _one_more(fits, effects, best, singles | pairs | found)
+        found |= more
+        after = _likeliest(more)
         if after is None or after.trial.held_out >= (1 - fits.criteria.gain) * best.trial.held_out:
             break
         best = after
@@ -31,18 +31,55 @@ def further_effects(
 
 
 def _one_more(
-    fits: FitContext, effects: Sequence[Effect], best: FittedCandidate, fewer: CandidateFits, known: CandidateFits
+    fits: FitContext, effects: Sequence[Effect], best: FittedCandidate, known: CandidateFits
 ) -> CandidateFits:
-    """One effect more beside the best; where that still fails, beside the others that the new best is made of too: an
-    effect in it may only have stood in for what is missing. fewer: as many effects as in the best"""
+    """One effect more beside the best, then any one of the likeliest for any other until none is likelier: an effect in
+    it may only have stood in for another, whether it explains the data or not (A. J. Miller, Subset Selection in
+    Regression (2002), 3.4, sequential replacement)."""
     found = beside(fits, best.refit, effects, known)
-    after = _likeliest(found)
-    if after is None or not fits.fails(after.trial):
-        return found
-    parts = [r for names, r in fewer.items() if r is not best and set(names) < set(after.trial.effects)]
-    for part in parts:
-        found = better_of(found, beside(fits, part.refit, effects, known))
+    at = _likeliest(found)
+    while at is not None and _is_asked_for(fits, at):
+        found = better_of(found, _others_in_turn(fits, effects, at, known | found))
+        better = _likeliest(found)
+        if better is at:
+            break
+        at = better
     return found
+
+
+def _others_in_turn(
+    fits: FitContext, effects: Sequence[Effect], at: FittedCandidate, known: CandidateFits
+) -> CandidateFits:
+    """What it is without one of its effects, with any that was not tried there yet."""
+    found: CandidateFits = {}
+    for left_out in at.trial.effects:
+        rest = frozenset(at.trial.effects) - {left_out}
+        found |= _of(fits, effects, rest, known | found)
+        part = _with_effects(known | found, rest)
+        tried = [frozenset(names) - rest for names in (*known, *found) if rest < frozenset(names)]
+        others = [e for e in effects if e.name != left_out and {e.name} not in tried]
+        if part is not None and others:
+            found |= beside(fits, part.refit, others, known | found)
+    return found
+
+
+def _of(fits: FitContext, effects: Sequence[Effect], names: frozenset[str], known: CandidateFits) -> CandidateFits:
+    """The fit with these effects, where there is none yet, beside the likeliest of those that have one less."""
+    if _with_effects(known, names) is not None:
+        return {}
+    fewer = {some: r for some, r in known.items() if frozenset(some) < names and len(some) == len(names) - 1}
+    first = _likeliest(fewer)
+    if first is None:
+        return {}
+    return beside(fits, first.refit, [e for e in effects if e.name in names], known)
+
+
+def _with_effects(some: CandidateFits, names: frozenset[str]) -> FittedCandidate | None:
+    return next((r for found, r in some.items() if frozenset(found) == names), None)
+
+
+def _is_asked_for(fits: FitContext, one: FittedCandidate) -> bool:
+    return one.trial.delta_bic >= fits.criteria.delta_bic
 
 
 def _likeliest(some: CandidateFits) -> FittedCandidate | None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext, better_of, nearly
+from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext, best_first, better_of, nearly
 from updamp.diagnosis.candidate_models.fit_tasks import FitTask, FittedCandidate
 from updamp.diagnosis.candidate_models.refit import Refit
 from updamp.diagnosis.selection.beside import beside
@@ -12,14 +12,15 @@ from updamp.effects.effect import Effect
 
 def try_pairs(fits: FitContext, effects: Sequence[Effect], singles: CandidateFits) -> CandidateFits:
     """Second effects beside the best single one, where that leaves a misfit or explains it by more of itself than there
-    can be, and beside the next one where it explains nearly as much: with a second effect beside them the two may
-    change places."""
+    can be, or by a calibration that nobody would believe, and beside the next one where it explains nearly as much:
+    with a second effect beside them the two may change places."""
     start, criteria = fits.start, fits.criteria
-    settled = sorted((r.refit for r in singles.values() if r.trial.full), key=lambda r: -r.drop)
+    full = best_first({names: r for names, r in singles.items() if r.trial.full})
+    settled = [r.refit for r in full]
     if not settled or settled[0].drop <= 0:
         return {}
-    independent = settled[0].fitted.compared.independent
-    if not criteria.is_doubtful(settled[0].mean_squared_misfit, independent) and not settled[0].at_bound:
+    doubtful = criteria.is_doubtful(settled[0].mean_squared_misfit, settled[0].fitted.compared.independent)
+    if not (doubtful or settled[0].at_bound or criteria.is_far_off(full[0].trial.deviations)):
         return {}
     found: CandidateFits = {}
     if start.fitted.parametrisation.base.contacts is None:

@@ -15,7 +15,7 @@ from updamp.diagnosis.candidate_models.fit_tasks import FitRunner, fit_here, wit
 from updamp.diagnosis.candidate_models.if_repeatable import if_repeatable
 from updamp.diagnosis.candidate_models.refit import Refit
 from updamp.diagnosis.criteria import Criteria
-from updamp.diagnosis.evidence import EffectScore, Evidence
+from updamp.diagnosis.evidence import EffectScore, Evidence, gain_over_fewer
 from updamp.diagnosis.score_tests.score import Score, cosines, scores
 from updamp.diagnosis.score_tests.signature import Extended, extend
 from updamp.diagnosis.selection.fair_credit import credited, without_effects_again
@@ -78,10 +78,19 @@ def search(
     further, pairs = exchanged(fits, fitting, singles, try_pairs(fits, fitting, singles))
     singles |= further
     singles |= alone(fits, singles, pairs)
-    combined = pairs | further_effects(fits, fitting, singles, pairs)
+    combined = _over_fewer(singles, pairs | further_effects(fits, fitting, singles, pairs))
     evidence = _evidence(fits, extended, scored, held_out, singles, combined)
     refits = {names: r.refit for names, r in {**singles, **combined}.items()}
     return SearchResult(fits.start, extended, scored, refits, evidence)
+
+
+def _over_fewer(singles: CandidateFits, combined: CandidateFits) -> CandidateFits:
+    """Of two effects and more, what they gain over the best model with one of them less, now that all are fitted."""
+    gains = {frozenset(names): r.refit.delta_bic for names, r in {**singles, **combined}.items()}
+    return {
+        names: replace(r, trial=replace(r.trial, delta_bic=gain_over_fewer(frozenset(names), gains)))
+        for names, r in combined.items()
+    }
 
 
 def _evidence(

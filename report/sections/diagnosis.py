@@ -35,18 +35,21 @@ def render(report: Report) -> Content | None:
 
 def _names(verdict: Verdict) -> str:
     sentences = {candidate.name: candidate.sentence for candidate in verdict.candidates}
-    title, names = ("Cannot be separated", verdict.group) if verdict.group else ("Missing", verdict.effects)
-    items = "".join(f"<li><code>{escape(name)}</code> {escape(sentences.get(name, ''))}</li>" for name in names)
-    return f'<h3>{title}</h3><ul class="findings">{items}</ul>' if items else ""
+    html = ""
+    for title, names in (("Missing", verdict.outright), ("Cannot be separated", verdict.group)):
+        items = "".join(f"<li><code>{escape(name)}</code> {escape(sentences.get(name, ''))}</li>" for name in names)
+        html += f'<h3>{title}</h3><ul class="findings">{items}</ul>' if items else ""
+    return html
 
 
 def _explanations(verdict: Verdict) -> str:
     """The likeliest ones, however little they explain; nothing where there is but one."""
-    alike = [e for e in verdict.explanations if len(e.effects) == 1 and e.effects[0] in verdict.group]
-    others = [(" and ", e) for e in verdict.explanations if e not in alike]
+    alike = [e for e in verdict.explanations if _is_told_apart_by_nothing(e, verdict)]
+    others = [(_joined(" and ", e.effects) or "nothing is missing", e) for e in verdict.explanations if e not in alike]
     if alike:  # what the verdict does not tell apart is not told apart here
-        effects, probability = tuple(e.effects[0] for e in alike), sum(e.probability for e in alike)
-        others.append((" or ", replace(alike[0], effects=effects, probability=probability)))
+        group = _joined(" or ", tuple(name for e in alike for name in e.effects if name in verdict.group))
+        names = _joined(" and ", verdict.outright) + (f", and {group}" if verdict.outright else group)
+        others.append((names, replace(alike[0], probability=sum(e.probability for e in alike))))
     if len(others) < 2:
         return ""
     best = sorted(others, key=lambda each: -each[1].probability)
@@ -54,8 +57,18 @@ def _explanations(verdict: Verdict) -> str:
     return f"<h3>How likely, of what was fitted</h3>{TEXT}" + table(HEAD, [_row(*one) for one in shown], numbers_from=2)
 
 
-def _row(between: str, each: Explanation) -> tuple[str, ...]:
-    names = between.join(f"<code>{escape(name)}</code>" for name in each.effects) or "nothing is missing"
+def _is_told_apart_by_nothing(one: Explanation, verdict: Verdict) -> bool:
+    """Of as many effects as the verdict's (of stated values alone it names none), some of them of its group."""
+    outright, found = set(verdict.outright), set(one.effects)
+    as_many = len(found) == max(len(verdict.effects), 1)
+    return bool(verdict.group) and as_many and outright <= found <= outright | set(verdict.group)
+
+
+def _joined(between: str, names: tuple[str, ...]) -> str:
+    return between.join(f"<code>{escape(name)}</code>" for name in names)
+
+
+def _row(names: str, each: Explanation) -> tuple[str, ...]:
     return (
         names,
         in_words(each.probability),

@@ -1,4 +1,4 @@
-"""The laboratory of measured resonators against closed forms, and what its cases are marked with."""
+"""The laboratory of measured resonators against closed forms."""
 
 from pathlib import Path
 
@@ -14,7 +14,7 @@ from updamp.benchmarks.measured_resonators.laws import (
 )
 from updamp.benchmarks.measured_resonators.measured import Fault, measure
 from updamp.benchmarks.measured_resonators.resonator import Resonator
-from updamp.benchmarks.measured_resonators.run import cases, mark
+from updamp.benchmarks.measured_resonators.run import cases
 from updamp.effects.catalogue import OWN
 from updamp.measurement.load import load_measurement
 from updamp.model.rig_files import load_modal
@@ -84,26 +84,3 @@ def test_its_files_are_read_and_the_same_seed_makes_the_same(tmp_path: Path) -> 
 def test_what_is_hidden_has_its_name_in_the_catalogue() -> None:
     for case in cases(1, Path("x")):
         assert all(name in OWN for name in case.expected if name)
-
-
-@pytest.mark.parametrize(
-    ("expected", "verdict", "effects", "group", "said"),
-    [
-        ((), "adequate", (), (), "right"),
-        ((), "identified", ("a",), (), "false alarm"),
-        ((), "unknown", (), (), "false alarm"),
-        (("a",), "identified", ("a",), (), "right"),
-        (("a",), "inseparable", ("a",), ("a", "b"), "right group"),
-        (("a",), "inseparable", ("b",), ("b", "c"), "wrong"),
-        (("a",), "adequate", (), (), "missed"),
-        (("a",), "unknown", (), (), "unknown"),
-        (("a",), "identified", ("a", "b"), (), "wrong"),
-        (("a", "b"), "identified", ("b", "a"), (), "right"),
-        (("a", "b"), "identified", ("a",), (), "partly"),
-        (("",), "unknown", (), (), "right"),
-        (("",), "adequate", (), (), "missed"),
-        (("",), "identified", ("a",), (), "wrong"),
-    ],
-)
-def test_marks(expected, verdict, effects, group, said) -> None:
-    assert mark(expected, verdict, effects, group) == said

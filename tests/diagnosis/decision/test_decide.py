@@ -97,6 +97,35 @@ def test_two_effects_where_one_leaves_a_misfit_and_both_are_needed():
     assert outcome(combined=(pair,)) == ("identified", ("right",))
 
 
+PAIR = Trial(("right", "second"), 1.1, 9500.0, 400.0, 1.05, "", True)
+FAR = {"farthest": "preload", "deviations": -3.4}
+
+
+def test_several_effects_that_others_explain_the_data_as_well_in_place_of_are_not_named():
+    """What all of them have is missing whichever of the others is."""
+    other = replace(PAIR, effects=("right", "third"), excess=1.15, drop=9480.0)
+    worse = replace(PAIR, effects=("right", "fourth"), excess=1.25, drop=9400.0)
+    decision = decide(replace(EVIDENCE, trials=(), combined=(other, PAIR, worse)), Criteria())
+    assert (decision.outcome, decision.outright, decision.group) == ("inseparable", ("right",), ("second", "third"))
+    assert decision.trial == PAIR
+    assert decision.alternatives == (PAIR, other)
+    # one more effect is another matter: it has been asked for, or not
+    three = replace(PAIR, effects=("right", "second", "third"), excess=1.0, drop=9600.0, parameters=2)
+    assert outcome(trials=(), combined=(PAIR, three)) == ("identified", ("right", "second", "third"))
+
+
+def test_two_effects_are_named_where_one_explains_the_data_by_a_calibration_that_nobody_would_believe():
+    single = replace(RIGHT, **FAR)
+    assert outcome(trials=(single,), combined=(PAIR,)) == ("identified", ("right", "second"))
+    assert outcome(trials=(single,), combined=(replace(PAIR, **FAR),)) == ("undecidable", ())
+
+
+def test_of_several_sets_the_likeliest_counts_priors_and_all():
+    """Three effects leave less by seven deviations of a prior, which the information criterion holds against them."""
+    three = replace(PAIR, effects=("right", "second", "third"), excess=1.08, drop=9450.0, **FAR)
+    assert outcome(trials=(), combined=(three, PAIR)) == ("identified", ("right", "second"))
+
+
 def test_a_calibration_that_nobody_would_believe_is_said_first():
     far = {"farthest": "preload", "deviations": -3.4}
     decision = decide(replace(EVIDENCE, trials=(replace(RIGHT, **far),)), Criteria())

@@ -38,6 +38,18 @@ def test_what_is_named_is_told_with_its_fall() -> None:
     )
 
 
+def test_what_cannot_be_told_apart_is_told_with_what_is_missing_whichever_it_is() -> None:
+    pairs = tuple(replace(SLIP, effects=("slip", name), excess=1.0 + i / 100) for i, name in enumerate(("a", "b")))
+    fall = "and these data do not tell which: the error falls from 3.0 to 1.00 times the scatter, on"
+    assert said(trials=(), combined=pairs).startswith(
+        f"contacts slip (slip), and one of a, b is missing beside, {fall}"
+    )
+    singles = (replace(SLIP, excess=1.0), replace(SLIP, effects=("spring",), excess=1.05))
+    assert said(trials=singles).startswith(f"one of slip, spring is missing, {fall}")
+    two = (replace(SLIP, effects=("slip", "a", "b")), replace(SLIP, effects=("slip", "c", "d")))
+    assert "and 2 of a, b, c, d are missing beside" in said(trials=(), combined=two)
+
+
 def test_an_adequate_model_is_told_without_a_word_on_effects_that_predict_better() -> None:
     """One predicted the held-out runs better, and the data do not ask for it."""
     better = replace(SLIP, excess=0.9, delta_bic=3.0, held_out=0.5, unseen=0.3)

@@ -201,7 +201,8 @@ def found(*trials):
 
 
 def of(outcome, group=(), *trials):
-    return surviving_explanations(found(*trials), Decision(outcome, group[:1], group, None), Criteria())
+    equals = tuple(t for name in group for t in trials if t.effects == (name,))
+    return surviving_explanations(found(*trials), Decision(outcome, group[:1], group, None, "", equals), Criteria())
 
 
 def test_a_group_is_told_apart_and_nobody_else():

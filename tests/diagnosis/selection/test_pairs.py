@@ -1,9 +1,14 @@
 """What a pair of effects has to gain over one of them, with made-up fits."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import pytest
 
-from updamp.diagnosis.candidate_models.fit_tasks import FittedCandidate
+from updamp.diagnosis.candidate_models.candidate_fits import FitContext
+from updamp.diagnosis.candidate_models.fit_tasks import FittedCandidate, fit_here
 from updamp.diagnosis.candidate_models.refit import Refit, gain_of_bic
+from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.evidence import Trial, gain_over_fewer
 from updamp.diagnosis.selection import pairs
 from updamp.effects.effect import Effect, EffectParameter
@@ -79,3 +84,23 @@ def test_a_pair_is_fitted_in_the_order_in_which_it_shows_and_once(monkeypatch):
     }
     assert ("three", "two") not in tried
     assert not any("four" in names for names in tried)
+
+
+@pytest.mark.parametrize(
+    ("misfit", "at_bound", "deviations", "tried"),
+    [(1.0, "", 0.5, False), (1.6, "", 0.5, True), (1.0, "one.q0", 0.5, True), (1.0, "", -7.7, True)],
+)
+def test_when_a_second_effect_is_looked_for(monkeypatch, misfit, at_bound, deviations, tried):
+    """It leaves a misfit, or explains the data by more of itself than there can be, or with a sensor's gain 7.7
+    deviations off (case 004 of the draw 40391360)."""
+    calls = []
+    monkeypatch.setattr(pairs, "beside", lambda *_: calls.append(1) or {})
+    compared = SimpleNamespace(independent=64.0, mean_squared_misfit=misfit)
+    parametrisation = SimpleNamespace(base=SimpleNamespace(contacts=object()))
+    fitted = SimpleNamespace(compared=compared, parametrisation=parametrisation)
+    alone = singles(replace(refit(ONE, drop=900.0), fitted=fitted, at_bound=at_bound))
+    (one,) = alone.values()
+    alone = {("one",): replace(one, trial=replace(one.trial, deviations=deviations))}
+    context = FitContext(SimpleNamespace(fitted=fitted), Criteria(), lambda _: None, fit_here)
+    pairs.try_pairs(context, (ONE, THREE), alone)
+    assert bool(calls) == tried
