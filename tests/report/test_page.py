@@ -216,6 +216,22 @@ def test_what_cannot_be_told_apart_has_one_probability(comparison: Comparison) -
     assert "70 %" not in found
 
 
+def test_what_is_missing_whichever_of_a_group_is_stands_beside_it(comparison: Comparison) -> None:
+    each = (
+        Explanation(("a", "b"), 0.7, 1.0, 1.0), Explanation(("c", "a"), 0.2, 1.05, 1.0),
+        Explanation(("b", "c"), 0.06, 1.5, 2.0), Explanation(("a",), 0.04, 1.5, 2.0),
+    )  # fmt: skip
+    changes = {"verdict": "inseparable", "effects": ("a", "b"), "group": ("b", "c"), "explanations": each}
+    found = explained(comparison, **changes)
+    assert "<code>a</code>, and <code>b</code> or <code>c</code>" in found
+    assert all(text in found for text in ("90 %", "6 %", "4 %"))
+    page = build_page(Report(comparison, replace(synthetic_verdict(comparison), **changes)), SECTIONS)
+    missing, _, apart = page.partition("<h3>Missing</h3>")[2].partition("<h3>Cannot be separated</h3>")
+    assert missing.count("<li>") == 1
+    assert "<code>a</code>" in missing
+    assert apart.partition("</ul>")[0].count("<li>") == 2
+
+
 def test_steps_without_held_out_data_say_so(comparison: Comparison) -> None:
     verdict = synthetic_verdict(comparison)
     history = tuple(replace(step, held_out=math.nan) for step in verdict.history)
