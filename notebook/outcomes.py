@@ -102,8 +102,8 @@ class DiagnosisResult:
 
     @property
     def effects(self) -> tuple[str, ...]:
-        """Names of those that are missing; empty where none was identified."""
-        return self.verdict.effects
+        """Names of those that are missing whichever of a group is; empty where none was identified."""
+        return self.verdict.outright
 
     def __repr__(self) -> str:
         return f"<DiagnosisResult {self.outcome}: {self.sentence}>"

@@ -126,6 +126,12 @@ def _diagnosis(rig: Path, folder: Path) -> tuple[Path, Verdict]:
 
 
 def _identified(verdict: Verdict, source: Path) -> tuple[str, ...]:
+    if verdict.verdict == "inseparable":
+        together = f"{' '.join(verdict.outright)} and " if verdict.outright else ""
+        raise ValueError(
+            f"{source}: the data do not tell which of {', '.join(verdict.group)} is missing; name what is to be added: "
+            f"{together}one of them"
+        )
     if not verdict.effects:
         fitted = ", ".join(c.name for c in verdict.candidates if c.parameters) or "none"
         raise ValueError(

@@ -136,6 +136,14 @@ def test_without_names_those_that_were_identified_are_added(rig, diagnosed):
         add(rig, (), diagnosed)
 
 
+def test_of_a_group_none_is_added_unless_it_is_named(rig, diagnosed):
+    apart = replace(verdict(), verdict="inseparable", group=("shaker_attachment", "blade_mistuning"))
+    VERDICT_JSON.write(diagnosed / "diagnosis.json", apart)
+    with pytest.raises(ValueError, match="do not tell which of shaker_attachment, blade_mistuning is missing; name"):
+        add(rig, (), diagnosed)
+    assert add(rig, ["shaker_attachment"], diagnosed).rig.name == "rig+shaker_attachment.toml"
+
+
 def test_effects_stack_and_come_off_again(rig, diagnosed):
     one = add(rig, ["edge_gap"], diagnosed).rig
     two = add(one, ["shaker_attachment"], diagnosed).rig
