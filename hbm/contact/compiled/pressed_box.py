@@ -1,8 +1,8 @@
 """`PressureStiffness` of `JenkinsBox` for numba: the box law's samples times a power of its pressing force.
 
-What the box law has between two samples is shared between them, as in `event_march.py`, before it is multiplied: its
-samples are linear in the integrals of the slider's path, and so are the coefficients of the product, by weights that
-are each element's own.
+What the box law has between two samples is shared between them, as in `event_march.py`, before it is multiplied, and so
+is the pressing force: these samples are linear in the integrals of the slider's path and of the compression, and so are
+the changes of the coefficients of the product, by weights that are each element's own.
 """
 
 from typing import Any, NamedTuple
@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 from updamp.hbm.contact.compiled.at_rest import rests, stays_closed
 from updamp.hbm.contact.compiled.columns import Rows
 from updamp.hbm.contact.compiled.cubic import positive
+from updamp.hbm.contact.compiled.event_grid import Openings
 from updamp.hbm.contact.compiled.jenkins_box import hold, press, room, rows_of, slide
 from updamp.hbm.contact.compiled.keeping import inner, kept
 from updamp.hbm.contact.compiled.normal import add_missing, add_missing_tangent, limit_rows
 from updamp.hbm.contact.compiled.slider import Scratch, add_force, add_tangent, new_scratch, new_slider, tell_apart
-from updamp.hbm.contact.compiled.tables import GrowingTables, Tables, add_outer, loop_area
+from updamp.hbm.contact.compiled.tables import GrowingTables, Tables, loop_area
 
 Floats = NDArray[np.float64]
 
@@ -35,12 +36,26 @@ class PressedBox(NamedTuple):
 class _Factor(NamedTuple):
     """Of one element. factor, slope: (n_time,) what the samples are multiplied by, and its derivative by the
     compression [1/m]; scaled: (n_time, n_coefficients) what a sample adds to the coefficients then; weights: (n_time +
-    1, n_coefficients) what an integral against a hat adds to them"""
+    1, n_coefficients) what an integral against a hat adds to them; by_factor: (n_time, n_coefficients) what a change
+    of the compression adds to them by the factor"""
 
     factor: Floats
     slope: Floats
     scaled: NDArray[Any]
     weights: NDArray[Any]
+    by_factor: NDArray[Any]
+
+
+class _Pressed(NamedTuple):
+    """How one element is pressed. p: (n_time + 1,) compressions [m]; closed: whether throughout; rows, shares, sampled:
+    of the motion or of what grows"""
+
+    p: Floats
+    openings: Openings
+    closed: bool
+    rows: Rows
+    shares: NDArray[Any]
+    sampled: NDArray[Any]
 
 
 @kept
@@ -52,16 +67,18 @@ def force_with_tangent(
     c, n = tables.synthesis.shape
     path, grid, openings, pressing, rate, _ = room(n, c)
     slider, out = new_slider(len(grid.share), n), new_scratch(len(grid.share), tables.weights)
-    averaged, by = np.empty(n), _new_factor(n, tables.weights)
+    averaged, normal, by = np.empty(n), np.empty(n), _new_factor(n, tables.weights)
     rows, own = rows_of(tables)
     for e in numbers:
         coefficients, kt, kn = displacement[e], p.box.kt[e], p.box.kn[e]
         press(coefficients[2], p.box, e, tables, pressing, rate, openings)
-        _set_factor(pressing, kn, p, e, sampled, tables.shares, by)
-        _average_normal(pressing, rate, openings, sampled, averaged)
-        _write_force(kn, averaged, by.scaled, p.at_rest[e, 2], tables.constant, force[e, 2])
+        _average_normal(pressing, rate, openings, sampled, normal)
+        _set_factor(normal, kn, p, e, sampled, tables.shares, by)
+        _write_force(kn, normal, by.scaled, p.at_rest[e, 2], tables.constant, force[e, 2])
+        closed = pressing.min() > 0 and openings.first.max() < 0
+        pressed = _Pressed(pressing, openings, closed, rows, tables.shares, sampled)
         if len(tangent):
-            _write_normal_tangent(pressing, openings, kn, averaged, rows, tables.shares, by, out, tangent[e, 2], False)
+            _write_normal_tangent(pressed, kn, normal, by, out, tangent[e, 2])
         ratio = hold(p.box, e, pressing, rate, path, openings)
         p_rows = limit_rows(p.box.mu[e], rows, 1.0, own)
         for d in range(2):
@@ -72,7 +89,7 @@ def force_with_tangent(
             if len(tangent):
                 _set_springs(by.scaled, rows, out)
                 add_tangent(grid, path, rows, p_rows, ratio, slider, by.weights, 1.0, out)
-                _write_tangent(kt, averaged, rows, tables.shares, by, out, d, tangent[e, d])
+                _write_tangent(pressed, kt, averaged, by, out, d, tangent[e, d])
 
 
 @kept
@@ -91,15 +108,16 @@ def perturbed_tangent(
     c, n = tables.synthesis.shape
     path, grid, openings, pressing, rate, _ = room(n, c)
     slider, out = new_slider(len(grid.share), n), new_scratch(len(grid.share), growing.weights)
-    averaged, by = np.empty(n), _new_factor(n, growing.weights)
+    averaged, normal, by = np.empty(n), np.empty(n), _new_factor(n, growing.weights)
     rows, own = rows_of(growing)
     for e in numbers:
         coefficients, kt, kn = displacement[e], p.box.kt[e], p.box.kn[e]
         press(coefficients[2], p.box, e, tables, pressing, rate, openings)
-        _set_factor(pressing, kn, p, e, growing_sampled, growing.shares, by)
-        _average_normal(pressing, rate, openings, sampled, averaged)
+        _average_normal(pressing, rate, openings, sampled, normal)
+        _set_factor(normal, kn, p, e, growing_sampled, growing.shares, by)
         closed = stays_closed(pressing)
-        _write_normal_tangent(pressing, openings, kn, averaged, rows, growing.shares, by, out, tangent[e, 2], closed)
+        pressed = _Pressed(pressing, openings, closed, rows, growing.shares, growing_sampled)
+        _write_normal_tangent(pressed, kn, normal, by, out, tangent[e, 2])
         ratio = hold(p.box, e, pressing, rate, path, openings)
         p_rows = limit_rows(p.box.mu[e], rows, growing.last_period, own)
         for d in range(2):
@@ -109,7 +127,7 @@ def perturbed_tangent(
             _set_springs(by.scaled, rows, out)
             if not rests(path.u, grid.sample, slider.position):
                 add_tangent(grid, path, rows, p_rows, ratio, slider, by.weights, growing.last_period, out)
-            _write_tangent(kt, averaged, rows, growing.shares, by, out, d, tangent[e, d])
+            _write_tangent(pressed, kt, averaged, by, out, d, tangent[e, d])
 
 
 @kept
@@ -137,7 +155,8 @@ def loop_areas(
 
 @inner
 def _new_factor(n: int, weights: Any) -> _Factor:
-    return _Factor(np.empty(n), np.empty(n), np.empty_like(weights[:n]), np.empty_like(weights))
+    of_samples = np.empty_like(weights[:n])
+    return _Factor(np.empty(n), np.empty(n), of_samples, np.empty_like(weights), np.empty_like(of_samples))
 
 
 @inner
@@ -185,34 +204,26 @@ def _set_springs(scaled: Any, rows: Rows, out: Scratch) -> None:
 
 
 @inner
-def _write_normal_tangent(
-    pressing: Any,
-    openings: Any,
-    kn: float,
-    averaged: Any,
-    rows: Rows,
-    shares: Any,
-    by: _Factor,
-    out: Scratch,
-    tangent: Any,
-    closed: bool,
-) -> None:
+def _write_normal_tangent(pressed: Any, kn: float, normal: Any, by: _Factor, out: Scratch, tangent: Any) -> None:
     """As in jenkins_box.py beside this file."""
-    _set_springs(by.scaled, rows, out)
-    if not closed:
-        add_missing_tangent(pressing, openings, by.weights, rows, out.p, out.by_u)
-    _write_tangent(kn, averaged, rows, shares, by, out, 2, tangent)
+    _set_springs(by.scaled, pressed.rows, out)
+    if not pressed.closed:
+        add_missing_tangent(pressed.p, pressed.openings, by.weights, pressed.rows, out.p, out.by_u)
+    _write_tangent(pressed, kn, normal, by, out, 2, tangent)
 
 
 @inner
 def _write_tangent(
-    stiffness: float, averaged: Any, rows: Rows, shares: Any, by: _Factor, out: Scratch, d: int, tangent: Any
+    pressed: Any, stiffness: float, averaged: Any, by: _Factor, out: Scratch, d: int, tangent: Any
 ) -> None:
     """Writes tangent, (n_coefficients, 3, n_coefficients), of the force in direction d; out.by_u, out.by_p: derivatives
     by the motion in it and by the compression with the factor held"""
     for t in range(len(averaged)):
-        if by.slope[t] != 0:
-            add_outer(shares[t], averaged[t] * by.slope[t], rows.values[t], out.by_p)
+        by.by_factor[t] = averaged[t] * by.slope[t] * pressed.shares[t]
+    out.by_p[:] += np.dot(by.by_factor.T, pressed.rows.values[: len(averaged)])
+    if not pressed.closed:
+        weights = np.dot(pressed.sampled, by.by_factor)
+        add_missing_tangent(pressed.p, pressed.openings, weights, pressed.rows, out.p, out.by_p)
     tangent[:] = 0.0
     for a in range(len(out.by_u)):
         for b in range(len(out.by_u)):

@@ -24,7 +24,8 @@ class PressureStiffness(ModifiedLaw):
 
     Integrated, N^(1-m) is linear in the displacement, and so is the slider's reach mu N / kt(N): the slider goes where
     that of the inner law goes with kn' = (1 - m) kn and n0' = n0^(1-m) N_m^m. Its forces are then multiplied by
-    (N'/N_m)^(m/(1-m)).
+    (N'/N_m)^(m/(1-m)), N' with what is between the samples shared between them where the forces are: the power is steep
+    where the contact opens, and a sample that opens would else meet forces that are not zero yet.
     """
 
     rank: ClassVar[int] = 60
@@ -48,11 +49,11 @@ class PressureStiffness(ModifiedLaw):
         return displacement, velocity, with_entries(p, n0=n0, kn=(1 - m) * p.kn, t0=t0)
 
     def outer_force(self, force: jax.Array, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
-        *_, p = inner = self.inner_arguments(displacement, velocity, parameters)
-        normal, rest = self.inner.normal_force(*inner), jnp.maximum(p.n0 - p.kn * p.gap, 0.0)
+        *_, p = self.inner_arguments(displacement, velocity, parameters)
+        rest = jnp.maximum(p.n0 - p.kn * p.gap, 0.0)
         total = force + jnp.concatenate([p.t0, rest[None]])
         at_rest = jnp.concatenate([parameters.t0, (rest * self._factor(rest, p))[None]])
-        return total * self._factor(normal, p)[:, None] - at_rest
+        return total * self._factor(total[:, 2], p)[:, None] - at_rest
 
     def reference_stiffness(self, parameters: Any) -> jax.Array:
         share = jnp.maximum(parameters.n0 / parameters.mean_force, _LEAST)

@@ -155,6 +155,34 @@ def test_stiffness_with_pressure_is_the_slope_of_the_normal_force():
     assert normal[1000] == pytest.approx(1.0)
 
 
+@pytest.mark.parametrize("exponent", [0.2, 1 / 3, 0.5])
+def test_stiffness_with_pressure_has_no_corner_where_a_sample_opens(exponent):
+    """The sample's compression above zero by less and less: the power of it is steep there. By 1e-8 the tangent was 15
+    times what it is now for an exponent of 0.2, and branches of jumping rigs turned back at each such place."""
+    given = FrictionParameters(np.full(1, 0.6), np.ones(1), np.ones(1), np.ones(1), np.array([[0.0, 0.0]]), np.zeros(1))
+    p = with_entries(given, pressure_exponent=np.full(1, exponent), mean_force=np.ones(1))
+    one = ElementGroup(PressureStiffness(JenkinsBox(2)), p, np.arange(3)[None])
+    rest, swing = 1 / (1 - exponent), 2.0 / (1 - exponent)  # of the linear compression
+    opens = swing * np.cos(2 * np.pi * 40 / 128)
+    found = []
+    for above in (1e-3, 1e-5, 1e-7, 1e-9):
+        motion = np.zeros((1, 3, 5))
+        motion[0, 0, 2], motion[0, 1, 1] = 0.8, 0.3
+        motion[0, 2, :2] = above - rest - opens, swing
+        found.append(element_forces(one, motion, 1.0, HARMONICS, 128).tangent)
+    size = np.abs(found[0]).max()
+    for tangent in found[1:]:
+        np.testing.assert_allclose(tangent, found[0], rtol=0, atol=0.02 * size)
+
+
+@pytest.mark.parametrize("exponent", [0.2, 0.4])
+def test_stiffness_with_pressure_converges_where_contacts_open(motions, exponent):
+    """Coefficients with 128 samples against 2,048: off by as little as those of the box law (1e-4 of the force)."""
+    pressed = group(PressureStiffness(JenkinsBox(2)), pressure_exponent=exponent, mean_force=1.0)
+    few, many = (force_only(pressed, motions, 1.0, HARMONICS, n) for n in (128, 2048))
+    assert np.abs(few - many).max() < 3e-4 * np.abs(many).max()
+
+
 def test_microslip_is_sliders_side_by_side():
     """Limits spread from 0 to 2 mu N: loading from rest would give T = k u - (k u)^2 / (4 mu N), and unloading is that
     curve at twice the scale (Masing)."""
