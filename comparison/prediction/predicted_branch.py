@@ -28,7 +28,7 @@ _APART = 0.1
 # Arrays of a branch with one row for each of its points.
 _OF_POINTS = ("place", "state", "along", "slopes", "w_by_parameter", "visited")
 # Amplitude that is as good as none [m]
-_NONE = 1e-20
+NO_AMPLITUDE = 1e-20
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +156,7 @@ def logarithms(state: Floats, change: Floats) -> tuple[Floats, Floats]:
     """Of states (..., m) what is observed, and of changes (..., k, m) of the states how that changes."""
     amplitude = _amplitudes(state)
     # as long as all contacts stick there is no higher harmonic at all
-    amplitude[np.abs(amplitude) < _NONE] = _NONE
+    amplitude[np.abs(amplitude) < NO_AMPLITUDE] = NO_AMPLITUDE
     ratio = _amplitudes(change) / amplitude[..., None, :]
     return _joined(state[..., 0], np.log(amplitude)), _joined(change[..., 0], ratio)
 
