@@ -47,7 +47,7 @@ class FitContext:
         """Whether it leaves more than chance can on the runs that it was fitted to."""
         return self.criteria.fails(trial.excess, self.start.train_plan.independent)
 
-    def names_nothing(self, trial: Trial) -> bool:
+    def cannot_be_named(self, trial: Trial) -> bool:
         """Whether no verdict can rest on it: it fails, or asks for a calibration that nobody would believe."""
         return self.fails(trial) or self.criteria.is_far_off(trial.deviations)
 

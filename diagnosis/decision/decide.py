@@ -62,10 +62,10 @@ def _by_misfit(evidence: Evidence, criteria: Criteria) -> Decision:
 
 
 def _named(best: Trial, accepted: Sequence[Trial], criteria: Criteria) -> Decision:
-    """The best, or that the data do not tell it from others of as many effects that leave as little; what all of these
-    have is missing whichever it is."""
+    """The best, or that the data do not tell it from others of as many effects that leave as little by a calibration
+    that can be believed; what all of these have is missing whichever it is."""
     as_many = [t for t in accepted if t is not best and len(t.effects) == len(best.effects)]
-    equals = [t for t in as_many if t.excess < (1 + criteria.as_good) * best.excess]
+    equals = [t for t in as_many if t.excess < (1 + criteria.as_good) * best.excess and not far_off(t, criteria)]
     if not equals:
         return Decision("identified", best.effects, (), best)
     alternatives = (best, *equals)
@@ -128,8 +128,9 @@ def _combined(evidence: Evidence, criteria: Criteria, single: Trial | None) -> l
     ]
     if single is None:
         return good
-    if far_off(single, criteria):
-        return [p for p in good if not far_off(p, criteria)]
+    believable = [p for p in good if not far_off(p, criteria)]
+    if far_off(single, criteria) and believable:
+        return believable
     if not criteria.is_doubtful(single.excess, evidence.independent):
         return []  # a second effect has to make up for a misfit that stands out, not for the last tenths of it
     return [p for p in good if (1 + criteria.as_good) * p.excess < single.excess]

@@ -20,7 +20,7 @@ def further_effects(
     if fits.start.fitted.parametrisation.base.contacts is not None:
         return found
     best = _likeliest(pairs)
-    while best is not None and fits.names_nothing(best.trial) and _is_asked_for(fits, best):
+    while best is not None and fits.cannot_be_named(best.trial) and _is_asked_for(fits, best):
         more = _one_more(fits, effects, best, singles | pairs | found)
         found |= more
         after = _likeliest(more)
@@ -35,7 +35,7 @@ def _one_more(
 ) -> CandidateFits:
     """One effect more beside the best, then any one of the likeliest for any other until none is likelier: an effect in
     it may only have stood in for another, whether it explains the data or not (A. J. Miller, Subset Selection in
-    Regression (2002), 3.4, sequential replacement)."""
+    Regression (2002), chapter 3, sequential replacement)."""
     found = beside(fits, best.refit, effects, known)
     at = _likeliest(found)
     while at is not None and _is_asked_for(fits, at):
@@ -54,7 +54,7 @@ def _others_in_turn(
     found: CandidateFits = {}
     for left_out in at.trial.effects:
         rest = frozenset(at.trial.effects) - {left_out}
-        found |= _of(fits, effects, rest, known | found)
+        found |= _fitted_with(fits, effects, rest, known | found)
         part = _with_effects(known | found, rest)
         tried = [frozenset(names) - rest for names in (*known, *found) if rest < frozenset(names)]
         others = [e for e in effects if e.name != left_out and {e.name} not in tried]
@@ -63,7 +63,9 @@ def _others_in_turn(
     return found
 
 
-def _of(fits: FitContext, effects: Sequence[Effect], names: frozenset[str], known: CandidateFits) -> CandidateFits:
+def _fitted_with(
+    fits: FitContext, effects: Sequence[Effect], names: frozenset[str], known: CandidateFits
+) -> CandidateFits:
     """The fit with these effects, where there is none yet, beside the likeliest of those that have one less."""
     if _with_effects(known, names) is not None:
         return {}

@@ -87,6 +87,11 @@ def test_rivals_are_named_as_a_group():
     )
 
 
+def test_a_rival_with_a_calibration_that_nobody_would_believe_is_none():
+    rival = replace(RIGHT, effects=("other",), excess=1.1, farthest="preload", deviations=-3.4)
+    assert outcome(trials=(RIGHT, rival)) == ("identified", ("right",))
+
+
 def test_two_effects_where_one_leaves_a_misfit_and_both_are_needed():
     single = replace(RIGHT, excess=3.0)
     pair = Trial(("right", "second"), 1.1, 9500.0, 400.0, 1.05, "", True)
@@ -118,6 +123,9 @@ def test_two_effects_are_named_where_one_explains_the_data_by_a_calibration_that
     single = replace(RIGHT, **FAR)
     assert outcome(trials=(single,), combined=(PAIR,)) == ("identified", ("right", "second"))
     assert outcome(trials=(single,), combined=(replace(PAIR, **FAR),)) == ("undecidable", ())
+    # nor is it "unknown" where both are needed and only the calibration is in the way
+    failing = replace(single, excess=3.0)
+    assert outcome(trials=(failing,), combined=(replace(PAIR, **FAR),)) == ("undecidable", ())
 
 
 def test_of_several_sets_the_likeliest_counts_priors_and_all():
