@@ -2,9 +2,8 @@
 
 from dataclasses import replace
 
-from updamp.diagnosis.candidate_models.refit import gain_of_bic
 from updamp.diagnosis.criteria import Criteria
-from updamp.diagnosis.decision.decide import decide
+from updamp.diagnosis.decision.decide import decide, gain
 from updamp.diagnosis.evidence import Evidence, Trial, gain_over_fewer
 from updamp.diagnosis.verdict import StripEntry
 
@@ -29,8 +28,8 @@ def _restated(evidence: Evidence, i: int) -> Evidence:
             return t
         then = t.if_repeatable[i]
         drop = of_null.misfit - then.misfit
-        gain = gain_of_bic(drop, t.parameters, evidence.independent, evidence.as_many)
-        return replace(t, excess=then.excess, drop=drop, delta_bic=gain, held_out=then.held_out, unseen=then.unseen)
+        t = replace(t, excess=then.excess, drop=drop, held_out=then.held_out, unseen=then.unseen)
+        return replace(t, delta_bic=gain(t, evidence))
 
     trials = tuple(restated(t) for t in evidence.trials)
     combined = tuple(restated(t) for t in evidence.combined)
