@@ -17,6 +17,7 @@ class EffectParameter:
         fit that stands at another one asks for what makes no sense
     grows_with: powers of stiffness, amplitude and angular frequency of a mode that its size grows with where one is
         known by its modes: sizes here are those of a beam of 5e5 N/m at 0.1 mm and 80 Hz (`sized.py`)
+    shape: it says how another parameter's effect grows, such as an exponent or a gap, and does nothing by itself
     two_sided: whether both signs (or both sides of the null) make sense
     """
 
@@ -29,6 +30,7 @@ class EffectParameter:
     source: str
     ends: tuple[float, ...] = ()
     grows_with: tuple[int, int, int] = (0, 0, 0)
+    shape: bool = False
 
     def allows(self, value: float) -> bool:
         """Whether a rig file may state it. Of what grows with the rig the sign alone is known beforehand: bounds that
@@ -82,14 +84,18 @@ class Effect:
     @property
     def has_two_signs(self) -> bool:
         """Whether the effect turned round makes sense too."""
-        return all(p.two_sided for p in self.parameters)
+        return all(p.two_sided for p in self.parameters if not p.shape)
+
+    def of_size(self, size: float) -> tuple[float, ...]:
+        """Factors on its parameters, counted from their null values, for so many times its size: turned round, what
+        shapes it stays."""
+        return tuple(abs(size) if p.shape else size for p in self.parameters)
 
     @property
     def sizes(self) -> tuple[tuple[float, ...], ...]:
         """Where a search begins, in typical sizes of the parameters: there, turned round where that makes sense too,
         and whole where it may be and first order from elsewhere does not lead there."""
-        n = len(self.parameters)
-        found = [(1.0,) * n, (-1.0,) * n] if self.has_two_signs else [(1.0,) * n]
+        found = [self.of_size(size) for size in ((1.0, -1.0) if self.has_two_signs else (1.0,))]
         if self.finite_step and any(p.ends for p in self.parameters):
             found.append(tuple(p.whole for p in self.parameters))
         return tuple(found)

@@ -35,7 +35,7 @@ EFFECT = Effect(
         EffectParameter(
             "exponent", 0.0, -0.9, 1.0, -0.4, "",
             "chi of the distribution of slip displacements: damping grows with amplitude to the power 1 + chi; lap "
-            "joints that were measured had -0.9 to 0 (Segalman 2005)",
+            "joints that were measured had -0.9 to 0 (Segalman 2005)", shape=True,
         ),
     ),
     apply,

@@ -67,6 +67,7 @@ EFFECT = Effect(
             "s",
             "most loss at 80 Hz and 160 Hz; polymers have any",
             grows_with=(0, 0, -1),
+            shape=True,
         ),
     ),
     apply,

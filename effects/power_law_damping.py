@@ -28,6 +28,7 @@ EFFECT = Effect(
         EffectParameter(
             "exponent", 2.0, 1.0, 3.0, 2.5, "",
             "1 of a laminar film, 2 of drag and of air through gaps, 3 of losses with the third power", (1.0,),
+            shape=True,
         ),
     ),
     apply,

@@ -22,7 +22,8 @@ EFFECT = Effect(
             "assumed: far beyond the threshold as much as a loss factor of half a per cent",
         ),
         EffectParameter(
-            "threshold", 5e-6, 1e-8, 1e-3, 1e-5, "m", "assumed: within what the tips of such rigs reach in a test"
+            "threshold", 5e-6, 1e-8, 1e-3, 1e-5, "m", "assumed: within what the tips of such rigs reach in a test",
+            shape=True,
         ),
     ),
     apply,

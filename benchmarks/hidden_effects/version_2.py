@@ -90,8 +90,10 @@ def _between(weak: float, strong: float, way: float) -> float:
 def _turned_round(name: str, values: dict[str, float]) -> dict[str, float]:
     """As far from the null value on its other side, a factor by as much the other way; as it was where the catalogue
     has no such value."""
-    found = {}
+    found = dict(values)
     for q in CATALOGUE[name].parameters:
+        if q.shape:
+            continue
         other = 1 / values[q.name] if q.null == 1 else 2 * q.null - values[q.name]
         if not q.lower <= other <= q.upper:
             return values

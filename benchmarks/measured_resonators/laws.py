@@ -28,6 +28,17 @@ def quintic(k5: float, a: Floats, _w: float) -> Complex:
     return np.asarray(0.625 * k5 * a**4, dtype=complex)
 
 
+def square(k2: float, a: Floats, _w: float) -> Complex:
+    """F = k2 |x| x"""
+    return np.asarray(8 / (3 * np.pi) * k2 * a, dtype=complex)
+
+
+def clearance(k: float, gap: float, a: Floats, _w: float) -> Complex:
+    """F = k (x - gap) beyond the gap, k (x + gap) beyond it the other way"""
+    t = np.arccos(np.minimum(1.0, gap / a))
+    return np.asarray(2 / np.pi * k * (t - np.sin(t) * np.cos(t)), dtype=complex)
+
+
 def quadratic_damping(c: float, a: Floats, w: float) -> Complex:
     """F = c |v| v"""
     return 1j * w * 8 / (3 * np.pi) * c * a * w
@@ -99,6 +110,17 @@ def draw_quintic(rng: np.random.Generator, s: Scale) -> Law:
     return partial(quintic, _sign(rng) * _widths(rng) * s.width / (0.625 * s.amplitude**4))
 
 
+def draw_square(rng: np.random.Generator, s: Scale) -> Law:
+    return partial(square, _sign(rng) * _widths(rng) * s.width / (8 / (3 * np.pi) * s.amplitude))
+
+
+def draw_clearance(rng: np.random.Generator, s: Scale) -> Law:
+    """Met, or opening, from a third to two thirds of the largest amplitude on."""
+    gap = float(rng.uniform(0.33, 0.67)) * s.amplitude
+    unit = clearance(1.0, gap, np.array([s.amplitude]), s.w)[0].real
+    return partial(clearance, _sign(rng) * _widths(rng) * s.width / float(unit), gap)
+
+
 def draw_quadratic(rng: np.random.Generator, s: Scale) -> Law:
     return partial(quadratic_damping, _share(rng) * s.width / s.w**2 / (8 / (3 * np.pi)) / s.amplitude)
 
@@ -137,5 +159,7 @@ LAWS: dict[str, Kind] = {
     "coulomb": Kind(draw_coulomb, "joint_friction"),
     "fading": Kind(draw_fading, ""),
     "threshold": Kind(draw_threshold, ""),
-    "quintic": Kind(draw_quintic, ""),
+    "quintic": Kind(draw_quintic, "joint_quintic"),
+    "clearance": Kind(draw_clearance, "joint_clearance"),
+    "square": Kind(draw_square, ""),
 }

@@ -52,7 +52,10 @@ HIDDEN: dict[tuple[str, ...], int] = {
     ("cubic", "quadratic", "background"): 2,
     ("cubic", "quadratic", "background", "phase"): 2,
     ("threshold",): 2,
-    ("quintic",): 2,
+    ("quintic",): 3,
+    ("clearance",): 3,
+    ("clearance", "quadratic"): 1,
+    ("square",): 2,
 }
 
 

@@ -136,6 +136,10 @@ def left_tip(values: Values) -> Values:
     return {"left": values["force"], "right": 0.0}
 
 
+def right_tip(values: Values) -> Values:
+    return {"left": 0.0, "right": values["stiffness"], "gap": values["gap"]}
+
+
 EFFECTS = tuple(
     replace(effect, in_catalogue=False)
     for effect in (
@@ -167,7 +171,7 @@ EFFECTS = tuple(
                 "weak": {"stiffness": 1e3, "gap": 1e-5},
                 "medium": {"stiffness": 3e3, "gap": 7e-6},
                 "strong": {"stiffness": 1e4, "gap": 5e-6},
-            }, tip_stop,
+            }, tip_stop, renamed=Renamed("blade_stop", right_tip),
         ),
         HiddenEffect(
             "saturating_spring", "a spring that holds only so much",

@@ -65,7 +65,7 @@ def _sized(found: Fit, effects: tuple[Effect, ...], size: float, others: Floats)
     p, u = found.parametrisation, others.copy()
     for effect in effects:
         place = p.columns(effect.name)
-        u[place] = size * found.u[place]
+        u[place] = np.array(effect.of_size(size)) * found.u[place]
     return np.clip(u, p.lower, p.upper)
 
 

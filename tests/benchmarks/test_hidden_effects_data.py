@@ -142,7 +142,7 @@ def test_truth_is_in_the_catalogue_s_terms(rig: Rig, tmp_path: Path) -> None:
     by_its_name = {"power_law_damping": {"force": pytest.approx(0.1), "exponent": 2}}
     assert (outside["effects"], outside["parameters"]) == (["quadratic_damping"], by_its_name)
     assert outside["in_catalogue"] is False
-    assert Case(10, "outside", (hidden("tip_stop", "weak"),), 5).catalogue_values == {}
+    assert Case(10, "outside", (hidden("tip_coupling", "weak"),), 5).catalogue_values == {}
     assert pair["parameters"] == {"edge_gap": {"depth": 5e-8}, "wire_stiffness": {"factor": 5}}
     assert len(pair["record"]["assemblies"]) == 2
     assert pair["record"]["seed"] == pair["seed"] == 6

@@ -1,15 +1,19 @@
 """The laboratory of measured resonators against closed forms."""
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from updamp.benchmarks.measured_resonators.laws import (
+    clearance,
     coulomb,
     cubic,
     microslip,
     quadratic_damping,
+    quintic,
+    square,
     threshold,
 )
 from updamp.benchmarks.measured_resonators.measured import Fault, measure
@@ -33,6 +37,18 @@ def test_masings_loop_of_a_uniform_distribution_has_its_closed_form() -> None:
 def test_a_threshold_of_nothing_is_a_dashpot_and_one_that_is_not_reached_nothing() -> None:
     np.testing.assert_allclose(threshold(2.0, 0.0, A, W), 2j * W, rtol=1e-12)
     assert not threshold(2.0, 5e-5, A, W).any()
+
+
+def test_springs_are_what_their_forces_first_harmonics_are() -> None:
+    phase = 2 * np.pi * np.arange(20000) / 20000
+    x = A[:, None] * np.cos(phase)
+    forces = {
+        partial(quintic, 3e18): 3e18 * x**5,
+        partial(square, 5e8): 5e8 * np.abs(x) * x,
+        partial(clearance, 2e3, 2e-5): 2e3 * (x - np.clip(x, -2e-5, 2e-5)),
+    }
+    for law, force in forces.items():
+        np.testing.assert_allclose(law(A, W), 2 * np.mean(force * np.cos(phase), axis=1) / A, rtol=1e-6)
 
 
 def test_what_is_lost_a_cycle_is_what_each_law_takes() -> None:

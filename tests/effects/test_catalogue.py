@@ -19,10 +19,10 @@ NAMES = (
     "static_dynamic_coupling", "wire_stiffness", "shaker_attachment", "clamp_flexibility", "blade_mistuning",
     "material_damping", "contact_viscosity", "velocity_dependent_friction", "sub_patch_microslip",
     "friction_gradient", "edge_gap", "blade_cubic_stiffness", "power_law_damping", "tip_friction",
-    "platform_friction", "friction_by_face", "threshold_damping",
+    "platform_friction", "friction_by_face", "threshold_damping", "blade_stop",
 )  # fmt: skip
 # What does nothing by itself: it says how another parameter's effect grows.
-WITHOUT_SIZE = {("power_law_damping", "exponent"), ("threshold_damping", "threshold")}
+WITHOUT_SIZE = {(e.name, p.name) for e in CATALOGUE.values() for p in e.parameters if p.shape}
 SMOOTH = [name for name in NAMES if not CATALOGUE[name].finite_step]
 
 

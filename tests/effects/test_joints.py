@@ -18,7 +18,10 @@ from updamp.model.build import modal_model
 from updamp.model.calibration import nuisances
 from updamp.model.rig_files import load_modal
 
-NAMES = ("joint_viscous", "joint_viscoelastic", "joint_cubic", "joint_quadratic", "joint_friction", "joint_microslip")
+NAMES = (
+    "joint_viscous", "joint_viscoelastic", "joint_cubic", "joint_quintic", "joint_clearance", "joint_quadratic",
+    "joint_friction", "joint_microslip",
+)  # fmt: skip
 POINT = "beam.drive.x"
 FORCED = RunCondition("forced", "first", 0.2, True, (79.0, 81.5), ((POINT, 1),))
 LEVEL = 40.0  # m/s^2
@@ -105,6 +108,8 @@ def test_slope_by_the_level_is_what_a_higher_level_does(beam: RigModel) -> None:
     [
         ("joint_viscous", 0.0, 2.0),
         ("joint_cubic", 0.75 * 1e11, 0.0),
+        ("joint_quintic", 0.625 * 1e19, 0.0),
+        ("joint_clearance", 5e3, 0.0),
         ("joint_quadratic", 0.0, 8 / (3 * np.pi) * 50.0),
         ("joint_friction", 0.0, 4 / np.pi * 0.1),
         ("joint_viscoelastic", 5e3, 0.0),
@@ -113,13 +118,19 @@ def test_slope_by_the_level_is_what_a_higher_level_does(beam: RigModel) -> None:
 def test_resonance_at_a_held_level_is_that_of_the_equivalent_mode(
     beam: RigModel, name: str, stiffness: float, dashpot: float
 ) -> None:
-    """stiffness, dashpot: equivalent ones at this amplitude; those of the cubic spring per A^2, of the quadratic damper
-    per w A, of dry friction over w A, the viscoelastic layer's as k i w tau / (1 + i w tau)."""
+    """stiffness, dashpot: equivalent ones at this amplitude; those of the cubic spring per A^2, of the quintic one per
+    A^4, of a clearance far beyond the gap, of the quadratic damper per w A, of dry friction over w A, the viscoelastic
+    layer's as k i w tau / (1 + i w tau)."""
     f, receptance = peak(branch(beam, name, 1.0, HELD))
     w = 2 * np.pi * f
     amplitude = LEVEL / w**2
     if name == "joint_cubic":
         stiffness *= amplitude**2
+    if name == "joint_quintic":
+        stiffness *= amplitude**4
+    if name == "joint_clearance":
+        t = np.arccos(5e-5 / amplitude)
+        stiffness *= 2 / np.pi * (t - np.sin(t) * np.cos(t))
     if name == "joint_quadratic":
         dashpot *= w * amplitude
     if name == "joint_friction":

@@ -27,6 +27,9 @@ def smaller():
     ("effect", "parameter", "factor"),
     [
         ("joint_cubic", 0, FORCE / LENGTH**3),
+        ("joint_quintic", 0, FORCE / LENGTH**5),
+        ("joint_clearance", 0, FORCE / LENGTH),
+        ("joint_clearance", 1, LENGTH),
         ("joint_quadratic", 0, FORCE / (LENGTH * FREQUENCY) ** 2),
         ("joint_friction", 0, FORCE),
         ("joint_microslip", 0, FORCE / LENGTH),

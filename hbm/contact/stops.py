@@ -1,0 +1,63 @@
+"""What is met, or lets go, beyond a gap: springs with a corner that branches are followed across."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.hbm.contact.springs import UnilateralParameters, UnilateralSpring
+
+
+@dataclass(frozen=True)
+class Stop(UnilateralSpring):
+    """A unilateral spring whose corner counts where it is, not at the next sample, so that the coefficients of its
+    force bend with the amplitude and do not jump.
+
+    At amplitude A beyond the gap a its first harmonic is k A (t - sin t cos t) / pi, cos t = a / A.
+    """
+
+    def averaged_force(
+        self, displacement: jax.Array, velocity: jax.Array, parameters: UnilateralParameters
+    ) -> jax.Array:
+        return parameters.stiffness * _shared(displacement - parameters.gap)
+
+    def surely_sticks(self, displacement: NDArray[np.float64], parameters: Any, overshoot: float) -> NDArray[np.bool_]:
+        """Without stiffness it is its reference spring, which has none either, however it moves."""
+        return np.asarray(parameters.stiffness == 0)
+
+
+@dataclass(frozen=True)
+class Clearance(Stop):
+    """The same gap both ways: stiffness (u - gap) beyond it one way, stiffness (u + gap) the other way. Its first
+    harmonic is twice that of a stop, and there is no mean force.
+
+    A negative stiffness is that of something pressed that opens, and is missed from there on.
+    """
+
+    def force(self, displacement: jax.Array, velocity: jax.Array, parameters: UnilateralParameters) -> jax.Array:
+        u, gap = displacement, parameters.gap
+        return parameters.stiffness * (u - jnp.clip(u, -gap, gap))
+
+    def averaged_force(
+        self, displacement: jax.Array, velocity: jax.Array, parameters: UnilateralParameters
+    ) -> jax.Array:
+        beyond = _shared(displacement - parameters.gap) - _shared(-displacement - parameters.gap)
+        return parameters.stiffness * beyond
+
+
+def _shared(way: jax.Array) -> jax.Array:
+    """max(way, 0), for Fourier coefficients: where the way, straight between two samples, comes to 0 between them, what
+    that leaves off the straight line between the two forces, a triangle, is shared between them like the load on a
+    beam.
+
+    way: (n_time, 1) samples of a period
+    """
+    after = jnp.roll(way, -1, axis=0)
+    crosses = way * after < 0
+    place = jnp.where(crosses, way / jnp.where(crosses, way - after, 1.0), 0.0)
+    here, there = jnp.maximum(way, 0.0), jnp.maximum(after, 0.0)
+    missing = jnp.where(crosses, here * (1 - place) + there * place, 0.0)
+    return here - missing * (2 - place) / 6 - jnp.roll(missing * (1 + place) / 6, 1, axis=0)
