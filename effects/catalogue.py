@@ -22,6 +22,7 @@ from updamp.effects import (
     joint_microslip,
     joint_quadratic,
     joint_quintic,
+    joint_square,
     joint_viscoelastic,
     joint_viscous,
     material_damping,
@@ -84,6 +85,7 @@ JOINTS: Mapping[str, Effect] = MappingProxyType(
         for effect in (
             joint_viscous.EFFECT,
             joint_viscoelastic.EFFECT,
+            joint_square.EFFECT,
             joint_cubic.EFFECT,
             joint_quintic.EFFECT,
             joint_clearance.EFFECT,

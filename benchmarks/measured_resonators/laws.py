@@ -39,6 +39,13 @@ def clearance(k: float, gap: float, a: Floats, _w: float) -> Complex:
     return np.asarray(2 / np.pi * k * (t - np.sin(t) * np.cos(t)), dtype=complex)
 
 
+def saturating(k: float, reach: float, a: Floats, _w: float) -> Complex:
+    """F = k (reach tanh(x / reach) - x): a spring that holds only so much, less its stiffness at rest"""
+    x = a[:, None] * np.cos(np.pi * (np.arange(_PLACES) + 0.5) / _PLACES)
+    force = k * (reach * np.tanh(x / reach) - x)
+    return np.asarray(2 * np.mean(force * x, axis=1) / a**2, dtype=complex)
+
+
 def quadratic_damping(c: float, a: Floats, w: float) -> Complex:
     """F = c |v| v"""
     return 1j * w * 8 / (3 * np.pi) * c * a * w
@@ -121,6 +128,12 @@ def draw_clearance(rng: np.random.Generator, s: Scale) -> Law:
     return partial(clearance, _sign(rng) * _widths(rng) * s.width / float(unit), gap)
 
 
+def draw_saturating(rng: np.random.Generator, s: Scale) -> Law:
+    reach = float(rng.uniform(0.3, 1.0)) * s.amplitude
+    unit = -saturating(1.0, reach, np.array([s.amplitude]), s.w)[0].real
+    return partial(saturating, _widths(rng) * s.width / float(unit), reach)
+
+
 def draw_quadratic(rng: np.random.Generator, s: Scale) -> Law:
     return partial(quadratic_damping, _share(rng) * s.width / s.w**2 / (8 / (3 * np.pi)) / s.amplitude)
 
@@ -161,5 +174,6 @@ LAWS: dict[str, Kind] = {
     "threshold": Kind(draw_threshold, ""),
     "quintic": Kind(draw_quintic, "joint_quintic"),
     "clearance": Kind(draw_clearance, "joint_clearance"),
-    "square": Kind(draw_square, ""),
+    "square": Kind(draw_square, "joint_square"),
+    "saturating": Kind(draw_saturating, ""),
 }

@@ -56,6 +56,7 @@ HIDDEN: dict[tuple[str, ...], int] = {
     ("clearance",): 3,
     ("clearance", "quadratic"): 1,
     ("square",): 2,
+    ("saturating",): 2,
 }
 
 

@@ -1,4 +1,4 @@
-"""Nonlinear springs without history: cubic, of the fifth power, and unilateral with a gap."""
+"""Nonlinear springs without history: of the second, third and fifth power, and unilateral with a gap."""
 
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
@@ -32,6 +32,14 @@ class CubicSpring:
     ) -> NDArray[np.bool_]:
         """Where its coefficient is 0 it is its reference spring, which has no stiffness, however it moves."""
         return np.asarray(parameters.coefficient == 0)
+
+
+@dataclass(frozen=True)
+class SquareSpring(CubicSpring):
+    """force = coefficient |u| u [N/m^2]"""
+
+    def force(self, displacement: jax.Array, velocity: jax.Array, parameters: CubicParameters) -> jax.Array:
+        return parameters.coefficient * jnp.abs(displacement) * displacement
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from updamp.benchmarks.measured_resonators.laws import (
     microslip,
     quadratic_damping,
     quintic,
+    saturating,
     square,
     threshold,
 )
@@ -45,6 +46,7 @@ def test_springs_are_what_their_forces_first_harmonics_are() -> None:
     forces = {
         partial(quintic, 3e18): 3e18 * x**5,
         partial(square, 5e8): 5e8 * np.abs(x) * x,
+        partial(saturating, 2e3, 2e-5): 2e3 * (2e-5 * np.tanh(x / 2e-5) - x),
         partial(clearance, 2e3, 2e-5): 2e3 * (x - np.clip(x, -2e-5, 2e-5)),
     }
     for law, force in forces.items():

@@ -19,8 +19,8 @@ from updamp.model.calibration import nuisances
 from updamp.model.rig_files import load_modal
 
 NAMES = (
-    "joint_viscous", "joint_viscoelastic", "joint_cubic", "joint_quintic", "joint_clearance", "joint_quadratic",
-    "joint_friction", "joint_microslip",
+    "joint_viscous", "joint_viscoelastic", "joint_square", "joint_cubic", "joint_quintic", "joint_clearance",
+    "joint_quadratic", "joint_friction", "joint_microslip",
 )  # fmt: skip
 POINT = "beam.drive.x"
 FORCED = RunCondition("forced", "first", 0.2, True, (79.0, 81.5), ((POINT, 1),))
@@ -107,6 +107,7 @@ def test_slope_by_the_level_is_what_a_higher_level_does(beam: RigModel) -> None:
     ("name", "stiffness", "dashpot"),
     [
         ("joint_viscous", 0.0, 2.0),
+        ("joint_square", 8 / (3 * np.pi) * 1e7, 0.0),
         ("joint_cubic", 0.75 * 1e11, 0.0),
         ("joint_quintic", 0.625 * 1e19, 0.0),
         ("joint_clearance", 5e3, 0.0),
@@ -118,16 +119,13 @@ def test_slope_by_the_level_is_what_a_higher_level_does(beam: RigModel) -> None:
 def test_resonance_at_a_held_level_is_that_of_the_equivalent_mode(
     beam: RigModel, name: str, stiffness: float, dashpot: float
 ) -> None:
-    """stiffness, dashpot: equivalent ones at this amplitude; those of the cubic spring per A^2, of the quintic one per
-    A^4, of a clearance far beyond the gap, of the quadratic damper per w A, of dry friction over w A, the viscoelastic
-    layer's as k i w tau / (1 + i w tau)."""
+    """stiffness, dashpot: equivalent ones at this amplitude; those of the springs per A, A^2 and A^4, of a clearance
+    far beyond the gap, of the quadratic damper per w A, of dry friction over w A, the viscoelastic layer's as
+    k i w tau / (1 + i w tau)."""
     f, receptance = peak(branch(beam, name, 1.0, HELD))
     w = 2 * np.pi * f
     amplitude = LEVEL / w**2
-    if name == "joint_cubic":
-        stiffness *= amplitude**2
-    if name == "joint_quintic":
-        stiffness *= amplitude**4
+    stiffness *= amplitude ** {"joint_square": 1, "joint_cubic": 2, "joint_quintic": 4}.get(name, 0)
     if name == "joint_clearance":
         t = np.arccos(5e-5 / amplitude)
         stiffness *= 2 / np.pi * (t - np.sin(t) * np.cos(t))

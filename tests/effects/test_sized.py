@@ -27,6 +27,7 @@ def smaller():
     ("effect", "parameter", "factor"),
     [
         ("joint_cubic", 0, FORCE / LENGTH**3),
+        ("joint_square", 0, FORCE / LENGTH**2),
         ("joint_quintic", 0, FORCE / LENGTH**5),
         ("joint_clearance", 0, FORCE / LENGTH),
         ("joint_clearance", 1, LENGTH),

@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from updamp.hbm.contact.springs import CubicParameters, QuinticSpring, UnilateralParameters, UnilateralSpring
+from updamp.hbm.contact.springs import (
+    CubicParameters,
+    QuinticSpring,
+    SquareSpring,
+    UnilateralParameters,
+    UnilateralSpring,
+)
 from updamp.hbm.contact.stops import Clearance, Stop
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.problem.elements import ElementGroup, departures, element_forces, force_only
@@ -15,6 +21,10 @@ ROW = np.array([[0]])
 
 def with_gap(law: UnilateralSpring, stiffness: float = STIFFNESS) -> ElementGroup:
     return ElementGroup(law, UnilateralParameters(np.array([stiffness]), np.array([GAP])), ROW)
+
+
+def square() -> ElementGroup:
+    return ElementGroup(SquareSpring(), CubicParameters(np.array([5e8])), ROW)
 
 
 def quintic() -> ElementGroup:
@@ -31,7 +41,8 @@ def first_harmonic(group: ElementGroup, amplitude: float) -> complex:
     return complex(HARMONICS.amplitude(force_only(group, harmonic(amplitude), W, HARMONICS, 128)[0], 1)[0])
 
 
-def test_first_harmonic_of_the_fifth_power() -> None:
+def test_first_harmonics_of_powers() -> None:
+    assert first_harmonic(square(), 1e-4) == pytest.approx(8 / (3 * np.pi) * 5e8 * 1e-8, rel=1e-4)
     assert first_harmonic(quintic(), 1e-4) == pytest.approx(5 / 8 * 3e18 * 1e-20, rel=1e-12)
 
 
@@ -77,7 +88,9 @@ def test_the_force_bends_with_the_amplitude_while_samples_pass_the_gap(law: Unil
     assert off(with_gap(law), times) < 0.02 * off(with_gap(UnilateralSpring()), 1)
 
 
-@pytest.mark.parametrize("group", [quintic(), with_gap(Stop()), with_gap(Clearance()), with_gap(Clearance(), -500.0)])
+@pytest.mark.parametrize(
+    "group", [square(), quintic(), with_gap(Stop()), with_gap(Clearance()), with_gap(Clearance(), -500.0)]
+)
 def test_tangents_are_those_of_differences(group: ElementGroup) -> None:
     x = 2 * GAP * np.random.default_rng(1).normal(size=(1, 1, HARMONICS.n_coefficients))
     dx, h = 1e-9 * np.random.default_rng(2).normal(size=x.shape), 1e-3
