@@ -22,12 +22,12 @@ from updamp.comparison.findings.unlike_repeats import unlike_repeats
 from updamp.comparison.fit.compared import compare_at, predict_branches
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
 from updamp.comparison.fit.fit_from_far import fit_from_far
-from updamp.comparison.fit.numerical_gate import apply_numerical_gate
+from updamp.comparison.fit.numerical_gate import apply_numerical_gate, starting_at
 from updamp.comparison.fit.observations import Plan, plan_of
 from updamp.comparison.fit.repeat_scatter import of_repeats
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.parameters import Parametrisation
-from updamp.comparison.prediction.predicted_branch import PredictedBranch, at_sizes, with_patterns
+from updamp.comparison.prediction.predicted_branch import PredictedBranch, at_sizes
 from updamp.effects.chosen import ChosenEffect
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.newton.observe import ContactState, contact_states
@@ -100,7 +100,7 @@ def calibrate(
     plan = plan_of(measurement, options.harmonics)
     parametrisation, plain = apply_numerical_gate(model, rig_effects, plan, finer or {}, progress, branches_of)
     start = np.zeros(len(parametrisation))
-    before = tuple(with_patterns(branch, parametrisation.numerics) for branch in plain)
+    before = starting_at(parametrisation, start, plan, plain, branches_of)
     del plain
     by = partial(fit, options=options.fit) if model.contacts else fit_from_far
     fitted = by(parametrisation, plan, start, None, before, progress=progress, branches_of=branches_of)

@@ -18,7 +18,7 @@ from updamp.comparison.fit.observations import Plan, noise_of
 from updamp.comparison.prediction.branch_tasks import Branches, BranchTask, in_turn
 from updamp.comparison.prediction.numerical_error import UNSURE, NumericalError, branch_difference, jaggedness
 from updamp.comparison.prediction.parameters import Parametrisation
-from updamp.comparison.prediction.predicted_branch import PredictedBranch
+from updamp.comparison.prediction.predicted_branch import PredictedBranch, with_patterns
 from updamp.comparison.prediction.run_condition import RunCondition, same_sweeps
 from updamp.effects.chosen import ChosenEffect
 from updamp.effects.rig_model import RigModel
@@ -72,6 +72,26 @@ def apply_numerical_gate(
     progress("numerical error")
     models = finer_than(model, finer)
     return with_numerical_error(parametrisation, nominal, plan, branches, models, branches_of), branches
+
+
+def starting_at(
+    parametrisation: Parametrisation,
+    u: Floats,
+    plan: Plan,
+    branches: Sequence[PredictedBranch],
+    branches_of: Branches = in_turn,
+) -> tuple[PredictedBranch, ...]:
+    """Branches with the parametrisation's numerical error; traced further where they do not cover what was measured any
+    more.
+
+    branches: at u without that error, one a condition; u: (p,) with the patterns' sizes, which are 0
+    raises: BranchStoppedError where one has no beginning
+    """
+    found = [with_patterns(branch, parametrisation.numerics) for branch in branches]
+    short = [i for i, branch in enumerate(found) if not branch.covers_window]
+    for i, branch in zip(short, predict_branches(parametrisation, u, plan.only(short), None, branches_of), strict=True):
+        found[i] = branch
+    return tuple(found)
 
 
 def with_numerical_error(

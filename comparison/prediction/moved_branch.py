@@ -10,7 +10,7 @@ from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.comparison.prediction.refined import NEWTON, point_between
 from updamp.comparison.prediction.run_condition import RunCondition
-from updamp.comparison.prediction.traced_branch import observe_sweeps
+from updamp.comparison.prediction.traced_branch import observe_sweeps, solved_in
 from updamp.hbm.continuation.branch import BranchPoint, other_way_round, point_at
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions, continue_branch
 from updamp.hbm.newton.newton import Arc, Solution, solve
@@ -50,7 +50,7 @@ def move_sweeps(
 
     conditions: tests that sweep the branch, the first of them in its direction
     """
-    condition = conditions[0].along_with(conditions[1:])
+    condition = solved_in(parametrisation, conditions)
     if condition.control is not None:
         return None
     there = model_at(parametrisation, u)

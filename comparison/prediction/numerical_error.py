@@ -50,6 +50,17 @@ class NumericalError:
             found[: self.compensation.shape[1]] = UNSURE * np.linalg.norm(self.compensation, axis=0)
         return found
 
+    def solved_window(self, condition: str, window: tuple[float, float]) -> tuple[float, float]:
+        """Frequencies [Hz] that the model has to be solved at for what it shows, this error added, to cover a window:
+        as unsure as the error is, twice its standard deviation is to spare. A mesh may shift a resonance by more than a
+        narrow window has room for."""
+        if self.expected is None:
+            return window
+        shift = self.expected[condition][:, 0]
+        spare = 2 * UNSURE * np.abs(shift).max()
+        (low, high), (least, most) = window, (shift.min() - spare, shift.max() + spare)
+        return float(low * np.exp(-max(most, 0.0))), float(high * np.exp(-min(least, 0.0)))
+
     def at(self, condition: str, observed: Floats, window: tuple[float, float]) -> tuple[Floats, Floats, Floats]:
         """Expected change (k, m), patterns (k, n_patterns, m) and roughness (k, m).
 

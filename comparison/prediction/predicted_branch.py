@@ -73,6 +73,12 @@ class PredictedBranch:
         """At its points"""
         return self.at(self.place)
 
+    @property
+    def covers_window(self) -> bool:
+        """Whether it shows all frequencies that were measured, or ends within them since it could not be followed."""
+        (low, high), ends = self.condition.window, np.exp(self.state[[0, -1], 0])
+        return bool(self.stopped) or bool(ends.min() <= low and high <= ends.max())
+
     @cached_property
     def followed(self) -> NDArray[np.bool_]:
         """(n - 1,) whether the branch was followed from a point to the next, not after a gap"""

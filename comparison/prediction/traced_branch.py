@@ -1,6 +1,7 @@
 """Solved points of one test as a branch in what is observed: followed by continuation, or given."""
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,10 +46,9 @@ def trace_sweeps(
 
     raises: BranchStoppedError where not even its first point is found
     """
-    there = model_at(parametrisation, u)
-    condition = conditions[0].along_with(conditions[1:])
+    there, condition = model_at(parametrisation, u), solved_in(parametrisation, conditions)
     if condition.control is not None:
-        return (observe(there, condition, *trace_held(there, condition)),)
+        return (observe(there, conditions[0], *trace_held(there, condition)),)
     system, excitation = there.model.system, there.model.excited_by(condition.force)
     low, high = condition.wider
 
@@ -62,6 +62,13 @@ def trace_sweeps(
     # where it stops is no end that a sweep from the other side begins at
     others = (trace_sweeps(parametrisation, u, (other,), options)[0] for other in conditions[1:])
     return found[0], *others
+
+
+def solved_in(parametrisation: Parametrisation, conditions: Sequence[RunCondition]) -> RunCondition:
+    """The tests as one, in the window that their branch is to be solved in."""
+    window_of = parametrisation.numerics.solved_window
+    each = [replace(c, window=window_of(c.name, c.window)) for c in conditions]
+    return each[0].along_with(each[1:])
 
 
 def observe_sweeps(
@@ -79,7 +86,7 @@ def observe_sweeps(
 
     raises: BranchStoppedError where the points end with it before there are enough of them
     """
-    condition = conditions[0].along_with(conditions[1:])
+    condition = solved_in(there.parametrisation, conditions)
     look = Observer(there, condition)
     observed, reason = swept_points(points, condition.upwards, look, far_end)
     seen = refined(observed, condition, _half_way(there, condition, look))

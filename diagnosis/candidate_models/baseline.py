@@ -16,12 +16,11 @@ from numpy.typing import NDArray
 from updamp.comparison.fit.compared import predict_branches
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
 from updamp.comparison.fit.fit_from_far import LAST, fit_from_far
-from updamp.comparison.fit.numerical_gate import apply_numerical_gate, finer_than, with_numerical_error
+from updamp.comparison.fit.numerical_gate import apply_numerical_gate, finer_than, starting_at, with_numerical_error
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.repeat_scatter import scatter_of_repeats
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.numerical_error import NumericalError
-from updamp.comparison.prediction.predicted_branch import with_patterns
 from updamp.effects.chosen import ChosenEffect
 from updamp.effects.rig_model import RigModel
 
@@ -79,8 +78,8 @@ def baseline(
     training = tuple(i for i in range(len(plan.conditions)) if i not in kept)
     parametrisation, before = apply_numerical_gate(model, rig_effects, plan, finer, progress, branches_of)
     train = plan.only(training)
-    at_start = tuple(with_patterns(before[i], parametrisation.numerics) for i in training)
     start = np.zeros(len(parametrisation))
+    at_start = starting_at(parametrisation, start, train, [before[i] for i in training], branches_of)
     progress("calibration")
     far, once_more = (partial(fit, options=_FIRST), FitOptions()) if model.contacts else (fit_from_far, LAST)
     first = far(parametrisation, train, start, None, at_start, progress=progress, branches_of=branches_of)
@@ -155,5 +154,5 @@ def with_own_numerics(found: Fit, start: Baseline, options: FitOptions) -> Fit:
     branches = predict_branches(plain, at, start.plan)
     extended = with_numerical_error(plain, at, start.plan, branches, finer_than(p.base, start.finer))
     u = np.append(at, np.zeros(len(extended) - len(plain)))
-    at_start = [with_patterns(branches[i], extended.numerics) for i in start.training]
+    at_start = starting_at(extended, u, start.train_plan, [branches[i] for i in start.training])
     return fit(extended, start.train_plan, u, found.compared.scatter, at_start, options)
