@@ -117,18 +117,16 @@ def _allowed(evidence: Evidence, criteria: Criteria) -> float:
 
 
 def _combined(evidence: Evidence, criteria: Criteria, single: Trial | None) -> list[Trial]:
-    """Two effects and more where one is not enough, or by a calibration alone that nobody would believe: all needed,
-    and no two that look alike."""
+    """Two effects and more where one is not enough, or by a calibration alone that nobody would believe: all needed, as
+    the criterion asks for each over the best set without it. Those whose calibration can be believed go first."""
     good = [
         p
         for p in evidence.combined
-        if not reason_against(p, evidence, criteria)
-        and not _alike(evidence, p.effects, criteria)
-        and not still_fails(p, evidence, criteria)
+        if not reason_against(p, evidence, criteria) and not still_fails(p, evidence, criteria)
     ]
-    if single is None:
-        return good
     believable = [p for p in good if not far_off(p, criteria)]
+    if single is None:
+        return believable or good
     if far_off(single, criteria) and believable:
         return believable
     if not criteria.is_doubtful(single.excess, evidence.independent):
@@ -140,7 +138,3 @@ def still_fails(trial: Trial, evidence: Evidence, criteria: Criteria) -> bool:
     """Whether it leaves more than chance can, on held-out runs too."""
     unseen = criteria.fails(trial.unseen, evidence.unseen_independent)
     return criteria.fails(trial.excess, evidence.independent) or unseen
-
-
-def _alike(evidence: Evidence, effects: tuple[str, ...], criteria: Criteria) -> bool:
-    return any({a, b} <= set(effects) and cosine > criteria.cosine for a, b, cosine in evidence.alike)

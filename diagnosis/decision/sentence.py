@@ -86,8 +86,8 @@ def _in_the_way(trial: Trial, evidence: Evidence, criteria: Criteria) -> str:
 
 
 def _why(trial: Trial, evidence: Evidence, criteria: Criteria) -> str:
-    """Of what explains the data and is not named; a pair that nothing else speaks against looks alike."""
-    return reason_against(trial, evidence, criteria) or "the two look alike"
+    """Of what explains the data and is not named; several that nothing else speaks against are one too many."""
+    return reason_against(trial, evidence, criteria) or "one of them alone leaves hardly more"
 
 
 def _settled(evidence: Evidence) -> list[Trial]:

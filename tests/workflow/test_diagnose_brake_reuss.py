@@ -32,7 +32,8 @@ def found() -> SearchResult:
     measurement = load_measurement(path, ["beam.drive.x"], rig="brake_reuss")
     start = baseline(model, (), plan_of(measurement), {}, HELD_OUT)
     refused = CATALOGUE["sub_patch_microslip"], CATALOGUE["material_damping"]
-    return search(start, (*JOINTS.values(), *refused), Criteria())
+    sought = [effect for name, effect in JOINTS.items() if name not in ("joint_square", "joint_friction")]
+    return search(start, (*sought, *refused), Criteria())
 
 
 @pytest.fixture(scope="module")
@@ -40,27 +41,29 @@ def verdict(found: SearchResult) -> Verdict:
     return conclude(found, decide(found.evidence, Criteria()), Criteria(), {"beam.drive.x": "accelerometer"})
 
 
-PAIR = ("joint_microslip", "joint_cubic")
+PAIR = ("joint_microslip", "joint_clearance")
+SPRINGS = ("joint_cubic", "joint_quintic")
 
 
-def test_nothing_is_named_at_the_stated_repeatability(found: SearchResult, verdict: Verdict) -> None:
-    """6.5 %, drift from run to run held at 1e-4. The pair that explains the data asks for runs that are farther off,
-    which is said first."""
-    assert verdict.verdict == "undecidable"
-    assert verdict.effects == ()
-    assert "joint_microslip and joint_cubic would explain the data with it" in verdict.sentence
+def test_a_clearance_beside_the_microslip_is_named(found: SearchResult, verdict: Verdict) -> None:
+    """At the stated repeatability of 6.5 %, drift from run to run held at 1e-4. With another spring in its place runs
+    would have to be farther off than anybody states."""
+    assert verdict.verdict == "identified"
+    assert verdict.effects == PAIR
     trials = {t.effects: t for t in found.evidence.combined}
-    assert abs(trials[PAIR].deviations) > 3
-    assert "the resonance of run '" in trials[PAIR].farthest
-    assert "deviations from what is stated" in verdict.sentence
+    assert abs(trials[PAIR].deviations) < 3
+    for spring in SPRINGS:
+        rival = trials["joint_microslip", spring]
+        assert abs(rival.deviations) > 3
+        assert "the resonance of run '" in rival.farthest
 
 
 def test_error_falls_on_runs_that_no_fit_has_seen(found: SearchResult) -> None:
     before, pair = found.evidence, next(t for t in found.evidence.combined if t.effects == PAIR)
     assert before.excess**0.5 > 3.5
     assert before.held_out > 4
-    assert pair.excess**0.5 < 1.1
-    assert pair.held_out < 2.1
+    assert pair.excess**0.5 < 0.9
+    assert pair.held_out < 1.2
 
 
 def test_other_effects_are_worse_or_cannot_be_seen(found: SearchResult) -> None:
@@ -72,9 +75,7 @@ def test_other_effects_are_worse_or_cannot_be_seen(found: SearchResult) -> None:
     assert trials["joint_microslip",].excess > 4 * pair.excess
     others = [t for t in found.evidence.combined if t is not pair and len(t.effects) == 2]
     assert others
-    assert all(t.excess > 1.8 * pair.excess for t in others)
-    # a third effect, which the pair's far calibration asks for, gains too little
-    assert all(t.delta_bic < Criteria().delta_bic for t in found.evidence.combined if len(t.effects) > 2)
+    assert all(t.held_out > 1.8 * pair.held_out for t in others)
     visible = {t.effect: t.visibility for t in found.evidence.tested}
     assert visible["joint_viscous"] < 0.1
     assert visible["joint_viscoelastic"] < 0.1
@@ -95,8 +96,8 @@ def test_microslips_parameters(found: SearchResult) -> None:
     microslip = next(e for e in refit.effects if e.name == "joint_microslip")
     lost, exponent = parameters(refit, microslip)
     print(lost, exponent)
-    assert 2000 < lost.value < 3000
-    assert exponent.lower < exponent.value < 0.6
+    assert 1000 < lost.value < 2000
+    assert exponent.lower < exponent.value < 0.8
 
 
 def test_effects_of_contacts_are_refused(found: SearchResult) -> None:

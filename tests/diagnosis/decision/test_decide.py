@@ -96,7 +96,9 @@ def test_two_effects_where_one_leaves_a_misfit_and_both_are_needed():
     single = replace(RIGHT, excess=3.0)
     pair = Trial(("right", "second"), 1.1, 9500.0, 400.0, 1.05, "", True)
     assert outcome(trials=(single,), combined=(pair,)) == ("identified", ("right", "second"))
-    assert outcome(trials=(single,), combined=(pair,), alike=(("second", "right", 0.95),)) == ("unknown", ())
+    # to first order they look alike, and yet the data ask for both
+    alike = (("second", "right", 0.95),)
+    assert outcome(trials=(single,), combined=(pair,), alike=alike) == ("identified", ("right", "second"))
     assert outcome(trials=(single,), combined=(replace(pair, delta_bic=5.0),)) == ("unknown", ())
     # where one is enough a second is not looked at
     assert outcome(combined=(pair,)) == ("identified", ("right",))
@@ -132,6 +134,12 @@ def test_of_several_sets_the_likeliest_counts_priors_and_all():
     """Three effects leave less by seven deviations of a prior, which the information criterion holds against them."""
     three = replace(PAIR, effects=("right", "second", "third"), excess=1.08, drop=9450.0, **FAR)
     assert outcome(trials=(), combined=(three, PAIR)) == ("identified", ("right", "second"))
+
+
+def test_of_several_sets_one_with_a_calibration_that_can_be_believed_is_named_before_a_likelier_one_without():
+    far = replace(PAIR, effects=("right", "third"), excess=0.9, drop=9700.0, **FAR)
+    assert outcome(trials=(), combined=(far,)) == ("undecidable", ())
+    assert outcome(trials=(), combined=(far, PAIR)) == ("identified", ("right", "second"))
 
 
 def test_a_calibration_that_nobody_would_believe_is_said_first():

@@ -87,12 +87,6 @@ def test_an_unknown_says_that_nothing_explains_it_where_nothing_does() -> None:
     )
 
 
-def test_two_that_look_alike_are_not_named_together_and_the_sentence_says_so() -> None:
-    both = replace(SLIP, effects=("slip", "spring"))
-    found = said(trials=(), combined=(both,), alike=(("slip", "spring", 0.95),))
-    assert found.endswith("slip and spring leave 1.0 times (1.1 on held-out runs), but the two look alike")
-
-
 def test_with_nothing_held_out_nothing_is_said_of_it() -> None:
     nan = float("nan")
     alone = replace(SLIP, held_out=nan, unseen=nan)
