@@ -76,6 +76,7 @@ def test_other_effects_are_worse_or_cannot_be_seen(found: SearchResult) -> None:
     others = [t for t in found.evidence.combined if t is not pair and len(t.effects) == 2]
     assert others
     assert all(t.held_out > 1.8 * pair.held_out for t in others)
+    assert all(len(t.effects) <= 2 for t in found.evidence.combined)  # nothing asks for a third
     visible = {t.effect: t.visibility for t in found.evidence.tested}
     assert visible["joint_viscous"] < 0.1
     assert visible["joint_viscoelastic"] < 0.1

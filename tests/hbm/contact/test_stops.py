@@ -69,7 +69,7 @@ def test_a_stop_has_a_mean_force_and_a_clearance_has_none() -> None:
 def test_nothing_short_of_the_gap_and_nothing_without_stiffness(law: UnilateralSpring) -> None:
     assert not force_only(with_gap(law), harmonic(0.99 * GAP), W, HARMONICS, 128).any()
     none = with_gap(law, 0.0)
-    assert len(none.may_slip_or_separate(harmonic(2 * GAP)[:, :, :], HARMONICS, 64)) == 0
+    assert len(none.may_slip_or_separate(harmonic(2 * GAP), HARMONICS, 64)) == 0
     assert not departures(none, harmonic(2 * GAP), W, HARMONICS, 64).tangent.any()
 
 
