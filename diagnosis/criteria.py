@@ -14,13 +14,11 @@ class SearchEffort:
 
     score: of the score test, below which an effect is not looked for in the data
     short, full: how many effects at most get a short refit, and a full one
-    close: mean squared misfit after a short refit, over that of the best one, up to which an effect gets a full one;
-        likewise of the misfits that are expected to be left, to get a short one once another effect explains the data
+    close: mean squared misfit after a short refit, over that of the best one, up to which an effect gets a full one
     nearly: share of the best effect's fall of mean squared misfit from which on another one is fitted in full too, and
         the next one has second effects looked for beside it
     comparable: mean squared misfit, over that of the best one, beyond which it does not count as nearly as good
     promising: share of the misfit left by a short refit from where on the full one is done before others are tried
-    cosine_to_refit: to the signature of one that explains the data, from where on another one is fitted too
     """
 
     score: float = 4.0
@@ -30,7 +28,6 @@ class SearchEffort:
     nearly: float = 0.8
     comparable: float = 4.0
     promising: float = 0.2
-    cosine_to_refit: float = 0.5
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,6 @@ class FitTask:
     full: whether the fit is left to settle; near: a fit of the same to go on from
     own_numerics: whether the numerical error is to be that of the model with the effects
     size: of the effects, times that of `near`, to go on from (`other_sizes.py`)
-    expected: misfit that is left to first order about the effect itself (`probe.py`), infinite where none was looked at
     """
 
     effects: tuple[Effect, ...]
@@ -42,7 +41,6 @@ class FitTask:
     as_given: tuple[Floats, ...] = ()
     own_numerics: bool = False
     size: float = 1.0
-    expected: float = np.inf
 
     @property
     def name(self) -> str:

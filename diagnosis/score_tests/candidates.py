@@ -54,10 +54,10 @@ def fit_tasks(
     found = []
     for name in _by_turns(tuple(by_probe), tuple(by_score)):
         probe = by_probe.get(name)
-        given, expected = ((probe.start,), probe.misfit) if probe else ((), np.inf)
+        given = (probe.start,) if probe else ()
         calibrated = _starts(by_score[name].step) if name in by_score else ()
         effect = next(e for e in effects if e.name == name)
-        found.append(FitTask((effect,), calibrated, full=False, as_given=given, expected=expected))
+        found.append(FitTask((effect,), calibrated, full=False, as_given=given))
     return found
 
 

@@ -1,9 +1,7 @@
 """Which single effect explains the data: short fits of those that look most likely, full ones of the best."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-
-import numpy as np
 
 from updamp.diagnosis.candidate_models.baseline import Baseline
 from updamp.diagnosis.candidate_models.candidate_fits import (
@@ -18,7 +16,7 @@ from updamp.diagnosis.candidate_models.other_sizes import SIZE_FACTORS, as_likel
 from updamp.diagnosis.candidate_models.refit import Refit, fails_badly
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.score_tests.candidates import fit_tasks
-from updamp.diagnosis.score_tests.score import Score, cosines
+from updamp.diagnosis.score_tests.score import Score
 from updamp.effects.effect import Effect
 
 
@@ -29,16 +27,18 @@ def try_singles(fits: FitContext, effects: Sequence[Effect], scored: Sequence[Sc
     wanted = fit_tasks(start, effects, scored, criteria, fits.progress, fits.workers)
     if all(task.full for task in wanted):
         return fits.results(wanted)
-    wanted = wanted[: criteria.search.short]
-    half, enough = (len(wanted) + 1) // 2, _left(start, 1 - criteria.search.promising)
+    likely = wanted[: criteria.search.short]
+    half, enough = (len(likely) + 1) // 2, _left(start, 1 - criteria.search.promising)
     found: CandidateFits = {}
     first = 1 if fails_badly(start.fitted) else half
-    expected = {tuple(e.name for e in task.effects): task.expected for task in wanted}
-    for some in (wanted[:first], wanted[first:half], wanted[half:]):
-        found |= fits.results(_unless_explained(fits, some, found, scored, expected))
+    for some in (likely[:first], likely[first:half], likely[half:]):
+        if _explaining(fits, found):
+            break
+        found |= fits.results(some)
         promising = [r for r in best_first(found)[:1] if r.trial.excess < enough]
         found |= fits.full([r for r in promising if not r.trial.full])
         found |= refits_with_own_numerics(fits, found)
+    found |= _rivals(fits, [t for t in wanted if tuple(e.name for e in t.effects) not in found], found)
     best = best_first(found)[: criteria.search.full]
     passing = [r for r in best if not r.trial.full and r.refit.delta_bic >= criteria.delta_bic]
     close = [r for r in passing if _comes_close(r.refit, best[0].refit, start, criteria)]
@@ -104,28 +104,23 @@ def _comes_close(one: Refit, best: Refit, start: Baseline, criteria: Criteria) -
     )
 
 
-def _unless_explained(
-    fits: FitContext,
-    some: Sequence[FitTask],
-    found: CandidateFits,
-    scored: Sequence[Score],
-    expected: Mapping[tuple[str, ...], float],
-) -> Sequence[FitTask]:
-    """All of them as long as none before explains a misfit, on runs that no fit saw too; then only those that look like
-    it, or promise to come as close. About a model that fails badly looks alone say little.
+def _explaining(fits: FitContext, found: CandidateFits) -> FittedCandidate | None:
+    """The best one, if it explains the data, on runs that no fit saw too."""
+    best = min(found.values(), key=lambda r: r.trial.excess, default=None)
+    return best if best is not None and fits.explains(best.trial) else None
 
-    expected: `FitTask.expected` by the names of the effects
-    """
-    best, criteria = min(found.values(), key=lambda r: r.trial.excess, default=None), fits.criteria
-    if best is None or not fits.explains(best.trial):
-        return some
-    if best.refit.delta_bic < criteria.delta_bic:
-        return ()  # the data ask for none of the best, as where nothing is missing
-    matrix, names = np.abs(cosines(scored)), [s.effect.name for s in scored]
-    alike = dict(zip(names, matrix[names.index(best.trial.effects[0])], strict=True))
-    promised = criteria.search.close * expected[best.trial.effects]
-    return [
-        task
-        for task in some
-        if alike[task.effects[0].name] > criteria.search.cosine_to_refit or task.expected <= promised < np.inf
-    ]
+
+def _rivals(fits: FitContext, left: Sequence[FitTask], found: CandidateFits) -> CandidateFits:
+    """Where one explains the data, and they ask for it, the others as they come, two at a time, until neither comes
+    close: how likely they look is to first order, and nothing is to be named that was not held against what comes next
+    by the score test and by probes, which take turns."""
+    best, criteria = _explaining(fits, found), fits.criteria
+    if best is None or best.refit.delta_bic < criteria.delta_bic:
+        return {}
+    rivals: CandidateFits = {}
+    for first in range(0, len(left), 2):
+        two = fits.results(left[first : first + 2])
+        rivals |= two
+        if not any(_comes_close(r.refit, best.refit, fits.start, criteria) for r in two.values()):
+            break
+    return rivals

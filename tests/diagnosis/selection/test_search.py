@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import lru_cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from updamp.diagnosis.candidate_models.fit_tasks import FitTask, fit_here
 from updamp.diagnosis.criteria import Criteria, SearchEffort
 from updamp.diagnosis.decision.decide import decide
 from updamp.diagnosis.score_tests.signature import extend
-from updamp.diagnosis.selection import pairs
+from updamp.diagnosis.selection import pairs, single_effects
 from updamp.diagnosis.selection import search as search_module
 from updamp.diagnosis.selection.search import search
 from updamp.effects.effect import Effect, EffectParameter
@@ -144,6 +145,31 @@ def test_what_explains_the_data_as_well_is_fitted_however_little_it_looks_alike_
     assert {("square",), ("other_square",)} <= set(result.refits)
     decision = decide(result.evidence, Criteria())
     assert (decision.outcome, set(decision.group)) == ("inseparable", {"square", "other_square"})
+
+
+def test_the_next_likely_are_fitted_until_two_in_a_row_do_not_come_close():
+    """However little they promise to first order: the second of these had been passed over, and the first one named."""
+    fits, asked = FitContext(start(3e3), Criteria(), lambda _: None, fit_here), []
+    ((_, best),) = fits.results([FitTask((SPRING,), (np.full(1, 1.5),), full=True)]).items()
+    left = {"poor": 5.0, "as good": 1.0, "poorer": 6.0, "poorest": 7.0, "never reached": 1.0}
+
+    def runner(_start, _criteria, tasks, _done):
+        asked.extend(task.effects[0].name for task in tasks)
+        return [
+            replace(
+                best,
+                refit=SimpleNamespace(mean_squared_misfit=left[name] * best.refit.mean_squared_misfit),
+                trial=replace(best.trial, effects=(name,)),
+            )
+            for name in (task.effects[0].name for task in tasks)
+        ]
+
+    tasks = [FitTask((replace(SPRING, name=name),), (), full=False) for name in left]
+    found = single_effects._rivals(replace(fits, runner=runner), tasks, {("spring",): best})
+    assert asked == ["poor", "as good", "poorer", "poorest"]
+    assert set(found) == {(name,) for name in asked}
+    unasked = replace(best, refit=replace(best.refit, delta_bic=0.0))
+    assert single_effects._rivals(replace(fits, runner=runner), tasks, {("spring",): unasked}) == {}
 
 
 def test_an_effect_without_a_place_in_the_model_is_refused_with_its_reason():
