@@ -30,6 +30,8 @@ RISK = 0.01
 _SIZES = {FREQUENCY: 0.1, DAMPING: 1.0, SENSOR: 0.1}
 # Distance from a bound at which a parameter counts as held by it, in prior deviations.
 _AT_BOUND = 1e-3
+# Share of a mode's largest misfit below which a level gets no number: it is right, or far less wrong.
+FAR_LESS = 0.25
 # Share of a level by which it may be off what it is called.
 _AS_MEANT = 0.003
 
@@ -55,6 +57,11 @@ class Misfit:
     @property
     def significance(self) -> float:
         return self.relative / self.deviation if self.deviation > 0 else 0.0
+
+    @property
+    def size(self) -> float:
+        """Of the logarithm: as much for twice as for half of what was measured."""
+        return abs(float(np.log1p(self.relative)))
 
 
 def misfits(fit: Fit, plan: Plan, damping_share: Sequence[float]) -> tuple[Misfit, ...]:
@@ -186,7 +193,7 @@ def _mode(plan: Plan, misfit: Misfit) -> str:
 def _of_mode(
     quantity: str, mode: str, all_levels: Sequence[Misfit], standing: Sequence[Misfit], plan: Plan
 ) -> list[Finding]:
-    """One sentence where all levels agree, else one a level that stands out, with what holds at the others."""
+    """One sentence: that all levels agree, or those that stand out, the largest first, and what holds at the others."""
     if not standing:
         return []
     thing = "resonance" if quantity == FREQUENCY else "damping"
@@ -199,20 +206,18 @@ def _of_mode(
         kind = "force level" if plan.conditions[0].unit == "N" else "level"
         text = f"{mode}: {thing} {in_percent(mean)} at every {kind}"
         return [Finding(text, mode, None, quantity, "", mean, mean / deviation)]
-    right = [m for m in all_levels if m not in standing]
-    rest = f", right at {_levels(right, plan)}" if right else ""
-    return [
-        Finding(
-            f"{mode}: {thing} {in_percent(m.relative)} at {_levels([m], plan)}{rest}",
-            mode,
-            plan.conditions[m.direction.test].level,
-            quantity,
-            "",
-            m.relative,
-            m.significance,
-        )
-        for m in standing
-    ]
+    by_size = sorted(standing, key=lambda m: -m.size)
+    worst, named = by_size[0], [m for m in by_size if m.size >= FAR_LESS * by_size[0].size]
+    sizes = dict.fromkeys(in_percent(m.relative) for m in named)
+    parts = [f"{size} at {_levels([m for m in named if in_percent(m.relative) == size], plan)}" for size in sizes]
+    rest = {
+        "far less": [m for m in standing if m not in named],
+        "right": [m for m in all_levels if m not in standing],
+    }
+    parts += [f"{what} at {_levels(some, plan)}" for what, some in rest.items() if some]
+    level = plan.conditions[worst.direction.test].level
+    text = f"{mode}: {thing} {', '.join(parts)}"
+    return [Finding(text, mode, level, quantity, "", worst.relative, worst.significance)]
 
 
 def _of_amplitude(misfit: Misfit) -> Finding:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.comparison import Backbone, Finding
-from updamp.comparison.findings.findings import DAMPING, FREQUENCY, Direction, Misfit, findings
+from updamp.comparison.findings.findings import DAMPING, FREQUENCY, RISK, Direction, Misfit, findings, lack_of_fit
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Plan
 from updamp.model.calibration import LOSS_FACTOR
@@ -20,28 +20,21 @@ Floats = NDArray[np.float64]
 
 # Growth of the damping that is worth a sentence: of the logarithm, in standard deviations, and in itself.
 _STANDS_OUT, _WORTH = 5.0, 0.2
-# Misfit of the damping, of its logarithm, up to which an estimate to first order will do.
-_FIRST_ORDER = 0.2
 
 
 def linear_findings(
     fit: Fit, plan: Plan, first_order: Sequence[Misfit], measured: Sequence[Backbone], model: Sequence[Backbone]
 ) -> tuple[Finding, ...]:
-    """Of a model without contacts: sentences on misfits as estimated to first order or, where they are too large for
-    that, as read off the resonances, whose damping its phase tells.
+    """Of a model without contacts: sentences on misfits as estimated to first order or, where the model fails, as read
+    off the resonances, whose damping its phase tells: to first order what a misfit consists of drowns in its whole.
 
     measured, model: as for `gross_misfits`
     """
-    if not _too_large(first_order):
+    if lack_of_fit(fit) >= RISK:
         return findings(fit, plan, first_order)
     gains = [m for m in first_order if m.direction.quantity not in (FREQUENCY, DAMPING)]
     read = gross_misfits(fit, plan, measured, model)
     return (*damping_growth(fit, plan, measured, model), *findings(fit, plan, (*read, *gains)))
-
-
-def _too_large(first_order: Sequence[Misfit]) -> bool:
-    dampings = [m.relative for m in first_order if m.direction.quantity == DAMPING]
-    return any(abs(np.log1p(relative)) > _FIRST_ORDER for relative in dampings)
 
 
 def gross_misfits(fit: Fit, plan: Plan, measured: Sequence[Backbone], model: Sequence[Backbone]) -> tuple[Misfit, ...]:

@@ -11,14 +11,12 @@ import numpy as np
 from scipy.stats import norm
 
 from updamp.comparison.comparison import Finding
-from updamp.comparison.findings.findings import AMPLITUDE, DAMPING, FREQUENCY, SENSOR, in_percent, level_of
+from updamp.comparison.findings.findings import AMPLITUDE, DAMPING, FAR_LESS, FREQUENCY, SENSOR, in_percent, level_of
 from updamp.comparison.findings.peak_misfit import PeakMisfit
 from updamp.comparison.fit.observations import Plan
 
 # Share of the mean by which levels may differ that share a sentence.
 _ALIKE = 1 / 3
-# Share of a mode's largest misfit below which a level counts as right.
-_RIGHT = 0.25
 # Misfit of the damping, of its logarithm, that is worth an aside, and the one up to which it is right.
 _LOSSES, _NO_LOSSES = 0.1, 0.05
 
@@ -78,7 +76,7 @@ def _of_group(
 ) -> list[_Sentence]:
     """Of one mode, or of all of them."""
     largest = max(m.severity for m in group)
-    standing = [m for m in group if abs(m.significance) > limit and m.severity >= _RIGHT * largest]
+    standing = [m for m in group if abs(m.significance) > limit and m.severity >= FAR_LESS * largest]
     if not standing:
         return []
     modes = dict.fromkeys(plan.conditions[m.direction.test].mode for m in group)
@@ -90,9 +88,11 @@ def _of_group(
         where = "in all runs" if len(modes) > 1 else f"at every {kind}"
         what = f"{_span(group)} {where}"
     else:
-        right = [m for m in group if m.severity < _RIGHT * largest]
+        small = [m for m in group if m.severity < FAR_LESS * largest]
+        far_less = [level_of(plan, m.direction.test) for m in small if abs(m.significance) > limit]
+        right = [level_of(plan, m.direction.test) for m in small if abs(m.significance) <= limit]
         parts = [f"{in_percent(m.relative)} at {level_of(plan, m.direction.test)}" for m in standing]
-        parts += [f"right at {_listed([level_of(plan, m.direction.test) for m in right])}"] if right else []
+        parts += [f"{what} at {_listed(at)}" for what, at in (("far less", far_less), ("right", right)) if at]
         what = ", ".join(parts)
     mode = next(iter(modes)) if len(modes) == 1 else ""
     subject, channel = _subject(worst, plan, names, plural=not mode)
@@ -136,7 +136,7 @@ def _aside(named: Sequence[PeakMisfit], damping: Mapping[int, PeakMisfit], plan:
     where = "" if len(known) == len(named) else f" at {_listed([_name(plan, m) for m, _ in known])}"
     if opposite and np.all(sizes > _LOSSES):
         return f" (damping {_span([d for _, d in known])}{where})"
-    small = np.array([d.severity < max(_NO_LOSSES, _RIGHT * m.severity) for m, d in known])
+    small = np.array([d.severity < max(_NO_LOSSES, FAR_LESS * m.severity) for m, d in known])
     return f" (damping right{where})" if small.all() and min(m.severity for m, _ in known) > 2 * _NO_LOSSES else ""
 
 

@@ -13,6 +13,8 @@ _FEWEST = 8
 _AMPLITUDE = 0.01
 # Third quartile of the normal distribution: half of all deviations lie within it.
 _QUARTILE = 0.67449
+# Of the variances of four neighbours in that of their third difference, (a - 3 b + 3 c - d) / sqrt(20).
+SHARES = np.array([1.0, 9.0, 9.0, 1.0]) / 20
 # Relative standard deviation of a roughness times the root of the number n of third differences. The median of the
 # absolute values of n independent ones has 1 / (4 q f(q)) = 1.1664, q the quartile and f the normal density there.
 # Third differences of noise have autocorrelations of -0.75, 0.3 and -0.05; the indicators of "within the quartile" then

@@ -22,8 +22,14 @@ def noise_of_sensors(matched: Sequence[Matched], plan: Plan) -> float:
     leave rougher runs than there were."""
     if not plan.noise_read:
         return 1.0
-    rough = np.concatenate([third_differences(column) for m in matched for column in left_at_sensors(m).T])
-    return min(1.0, deviation_of(rough)) if len(rough) else 1.0
+    rough = [third_differences(column / np.sqrt(seen)) for m in matched for column, seen in columns_at_sensors(m)]
+    told = np.concatenate(rough)
+    return min(1.0, deviation_of(told)) if len(told) else 1.0
+
+
+def columns_at_sensors(m: Matched) -> list[tuple[Floats, Floats]]:
+    """Of each amplitude and phase that was recorded what is left (n,) and the share seen (n,), as below."""
+    return list(zip(left_at_sensors(m).T, seen_at_sensors(m).T, strict=True))
 
 
 def left_at_sensors(m: Matched) -> Floats:
@@ -32,10 +38,25 @@ def left_at_sensors(m: Matched) -> Floats:
     return np.asarray(np.einsum("nrm,nr->nm", to_sensors(m), m.residual))
 
 
+def seen_at_sensors(m: Matched) -> Floats:
+    """(n, amplitudes and phases that were recorded) variance that the sensors' noise leaves there, over their own: what
+    lies along the branch is taken for a place further on."""
+    known = [0, *recorded(m)]
+    basis = m.by_observation[:, :, known] * m.noise[:, None, known]
+    across = np.einsum("nrj,nrk->njk", basis, basis)
+    of_sensors = (m.observations.noise[:, known] / m.noise[:, known]) ** 2
+    return np.asarray((np.einsum("njk,nk->nj", across**2, of_sensors) / of_sensors)[:, 1:])
+
+
 def to_sensors(m: Matched) -> Floats:
     """(n, values across the branch, amplitudes and phases that were recorded) what takes the former to the latter, in
     deviations of the sensors."""
-    recorded = 1 + np.flatnonzero(np.isfinite(m.noise[:, 1:]).all(axis=0))
-    numerics = m.noise[:, recorded] / m.observations.noise[:, recorded]
-    whitened = m.by_observation[:, :, recorded] * m.noise[:, None, recorded]
+    known = recorded(m)
+    numerics = m.noise[:, known] / m.observations.noise[:, known]
+    whitened = m.by_observation[:, :, known] * m.noise[:, None, known]
     return np.asarray(numerics[:, None, :] * whitened)
+
+
+def recorded(m: Matched) -> NDArray[np.intp]:
+    """Places of the amplitudes and phases that were recorded among the observations."""
+    return 1 + np.flatnonzero(np.isfinite(m.noise[:, 1:]).all(axis=0))

@@ -13,9 +13,10 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.fit.compared import predict_branches
+from updamp.comparison.fit.compared import predict_branches, reweighed
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
 from updamp.comparison.fit.fit_from_far import LAST, fit_from_far
+from updamp.comparison.fit.noise_by_amplitude import noise_of_each_sensor, with_noise_of_sensors
 from updamp.comparison.fit.numerical_gate import apply_numerical_gate, finer_than, starting_at, with_numerical_error
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.repeat_scatter import scatter_of_repeats
@@ -83,7 +84,10 @@ def baseline(
     progress("calibration")
     far, once_more = (partial(fit, options=_FIRST), FitOptions()) if model.contacts else (fit_from_far, LAST)
     first = far(parametrisation, train, start, None, at_start, progress=progress, branches_of=branches_of)
-    scatter, repeatability = scatter_of_repeats(first, train)
+    noise = noise_of_each_sensor(first.compared.matched, train)
+    plan, train = (with_noise_of_sensors(each, noise) for each in (plan, train))
+    beside = reweighed(parametrisation, train, first.compared, replace(first.compared.scatter, noise=1.0))
+    scatter, repeatability = scatter_of_repeats(replace(first, compared=beside), train)
     found = fit(parametrisation, train, first.u, scatter, first.compared.branches, once_more, progress, branches_of)
     return Baseline(plan, training, kept, found, repeatability, finer)
 
