@@ -50,6 +50,7 @@ class RigModel:
     excitation: name of the point that the shaker acts on
     places: where points and the clamps ("blade_left.root", "blade_right.root") are, name without axis -> (x, y, z)
         at rest [m]; empty where that is not known
+    modes: names of identified ones, in the order of `components`
     identified: whether the modes were identified in a test rather than computed: modal masses are known roughly then
     stated_pressure: mean over the contacts at rest, as the rig file has it, whatever calibration and effects do to it
         [Pa]; None where that is not known
@@ -68,6 +69,7 @@ class RigModel:
     notes: Mapping[str, float] = field(default_factory=dict)
     places: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     identified: bool = False
+    modes: tuple[str, ...] = ()
     stated_pressure: float | None = None
     reading: Reading = field(default_factory=Reading)
     by_pull: tuple[str, ...] = ()

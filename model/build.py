@@ -102,6 +102,7 @@ def _as_identified(rig: ModalRig) -> RigModel:
         time_samples=balance.time_samples,
         elements=(nothing,),
         identified=True,
+        modes=tuple(rig.modes),
     )
 
 

@@ -9,7 +9,7 @@ coefficient, which eq. (5) of Pesaresi et al. (2017) and static contact take fro
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 
@@ -85,6 +85,38 @@ MODAL_STIFFNESS = Nuisance("modal_stiffness", "modal stiffness", 0.01, 0.05, 2e-
 MODAL_MASS = Nuisance("modal_mass", "modal mass", 0.05, 0.5, 0.01, _modal_mass)
 
 
+@dataclass(frozen=True)
+class _OfMode:
+    """What a factor on all identified modes does, on one of them alone."""
+
+    apply_to_all: Callable[[RigModel, float], RigModel]
+    mode: int
+
+    def __call__(self, model: RigModel, factor: float) -> RigModel:
+        before, own = model.components, self.mode
+        after = self.apply_to_all(model, factor).components
+        phi, omega_squared = before.phi.copy(), before.omega_squared.copy()
+        hysteretic, viscous = before.hysteretic.copy(), before.viscous.copy()
+        phi[:, own], omega_squared[own] = after.phi[:, own], after.omega_squared[own]
+        hysteretic[own], viscous[own] = after.hysteretic[own], after.viscous[own]
+        changed = replace(before, omega_squared=omega_squared, phi=phi, hysteretic=hysteretic, viscous=viscous)
+        return replace(model, components=changed)
+
+
+def _of_each_mode(modes: Sequence[str]) -> tuple[Nuisance, ...]:
+    """Of several modes: each has been identified by itself, and is off by itself, beside what all have in common."""
+    return tuple(
+        replace(
+            nuisance,
+            name=f"{mode}_{nuisance.name}",
+            sentence=f"{nuisance.sentence} of the mode '{mode}' by itself",
+            apply=_OfMode(nuisance.apply, i),
+        )
+        for i, mode in enumerate(modes)
+        for nuisance in OF_MODES
+    )
+
+
 OF_STRUCTURE, OF_CONTACTS = (YOUNGS_MODULUS, LOSS_FACTOR), (FRICTION, TANGENTIAL, NORMAL, PRELOAD)
 OF_RIG, OF_MODES = (*OF_STRUCTURE, *OF_CONTACTS), (MODAL_STIFFNESS, LOSS_FACTOR, MODAL_MASS)
 
@@ -92,7 +124,7 @@ OF_RIG, OF_MODES = (*OF_STRUCTURE, *OF_CONTACTS), (MODAL_STIFFNESS, LOSS_FACTOR,
 def nuisances(model: RigModel) -> tuple[Nuisance, ...]:
     """Those that the model has a place for."""
     if model.identified:
-        return OF_MODES
+        return (*OF_MODES, *(_of_each_mode(model.modes) if len(model.modes) > 1 else ()))
     return OF_RIG if model.contacts else OF_STRUCTURE
 
 
@@ -130,16 +162,23 @@ def _problem(name: str, factor: object) -> str:
             f"and leaves the preload as stated; write {_RENAMED[name]} = {factor}. To change the preload too, change "
             f"contact.{name} instead"
         )
-    if name not in _KNOWN:
+    known_one = _named(name)
+    if known_one is None:
         close = get_close_matches(name, _KNOWN, n=1)
         known = f"did you mean {close[0]}?" if close else f"allowed are {', '.join(_KNOWN)}"
         return f"calibration.{name}: unknown factor; {known}"
-    lowest, highest = bounds(_KNOWN[name])
+    lowest, highest = bounds(known_one)
     if isinstance(factor, bool) or not isinstance(factor, int | float):
         return f"calibration.{name} = {factor!r}: a factor is wanted, a plain number such as 1.02"
     if not lowest <= factor <= highest:
         return f"calibration.{name} = {factor!r}: out of range: allowed is {lowest:.4g} to {highest:.4g}"
     return ""
+
+
+def _named(name: str) -> Nuisance | None:
+    """The factor of that name, or of that one mode; whether there is such a mode the model knows (`calibrated`)."""
+    of_one_mode = (nuisance for nuisance in OF_MODES if name.endswith(f"_{nuisance.name}"))
+    return _KNOWN.get(name) or next(of_one_mode, None)
 
 
 def bounds(nuisance: Nuisance) -> tuple[float, float]:

@@ -64,7 +64,7 @@ def test_receptance_is_that_of_the_modes(write):
 def test_modal_mass_and_stiffness_are_known_only_roughly(write):
     base = modal_model(load_modal(write(TWO_MODES)))
     parametrisation = Parametrisation(base, nuisances(base))
-    assert parametrisation.names == ("modal_stiffness", "loss_factor", "modal_mass")
+    assert parametrisation.names[:3] == ("modal_stiffness", "loss_factor", "modal_mass")
     w = 2 * np.pi * 79.0
     heavier = MODAL_MASS.apply(base, 1.3)
     np.testing.assert_allclose(heavier.components.receptance(w), base.components.receptance(w) / 1.3)
@@ -99,3 +99,31 @@ def test_a_file_that_is_missing_or_no_toml_is_named(write, tmp_path):
         load_modal(tmp_path / "none.toml")
     with pytest.raises(RigError, match="not valid TOML"):
         load_modal(write("kind = "))
+
+
+def test_each_of_several_modes_is_off_by_itself(write):
+    """What is known roughly of a mode identified in a test is its own: a rig of two has a factor for either, beside
+    those that both share, and it leaves the other mode as it is."""
+    model = modal_model(load_modal(write(TWO_MODES)))
+    own = {n.name: n for n in nuisances(model)}
+    assert list(own)[:3] == ["modal_stiffness", "loss_factor", "modal_mass"]
+    changed = model
+    for name, factor in (("second_modal_stiffness", 1.1), ("second_loss_factor", 1.2), ("second_modal_mass", 1.3)):
+        changed = own[name].apply(changed, factor)
+    before, after = model.components, changed.components
+    np.testing.assert_allclose(after.omega_squared / before.omega_squared, [1.0, 1.1])
+    np.testing.assert_allclose(np.diag(after.viscous)[1] / np.diag(before.viscous)[1], 1.2)
+    np.testing.assert_allclose(np.diag(after.hysteretic)[0], np.diag(before.hysteretic)[0])
+    moving = before.phi[:, 1] != 0
+    np.testing.assert_allclose(after.phi[moving, 1] / before.phi[moving, 1], 1.3**-0.5)
+    np.testing.assert_allclose(after.phi[:, 0], before.phi[:, 0])
+
+
+def test_a_factor_of_one_mode_may_be_stated_and_of_a_mode_that_is_not_there_is_refused(write):
+    stated = load_modal(write(TWO_MODES + "\n[calibration]\nsecond_loss_factor = 1.2\n"))
+    np.testing.assert_allclose(np.diag(modal_model(stated).components.viscous)[1], 1.2 * 2 * 0.01 * 2 * np.pi * 150)
+    with pytest.raises(RigError, match=r"calibration\.second_loss_factor = 99"):
+        load_modal(write(TWO_MODES + "\n[calibration]\nsecond_loss_factor = 99\n"))
+    other = load_modal(write(TWO_MODES + "\n[calibration]\nthird_loss_factor = 1.2\n"))
+    with pytest.raises(ValueError, match=r"third_loss_factor: this model has no place for it; it has .*second"):
+        modal_model(other)
