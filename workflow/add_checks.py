@@ -81,10 +81,10 @@ def notes(verdict: Verdict, names: Sequence[str]) -> Iterator[str]:
     for candidate in verdict.candidates:
         if candidate.name in names and not candidate.accepted:
             yield f"{candidate.name} was not accepted by the diagnosis: {candidate.reason or 'no reason given'}"
-    for group in verdict.confounding.groups:
-        if chosen := [name for name in names if name in group]:
-            others = [name for name in group if name not in chosen]
-            if len(chosen) > 1:
-                yield f"the data cannot tell {' and '.join(chosen)} apart: take one of them off"
-            if others:
-                yield f"the data cannot tell {' and '.join(chosen)} from {', '.join(others)}"
+    # which look alike to first order is no matter here: the diagnosis has fitted them, and says what fits do not tell
+    chosen = [name for name in names if name in verdict.group]
+    others = [name for name in verdict.group if name not in chosen]
+    if len(chosen) > 1:
+        yield f"the data cannot tell {' and '.join(chosen)} apart: take one of them off"
+    if chosen and others:
+        yield f"the data cannot tell {' and '.join(chosen)} from {', '.join(others)}"

@@ -153,6 +153,7 @@ def _of_modal_rig(files: CompareFiles) -> ComparisonInputs:
     check_folder(files.out, rig.name)
     model = modal_before_effects(rig)
     measurement = load_measurement(files.measurement, model.components.points, rig.name)
+    measurement = replace(measurement, questions=tuple(unknown_modes(measurement, model.modes)))
     return ComparisonInputs(model, measurement, (), "", rig.name, rig_effects=resolved(rig.effects))
 
 

@@ -54,11 +54,11 @@ FACTORS = {
 
 
 def unknown_modes(measurement: Measurement, modes: Sequence[str]) -> list[str]:
-    """Questions on the modes that runs name. modes: of the rig's study"""
+    """Questions on the modes that runs name, spaces for underscores. modes: of the rig's study, or those it is given by"""
     return [
         f'mode = "{mode}" is none of the rig file\'s ({", ".join(modes)}); {_near(mode, modes)}'
         for mode in dict.fromkeys(run.mode for run in measurement.runs)
-        if mode not in modes
+        if mode.replace(" ", "_") not in modes
     ]
 
 
