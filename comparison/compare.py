@@ -1,8 +1,7 @@
 """Lay a model over a measurement: calibrate what is known only roughly, and say where it still fails."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import partial
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +18,10 @@ from updamp.comparison.findings.backbone import measured_backbones, model_backbo
 from updamp.comparison.findings.findings import lack_of_fit, misfits
 from updamp.comparison.findings.stated_values import feature_findings
 from updamp.comparison.findings.unlike_repeats import unlike_repeats
+from updamp.comparison.fit.calibration import calibration
 from updamp.comparison.fit.compared import compare_at, predict_branches
-from updamp.comparison.fit.fit import Fit, FitOptions, fit
-from updamp.comparison.fit.fit_from_far import fit_from_far
+from updamp.comparison.fit.fit import Fit
+from updamp.comparison.fit.noise_by_amplitude import with_noise_of_sensors
 from updamp.comparison.fit.numerical_gate import apply_numerical_gate, starting_at
 from updamp.comparison.fit.observations import Plan, plan_of
 from updamp.comparison.fit.repeat_scatter import of_repeats
@@ -41,10 +41,9 @@ Progress = Callable[[str], None]
 
 @dataclass(frozen=True)
 class CompareOptions:
-    """harmonics: compared where they were measured; fit: of the calibration"""
+    """harmonics: compared where they were measured"""
 
     harmonics: tuple[int, ...] = (1,)
-    fit: FitOptions = field(default_factory=FitOptions)
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,8 +101,9 @@ def calibrate(
     start = np.zeros(len(parametrisation))
     before = starting_at(parametrisation, start, plan, plain, branches_of)
     del plain
-    by = partial(fit, options=options.fit) if model.contacts else fit_from_far
-    fitted = by(parametrisation, plan, start, None, before, progress=progress, branches_of=branches_of)
+    progress("calibration")
+    found = calibration(parametrisation, plan, before, progress, branches_of)
+    plan, fitted = with_noise_of_sensors(plan, found.noise), found.fit
     progress("curves")
     after = predict_branches(parametrisation, fitted.u, plan, fitted.compared.branches, branches_of)
     return CalibrationResult(plan, before, fitted, tuple(at_sizes(branch, fitted.u) for branch in after))

@@ -95,7 +95,7 @@ def _with_runs(path: Path, file: MeasurementFile, files: _Files) -> Measurement:
         )
     return Measurement(
         title=file.title,
-        pull=file.damper_load,
+        pull=math.nan if file.damper_load is None else file.damper_load,
         excitation=file.excitation,
         channels=tuple(
             Channel(name, channel.model_point, channel.negative)

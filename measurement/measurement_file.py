@@ -141,6 +141,7 @@ def _listed_once(value: object) -> object:
 class MeasurementFile(InputTable):
     """All of measurement.toml. rig: name of the rig as in its file; features: file of stated values beside this one
 
+    damper_load: pull of the damper; left out for a rig without one, or where it is the rig file's
     repeatability: relative standard deviation of a response when the test is repeated, known from elsewhere; only where
     no repeats are among the runs
     frequency_drift: relative standard deviation of the resonance from run to run of one assembly (temperature, clock)
@@ -151,7 +152,7 @@ class MeasurementFile(InputTable):
 
     title: Annotated[Text, Field(examples=["Double-beam rig, damper 3, May 2024"])]
     rig: Annotated[Text, Field(examples=["pesaresi2017"])]
-    damper_load: Annotated[float, Quantity("N", "960 N", at_least=0, at_most=1e9)]
+    damper_load: Annotated[float, Quantity("N", "960 N", at_least=0, at_most=1e9)] | None = None
     excitation: Annotated[Text, Field(examples=["blade_right.excitation.x"])]
     time_convention: Annotated[Literal["exp(+iwt)", "exp(-iwt)"], Field(examples=["exp(+iwt)"])] | None = None
     features: Annotated[Text, Field(examples=["stated.toml"])] | None = None

@@ -27,7 +27,7 @@ from updamp.rig.questions import questions
 from updamp.rig.rig import Rig
 from updamp.workflow import stages
 from updamp.workflow.history import record_comparison
-from updamp.workflow.measured_against_model import measured_against_model, unknown_modes
+from updamp.workflow.measured_against_model import another_pull, measured_against_model, unknown_modes
 from updamp.workflow.output_folder import STATE, check_folder
 from updamp.workflow.progress import Display
 from updamp.workflow.response_files import matlab_name
@@ -134,7 +134,8 @@ def comparison_inputs(
 def _of_rig(files: CompareFiles, preset: str, workers: int, display: Display, finer: Sequence[str]) -> ComparisonInputs:
     rig = load_rig(files.rig)
     measurement = load_measurement(files.measurement, _points(), rig.name)
-    measurement = replace(measurement, questions=(*questions(rig), *unknown_modes(measurement, tuple(rig.study.modes))))
+    about_runs = (*unknown_modes(measurement, tuple(rig.study.modes)), *another_pull(measurement, rig.load.pull))
+    measurement = replace(measurement, questions=(*questions(rig), *about_runs))
     run = Run(rig, RunOptions(preset, files.out, workers, check=False, until=stages.STATIC_CONTACT), display)
     model, free_frequency = _model(run)
     features = _features(files, rig, measurement, preset, workers, display, free_frequency)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from updamp.effects.rig_model import RigModel
 from updamp.measurement.measurement import MeasuredRun, Measurement, MeasurementError
+from updamp.model.calibration import PRELOAD
 from updamp.model.small_amplitude import SmallAmplitude, small_amplitude
 from updamp.rig.questions import possible_resonances
 
@@ -54,11 +55,22 @@ FACTORS = {
 
 
 def unknown_modes(measurement: Measurement, modes: Sequence[str]) -> list[str]:
-    """Questions on the modes that runs name, spaces for underscores. modes: of the rig's study, or those it is given by"""
+    """Questions on the modes that runs name, spaces for underscores. modes: of the study, or those of the rig file"""
     return [
         f'mode = "{mode}" is none of the rig file\'s ({", ".join(modes)}); {_near(mode, modes)}'
         for mode in dict.fromkeys(run.mode for run in measurement.runs)
         if mode.replace(" ", "_") not in modes
+    ]
+
+
+def another_pull(measurement: Measurement, pull: float) -> list[str]:
+    """A question where the damper was pulled by another force than the rig file states, beyond what the preload is
+    unsure by. pull: that one [N]"""
+    if not abs(measurement.pull - pull) > PRELOAD.deviation * pull:  # nan: none is stated
+        return []
+    return [
+        f"damper_load = {measurement.pull:g} N, and the rig file has load.pull = {pull:g} N, by which the model is "
+        "pulled; which one is right?"
     ]
 
 

@@ -8,18 +8,16 @@ with the effect in the model (`with_own_numerics`).
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.fit.compared import predict_branches, reweighed
+from updamp.comparison.fit.calibration import calibration
+from updamp.comparison.fit.compared import predict_branches
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
-from updamp.comparison.fit.fit_from_far import LAST, fit_from_far
-from updamp.comparison.fit.noise_by_amplitude import noise_of_each_sensor, with_noise_of_sensors
+from updamp.comparison.fit.noise_by_amplitude import with_noise_of_sensors
 from updamp.comparison.fit.numerical_gate import apply_numerical_gate, finer_than, starting_at, with_numerical_error
 from updamp.comparison.fit.observations import Plan
-from updamp.comparison.fit.repeat_scatter import scatter_of_repeats
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.numerical_error import NumericalError
 from updamp.effects.chosen import ChosenEffect
@@ -28,8 +26,6 @@ from updamp.effects.rig_model import RigModel
 Floats = NDArray[np.float64]
 # Fewest levels of a mode of which one is kept for judging.
 _ENOUGH = 3
-# Of the calibration that the scatter of repeats is learnt beside; the one after it goes on until it settles.
-_FIRST = FitOptions(rounds=4, retraced=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,14 +78,9 @@ def baseline(
     start = np.zeros(len(parametrisation))
     at_start = starting_at(parametrisation, start, train, [before[i] for i in training], branches_of)
     progress("calibration")
-    far, once_more = (partial(fit, options=_FIRST), FitOptions()) if model.contacts else (fit_from_far, LAST)
-    first = far(parametrisation, train, start, None, at_start, progress=progress, branches_of=branches_of)
-    noise = noise_of_each_sensor(first.compared.matched, train)
-    plan, train = (with_noise_of_sensors(each, noise) for each in (plan, train))
-    beside = reweighed(parametrisation, train, first.compared, replace(first.compared.scatter, noise=1.0))
-    scatter, repeatability = scatter_of_repeats(replace(first, compared=beside), train)
-    found = fit(parametrisation, train, first.u, scatter, first.compared.branches, once_more, progress, branches_of)
-    return Baseline(plan, training, kept, found, repeatability, finer)
+    found = calibration(parametrisation, train, at_start, progress, branches_of)
+    whole = with_noise_of_sensors(plan, found.noise)
+    return Baseline(whole, training, kept, found.fit, found.repeatability, finer)
 
 
 def _held_out(plan: Plan, names: Sequence[str] | None) -> tuple[int, ...]:

@@ -29,8 +29,8 @@ def render(report: Report) -> Content | None:
     groups = "".join(f"<li>{escape(' or '.join(group))}</li>" for group in found.groups)
     text = (
         f"<p>Cosine between what two effects do to the data to first order, calibration taken out: beyond "
-        f"±{found.threshold:g} they look alike. How large an effect is may still tell it from another one: what fits do "
-        "not tell apart is said by the verdict.</p>"
+        f"±{found.threshold:g} they look alike. How large an effect is may still tell it from another one: what fits "
+        "do not tell apart is said by the verdict.</p>"
     )
     text += f"<p>Look alike:</p><ul>{groups}</ul>" if groups else "<p>No two of them look alike.</p>"
     spoken = f"Matrix of cosines between the signatures of {len(names)} effects. {_alike(names, found.cosine)}"

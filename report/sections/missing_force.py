@@ -11,8 +11,10 @@ from updamp.report.section import Content, Report, ReportSection
 
 TEXT = """<p>The measured motion put into the model leaves a force over. Here it is per displacement and per velocity:
 constant stiffness is a spring, one that grows with the square of amplitude a cubic spring; constant damping is viscous,
-damping that grows with amplitude quadratic, damping that falls with 1/amplitude dry friction. Bars: 95 %
-interval.</p>"""
+damping that grows with amplitude quadratic, damping that falls with 1/amplitude dry friction. Bars: 95 % interval, and
+so are the numbers, of this reading alone: it is made beside the calibration without any effect, which may have taken up
+a part of what is missing, and refers the force to the point that is named. What a fit of an effect found is listed with
+the effects, at the point where that one acts.</p>"""
 PANELS = (("stiffness", 0.0, 0.43), ("damping", 0.57, 1.0))
 
 
