@@ -95,6 +95,8 @@ STATED = [
     stated('excitation = "mass.drive.x"', 'excitation = "mass.tip.x"', "channels.force.point", "make them one"),
     stated('quantity = "velocity"', 'quantity = "speed"', "speed", "velocity"),
     stated('quantity = "force"', 'quantity = "displacement"', "channels"),
+    stated(TOML[TOML.index("[channels.force]") : TOML.index("[channels.laser]")], "", "channels: none has",
+           'quantity = "force"', "[channels.force]", "recorded = false", name="no force"),
     stated('amplitude = "rms"\n', "", "amplitude", "mixed conventions"),
     stated('amplitude = "rms"', 'amplitude = "effective"', "effective", "rms"),
     stated('rig = "oscillator"', 'rig = "another"', "another", "oscillator"),
@@ -112,7 +114,7 @@ STATED = [
     stated('file = "data.csv"', 'file = "data.xlsx"', "data.xlsx", "no such file"),
     stated("[channels.laser]", '[channels.laser]\nlabel = "vibrometer"', "vibrometer", "there are laser"),
     stated(TOML[TOML.index("[[runs]]") :], "", "runs", "missing", name="no runs"),
-]
+]  # fmt: skip
 
 
 def _line(n: int, new: Callable[[bytes], bytes]) -> Callable[[bytes], bytes]:
