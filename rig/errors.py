@@ -101,7 +101,8 @@ def _how_to_add(path: str, field: FieldInfo | None) -> str:
     if isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel):
         return f"add the table [{path}] with {', '.join(field.annotation.model_fields)}"
     if tables := _tables_of(field.annotation):
-        return f"add a table [{path}.NAME] with {', '.join(tables.model_fields)}"
+        header = f"[[{path}]]" if get_origin(field.annotation) is tuple else f"[{path}.NAME]"
+        return f"add a table {header} with {', '.join(tables.model_fields)}"
     quantities = [entry.example for entry in field.metadata if isinstance(entry, Quantity)]
     examples = quantities or field.examples or get_args(field.annotation)
     return f"add it, such as {key} = {_written(examples[0])}" if examples else f"add it: {key} = ..."

@@ -113,7 +113,7 @@ STATED = [
     stated('file = "data.csv"', 'file = "."', "folder"),
     stated('file = "data.csv"', 'file = "data.xlsx"', "data.xlsx", "no such file"),
     stated("[channels.laser]", '[channels.laser]\nlabel = "vibrometer"', "vibrometer", "there are laser"),
-    stated(TOML[TOML.index("[[runs]]") :], "", "runs", "missing", name="no runs"),
+    stated(TOML[TOML.index("[[runs]]") :], "", "runs: missing", "add a table [[runs]] with name, mode", name="no runs"),
 ]  # fmt: skip
 
 
