@@ -113,6 +113,9 @@ STATED = [
     stated('file = "data.csv"', 'file = "."', "folder"),
     stated('file = "data.csv"', 'file = "data.xlsx"', "data.xlsx", "no such file"),
     stated("[channels.laser]", '[channels.laser]\nlabel = "vibrometer"', "vibrometer", "there are laser"),
+    stated("[[runs]]", '[channels.edge]\nquantity = "displacement"\npoint = "mass.tip"\ndirection = "x"\nunit = "m"\n'
+           'amplitude = "peak"\n\n[[runs]]', "channel 'edge'",
+           "not in the file", "taken: force, laser, accelerometer", name="a channel that the file does not have"),
     stated(TOML[TOML.index("[[runs]]") :], "", "runs: missing", "add a table [[runs]] with name, mode", name="no runs"),
     stated('level = "17 N"', "level = 2", "runs[0].level = 2", "text in quotes", 'such as "17 N"'),
     stated('level = "17 N"', 'level = "17 N"\nchannels = []', "runs[0].channels = []", "entries wanted: at least 1",
