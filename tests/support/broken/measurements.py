@@ -250,10 +250,20 @@ def _asked_of_rig(path: Path) -> str:
     return " ".join(ask(measurement, tuple(rig.study.modes))) if ask else ""
 
 
+def _other_point(folder: Path) -> Told:
+    """Before anything is meshed or written."""
+    text = TOML.replace('rig = "oscillator"', 'rig = "pesaresi2017"').replace("mass.drive", "blade_right.excitation")
+    (folder / "measurement.toml").write_text(text.replace("mass.tip", "schaufel.spitze"), encoding="utf-8")
+    told = compared(folder / "measurement.toml", RIGS / "pesaresi2017.toml")
+    return replace(told, refused=told.refused and not (folder / "out").exists())
+
+
 MEASUREMENTS = [
     *STATED,
     *DATA,
     *UNITS,
     Broken("units: all as it should be", (), _sound, welcome=True),
     Broken("measurement: a mode that the rig does not have", ("OPP", "did you mean OOP", "?"), _other_mode),
-]
+    Broken("measurement: a point that no rig has", ("channels.laser.point", "schaufel.spitze.x", "blade_left.tip.x",
+           "blade_right.platform.y", "damper.corner_right.y"), _other_point),
+]  # fmt: skip
