@@ -123,7 +123,7 @@ def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
     from updamp.workflow.marching_summary import moving_peaks
     from updamp.workflow.output_folder import make_folder
     from updamp.workflow.progress import Display
-    from updamp.workflow.quick_look import not_checked, peak_sentences, peaks_followed
+    from updamp.workflow.quick_look import not_checked, not_followed, peak_sentences, peaks_followed
     from updamp.workflow.run import Run
     from updamp.workflow.run_outputs import summarise, write_outputs
     from updamp.workflow.stability_summary import doubtful_peaks
@@ -147,8 +147,7 @@ def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
     write_summary(path, summary)
     if summary.get("curves"):
         console.print(curves_table(summary["curves"]))
-    peaks = peaks_followed(products)
-    for line in peak_sentences(peaks):
+    for line in peak_sentences(peaks_followed(products)):
         console.print(Text.assemble(("followed  ", "yellow"), line), soft_wrap=True)
     for line in doubtful_peaks(summary.get("curves", ())):
         console.print(Text.assemble(("stability ", "yellow"), line), soft_wrap=True)
@@ -158,11 +157,7 @@ def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
         console.print(Text.assemble(("beside it ", "yellow"), line), soft_wrap=True)
     problems = [f"{c['mode']} {c['force_N']:g} N: {c['problem']}" for c in summary.get("curves", ()) if c["problem"]]
     problems += [f"{name}: {message}" for name, message in summary.get("failed_curves", {}).items()]
-    problems += [
-        f"{mode} {force:g} N: the resonance was not followed so far"
-        for (mode, force), peak in peaks.items()
-        if peak is None
-    ]
+    problems += not_followed(products)
     problems += [undrawn] if undrawn else []
     for line in problems:
         console.print(Text.assemble(("not complete ", "red"), line), soft_wrap=True)
