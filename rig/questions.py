@@ -22,7 +22,7 @@ class Usual:
 
     youngs_modulus [Pa]: lead 16e9 to tungsten 411e9, with a factor of two to both sides
     density [kg/m^3]: balsa wood 100 to osmium 22,600
-    loss_factor: highly damping polymers 0.3 or so; a steel blade has 1e-4 to 1e-2
+    loss_factor: highly damping polymers 0.3 or so; a steel blade has 1e-4 to 1e-2, little damped alloys 1e-5
     area_stiffness [N/m^3]: published contact stiffnesses lie between 1e12 and 1e15, with a factor of 100 to both sides
     slenderness: blade's height over its thickness; and its width over its height
     windows: of frequency, over that of the first bending mode by beam theory: the blade's modes without damper and
@@ -31,7 +31,7 @@ class Usual:
 
     youngs_modulus: tuple[float, float] = (8e9, 800e9)
     density: tuple[float, float] = (100.0, 23_000.0)
-    loss_factor: float = 0.3
+    loss_factor: tuple[float, float] = (1e-5, 0.3)
     area_stiffness: tuple[float, float] = (1e10, 1e17)
     slenderness: float = 500.0
     width: float = 20.0
@@ -56,7 +56,9 @@ def _material(rig: Rig, usual: Usual) -> Iterator[str]:
             f"material.density = {density:g} kg/m^3: materials have 100 to 23,000; is it meant in another unit "
             f'(steel: "7800 kg/m^3" or "7.8 g/cm^3")?'
         )
-    if loss > usual.loss_factor:
+    if loss < usual.loss_factor[0]:
+        yield f"material.loss_factor = {loss:g}: steel has 0.0001 to 0.01; peaks have hardly a bound then; is it meant?"
+    if loss > usual.loss_factor[1]:
         yield f"material.loss_factor = {loss:g}: steel has 0.0001 to 0.01; is it meant in per cent, or as 1 / Q?"
 
 

@@ -123,6 +123,8 @@ VALUES = [
     changed("poissons_ratio = 0.3", "poissons_ratio = 3", "material.poissons_ratio", "3", "0.49"),
     changed("loss_factor = 0.0006", "loss_factor = 9", "material.loss_factor", "9", "less than 1"),
     changed("loss_factor = 0.0006", "loss_factor = 0.9", "material.loss_factor", "0.9", "?"),
+    changed("loss_factor = 0.0006", "loss_factor = 0.0", "material.loss_factor = 0.0", "no bound", "0.0001"),
+    changed("loss_factor = 0.0006", "loss_factor = 1e-12", "material.loss_factor", "1e-12", "0.0001", "?"),
     changed("friction_coefficient = 0.6", "friction_coefficient = 60", "friction_coefficient", "60"),
     changed("friction_coefficient = 0.6", "friction_coefficient = -0.6", "friction_coefficient", "-0.6"),
     changed("friction_coefficient = 0.6", 'friction_coefficient = "0.6"', "friction_coefficient", "0.6", "number"),
