@@ -112,6 +112,11 @@ def _header(path: Path, reader: Iterator[list[str]], delimiter: str) -> tuple[st
                 f"{path}: its columns are parted by {name}s, '{delimiter}' is wanted here; state in its run options = "
                 f'{{ delimiter = {json.dumps(other)} }}, and decimal = "," beside it where numbers have decimal commas'
             )
+    if twice := next((name for name in header if header.count(name) > 1), None):
+        raise MeasurementError(
+            f"{path}: header = {','.join(header)[:80]!r}: {header.count(twice)} columns have the name '{twice[:60]}'; "
+            f"give each its own"
+        )
     return header
 
 
@@ -129,8 +134,6 @@ def _check_columns(path: Path, header: tuple[str, ...], wanted: Sequence[str]) -
     for name in wanted:
         if name not in header:
             raise MeasurementError(f"{path}: no column '{name[:60]}'; {near(name, header)}")
-    if len(set(header)) < len(header):
-        raise MeasurementError(f"{path}: header = {','.join(header)[:80]!r}: a column's name stands there twice")
 
 
 def _body(
