@@ -218,7 +218,7 @@ GEOMETRY = [
     ("blade__axis_offset", "5.6 mm", "which needs more than thickness / 2 + gap / 2 = 5.65 mm"),
     ("platform__top", "150 mm", "must be below the blade's tip, 150 mm"),
     ("platform__edge_thickness", "46 mm", "must be less than the height of the platform's top, 46 mm"),
-    ("platform__top", "21 mm", "the underside would reach below the root (to -0.35 mm); allowed is more than 21.35 mm"),
+    ("platform__top", "21 mm", "the underside would reach below the root (to -0.35 mm); allowed is more than 41.35 mm"),
     ("excitation__height", "24.7 mm", "must be below the junction of the platform's underside and the stem, 24.65 mm"),
     ("response__below_top", "104 mm", "must be above the platform, so less than 104 mm below the blade's top"),
     ("damper__apex_height", "1.3 mm", "the apex would enter the platforms; allowed is less than 1.20711 mm"),

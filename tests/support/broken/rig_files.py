@@ -154,6 +154,11 @@ GEOMETRY = [
     changed('face_start = "0.4 mm"', 'face_start = "200 mm"', "damper.face_start", "do not touch"),
     changed('"43.35 mm"', '"433 mm"', "platform.top", "must be below the blade's tip"),
     changed('"43.35 mm"', '"5 mm"', "platform.top", "below the root"),
+    changed(
+        '"43.35 mm"', '"5 mm"', "platform.top", "allowed is more than 28.932 mm", "room", name="the platform too low"
+    ),
+    changed('"11.4 mm"', '"103 mm"', "excitation.height", "raise platform.top above", name="the excitation too high"),
+    changed('apex_flat = "3 mm"', 'apex_flat = "30 mm"', "damper.apex_flat = 30 mm", "no meaning", "mm wide", "?"),
     changed('"11.4 mm"', '"103 mm"', "excitation.height", "103 mm", "below"),
     changed('"20 mm"', '"140 mm"', "response.below_top", "140 mm"),
     changed('"46 mm"', '"3 mm"', "blade.axis_offset", "3 mm", "more"),
@@ -166,6 +171,7 @@ KEYS = [
     changed('axial_stiffness = "1e6 N/m"', "", "wire.axial_stiffness", "missing", "1e6 N/m"),
     changed("[wire]", "[wire]\ncolour = 3", "wire.colour", "unknown key"),
     changed("modes = 24", "modes = 0", "reduction.modes", "0"),
+    changed("modes = 24", "modes = 2400", "reduction.modes = 2400", "10 to 50", "GB", "?"),
     changed("modes = 24", "modes = 24.5", "reduction.modes", "24.5"),
     changed("width = 12", "width = 11", "mesh.small.width", "11", "multiple of 2"),
     changed("face = 4", "face = 0", "mesh.small.face", "0"),
