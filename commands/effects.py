@@ -18,6 +18,7 @@ from updamp.commands.shared import (
     chosen_mesh,
     clean_errors,
     interruptible,
+    named_path,
 )
 from updamp.parallel.resources import one_thread
 
@@ -28,7 +29,12 @@ if TYPE_CHECKING:
 Out = Annotated[
     Path | None,
     typer.Option(
-        "--out", "-o", help="The new rig file; RIG itself to change it.", show_default="RIG's name and EFFECT's"
+        "--out",
+        "-o",
+        parser=named_path,
+        metavar="<path>",
+        help="The new rig file; RIG itself to change it.",
+        show_default="RIG's name and EFFECT's",
     ),
 ]
 

@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from updamp.commands.shared import Debug, clean_errors
+from updamp.commands.shared import Debug, clean_errors, named_path
 
 FILES = ("rig.toml", "measurement.toml", "sweeps.csv", "sealed.json")
 # What to try, and what it does; times of two processors to themselves.
@@ -27,7 +27,7 @@ STEPS = (
 
 
 def init(
-    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="New folder.")],
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", parser=named_path, help="New folder.")],
     debug: Debug = False,
 ) -> None:
     """Write an example into a folder: a rig, a test of it with a hidden effect, and five commands to try.

@@ -7,7 +7,7 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from updamp.commands.shared import INCOMPLETE, Debug, Jobs, Mesh, RigFile, clean_errors, interruptible
+from updamp.commands.shared import INCOMPLETE, Debug, Jobs, Mesh, RigFile, clean_errors, interruptible, named_path
 from updamp.parallel.resources import Meter, one_thread_for_numpy, usual_workers
 from updamp.workflow import stages
 
@@ -19,7 +19,14 @@ if TYPE_CHECKING:
 
 
 Out = Annotated[
-    Path, typer.Option("--out", "-o", help="Folder for all that is written; the same one to resume or to reuse.")
+    Path,
+    typer.Option(
+        "--out",
+        "-o",
+        parser=named_path,
+        metavar="<path>",
+        help="Folder for all that is written; the same one to resume or to reuse.",
+    ),
 ]
 Modes = Annotated[list[str] | None, typer.Option(help="Only this mode of the study; may be repeated.")]
 Forces = Annotated[list[str] | None, typer.Option(help='Only this amplitude, such as "3.84 N"; may be repeated.')]
@@ -114,8 +121,9 @@ def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
     from updamp.rig.questions import questions
     from updamp.workflow.detached_summary import coexisting
     from updamp.workflow.marching_summary import moving_peaks
+    from updamp.workflow.output_folder import make_folder
     from updamp.workflow.progress import Display
-    from updamp.workflow.quick_look import not_checked, peak_sentences, peaks_followed
+    from updamp.workflow.quick_look import not_checked, not_followed, peak_sentences, peaks_followed
     from updamp.workflow.run import Run
     from updamp.workflow.run_outputs import summarise, write_outputs
     from updamp.workflow.stability_summary import doubtful_peaks
@@ -125,7 +133,7 @@ def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
     console = Console()
     with Display(console) as display:
         this = Run(rig, options, display)
-        options.folder.mkdir(parents=True, exist_ok=True)
+        make_folder(options.folder)
         display.log = options.folder / "log.txt"
         for question in questions(rig):
             display.note("question", question)
@@ -139,8 +147,7 @@ def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
     write_summary(path, summary)
     if summary.get("curves"):
         console.print(curves_table(summary["curves"]))
-    peaks = peaks_followed(products)
-    for line in peak_sentences(peaks):
+    for line in peak_sentences(peaks_followed(products)):
         console.print(Text.assemble(("followed  ", "yellow"), line), soft_wrap=True)
     for line in doubtful_peaks(summary.get("curves", ())):
         console.print(Text.assemble(("stability ", "yellow"), line), soft_wrap=True)
@@ -150,11 +157,7 @@ def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
         console.print(Text.assemble(("beside it ", "yellow"), line), soft_wrap=True)
     problems = [f"{c['mode']} {c['force_N']:g} N: {c['problem']}" for c in summary.get("curves", ()) if c["problem"]]
     problems += [f"{name}: {message}" for name, message in summary.get("failed_curves", {}).items()]
-    problems += [
-        f"{mode} {force:g} N: the resonance was not followed so far"
-        for (mode, force), peak in peaks.items()
-        if peak is None
-    ]
+    problems += not_followed(products)
     problems += [undrawn] if undrawn else []
     for line in problems:
         console.print(Text.assemble(("not complete ", "red"), line), soft_wrap=True)

@@ -1,5 +1,6 @@
 """What all commands of the command line share: their arguments, and how errors and interruptions reach a person."""
 
+import errno
 import shlex
 import sys
 from collections.abc import Iterator
@@ -13,6 +14,14 @@ from updamp.parallel.ending import INTERRUPTED, Command, heard
 from updamp.parallel.resources import checked_workers, usual_workers
 
 BAD_INPUT, INCOMPLETE = 2, 1
+
+
+def named_path(text: str) -> Path:
+    """raises: typer.BadParameter where nothing is named: Path("") is the current folder, which nobody asked for"""
+    if not text.strip():
+        raise typer.BadParameter('nothing is named; give a path, such as results ("." is the folder you are in)')
+    return Path(text)
+
 
 RigFile = Annotated[Path, typer.Argument(metavar="RIG", help="Rig file, such as rigs/pesaresi2017.toml.")]
 Mesh = Annotated[
@@ -30,11 +39,25 @@ Finer = Annotated[
     typer.Option(help="Preset with a finer mesh: what it changes counts as numerical error. May be repeated."),
 ]
 OutOfRun = Annotated[
-    Path, typer.Option("--out", "-o", help="Folder for all that is written; that of a run, to use its model.")
+    Path,
+    typer.Option(
+        "--out",
+        "-o",
+        parser=named_path,
+        metavar="<path>",
+        help="Folder for all that is written; that of a run, to use its model.",
+    ),
 ]
 OutOfStudy = Annotated[
     Path | None,
-    typer.Option("--out", "-o", help="Folder for all that is written.", show_default="`out` of the study file"),
+    typer.Option(
+        "--out",
+        "-o",
+        parser=named_path,
+        metavar="<path>",
+        help="Folder for all that is written.",
+        show_default="`out` of the study file",
+    ),
 ]
 JobsOfStudy = Annotated[
     int | None,
@@ -78,8 +101,20 @@ def clean_errors(debug: bool) -> Iterator[None]:
     except (ValueError, RuntimeError, ImportError, OSError) as error:
         if debug:
             raise
-        typer.echo(f"error: {error}", err=True)
+        typer.echo(f"error: {_of_system(error) if isinstance(error, OSError) else error}", err=True)
         raise typer.Exit(BAD_INPUT) from None
+
+
+def _of_system(error: OSError) -> str:
+    """What the operating system refused, where nobody nearer to it said so: of a full disk it names no file."""
+    if error.strerror is None:
+        return str(error)
+    if error.errno in (errno.ENOSPC, errno.EDQUOT) or error.filename is None:
+        place = error.filename or "a file"
+        return (
+            f"{place}: {error.strerror}; make room on the disk of --out, and run the same again: what is done is kept"
+        )
+    return f"{error.filename}: {error.strerror}; give another path"
 
 
 @contextmanager

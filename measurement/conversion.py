@@ -104,8 +104,9 @@ def _recorded(where: str, file: MeasurementFile, sweep: RecordedSweep, name: str
         return sweep.channels[label]
     what = "the force, " if name == file.force_channel else ""
     present = {n for n in file.channels if file.label(n) in sweep.channels} - {file.force_channel}
+    free = near(label, sweep.others) if sweep.others else f"all that it has are taken: {', '.join(sweep.channels)}"
     raise MeasurementError(
-        f"{where}: {what}channel '{name}' (label = \"{label}\") is not in the file; {near(label, sweep.others)}. "
+        f"{where}: {what}channel '{name}' (label = \"{label}\") is not in the file; {free}. "
         f"Correct its label, or name those that the run has: channels = {[n for n in file.channels if n in present]}"
     )
 

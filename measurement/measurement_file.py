@@ -167,7 +167,9 @@ class MeasurementFile(InputTable):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        problems = [*_force_problems(self), *_convention_problems(self), *_run_problems(self)]
+        problems = [*_force_problems(self), *_convention_problems(self)]
+        if any(channel.quantity == "force" for channel in self.channels.values()):  # whose level the runs state
+            problems += _run_problems(self)
         if problems:
             raise ValueError("\n".join(problems))
         return self
@@ -184,7 +186,10 @@ class MeasurementFile(InputTable):
 def _force_problems(file: MeasurementFile) -> list[str]:
     forces = [name for name, channel in file.channels.items() if channel.quantity == "force"]
     if not forces:
-        return ['channels: none has quantity = "force"; the force is needed as measured, add its channel']
+        return [
+            'channels: none has quantity = "force"; responses are held against it: add a table [channels.force] with '
+            'quantity = "force", point, direction and unit (and recorded = false where its level alone is known)'
+        ]
     if len(forces) > 1:
         return [f"channels: {', '.join(forces)} are all forces; keep the one at the excitation"]
     if len(file.channels) == 1:

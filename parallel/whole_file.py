@@ -3,7 +3,7 @@
 import hashlib
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from io import BytesIO
 from pathlib import Path
 
@@ -17,20 +17,29 @@ class DiskError(RuntimeError):
     """A file that could not be written; the message names it, why, and what to do."""
 
 
+@contextmanager
+def written_to(path: Path) -> Iterator[None]:
+    """For what is inside to write the file: the system names no file where the disk is full. raises: DiskError"""
+    try:
+        yield
+    except OSError as error:
+        raise DiskError(
+            f"{path}: cannot be written to the disk: {error.strerror or error}; make room or mend it, and run the same "
+            f"again: what is done so far is kept"
+        ) from error
+
+
 def write_whole(path: Path, content: bytes | memoryview) -> None:
     """The file's folder is made where it is missing. raises: DiskError"""
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        temporary.write_bytes(content)
-        os.replace(temporary, path)
-    except OSError as error:
-        raise DiskError(
-            f"{path}: cannot be written to the disk: {error.strerror}; make room or mend it, and run the same again: "
-            f"what is done so far is kept"
-        ) from error
+        with written_to(path):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            temporary.write_bytes(content)
+            os.replace(temporary, path)
     finally:
-        temporary.unlink(missing_ok=True)
+        with suppress(OSError):  # there is none where its folder could not be made
+            temporary.unlink(missing_ok=True)
 
 
 MARK = b"updamp SHA-256 "  # at the end of a file, with the digest of all before

@@ -15,6 +15,8 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from PIL import Image
 
+from updamp.parallel.whole_file import written_to
+
 OWN_STYLE: Final = "UPDAMP_STYLE"  # in the environment: a matplotlib style file
 FORMATS: Final = (".svg", ".pdf")  # written beside every PNG, for documents and papers
 COLOURS = 160
@@ -56,14 +58,15 @@ def style_key() -> str:
 @contextmanager
 def figure(path: Path, width: float, height: float) -> Iterator[Figure]:
     """A figure of so many inches, saved to `path` as PNG, and beside it as SVG and PDF, when what is inside has drawn
-    it."""
+    it. raises: DiskError"""
     with mpl.rc_context(_RC):
         drawing = Figure(figsize=(width, height))
         yield drawing
-        write_png(Image.open(BytesIO(_png(drawing))).convert("RGB"), path)
-        drawing.set_layout_engine("none")  # everything stays where the PNG has it: laid out once, not three times
-        for ending in FORMATS:
-            drawing.savefig(path.with_suffix(ending), metadata=_DATES[ending[1:]])
+        with written_to(path):
+            write_png(Image.open(BytesIO(_png(drawing))).convert("RGB"), path)
+            drawing.set_layout_engine("none")  # everything stays where the PNG has it: laid out once, not three times
+            for ending in FORMATS:
+                drawing.savefig(path.with_suffix(ending), metadata=_DATES[ending[1:]])
 
 
 class NotebookFigure(Figure):

@@ -12,6 +12,7 @@ from plotly.offline import get_plotlyjs
 
 from updamp.comparison.comparison import Comparison
 from updamp.diagnosis.verdict import Verdict
+from updamp.parallel.whole_file import write_whole
 from updamp.report.document import POLICY, asset
 from updamp.report.markup import FOR_SCRIPTS, drawn_units, level_word, pretty
 from updamp.report.registry import SECTIONS
@@ -113,6 +114,6 @@ def write_report(
 
     pictures: caption -> PNG
     verdict: of the diagnosis; its sections are left out without one
-    raises: ValueError for a picture that is no PNG, naming it; OSError where the file cannot be written
+    raises: ValueError for a picture that is no PNG, naming it; DiskError where the file cannot be written
     """
-    path.write_text(build_page(Report(comparison, verdict, pictures), SECTIONS), encoding="utf-8")
+    write_whole(path, build_page(Report(comparison, verdict, pictures), SECTIONS).encode())

@@ -2,10 +2,12 @@
 
 from collections.abc import Iterator
 from itertools import islice
-from math import tan
+from math import radians, tan
 
 from updamp.rig.pressure import FePressure
 from updamp.rig.rig import Rig
+
+FLATTEST = tan(radians(15))  # underside that a rig file may state
 
 
 def buildable(rig: Rig) -> list[str]:
@@ -37,12 +39,20 @@ def _platform(rig: Rig) -> Iterator[str]:
             f"platform's top, {_mm(platform.top)}"
         )
     if rig.junction_height <= 0:
-        steepest = (platform.top - platform.edge_thickness) / (_stem_inside(rig) - platform.gap / 2)
+        steepest = (platform.top - platform.edge_thickness - rig.excitation.height) / (
+            _stem_inside(rig) - platform.gap / 2
+        )
+        flatter = f", or an underside_angle whose tangent is below {steepest:.4g}" if steepest > FLATTEST else ""
         yield (
             f"platform.top = {_mm(platform.top)}: the underside would reach below the root (to "
-            f"{_mm(rig.junction_height)}); allowed is more than {_mm(platform.top - rig.junction_height)}, or an "
-            f"underside_angle whose tangent is below {steepest:.4g}"
+            f"{_mm(rig.junction_height)}); allowed is more than {_mm(_lowest_top(rig))}, so that the excitation has "
+            f"room below it{flatter}"
         )
+
+
+def _lowest_top(rig: Rig) -> float:
+    """Of the platform, with the excitation just below the junction of its underside and the stem. [m]"""
+    return rig.platform.top - rig.junction_height + rig.excitation.height
 
 
 def _heights(rig: Rig) -> Iterator[str]:
@@ -50,7 +60,7 @@ def _heights(rig: Rig) -> Iterator[str]:
     if rig.excitation.height >= junction:
         yield (
             f"excitation.height = {_mm(rig.excitation.height)}: must be below the junction of the platform's "
-            f"underside and the stem, {_mm(junction)}"
+            f"underside and the stem, {_mm(junction)}; or raise platform.top above {_mm(_lowest_top(rig))}"
         )
     if rig.response_height <= rig.platform.top:
         yield (

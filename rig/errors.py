@@ -12,6 +12,15 @@ from pydantic_core import ErrorDetails
 
 from updamp.rig.fields import Quantity
 
+# What pydantic says of Python's types, in words of a TOML file; braces: of the finding's context.
+_IN_A_FILE = {
+    "string_type": "text in quotes is wanted",
+    "string_too_short": "must not be empty",
+    "tuple_type": "a list in square brackets is wanted",
+    "too_short": "entries wanted: at least {min_length}",
+    "too_long": "entries wanted: at most {max_length}",
+}
+
 
 class RigError(ValueError):
     """A rig file that cannot be used; the message has one line a problem."""
@@ -38,12 +47,26 @@ def explain(error: ValidationError, model: type[BaseModel]) -> Iterator[str]:
             case "string_pattern_mismatch":
                 yield f"{path} = {_written(problem['input'])}: a name is a letter, then letters, digits, _ or -"
             case _:
-                yield f"{path} = {_written(problem['input'])}: {_pydantic(problem, field)}"
+                yield f"{path} = {_written(problem['input'])}: {_pydantic(path, problem, field)}"
 
 
-def _pydantic(problem: ErrorDetails, field: FieldInfo | None) -> str:
+def _pydantic(path: str, problem: ErrorDetails, field: FieldInfo | None) -> str:
     text = problem["msg"].replace("Input should", "should").replace("'", '"')
-    return f"{text}, such as {_written(field.examples[0])}" if field and field.examples else text
+    if problem["type"] in _IN_A_FILE:
+        text = _IN_A_FILE[problem["type"]].format(**problem.get("ctx", {}))
+    if field and _tables_of(field.annotation):
+        return f"{text}; {_how_to_add(path, field)}"
+    examples = _examples(field.annotation, field) if field else []
+    return f"{text}, such as {_written(examples[0])}" if examples else text
+
+
+def _examples(annotation: Any, *about: object) -> list[Any]:
+    """Of a field; where it may be left out they stand with the part of its annotation that is not None."""
+    for entry in (*about, *getattr(annotation, "__metadata__", ())):
+        if isinstance(entry, FieldInfo) and entry.examples:
+            return entry.examples
+    parts = get_args(annotation) if get_origin(annotation) in (Union, UnionType) else ()
+    return next((found for part in parts if (found := _examples(part))), [])
 
 
 def _own(path: str, problem: ErrorDetails) -> Iterator[str]:
@@ -101,7 +124,8 @@ def _how_to_add(path: str, field: FieldInfo | None) -> str:
     if isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel):
         return f"add the table [{path}] with {', '.join(field.annotation.model_fields)}"
     if tables := _tables_of(field.annotation):
-        return f"add a table [{path}.NAME] with {', '.join(tables.model_fields)}"
+        header = f"[[{path}]]" if get_origin(field.annotation) is tuple else f"[{path}.NAME]"
+        return f"add a table {header} with {', '.join(tables.model_fields)}"
     quantities = [entry.example for entry in field.metadata if isinstance(entry, Quantity)]
     examples = quantities or field.examples or get_args(field.annotation)
     return f"add it, such as {key} = {_written(examples[0])}" if examples else f"add it: {key} = ..."

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from updamp.rig.rig import Rig
+from updamp.rig.size import VECTORS_A_MODE, size_of
 
 Range = tuple[float, float]
 
@@ -22,8 +23,9 @@ class Usual:
 
     youngs_modulus [Pa]: lead 16e9 to tungsten 411e9, with a factor of two to both sides
     density [kg/m^3]: balsa wood 100 to osmium 22,600
-    loss_factor: highly damping polymers 0.3 or so; a steel blade has 1e-4 to 1e-2
+    loss_factor: highly damping polymers 0.3 or so; a steel blade has 1e-4 to 1e-2, little damped alloys 1e-5
     area_stiffness [N/m^3]: published contact stiffnesses lie between 1e12 and 1e15, with a factor of 100 to both sides
+    modes: kept of each body; the reference rig has 24, and the contacts' own stiffness stands for those above
     slenderness: blade's height over its thickness; and its width over its height
     windows: of frequency, over that of the first bending mode by beam theory: the blade's modes without damper and
         stuck to it lie above half of it (the platform is a mass too), and 100 times it is beyond the modes kept
@@ -31,8 +33,9 @@ class Usual:
 
     youngs_modulus: tuple[float, float] = (8e9, 800e9)
     density: tuple[float, float] = (100.0, 23_000.0)
-    loss_factor: float = 0.3
+    loss_factor: tuple[float, float] = (1e-5, 0.3)
     area_stiffness: tuple[float, float] = (1e10, 1e17)
+    modes: int = 500
     slenderness: float = 500.0
     width: float = 20.0
     windows: tuple[float, float] = (0.5, 100.0)
@@ -41,7 +44,13 @@ class Usual:
 def questions(rig: Rig, usual: Usual | None = None) -> list[str]:
     """Empty where nothing is odd; the rig is run as it is, whatever is asked."""
     usual = usual or Usual()
-    return [*_material(rig, usual), *_dimensions(rig, usual), *_contact(rig, usual), *_study(rig, usual)]
+    return [
+        *_material(rig, usual),
+        *_dimensions(rig, usual),
+        *_contact(rig, usual),
+        *_reduction(rig, usual),
+        *_study(rig, usual),
+    ]
 
 
 def _material(rig: Rig, usual: Usual) -> Iterator[str]:
@@ -56,7 +65,9 @@ def _material(rig: Rig, usual: Usual) -> Iterator[str]:
             f"material.density = {density:g} kg/m^3: materials have 100 to 23,000; is it meant in another unit "
             f'(steel: "7800 kg/m^3" or "7.8 g/cm^3")?'
         )
-    if loss > usual.loss_factor:
+    if loss < usual.loss_factor[0]:
+        yield f"material.loss_factor = {loss:g}: steel has 0.0001 to 0.01; peaks have hardly a bound then; is it meant?"
+    if loss > usual.loss_factor[1]:
         yield f"material.loss_factor = {loss:g}: steel has 0.0001 to 0.01; is it meant in per cent, or as 1 / Q?"
 
 
@@ -71,6 +82,22 @@ def _dimensions(rig: Rig, usual: Usual) -> Iterator[str]:
         yield (
             f"blade.width = {width * 1e3:g} mm: {width / height:.3g} times as wide as it is high "
             f"({height * 1e3:g} mm); are both in the unit that is meant?"
+        )
+    damper, top = rig.damper, 2 * rig.face_top[0]
+    if damper.apex_height == 0 and damper.apex_flat > top:
+        yield (
+            f"damper.apex_flat = {damper.apex_flat * 1e3:g} mm: has no meaning without an apex, apex_height = 0: the "
+            f"damper's top is where its faces end, {top * 1e3:.6g} mm wide; is an apex meant?"
+        )
+
+
+def _reduction(rig: Rig, usual: Usual) -> Iterator[str]:
+    if (modes := rig.reduction.modes) > usual.modes:
+        mesh = next(iter(rig.mesh))
+        memory = 8 * VECTORS_A_MODE * modes * size_of(rig, mesh).unknowns
+        yield (
+            f"reduction.modes = {modes}: 10 to 50 of each body are usual; finding so many takes {memory / 1e9:.2g} GB "
+            f"or so of memory with mesh '{mesh}', and more with finer ones; is it meant?"
         )
 
 

@@ -17,7 +17,7 @@ from pydantic import (
 from pydantic_core import to_json
 
 from updamp.rig.effects import Calibration, CalibrationTable, Effects
-from updamp.rig.fields import InputTable, Quantity
+from updamp.rig.fields import InputTable, Quantity, damped
 from updamp.rig.pressure import ByFacePressure, FePressure, PolynomialPressure, TwoAreaPressure, UniformPressure
 
 # Bounds are far beyond any test rig, and far within what floating-point numbers and hexahedra can be computed with;
@@ -36,7 +36,7 @@ class Material(InputTable):
     youngs_modulus: Annotated[float, Quantity("Pa", "197 GPa", above=0, at_most=2000)]
     poissons_ratio: Annotated[float, Field(strict=True, ge=0, le=0.49, examples=[0.3])]
     density: Annotated[float, Quantity("kg/m^3", "7800 kg/m^3", above=0, at_most=30_000)]
-    loss_factor: Annotated[float, Field(strict=True, ge=0, lt=1, examples=[0.0009])]
+    loss_factor: Annotated[float, Field(strict=True, ge=0, lt=1, examples=[0.0009]), AfterValidator(damped)]
 
 
 class Blade(InputTable):

@@ -28,7 +28,7 @@ from updamp.rig.rig import Rig
 from updamp.workflow import stages
 from updamp.workflow.history import record_comparison
 from updamp.workflow.measured_against_model import another_pull, measured_against_model, unknown_modes
-from updamp.workflow.output_folder import STATE, check_folder
+from updamp.workflow.output_folder import STATE, check_folder, make_folder
 from updamp.workflow.progress import Display
 from updamp.workflow.response_files import matlab_name
 from updamp.workflow.run import Run
@@ -87,7 +87,6 @@ def run_compare(
         display.done("comparison", f"findings: {len(comparison.findings)}")
         for run in comparison.unlike_repeats:
             display.note("check", run.text)
-        files.out.mkdir(parents=True, exist_ok=True)
         COMPARISON_JSON.write(files.comparison, comparison)
         write_report(comparison, files.report, pictures_of(files.out))
         write_pictures(comparison, files.out)
@@ -137,6 +136,7 @@ def _of_rig(files: CompareFiles, preset: str, workers: int, display: Display, fi
     about_runs = (*unknown_modes(measurement, tuple(rig.study.modes)), *another_pull(measurement, rig.load.pull))
     measurement = replace(measurement, questions=(*questions(rig), *about_runs))
     run = Run(rig, RunOptions(preset, files.out, workers, check=False, until=stages.STATIC_CONTACT), display)
+    make_folder(files.out)
     model, free_frequency = _model(run)
     features = _features(files, rig, measurement, preset, workers, display, free_frequency)
     finer_models = {}
@@ -155,6 +155,7 @@ def _of_modal_rig(files: CompareFiles) -> ComparisonInputs:
     model = modal_before_effects(rig)
     measurement = load_measurement(files.measurement, model.components.points, rig.name)
     measurement = replace(measurement, questions=tuple(unknown_modes(measurement, model.modes)))
+    make_folder(files.out)
     return ComparisonInputs(model, measurement, (), "", rig.name, rig_effects=resolved(rig.effects))
 
 

@@ -79,7 +79,6 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
         if not inputs.measurement.runs:
             return _of_stated(files, options, inputs, provenance, display, console)
         effects = _effects(inputs, options)
-        files.out.mkdir(parents=True, exist_ok=True)
         plan, progress = plan_of(inputs.measurement), _progress_bar(display)
         cache = _cache(files, preset, options, inputs, effects, display)
         with chosen_workers(options.jobs, options.scheduler, options.own) as workers:
@@ -125,7 +124,6 @@ def _of_stated(
         provenance,
         progress,
     )
-    files.out.mkdir(parents=True, exist_ok=True)
     VERDICT_JSON.write(files.out / "diagnosis.json", found.verdict)
     if options.report:
         _report(files, inputs, found.verdict, display, progress, in_turn)

@@ -87,8 +87,13 @@ def _differing(new: Mapping[str, Any], old: Mapping[str, Any]) -> Iterator[Chang
 def _leaves(rig: Rig) -> dict[str, Any]:
     """Dotted path -> value, as it enters the stages' keys; effects by their names."""
     stated = rig.model_dump(mode="json")
-    effects = {one["name"]: {**one["values"], "code": one["code"]} for one in stated.pop("effects")}
+    effects = {one["name"]: {**one["values"], **_code(one["code"])} for one in stated.pop("effects")}
     return dict(_flat({**stated, "effects": effects, "calibration": stated["calibration"]["factors"]}, ""))
+
+
+def _code(code: str) -> dict[str, str]:
+    """What defines a user's own effect; updamp's own have none, which is no input that could differ."""
+    return {"code": code} if code else {}
 
 
 def _flat(value: Any, path: str) -> Iterator[tuple[str, Any]]:

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from updamp.parallel.whole_file import write_whole
+
 Message = Callable[[str], None]
 
 _LONGEST_LINE = 1000  # bytes; what is longer was not written here
@@ -30,15 +32,10 @@ def inputs_digest(*parts: str) -> str:
 
 
 def write_result(path: Path, key: ResultKey, value: Any) -> None:
-    """The file appears whole or not at all; its folder is made when missing."""
+    """The file appears whole or not at all; its folder is made when missing. raises: DiskError"""
     content = pickle.dumps(value)
     line = {"code": key.code, "inputs": key.inputs, "sha256": hashlib.sha256(content).hexdigest()}
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_suffix(".partial")
-    with partial.open("wb") as file:
-        file.write(json.dumps(line).encode() + b"\n")
-        file.write(content)
-    partial.replace(path)
+    write_whole(path, json.dumps(line).encode() + b"\n" + content)
 
 
 def read_result(path: Path, key: ResultKey, message: Message) -> Any | None:

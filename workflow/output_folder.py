@@ -30,6 +30,17 @@ def check_folder(folder: Path, rig: str) -> None:
         )
 
 
+def make_folder(folder: Path) -> None:
+    """raises: ValueError where the system does not make it, though nothing that was looked at speaks against it: below
+    /proc, say, or on a disk without room"""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ValueError(
+            f"{folder}: this folder cannot be made: {error.strerror}; give another one with --out"
+        ) from None
+
+
 def results_of_other_states(folder: Path, state: str) -> list[str]:
     """Comparisons and diagnoses in the folder that were made with another state of the rig (`Rig.state`)."""
     found = []

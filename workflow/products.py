@@ -81,6 +81,11 @@ class Products:
         )  # fmt: skip
 
 
+def why_stopped(product: object) -> str:
+    """Of what is followed step by step, why it ended early; "" of all that did not."""
+    return product.stopped if isinstance(product, ResponseCurve | ResonanceCurve) else ""
+
+
 def stored(path: Path, kind: type[Product], key: str) -> Stored[Product] | None:
     """What the file holds if it was made with this key; a file that is missing or damaged counts as stale."""
     try:

@@ -69,8 +69,12 @@ class Display:
         if name in self._bars:
             self._progress.remove_task(self._bars.pop(name))
 
-    def unchanged(self, name: str, detail: str = "") -> None:
-        self.done(name, detail, mark="unchanged", style="dim")
+    def unchanged(self, name: str, stopped: str = "") -> None:
+        """stopped: why the work ended early when it was done: that it is kept does not make it whole"""
+        if stopped:
+            self.failed(name, f"kept as it is on file: {stopped}")
+        else:
+            self.done(name, "", mark="unchanged", style="dim")
 
     def note(self, name: str, sentence: str) -> None:
         """A line that the user should read; the bar stays."""

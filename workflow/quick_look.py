@@ -69,6 +69,17 @@ def peaks_followed(products: Products) -> Mapping[tuple[str, float], PeakPoint |
     return {(job.mode, job.force): _peak(followed.get(job.mode), job.force) for job in curves_left(products.left)}
 
 
+def not_followed(products: Products) -> list[str]:
+    """Sentences on the curves that were left out and whose peak is not known either, each with the reason."""
+    why = {entry.product.mode: entry.product.stopped for entry in products.resonances}
+    why |= {one.job.mode: one.message for one in products.unknown if isinstance(one.job, ResonanceJob)}
+    return [
+        f"{mode} {force:g} N: the resonance was not followed so far: {why.get(mode) or 'it was not begun'}"
+        for (mode, force), peak in peaks_followed(products).items()
+        if peak is None
+    ]
+
+
 def _peak(followed: ResonanceCurve | None, force: float) -> PeakPoint | None:
     if followed is None or not len(met := followed.passes(force)):
         return None

@@ -19,7 +19,7 @@ from updamp.workflow.job_pool import Job, JobEnd, JobOutcome, JobProgress, run_a
 from updamp.workflow.limits import check_size
 from updamp.workflow.marching_jobs import MarchingJob
 from updamp.workflow.output_folder import check_folder
-from updamp.workflow.products import Product, Products, Stored, stored
+from updamp.workflow.products import Product, Products, Stored, stored, why_stopped
 from updamp.workflow.progress import Display
 from updamp.workflow.quick_look import is_computed
 from updamp.workflow.resonance_jobs import ResonanceJob
@@ -231,7 +231,7 @@ class Run:
                         left[job.output] = job
                     continue
                 if job.name not in self.executed:
-                    self.display.unchanged(job.name)
+                    self.display.unchanged(job.name, why_stopped(there.product))
                 found[job.output] = there
                 yield from missing(jobs.following(job, there.product))
 

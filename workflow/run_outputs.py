@@ -11,7 +11,7 @@ from typing import Any
 from updamp.geometry.write_vtu import write_vtu
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.stability.branch_stability import BranchStability
-from updamp.parallel.whole_file import write_whole
+from updamp.parallel.whole_file import write_whole, written_to
 from updamp.pictures.scene import RenderingError
 from updamp.workflow import stages, summary
 from updamp.workflow.accuracy_summary import numerical_error
@@ -64,8 +64,9 @@ class Outputs:
                 self._states[name] = self.state
                 self._remember()
             return False
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write(path)
+        with written_to(path):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write(path)
         self._keys[name], self._states[name] = key, self.state
         self._remember()
         return True
@@ -99,7 +100,7 @@ CSV_VERSION, PICTURE_VERSION, VTU_VERSION = 3, 6, 1  # to be raised when a file 
 
 def write_outputs(run: Run, products: Products) -> tuple[tuple[str, ...], str]:
     """Files made anew, by name; and why those that need rendering were not, "" if they were. Those of an older state of
-    the rig are removed. raises: OSError, DiskError"""
+    the rig are removed. raises: DiskError"""
     outputs = Outputs(run.options.folder, run.options.folder / "stages" / "outputs.json", _state(run))
     made = [*_meshes(outputs, products), *_tables(outputs, products)]
     try:

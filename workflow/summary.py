@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
@@ -128,7 +129,7 @@ def _solved(curve: ResponseCurve, point: str) -> dict[str, Any]:
         "gaps_Hz": curve.gaps().tolist(),
         "largest_residual": float(curve.error.max()),
         "energy_balance_error": energy_balance_error(curve),
-        "friction_share_of_loss_at_peak": float(curve.friction_loss[at_peak] / curve.work_in[at_peak]),
+        "friction_share_of_loss_at_peak": _largest_share(curve.friction_loss[[at_peak]], curve.work_in[[at_peak]]),
         "jumps_up_Hz": jumps(curve, upwards=True),
         "jumps_down_Hz": jumps(curve, upwards=False),
     }
@@ -160,9 +161,15 @@ def problem(curve: ResponseCurve) -> str:
     return curve.stopped or ("" if len(curve) else "the branch has no point")
 
 
-def energy_balance_error(curve: ResponseCurve) -> float:
+def energy_balance_error(curve: ResponseCurve) -> float | None:
     """Largest |work of the excitation - friction loss - material loss| over that work, of all points."""
-    return float(np.max(np.abs(curve.work_in - curve.friction_loss - curve.material_loss) / np.abs(curve.work_in)))
+    return _largest_share(np.abs(curve.work_in - curve.friction_loss - curve.material_loss), np.abs(curve.work_in))
+
+
+def _largest_share(part: NDArray[np.float64], work: NDArray[np.float64]) -> float | None:
+    """None where a point takes no work, as without any damping: there is nothing that it could be a share of."""
+    sound = np.isfinite(part).all() and np.isfinite(work).all() and work.all()
+    return float((part / work).max()) if sound else None
 
 
 def jumps(curve: ResponseCurve, upwards: bool) -> list[float]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.decision.decide import decide
 from updamp.diagnosis.evidence import EffectScore, Evidence
+from updamp.parallel.whole_file import write_whole
 
 VerdictSummary = tuple[str, tuple[str, ...], tuple[str, ...]]
 # Score above which a test alone would call an effect found.
@@ -56,4 +57,4 @@ def _without_held_out(evidence: Evidence, criteria: Criteria) -> VerdictSummary:
 def write_ablations(path: Path, evidence: Evidence, criteria: Criteria) -> None:
     summaries: Mapping[str, VerdictSummary] = ablations(evidence, criteria)
     document = {name: {"verdict": v, "effects": list(e), "group": list(g)} for name, (v, e, g) in summaries.items()}
-    path.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+    write_whole(path, (json.dumps(document, indent=1) + "\n").encode())

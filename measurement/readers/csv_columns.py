@@ -10,15 +10,14 @@ from pydantic import Field, model_validator
 
 from updamp.measurement.readers.gather import group_rows, repeat_number, sweep_direction, text_of
 from updamp.measurement.readers.registry import register
-from updamp.measurement.readers.table import Codes, Table, header_of, read_table
+from updamp.measurement.readers.table import Codes, CsvForm, Table, header_of, read_table
 from updamp.measurement.recorded import Complex, RecordedChannel, RecordedSweep, complex_of
-from updamp.rig.fields import InputTable
 
 _TO_RADIANS = {"rad": 1.0, "deg": np.pi / 180}
 Column = Annotated[str, Field(examples=["frequency_Hz"])]
 
 
-class ColumnOptions(InputTable):
+class ColumnOptions(CsvForm):
     """Which columns hold what.
 
     phase: channel -> column of its phase; imaginary: channel -> column of its imaginary part. A channel with neither
@@ -33,7 +32,6 @@ class ColumnOptions(InputTable):
     run: Column | None = None
     repeat: Column | None = None
     sweep: Column | None = None
-    delimiter: Literal[",", ";", "\t"] = ","
 
     @model_validator(mode="after")
     def _phases_are_clear(self) -> Self:
@@ -47,11 +45,11 @@ class ColumnOptions(InputTable):
 @register("csv_columns", options=ColumnOptions)
 def read_csv_columns(path: Path, labels: tuple[str, ...], options: ColumnOptions) -> tuple[RecordedSweep, ...]:
     """A label is the column of the channel's amplitude, or of its real part where `imaginary` names another column."""
-    header = header_of(path, options.delimiter)
+    header = header_of(path, options)
     present = [label for label in labels if label in header]
     parts = [table[label] for label in present for table in (options.phase, options.imaginary) if label in table]
     marks = [name for name in (options.run, options.repeat, options.sweep) if name is not None]
-    table = read_table(path, [*dict.fromkeys((options.frequency, *present, *parts))], marks, options.delimiter)
+    table = read_table(path, [*dict.fromkeys((options.frequency, *present, *parts))], marks, options)
     absent = Codes(np.zeros(len(table.numbers[options.frequency]), np.int32), {"": 0})
     run, repeat, sweep = (
         table.texts[name] if name is not None else absent for name in (options.run, options.repeat, options.sweep)

@@ -8,22 +8,23 @@ import numpy as np
 
 from updamp.measurement.measurement import MeasurementError
 from updamp.measurement.readers.gather import Samples, sweeps_from_samples
-from updamp.measurement.readers.registry import NoOptions, register
-from updamp.measurement.readers.table import Codes, header_of, read_table
+from updamp.measurement.readers.registry import register
+from updamp.measurement.readers.table import Codes, CsvForm, header_of, read_table
 from updamp.measurement.recorded import RecordedSweep, complex_of
 
 COLUMNS = ("run", "repeat", "sweep", "frequency_Hz", "channel", "harmonic", "real", "imag")
 OPTIONAL = ("repeat", "sweep", "harmonic")
 
 
-@register("long_csv", endings=(".csv",))
-def read_long_csv(path: Path, labels: tuple[str, ...], options: NoOptions) -> tuple[RecordedSweep, ...]:  # noqa: ARG001
+@register("long_csv", endings=(".csv",), options=CsvForm)
+def read_long_csv(path: Path, labels: tuple[str, ...], options: CsvForm) -> tuple[RecordedSweep, ...]:
     """Header `run,repeat,sweep,frequency_Hz,channel,harmonic,real,imag`, in any order; repeat, sweep and harmonic may
-    be missing (harmonic 1 then). Lines that start with # are comments."""
-    header = header_of(path)
+    be missing (harmonic 1 then). Lines that start with # are comments. options: its delimiter and decimal sign."""
+    header = header_of(path, options)
     _check_header(path, header)
     numeric = [name for name in ("frequency_Hz", "harmonic", "real", "imag") if name in header]
-    table = read_table(path, numeric, [name for name in ("run", "repeat", "sweep", "channel") if name in header])
+    texts = [name for name in ("run", "repeat", "sweep", "channel") if name in header]
+    table = read_table(path, numeric, texts, options)
     n = len(table.numbers["real"])
     absent = Codes(np.zeros(n, np.int32), {"": 0})
     run, repeat, sweep = (table.texts.get(name, absent) for name in ("run", "repeat", "sweep"))

@@ -1,18 +1,20 @@
 """Tables of numbers as text, read in pieces: numbers and codes are kept, no text, so a gigabyte fits into memory."""
 
 import csv
+import json
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
-from typing import IO
+from typing import IO, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from updamp.measurement.measurement import MeasurementError, near
 from updamp.measurement.readers.registry import usable_file
+from updamp.rig.fields import InputTable
 from updamp.rig.toml_file import UTF_16
 
 LARGEST = 2e9  # bytes; the long form takes 1.7 GB of memory for a file of 1 GB
@@ -21,6 +23,21 @@ OTHER_DELIMITERS = {";": "semicolon", ",": "comma", "\t": "tab"}
 LONGEST_LINE = 10_000  # characters; a longer one is no line of numbers
 
 Floats = NDArray[np.float64]
+_COMMAS = str.maketrans({",": ".", ".": " . "})  # a point beside decimal commas parts thousands: no number here
+
+
+class CsvForm(InputTable):
+    """How a CSV file is written. delimiter: between its columns; decimal: "," where its numbers have decimal commas"""
+
+    delimiter: Literal[",", ";", "\t"] = ","
+    decimal: Literal[".", ","] = "."
+
+    def plain(self, text: str) -> str:
+        """The text of a number with a decimal point."""
+        return text if self.decimal == "." else text.translate(_COMMAS)
+
+
+PLAIN = CsvForm()
 
 
 @dataclass
@@ -48,25 +65,26 @@ class Table:
     texts: dict[str, Codes]
 
 
-def read_table(path: Path, numeric: Collection[str], text: Collection[str] = (), delimiter: str = ",") -> Table:
+def read_table(path: Path, numeric: Collection[str], text: Collection[str] = (), form: CsvForm = PLAIN) -> Table:
     """A header line and lines below it; those that start with # are comments. Columns not named are skipped.
 
     raises: MeasurementError where the file is missing, empty, too large, no text, has no such columns, is cut off or
         has something else than numbers in a numeric column
     """
     usable_file(path, LARGEST)
-    with _opened(path, delimiter) as file:
-        reader = csv.reader(_lines(path, file), skipinitialspace=True, delimiter=delimiter)
-        header = _header(path, reader, delimiter)
+    with _opened(path, form.delimiter) as file:
+        reader = csv.reader(_lines(path, file), skipinitialspace=True, delimiter=form.delimiter)
+        header = _header(path, reader, form.delimiter)
         _check_columns(path, header, [*numeric, *text])
-        return _body(path, reader, header, numeric, text)
+        return _body(path, reader, header, numeric, text, form)
 
 
-def header_of(path: Path, delimiter: str = ",") -> tuple[str, ...]:
+def header_of(path: Path, form: CsvForm = PLAIN) -> tuple[str, ...]:
     """Names of the columns. raises: MeasurementError as in `read_table`"""
     usable_file(path)
-    with _opened(path, delimiter) as file:
-        return _header(path, csv.reader(_lines(path, file), skipinitialspace=True, delimiter=delimiter), delimiter)
+    with _opened(path, form.delimiter) as file:
+        reader = csv.reader(_lines(path, file), skipinitialspace=True, delimiter=form.delimiter)
+        return _header(path, reader, form.delimiter)
 
 
 @contextmanager
@@ -91,9 +109,14 @@ def _header(path: Path, reader: Iterator[list[str]], delimiter: str) -> tuple[st
     for other, name in OTHER_DELIMITERS.items():
         if len(header) == 1 and other != delimiter and other in header[0]:
             raise MeasurementError(
-                f"{path}: its columns are parted by {name}s, here by '{delimiter}'; export it with commas and decimal "
-                f'points, or state options = {{ delimiter = "{other}" }} (reader = "csv_columns" or "time_csv")'
+                f"{path}: its columns are parted by {name}s, '{delimiter}' is wanted here; state in its run options = "
+                f'{{ delimiter = {json.dumps(other)} }}, and decimal = "," beside it where numbers have decimal commas'
             )
+    if twice := next((name for name in header if header.count(name) > 1), None):
+        raise MeasurementError(
+            f"{path}: header = {','.join(header)[:80]!r}: {header.count(twice)} columns have the name '{twice[:60]}'; "
+            f"give each its own"
+        )
     return header
 
 
@@ -111,12 +134,15 @@ def _check_columns(path: Path, header: tuple[str, ...], wanted: Sequence[str]) -
     for name in wanted:
         if name not in header:
             raise MeasurementError(f"{path}: no column '{name[:60]}'; {near(name, header)}")
-    if len(set(header)) < len(header):
-        raise MeasurementError(f"{path}: header = {','.join(header)[:80]!r}: a column's name stands there twice")
 
 
 def _body(
-    path: Path, reader: Iterator[list[str]], header: tuple[str, ...], numeric: Collection[str], text: Collection[str]
+    path: Path,
+    reader: Iterator[list[str]],
+    header: tuple[str, ...],
+    numeric: Collection[str],
+    text: Collection[str],
+    form: CsvForm,
 ) -> Table:
     place = {name: header.index(name) for name in (*numeric, *text)}
     codes = {name: Codes() for name in text}
@@ -127,7 +153,7 @@ def _body(
         _check_rows(path, len(header), rows, done)
         columns = list(zip(*rows, strict=True))
         for name in numeric:
-            values[name].append(_numbers(path, name, columns[place[name]], done))
+            values[name].append(_numbers(path, name, columns[place[name]], done, form))
         for name in text:
             parts[name].append(codes[name].of(columns[place[name]]))
         done += len(rows)
@@ -144,7 +170,8 @@ def _check_rows(path: Path, width: int, rows: list[list[str]], before: int) -> N
         if len(row) != width:
             raise MeasurementError(
                 f"{path}: line {_line_of(path, before + i)}, {','.join(row)[:60]!r}, has {len(row)} columns, the "
-                f"header {width}; the file is cut off or its columns are parted otherwise"
+                f"header {width}; the file is cut off or its columns are parted otherwise (decimal commas need "
+                f"semicolons between columns)"
             )
 
 
@@ -155,15 +182,22 @@ def _line_of(path: Path, row: int) -> int:
         return next(islice(lines, row + 1, None), 0)
 
 
-def _numbers(path: Path, column: str, texts: Sequence[str], before: int) -> Floats:
+def _numbers(path: Path, column: str, texts: Sequence[str], before: int, form: CsvForm) -> Floats:
     try:
-        return np.array(texts, dtype=np.float64)
+        return np.array([form.plain(text) for text in texts], dtype=np.float64)
     except ValueError:
-        i, bad = next((i, text) for i, text in enumerate(texts) if not _is_number(text))
+        i, bad = next((i, text) for i, text in enumerate(texts) if not _is_number(form.plain(text)))
         raise MeasurementError(
-            f'{path}: line {_line_of(path, before + i)}: {column} = "{bad[:60]}": not a number; write numbers with a '
-            f"decimal point"
+            f'{path}: line {_line_of(path, before + i)}: {column} = "{bad[:60]}": not a number; {_remedy(bad, form)}'
         ) from None
+
+
+def _remedy(bad: str, form: CsvForm) -> str:
+    if form.decimal == ",":
+        return 'with decimal = "," numbers have a decimal comma and no points'
+    if _is_number(bad.translate(_COMMAS)):
+        return 'write numbers with a decimal point, or state in its run options = { decimal = "," } with its delimiter'
+    return "write numbers with a decimal point"
 
 
 def _is_number(text: str) -> bool:

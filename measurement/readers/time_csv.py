@@ -2,36 +2,35 @@
 
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field
 
 from updamp.measurement.measurement import MeasurementError, near
 from updamp.measurement.readers.registry import register
-from updamp.measurement.readers.table import header_of, read_table
+from updamp.measurement.readers.table import CsvForm, header_of, read_table
 from updamp.measurement.readers.time_steps import TimeOptions, TimeStep, sweep_of_steps
 from updamp.measurement.recorded import RecordedSweep
 
 
-class TimeCsvOptions(TimeOptions):
+class TimeCsvOptions(TimeOptions, CsvForm):
     """time: column of the time [s]; step: column of the commanded frequency [Hz], which marks the steps"""
 
     time: Annotated[str, Field(examples=["time_s"])] = "time_s"
     step: Annotated[str, Field(examples=["frequency_Hz"])] = "frequency_Hz"
-    delimiter: Literal[",", ";", "\t"] = ","
 
 
 @register("time_csv", options=TimeCsvOptions)
 def read_time_csv(path: Path, labels: tuple[str, ...], options: TimeCsvOptions) -> tuple[RecordedSweep, ...]:
     """One sweep: its steps are the stretches over which the commanded frequency is constant."""
-    header = header_of(path, options.delimiter)
+    header = header_of(path, options)
     if labels[0] not in header:
         raise MeasurementError(f"{path}: no column '{labels[0]}': the force; {near(labels[0], header)}")
     present = [label for label in labels if label in header]
     stepped = options.frequency is None
     numeric = [options.time, *present, *([options.step] if stepped else [])]
-    table = read_table(path, dict.fromkeys(numeric), (), options.delimiter).numbers
+    table = read_table(path, dict.fromkeys(numeric), (), options).numbers
     time = table[options.time]
     commanded = table[options.step] if stepped else np.full(len(time), options.frequency)
     if not (np.isfinite(time).all() and np.isfinite(commanded).all()):

@@ -10,12 +10,16 @@ import subprocess
 import sys
 import termios
 import time
+from dataclasses import fields, replace
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 from support.short_study import run_command, short_study
+
+from updamp.hbm.resonance.resonance_curve import ResonanceCurve
+from updamp.workflow import store
 
 LEVELS = ("0.01 N", "3.84 N", "17 N")
 WINDOWS = (441, 459), (431, 447)
@@ -73,6 +77,21 @@ def test_what_is_not_checked_is_said_in_summary_log_terminal_and_picture(quick):
     picture = (out / "pictures" / "frf_OOP.svg").read_text()
     assert "not checked: stability, numerical error" in picture
     assert "peak followed in force, no curve" in picture
+
+
+def test_why_the_resonance_stopped_is_said_at_the_end_and_of_a_kept_one_too(quick, tmp_path):
+    rig, out, _ = quick
+    shutil.copytree(out, tmp_path / "out")
+    file = tmp_path / "out" / "stages" / "resonance_OOP.h5"
+    whole, stamp = store.read(file, ResonanceCurve), store.read_stamp(file)
+    n = len(whole)
+    cut = {f.name: v[: n // 2] for f in fields(whole) if isinstance(v := getattr(whole, f.name), np.ndarray)}
+    store.write(file, replace(whole, **cut, complete=False, stopped="stalled: use more time samples"), stamp)
+    again = run_command("run", rig, *ONE_MODE, "--out", tmp_path / "out", "--quick")
+    assert again.exit_code == 1
+    said = " ".join(again.output.split())
+    assert "stopped OOP, resonance kept as it is on file: stalled: use more time samples" in said
+    assert "OOP 17 N: the resonance was not followed so far: stalled: use more time samples" in said
 
 
 def test_the_run_without_it_computes_what_is_missing_and_takes_the_rest(quick, tmp_path):

@@ -12,7 +12,7 @@ import scipy.io
 from support.measured_oscillator import FREQUENCY, TOML, displacement, force, recorded
 
 from updamp.measurement.load import load_measurement
-from updamp.measurement.measurement import Measurement
+from updamp.measurement.measurement import Measurement, MeasurementError
 from updamp.measurement.readers.hdf5 import write_hdf5
 from updamp.measurement.readers.long_csv import write_long_csv
 from updamp.measurement.readers.uff import write_uff58
@@ -69,6 +69,26 @@ def test_every_format_gives_the_same(tmp_path: Path, name: str, write: Write, rt
     assert measurement.hashes is not None
     assert measurement.hashes[name] == hashlib.sha256((tmp_path / name).read_bytes()).hexdigest()
     assert set(measurement.hashes) == {name, "measurement.toml"}
+
+
+def german(folder: Path, spoil: Callable[[str], str] = lambda text: text) -> Path:
+    """The long form as a German spreadsheet exports it."""
+    write_long_csv(folder / "plain.csv", [recorded(1), recorded(2), recorded(3)])
+    text = (folder / "plain.csv").read_text().replace(",", ";").replace(".", ",")
+    (folder / "data.csv").write_text(spoil(text))
+    path = folder / "measurement.toml"
+    path.write_text(f'{TOML}options = {{ delimiter = ";", decimal = "," }}\n')
+    return path
+
+
+def test_decimal_commas_and_semicolons_are_read_where_they_are_stated(tmp_path: Path) -> None:
+    assert_is_the_oscillator(load_measurement(german(tmp_path)))
+
+
+def test_a_point_that_parts_thousands_is_no_decimal_point(tmp_path: Path) -> None:
+    path = german(tmp_path, lambda text: text.replace(";428,", ";4.28,", 1))
+    with pytest.raises(MeasurementError, match=r'frequency_Hz = "4\.28,.*": not a number; with decimal = "," numbers'):
+        load_measurement(path)
 
 
 def test_a_complete_statement_needs_no_assumption(tmp_path: Path) -> None:

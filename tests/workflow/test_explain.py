@@ -58,6 +58,7 @@ def test_an_effect_that_is_new_is_named():
     old, new = load_rig(RIG), load_rig(RIG, {"effects": CHANGES["effects"]})
     told = {one.name: one.because for one in explain(new, old, "small")}
     assert "effects.edge_gap.depth: not stated -> 3e-07" in told["curve OOP"]
+    assert not [part for part in told["curve OOP"].split(", ") if part.endswith("-> ")], told["curve OOP"]
 
 
 def test_the_command_says_so(tmp_path):

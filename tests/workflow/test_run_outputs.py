@@ -1,8 +1,15 @@
 """Files for people: made again when their sources change, and never left beside a newer summary."""
 
+import errno
 import json
 from pathlib import Path
 
+import pytest
+import typer
+
+from updamp.commands.shared import clean_errors
+from updamp.parallel.whole_file import DiskError
+from updamp.pictures.style import figure
 from updamp.workflow.output_folder import results_of_other_states
 from updamp.workflow.run_outputs import Outputs
 
@@ -71,3 +78,29 @@ def test_comparisons_of_another_state_are_named(tmp_path: Path) -> None:
     assert results_of_other_states(tmp_path, "b") == ["comparison.json"], "the diagnosis does not say"
     (tmp_path / "comparison.json").write_text("[")
     assert results_of_other_states(tmp_path, "b") == []
+
+
+def _full(path: Path) -> None:  # noqa: ARG001
+    """What the system raises while a file is written to a full disk: it has no name."""
+    raise OSError(errno.ENOSPC, "No space left on device")
+
+
+def test_a_full_disk_is_told_with_the_file(tmp_path: Path) -> None:
+    with pytest.raises(DiskError, match=r"OOP\.png: cannot be written to the disk: No space left.*make room"):
+        outputs(tmp_path, "").make("OOP.png", ["a"], 1, _full)
+
+
+def test_a_picture_that_the_disk_does_not_take_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(DiskError, match=r"a\.png: cannot be written"), figure(tmp_path / "file" / "a.png", 1, 1):
+        pass
+
+
+def test_what_nobody_nearer_told_of_the_disk_says_what_to_do(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    with pytest.raises(typer.Exit), clean_errors(debug=False):
+        _full(tmp_path)
+    said = capsys.readouterr().err
+    assert "[Errno" not in said
+    assert all(words in said for words in ("No space left on device", "--out", "run the same again"))

@@ -1,10 +1,15 @@
 """The table of curves in a terminal of 80 columns, the narrowest that there is."""
 
+import json
+from dataclasses import replace
 from io import StringIO
 
+import numpy as np
+import pytest
 from rich.console import Console
+from support.curves import POINTS, softening_curve
 
-from updamp.workflow.summary import curves_table
+from updamp.workflow.summary import curve_entry, curves_table
 
 ERROR = {"peak_percent": -17.985, "resonance_hertz": -0.00082, "complete": True, "orders": [0, 1, 2, 3, 4, 5, 6, 7]}
 ENTRY = {
@@ -33,3 +38,16 @@ def test_no_number_and_no_word_is_cut_off():
         assert word in words
     for word in ("complete,", "unstable,", "leaves", "points"):
         assert word in words
+
+
+@pytest.mark.parametrize("work", [0.0, np.nan])
+def test_shares_of_work_are_null_where_a_point_takes_none(work):
+    curve = softening_curve()
+    nothing = np.full(len(curve), work)
+    still = replace(curve, work_in=nothing, friction_loss=nothing, material_loss=nothing)
+    entry = curve_entry(still, POINTS[1])
+    assert entry["energy_balance_error"] is None
+    assert entry["friction_share_of_loss_at_peak"] is None
+    assert "NaN" not in json.dumps(entry)
+    assert curve_entry(curve, POINTS[1])["energy_balance_error"] == pytest.approx(0, abs=1e-12)
+    assert curve_entry(curve, POINTS[1])["friction_share_of_loss_at_peak"] == pytest.approx(0.75)

@@ -211,10 +211,16 @@ OPTIONS = [
     options(*GO, "--jobs", "0", words=("--jobs", "1")),
     options(*GO, "--jobs", "-3", words=("--jobs", "1")),
     options(*GO, "--jobs", "100000", "--until", "mesh", words=("--jobs 100000", "memory", "at most")),
+    options(*GO[:-1], "", words=("--out", "nothing is named", "folder you are in")),
+    options("compare", "RIG", "m.toml", "--out", "", words=("--out", "nothing is named")),
+    options("study", "RIG", "--out", " ", words=("--out", "nothing is named")),
+    options("add", "RIG", "edge_gap", "--from", "x", "--out", "", words=("--out", "nothing is named")),
+    options("init", "", words=("FOLDER", "nothing is named")),
     options(*GO, text=MODAL, words=("mine.toml", "modes", "updamp compare")),
     options(
         "compare", "RIG", "nowhere.toml", "--mesh", "small", "--out", "OUT", words=("nowhere.toml", "no such file")
     ),
+    options(*GO[:-1], "/proc/updamp/out", words=("/proc", "--out")),
     options("study", "RIG", words=("mine.toml", "rig file", "updamp run")),
     options("design", "RIG", words=("mine.toml", "rig file", "updamp run")),
     options("explain", "RIG", "--against", "nowhere.toml", words=("nowhere.toml", "no such file")),

@@ -95,6 +95,8 @@ STATED = [
     stated('excitation = "mass.drive.x"', 'excitation = "mass.tip.x"', "channels.force.point", "make them one"),
     stated('quantity = "velocity"', 'quantity = "speed"', "speed", "velocity"),
     stated('quantity = "force"', 'quantity = "displacement"', "channels"),
+    stated(TOML[TOML.index("[channels.force]") : TOML.index("[channels.laser]")], "", "channels: none has",
+           'quantity = "force"', "[channels.force]", "recorded = false", name="no force"),
     stated('amplitude = "rms"\n', "", "amplitude", "mixed conventions"),
     stated('amplitude = "rms"', 'amplitude = "effective"', "effective", "rms"),
     stated('rig = "oscillator"', 'rig = "another"', "another", "oscillator"),
@@ -111,8 +113,14 @@ STATED = [
     stated('file = "data.csv"', 'file = "."', "folder"),
     stated('file = "data.csv"', 'file = "data.xlsx"', "data.xlsx", "no such file"),
     stated("[channels.laser]", '[channels.laser]\nlabel = "vibrometer"', "vibrometer", "there are laser"),
-    stated(TOML[TOML.index("[[runs]]") :], "", "runs", "missing", name="no runs"),
-]
+    stated("[[runs]]", '[channels.edge]\nquantity = "displacement"\npoint = "mass.tip"\ndirection = "x"\nunit = "m"\n'
+           'amplitude = "peak"\n\n[[runs]]', "channel 'edge'",
+           "not in the file", "taken: force, laser, accelerometer", name="a channel that the file does not have"),
+    stated(TOML[TOML.index("[[runs]]") :], "", "runs: missing", "add a table [[runs]] with name, mode", name="no runs"),
+    stated('level = "17 N"', "level = 2", "runs[0].level = 2", "text in quotes", 'such as "17 N"'),
+    stated('level = "17 N"', 'level = "17 N"\nchannels = []', "runs[0].channels = []", "entries wanted: at least 1",
+           '["tip_right"]'),
+]  # fmt: skip
 
 
 def _line(n: int, new: Callable[[bytes], bytes]) -> Callable[[bytes], bytes]:
@@ -138,14 +146,31 @@ DATA = [
     data("BOM", ".csv", lambda b: b"\xef\xbb\xbf" + b, "Oscillator", welcome=True),
     data("UTF-16", ".csv", lambda b: b.decode().encode("utf-16"), FILE, "UTF-16", "UTF-8"),
     data("Latin-1", ".csv", _line(7, lambda b: b + b"\xf6"), FILE, "UTF-8"),
-    data("semicolons", ".csv", lambda b: b.replace(b",", b";"), FILE, "semicolon", "delimiter"),
+    data("semicolons", ".csv", lambda b: b.replace(b",", b";"), FILE, "semicolon", 'options = { delimiter = ";" }'),
+    data("tabs", ".csv", lambda b: b.replace(b",", b"\t"), FILE, "tab", r'options = { delimiter = "\t" }'),
+    data(
+        "two columns of a name",
+        ".csv",
+        lambda b: b.replace(b"imag", b"real", 1),
+        FILE,
+        "2 columns have the name",
+        "'real'",
+    ),
     data("decimal commas", ".csv", lambda b: b.replace(b",", b";").replace(b".", b","), FILE, "semicolon"),
     data("a word in line 9", ".csv", _line(9, _last(b"overload")), FILE, "line 9", "imag", "overload"),
     data("an empty number in line 9", ".csv", _line(9, _last(b"")), FILE, "line 9", "imag", "not a number"),
     data("a column less in line 12", ".csv", _line(12, lambda b: b[: b.rindex(b",")]), FILE, "line 12", "columns"),
     data("nan in line 12", ".csv", _line(12, _last(b"nan")), FILE, "no finite number", "428.995 Hz"),
     data("inf in line 12", ".csv", _line(12, _last(b"inf")), FILE, "no finite number", "428.995 Hz"),
-    data("decimal comma in line 12", ".csv", _line(12, _last(b'"0,5"')), FILE, "line 12", "decimal point"),
+    data(
+        "decimal comma in line 12",
+        ".csv",
+        _line(12, _last(b'"0,5"')),
+        FILE,
+        "line 12",
+        "decimal point",
+        'decimal = ","',
+    ),
     data("a word far below", ".csv", _line(150, _last(b"x")), FILE, "line 150", '"x"'),
     data("unknown header", ".csv", lambda b: b.replace(b"frequency_Hz", b"f", 1), FILE, "frequency_Hz", "wanted"),
     data("harmonic 1.5", ".csv", lambda b: b.replace(b"force,1,", b"force,1.5,", 1), FILE, "harmonic", "1.5"),
@@ -242,10 +267,20 @@ def _asked_of_rig(path: Path) -> str:
     return " ".join(ask(measurement, tuple(rig.study.modes))) if ask else ""
 
 
+def _other_point(folder: Path) -> Told:
+    """Before anything is meshed or written."""
+    text = TOML.replace('rig = "oscillator"', 'rig = "pesaresi2017"').replace("mass.drive", "blade_right.excitation")
+    (folder / "measurement.toml").write_text(text.replace("mass.tip", "schaufel.spitze"), encoding="utf-8")
+    told = compared(folder / "measurement.toml", RIGS / "pesaresi2017.toml")
+    return replace(told, refused=told.refused and not (folder / "out").exists())
+
+
 MEASUREMENTS = [
     *STATED,
     *DATA,
     *UNITS,
     Broken("units: all as it should be", (), _sound, welcome=True),
     Broken("measurement: a mode that the rig does not have", ("OPP", "did you mean OOP", "?"), _other_mode),
-]
+    Broken("measurement: a point that no rig has", ("channels.laser.point", "schaufel.spitze.x", "blade_left.tip.x",
+           "blade_right.platform.y", "damper.corner_right.y"), _other_point),
+]  # fmt: skip

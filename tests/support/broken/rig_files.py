@@ -123,6 +123,8 @@ VALUES = [
     changed("poissons_ratio = 0.3", "poissons_ratio = 3", "material.poissons_ratio", "3", "0.49"),
     changed("loss_factor = 0.0006", "loss_factor = 9", "material.loss_factor", "9", "less than 1"),
     changed("loss_factor = 0.0006", "loss_factor = 0.9", "material.loss_factor", "0.9", "?"),
+    changed("loss_factor = 0.0006", "loss_factor = 0.0", "material.loss_factor = 0.0", "no bound", "0.0001"),
+    changed("loss_factor = 0.0006", "loss_factor = 1e-12", "material.loss_factor", "1e-12", "0.0001", "?"),
     changed("friction_coefficient = 0.6", "friction_coefficient = 60", "friction_coefficient", "60"),
     changed("friction_coefficient = 0.6", "friction_coefficient = -0.6", "friction_coefficient", "-0.6"),
     changed("friction_coefficient = 0.6", 'friction_coefficient = "0.6"', "friction_coefficient", "0.6", "number"),
@@ -152,6 +154,11 @@ GEOMETRY = [
     changed('face_start = "0.4 mm"', 'face_start = "200 mm"', "damper.face_start", "do not touch"),
     changed('"43.35 mm"', '"433 mm"', "platform.top", "must be below the blade's tip"),
     changed('"43.35 mm"', '"5 mm"', "platform.top", "below the root"),
+    changed(
+        '"43.35 mm"', '"5 mm"', "platform.top", "allowed is more than 28.932 mm", "room", name="the platform too low"
+    ),
+    changed('"11.4 mm"', '"103 mm"', "excitation.height", "raise platform.top above", name="the excitation too high"),
+    changed('apex_flat = "3 mm"', 'apex_flat = "30 mm"', "damper.apex_flat = 30 mm", "no meaning", "mm wide", "?"),
     changed('"11.4 mm"', '"103 mm"', "excitation.height", "103 mm", "below"),
     changed('"20 mm"', '"140 mm"', "response.below_top", "140 mm"),
     changed('"46 mm"', '"3 mm"', "blade.axis_offset", "3 mm", "more"),
@@ -164,6 +171,7 @@ KEYS = [
     changed('axial_stiffness = "1e6 N/m"', "", "wire.axial_stiffness", "missing", "1e6 N/m"),
     changed("[wire]", "[wire]\ncolour = 3", "wire.colour", "unknown key"),
     changed("modes = 24", "modes = 0", "reduction.modes", "0"),
+    changed("modes = 24", "modes = 2400", "reduction.modes = 2400", "10 to 50", "GB", "?"),
     changed("modes = 24", "modes = 24.5", "reduction.modes", "24.5"),
     changed("width = 12", "width = 11", "mesh.small.width", "11", "multiple of 2"),
     changed("face = 4", "face = 0", "mesh.small.face", "0"),
