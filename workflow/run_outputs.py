@@ -165,6 +165,7 @@ def _error(run: Run, products: Products, curve: ResponseCurve) -> dict[str, Any]
 
 
 def _of_curves(run: Run, products: Products) -> dict[str, Any]:
+    followed = {entry.product.mode: entry.product for entry in products.resonances}
     return {
         "curves": [
             summary.curve_entry(
@@ -175,10 +176,11 @@ def _of_curves(run: Run, products: Products) -> dict[str, Any]:
                 _chosen(entry),
                 products.detached_of(curve.mode).get(curve.force),
                 products.marched_of(curve.mode).get(curve.force),
+                followed.get(curve.mode),
             )
             for entry, curve in ((entry, entry.product) for entry in products.curves)
         ],
-        "not_checked": not_checked(products.left, run.options),
+        "not_checked": not_checked(products, run.options),
         "not_known": {outcome.job.name: outcome.message for outcome in products.unknown},
         "failed_curves": {outcome.job.name: outcome.message for outcome in products.failures},
         "resonances": [
