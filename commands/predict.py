@@ -1,6 +1,6 @@
 """Commands of a prediction: `updamp run`, `check`, `show`."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -138,7 +138,7 @@ def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
     write_summary(path, summary)
     if summary.get("curves"):
         console.print(curves_table(summary["curves"]))
-    for mark, line in _remarks(products, summary.get("curves", ())):
+    for mark, line in _remarks(products, summary):
         console.print(Text.assemble((mark, "yellow"), line), soft_wrap=True)
     problems = [*_problems(products, summary), *([undrawn] if undrawn else [])]
     for line in problems:
@@ -147,14 +147,16 @@ def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
     return not problems
 
 
-def _remarks(products: "Products", curves: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, str]]:
-    """What is to be known of peaks, each with what it begins with. curves: their entries in the summary"""
+def _remarks(products: "Products", summary: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """What is to be known of modes and peaks, each with what it begins with."""
     from updamp.workflow.detached_summary import coexisting
     from updamp.workflow.followed_summary import different_peaks
     from updamp.workflow.marching_summary import moving_peaks
     from updamp.workflow.quick_look import peak_sentences, peaks_followed
     from updamp.workflow.stability_summary import doubtful_peaks
 
+    curves = summary.get("curves", ())
+    yield from (("names     ", line) for line in summary.get("misnamed_modes", ()))
     yield from (("followed  ", line) for line in (*peak_sentences(peaks_followed(products)), *different_peaks(curves)))
     yield from (("stability ", line) for line in doubtful_peaks(curves))
     yield from (("in time ", line) for line in moving_peaks(curves))

@@ -16,6 +16,7 @@ from updamp.pictures.scene import RenderingError
 from updamp.workflow import stages, summary
 from updamp.workflow.accuracy_summary import numerical_error
 from updamp.workflow.adaptive_curves import ChosenHarmonics, chosen_file
+from updamp.workflow.mode_names import misnamed_modes
 from updamp.workflow.output_folder import results_of_other_states
 from updamp.workflow.products import Products, Stored, stored
 from updamp.workflow.quick_look import error_is_left, not_checked
@@ -180,6 +181,7 @@ def _of_curves(run: Run, products: Products) -> dict[str, Any]:
             )
             for entry, curve in ((entry, entry.product) for entry in products.curves)
         ],
+        "misnamed_modes": misnamed_modes(products, run.response_point),
         "not_checked": not_checked(products, run.options),
         "not_known": {outcome.job.name: outcome.message for outcome in products.unknown},
         "failed_curves": {outcome.job.name: outcome.message for outcome in products.failures},

@@ -279,7 +279,7 @@ def overview_table(summary: Mapping[str, Any]) -> Table:
         if isinstance(values, Mapping):
             for name, value in values.items():
                 table.add_row(f"{section}.{name}", _short(value))
-        elif section == "not_checked":
+        elif section in ("not_checked", "misnamed_modes"):
             for sentence in values:
                 table.add_row(section, sentence)
         elif section != "curves":
