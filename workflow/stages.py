@@ -134,7 +134,7 @@ STATIC_CONTACT = Stage(
 )
 CURVE = Stage(
     name="curve",
-    version=13,
+    version=14,
     sections=(
         "damper_model",
         "material.loss_factor",
