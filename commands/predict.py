@@ -143,6 +143,8 @@ def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
     problems = [*_problems(products, summary), *([undrawn] if undrawn else [])]
     for line in problems:
         console.print(Text.assemble(("not complete ", "red"), line), soft_wrap=True)
+    if part := summary.get("part", ""):
+        console.print(Text.assemble(("part      ", "yellow"), part), soft_wrap=True)
     console.print(f"{path} after {summary['timing_s']['total']:.1f} s", highlight=False, soft_wrap=True)
     return not problems
 

@@ -167,6 +167,7 @@ def _error(run: Run, products: Products, curve: ResponseCurve) -> dict[str, Any]
 
 def _of_curves(run: Run, products: Products) -> dict[str, Any]:
     followed = {entry.product.mode: entry.product for entry in products.resonances}
+    part = run.options.part(tuple(run.rig.study.modes), run.rig.study.force_levels)
     return {
         "curves": [
             summary.curve_entry(
@@ -181,6 +182,7 @@ def _of_curves(run: Run, products: Products) -> dict[str, Any]:
             )
             for entry, curve in ((entry, entry.product) for entry in products.curves)
         ],
+        **({"part": part} if part else {}),
         "misnamed_modes": misnamed_modes(products, run.response_point),
         "not_checked": not_checked(products, run.options),
         "not_known": {outcome.job.name: outcome.message for outcome in products.unknown},

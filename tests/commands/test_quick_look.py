@@ -111,6 +111,10 @@ def test_a_curve_does_not_depend_on_what_is_left_out(quick, tmp_path):
     assert len(one) > 5
     assert one == other
     assert len(summary_of(tmp_path / "out")["not_checked"]) == 4, "what is not asked for is said too"
+    part = summary_of(tmp_path / "out")["part"]
+    assert part.startswith("asked for with --mode and --force: summary.json")
+    assert "have OOP at 3.84 N alone" in part
+    assert part in " ".join(result.output.split())
 
 
 AS_A_SHELL_DOES = (
