@@ -1,7 +1,8 @@
 """Commands of a prediction: `updamp run`, `check`, `show`."""
 
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
@@ -15,6 +16,7 @@ from updamp.workflow import stages
 # load, of which `updamp --help`, another command or the message of a mistyped option would have nothing.
 if TYPE_CHECKING:
     from updamp.rig.rig import Rig
+    from updamp.workflow.products import Products
     from updamp.workflow.run_options import RunOptions
 
 
@@ -119,14 +121,11 @@ def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
     """Whether every curve crossed its window and every picture was drawn."""
     from updamp.hbm.compilation_cache import keep_compiled
     from updamp.rig.questions import questions
-    from updamp.workflow.detached_summary import coexisting
-    from updamp.workflow.marching_summary import moving_peaks
     from updamp.workflow.output_folder import make_folder
     from updamp.workflow.progress import Display
-    from updamp.workflow.quick_look import not_checked, not_followed, peak_sentences, peaks_followed
+    from updamp.workflow.quick_look import not_checked
     from updamp.workflow.run import Run
     from updamp.workflow.run_outputs import summarise, write_outputs
-    from updamp.workflow.stability_summary import doubtful_peaks
     from updamp.workflow.summary import curves_table, write_summary
 
     keep_compiled()  # what pictures evaluate the contact law for
@@ -140,29 +139,47 @@ def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
         products = this.products()
         made, undrawn = write_outputs(this, products)
         display.done("files", ", ".join(made) or "all as they were")
-        for sentence in not_checked(products.left, options) if this.wanted(stages.CURVE) else ():
+        for sentence in not_checked(products, options) if this.wanted(stages.CURVE) else ():
             display.note("not checked", sentence)
     summary = summarise(this, products, meter.seconds, meter.peak_memory)
     path = options.folder / "summary.json"
     write_summary(path, summary)
     if summary.get("curves"):
         console.print(curves_table(summary["curves"]))
-    for line in peak_sentences(peaks_followed(products)):
-        console.print(Text.assemble(("followed  ", "yellow"), line), soft_wrap=True)
-    for line in doubtful_peaks(summary.get("curves", ())):
-        console.print(Text.assemble(("stability ", "yellow"), line), soft_wrap=True)
-    for line in moving_peaks(summary.get("curves", ())):
-        console.print(Text.assemble(("in time ", "yellow"), line), soft_wrap=True)
-    for line in coexisting(summary.get("curves", ())):
-        console.print(Text.assemble(("beside it ", "yellow"), line), soft_wrap=True)
-    problems = [f"{c['mode']} {c['force_N']:g} N: {c['problem']}" for c in summary.get("curves", ()) if c["problem"]]
-    problems += [f"{name}: {message}" for name, message in summary.get("failed_curves", {}).items()]
-    problems += not_followed(products)
-    problems += [undrawn] if undrawn else []
+    for mark, line in _remarks(products, summary):
+        console.print(Text.assemble((mark, "yellow"), line), soft_wrap=True)
+    problems = [*_problems(products, summary), *([undrawn] if undrawn else [])]
     for line in problems:
         console.print(Text.assemble(("not complete ", "red"), line), soft_wrap=True)
+    if part := summary.get("part", ""):
+        console.print(Text.assemble(("part      ", "yellow"), part), soft_wrap=True)
     console.print(f"{path} after {summary['timing_s']['total']:.1f} s", highlight=False, soft_wrap=True)
     return not problems
+
+
+def _remarks(products: "Products", summary: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """What is to be known of modes and peaks, each with what it begins with."""
+    from updamp.workflow.detached_summary import coexisting
+    from updamp.workflow.followed_summary import different_peaks
+    from updamp.workflow.marching_summary import moving_peaks
+    from updamp.workflow.quick_look import peak_sentences, peaks_followed
+    from updamp.workflow.stability_summary import doubtful_peaks
+
+    curves = summary.get("curves", ())
+    yield from (("names     ", line) for line in summary.get("misnamed_modes", ()))
+    yield from (("followed  ", line) for line in (*peak_sentences(peaks_followed(products)), *different_peaks(curves)))
+    yield from (("stability ", line) for line in doubtful_peaks(curves))
+    yield from (("in time ", line) for line in moving_peaks(curves))
+    yield from (("beside it ", line) for line in coexisting(curves))
+
+
+def _problems(products: "Products", summary: Mapping[str, Any]) -> Iterator[str]:
+    """What the run was to find and has not."""
+    from updamp.workflow.quick_look import not_followed
+
+    yield from (f"{c['mode']} {c['force_N']:g} N: {c['problem']}" for c in summary.get("curves", ()) if c["problem"])
+    yield from (f"{name}: {message}" for name, message in summary.get("failed_curves", {}).items())
+    yield from not_followed(products)
 
 
 def _force(text: str) -> float:

@@ -1,6 +1,7 @@
 """What a rig file states that can be, and hardly is meant so: each a question that names key, value and remedy.
 
-Windows are asked about again once the structure's frequencies are known. With friction a resonance lies between that of
+A mode's name is that of its window: which resonance it has is known once there are frequencies. So windows are asked
+about again then. With friction a resonance lies between that of
 the blade alone, as if all contacts slipped freely, and that of the structure whose contacts all stick: less stiffness
 never raises a frequency (Rayleigh).
 """
@@ -8,6 +9,7 @@ never raises a frequency (Rayleigh).
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
@@ -126,6 +128,19 @@ def _study(rig: Rig, usual: Usual) -> Iterator[str]:
                 f"study.modes.{name}.window = {_hertz(mode.window[0])} to {_hertz(mode.window[1])}: beam theory has "
                 f"the blade's first bending mode near {bending:.3g} Hz, so no mode is likely there; is it in Hz?"
             )
+    yield from _shared_windows({name: mode.window for name, mode in rig.study.modes.items()})
+
+
+def _shared_windows(windows: Mapping[str, Range]) -> Iterator[str]:
+    """Of two windows one of which has the middle of the other in it, where that one's resonance is looked for."""
+    for (name, one), (other, its) in combinations(windows.items(), 2):
+        low, high = max(one[0], its[0]), min(one[1], its[1])
+        if any(low <= (window[0] + window[1]) / 2 <= high for window in (one, its)):
+            yield (
+                f"study.modes.{other}.window = {_hertz(its[0])} to {_hertz(its[1])} overlaps that of {name}, "
+                f"{_hertz(one[0])} to {_hertz(one[1])}: a mode is whatever resonates most in its window, and both may "
+                f"be the same resonance; should each have a window of its own?"
+            )
 
 
 def first_bending(rig: Rig) -> float:
@@ -154,6 +169,37 @@ def empty_windows(windows: Mapping[str, Range], resonances: Sequence[Range], kno
         for mode, (low, high) in windows.items()
         if low < known_up_to and not any(low <= top and bottom <= high for bottom, top in resonances)
     ]
+
+
+def undivided_windows(windows: Mapping[str, Range], coupled: Mapping[str, float]) -> list[str]:
+    """A question for each window of a mode that is known by name and that the other one lies in too.
+
+    windows: mode -> (lower, upper) [Hz]; coupled: mode -> frequency with all contacts stuck [Hz]
+    """
+    return [
+        f"study.modes.{mode}.window = {low:g} to {high:g} Hz has {_named(inside)} in it, with all contacts stuck: the "
+        f"one that responds most is followed as {mode}; is a window without the other meant?"
+        for mode, (low, high) in windows.items()
+        if len(inside := {name: at for name, at in coupled.items() if low <= at <= high}) > 1 and mode in coupled
+    ]
+
+
+def misnamed(found: Mapping[str, float], coupled: Mapping[str, float]) -> list[str]:
+    """A sentence for each mode whose resonance is another mode's.
+
+    found: mode -> frequency at the lowest force [Hz]; coupled: as in `undivided_windows`
+    """
+    nearest = {mode: min(coupled, key=lambda name: abs(coupled[name] - at)) for mode, at in found.items()}
+    return [
+        f"{mode}: its resonance at the lowest force, {at:.2f} Hz, is that of {nearest[mode]}: with all contacts stuck "
+        f"there are {_named(coupled)}; give {mode} a window without {nearest[mode]}"
+        for mode, at in found.items()
+        if mode in coupled and nearest[mode] != mode
+    ]
+
+
+def _named(frequencies: Mapping[str, float]) -> str:
+    return " and ".join(f"{name} at {at:.2f} Hz" for name, at in frequencies.items())
 
 
 def _newton(force: float) -> str:

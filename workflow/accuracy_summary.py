@@ -32,6 +32,8 @@ def numerical_error(products: Products, curve: ResponseCurve, point: str) -> dic
 def _of_the_finer_curve(curve: ResponseCurve, finer: ResponseCurve | None) -> str:
     if not len(curve):
         return "not known: the curve has no point"
+    if not curve.complete:
+        return "not known: the curve is not complete, and was not traced with more harmonics"
     if finer is None or not len(finer):
         return "not known: the curve with more harmonics failed" + (f" ({finer.stopped})" if finer is not None else "")
     if not finer.complete:

@@ -64,6 +64,11 @@ class Display:
             with suppress(OSError), self.log.open("a", encoding="utf-8") as file:  # it is not worth failing for
                 file.write(f"{datetime.now():%Y-%m-%d %H:%M:%S} {mark:<10}{text}\n")
 
+    def begins(self, name: str) -> None:
+        """A line about work that may take minutes, where no bar can be seen."""
+        if not self.console.is_terminal:
+            self._line("begins", "dim", name)
+
     def forget(self, name: str) -> None:
         """Take a bar away without a line."""
         if name in self._bars:
@@ -107,6 +112,8 @@ class Together:
         self._show()
 
     def update(self, piece: str, share: float) -> None:
+        if piece not in self._shares:
+            self._display.begins(piece)
         self._shares[piece] = share
         self._show()
 

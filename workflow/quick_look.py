@@ -70,11 +70,12 @@ def peaks_followed(products: Products) -> Mapping[tuple[str, float], PeakPoint |
 
 
 def not_followed(products: Products) -> list[str]:
-    """Sentences on the curves that were left out and whose peak is not known either, each with the reason."""
+    """Sentences on the peaks that neither a curve nor the resonance followed in the force has come to, and why."""
     why = {entry.product.mode: entry.product.stopped for entry in products.resonances}
     why |= {one.job.mode: one.message for one in products.unknown if isinstance(one.job, ResonanceJob)}
     return [
-        f"{mode} {force:g} N: the resonance was not followed so far: {why.get(mode) or 'it was not begun'}"
+        f"{mode} {force:g} N: there is no curve, and the resonance was not followed so far: "
+        f"{why.get(mode) or 'it was not begun'}"
         for (mode, force), peak in peaks_followed(products).items()
         if peak is None
     ]
@@ -87,14 +88,12 @@ def _peak(followed: ResonanceCurve | None, force: float) -> PeakPoint | None:
     return PeakPoint(force, float(followed.frequency[at]), float(abs(followed.receptance[at])), followed.complete)
 
 
-def not_checked(left: Sequence[Job], options: RunOptions) -> list[str]:
+def not_checked(products: Products, options: RunOptions) -> list[str]:
     """Sentences on what is not known, for it was left out or not asked for."""
-    curves = [job.name for job in curves_left(left)]
-    said = (
-        [f"{', '.join(curves)}: no curve; its peak is where the resonance followed in force passes it"]
-        if curves
-        else []
-    )
+    left, peaks = products.left, peaks_followed(products)
+    met = [f"{mode} {force:g} N" for (mode, force), peak in peaks.items() if peak is not None]
+    said = [f"{', '.join(met)}: no curve; its peak is where the resonance followed in force passes it"] if met else []
+    said += not_followed(products)
     said += [_SENTENCES[about] for about in _about_curves(left, options)]
     if not options.resonance:
         said.append("the resonance followed in force, and branches beside the curves that it leads to")

@@ -10,7 +10,7 @@ from updamp.fem.rig_components import RigComponents
 from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.geometry.rig_mesh import RigMesh
 from updamp.parallel.resources import Meter
-from updamp.rig.questions import empty_windows, possible_resonances
+from updamp.rig.questions import empty_windows, possible_resonances, undivided_windows
 from updamp.rig.rig import Rig
 from updamp.workflow import stages, store
 from updamp.workflow.accuracy_jobs import AccuracyJob
@@ -100,7 +100,8 @@ class Run:
             return
         resonances = possible_resonances(finite_elements.blade_frequencies.tolist(), check.full.tolist())
         windows = {mode: self.rig.study.modes[mode].window for mode in self.options.modes or self.rig.study.modes}
-        for question in empty_windows(windows, resonances, float(check.full.max())):
+        known = float(check.full.max())
+        for question in (*empty_windows(windows, resonances, known), *undivided_windows(windows, check.named)):
             self.display.note("question", question)
 
     def _with_curves(self, done: Products, finite_elements: Path, rest: Path) -> Products:

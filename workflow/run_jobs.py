@@ -47,14 +47,12 @@ class RunJobs:
     rest: Path
 
     def at_once(self) -> tuple[RunJob, ...]:
-        """What waits for no curve: the curves, one a mode and force, as the study or the options have them; the same
-        with more harmonics where the rig file states how many; and the resonances, one a mode."""
+        """What waits for no curve: the curves, one a mode and force, as the study or the options have them; and the
+        resonances, one a mode."""
         options, rig = self.files.options, self.files.rig
         modes = options.modes or tuple(rig.study.modes)
         choices = [(mode, force) for mode in modes for force in options.forces or rig.study.force_levels]
         found: list[RunJob] = [self._curve(*choice) for choice in choices]
-        if options.accuracy and rig.harmonic_balance.tolerance is None:
-            found += [self._finer_curve(*choice) for choice in choices]
         if options.resonance:
             found += [self._resonance(mode) for mode in modes]
         return tuple(found)
@@ -66,14 +64,13 @@ class RunJobs:
         return tuple(self._about(of_these_harmonics(job, product), product))
 
     def count_following(self, job: RunJob) -> int:
-        """How many they will be."""
+        """How many they will be, where the curve is complete."""
         options = self.files.options
         if not isinstance(job, CurveJob) or job.finer:
             return 0
         if options.quick:
             return int(options.marching)
-        chosen = self.files.rig.harmonic_balance.tolerance is not None
-        return options.stability + options.marching + options.accuracy * (1 + chosen)
+        return options.stability + options.marching + 2 * options.accuracy
 
     def beside(
         self, job: CurveJob, curve: ResponseCurve, followed: Stored[ResonanceCurve] | None
@@ -95,7 +92,7 @@ class RunJobs:
             yield StabilityJob(traced, self.point, *self._of_these_points(stages.STABILITY, traced, curve))
         if options.marching:
             yield MarchingJob(traced, self.point, *self._of_these_points(stages.MARCHED_PEAK, traced, curve))
-        if options.accuracy and self.files.rig.harmonic_balance.tolerance is not None:
+        if options.accuracy and curve.complete:  # of what is not known whole there is no change to be known
             yield replace(self._finer_curve(traced.mode, traced.force), orders=traced.orders)
 
     def _of_these_points(self, stage: Stage, job: CurveJob, curve: ResponseCurve) -> tuple[str, Path]:

@@ -16,6 +16,7 @@ from updamp.pictures.scene import RenderingError
 from updamp.workflow import stages, summary
 from updamp.workflow.accuracy_summary import numerical_error
 from updamp.workflow.adaptive_curves import ChosenHarmonics, chosen_file
+from updamp.workflow.mode_names import misnamed_modes
 from updamp.workflow.output_folder import results_of_other_states
 from updamp.workflow.products import Products, Stored, stored
 from updamp.workflow.quick_look import error_is_left, not_checked
@@ -166,6 +167,8 @@ def _error(run: Run, products: Products, curve: ResponseCurve) -> dict[str, Any]
 
 
 def _of_curves(run: Run, products: Products) -> dict[str, Any]:
+    followed = {entry.product.mode: entry.product for entry in products.resonances}
+    part = run.options.part(tuple(run.rig.study.modes), run.rig.study.force_levels)
     return {
         "curves": [
             summary.curve_entry(
@@ -176,10 +179,13 @@ def _of_curves(run: Run, products: Products) -> dict[str, Any]:
                 _chosen(entry),
                 products.detached_of(curve.mode).get(curve.force),
                 products.marched_of(curve.mode).get(curve.force),
+                followed.get(curve.mode),
             )
             for entry, curve in ((entry, entry.product) for entry in products.curves)
         ],
-        "not_checked": not_checked(products.left, run.options),
+        **({"part": part} if part else {}),
+        "misnamed_modes": misnamed_modes(products, run.response_point),
+        "not_checked": not_checked(products, run.options),
         "not_known": {outcome.job.name: outcome.message for outcome in products.unknown},
         "failed_curves": {outcome.job.name: outcome.message for outcome in products.failures},
         "resonances": [

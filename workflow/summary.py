@@ -24,6 +24,7 @@ from updamp.parallel.whole_file import write_whole
 from updamp.workflow.accuracy_summary import error_cells
 from updamp.workflow.adaptive_curves import ChosenHarmonics
 from updamp.workflow.detached_summary import detached_entries
+from updamp.workflow.followed_summary import followed_entry
 from updamp.workflow.marching_summary import marching_entry, marching_remark
 from updamp.workflow.output_folder import SUMMARY
 from updamp.workflow.stability_summary import stability_entry
@@ -87,11 +88,13 @@ def curve_entry(
     chosen: ChosenHarmonics | None = None,
     detached: DetachedBranches | None = None,
     marched: MarchedPeak | None = None,
+    followed: ResonanceCurve | None = None,
 ) -> dict[str, Any]:
     """point: where the peak is taken, first harmonic; a branch that found no point at all has no peak
 
     numerical_error: where the run says how accurate it is; chosen: where the harmonics were chosen for this curve
     detached: where branches were found that are no part of it; marched: where the peak was marched in time
+    followed: the mode's resonance, where it was followed in the force
     """
     entry: dict[str, Any] = {
         "mode": curve.mode,
@@ -110,6 +113,7 @@ def curve_entry(
         "stability": stability_entry(curve, stability, point) if stability is not None else None,
         "marching": marching_entry(marched) if marched is not None else None,
         "detached": detached_entries(detached, point),
+        "followed": followed_entry(curve, followed, point, numerical_error),
     }
     if len(curve):
         entry |= _solved(curve, point)
@@ -282,7 +286,7 @@ def overview_table(summary: Mapping[str, Any]) -> Table:
         if isinstance(values, Mapping):
             for name, value in values.items():
                 table.add_row(f"{section}.{name}", _short(value))
-        elif section == "not_checked":
+        elif section in ("not_checked", "misnamed_modes"):
             for sentence in values:
                 table.add_row(section, sentence)
         elif section != "curves":

@@ -47,16 +47,27 @@ def shortcoming(curve: ResponseCurve, window: tuple[float, float], limits: Compl
             f"the response is largest at {frequency[top]:.2f} Hz, at or beyond the end of the window from {low:.4g} to "
             f"{high:.4g} Hz, so that its resonance does not lie within it: widen the window"
         )
-    width = half_width(frequency, size)
+    width, outside = half_width(frequency, size), ""
     for i in np.flatnonzero(after_gap):
-        apart = abs(frequency[i] - frequency[i - 1])
-        change = relative_change(response[i - 1], response[i])
-        if apart > allowed or apart > limits.half_width * width or change > limits.change:
+        ends = frequency[i - 1 : i + 1]
+        apart, change = abs(ends[1] - ends[0]), relative_change(response[i - 1], response[i])
+        if not (apart > allowed or apart > limits.half_width * width or change > limits.change):
+            continue
+        if low <= ends.max() and ends.min() <= high:
             return (
-                f"the branch was not followed between {frequency[i - 1]:.2f} and {frequency[i]:.2f} Hz, where the "
-                f"response changes by {change:.0%}"
+                f"the branch was not followed between {ends[0]:.2f} and {ends[1]:.2f} Hz, where the response changes "
+                f"by {change:.0%}"
             )
-    return ""
+        outside = _left(low if ends.max() < low else high, (low, high))
+    return outside
+
+
+def _left(end: float, window: tuple[float, float]) -> str:
+    """Of a gap beyond an end of the window: nothing of the window is missing there."""
+    return (
+        f"the branch leaves the window from {window[0]:.4g} to {window[1]:.4g} Hz at {end:.4g} Hz, and it is not known "
+        "whether what comes back there is the same branch: widen the window"
+    )
 
 
 def half_width(frequency: Floats, size: Floats) -> float:

@@ -100,6 +100,8 @@ def _from_further_starts(
     """Segments from starts between the open ends, in both directions, until the ends of the window are connected."""
     left = request.assembly.from_starts
     for _ in range(request.assembly.most_starts):
+        if pieces.open_outside:  # nothing of the window is missing
+            return
         ends = [end.traced for end in pieces.open_ends() if end.traced is not None]
         start = next((point for point in starts(system, request, ends) if not pieces.knows(point)), None)
         if start is None or not left:

@@ -82,7 +82,7 @@ class BranchSegment:
         at = self.last.frequency if self.last is not None else np.nan
         self.left_at = int(at > high) - int(at < low)
         inside = f"the end of the window was not reached in {most} points: raise max_points"
-        self.end(f"it left the window at {at:.2f} Hz" if self.left_at else inside)
+        self.end("it left the window" if self.left_at else inside)
 
     def _extend(self, point: BranchPoint) -> None:
         traced = TracedBranch([point]) if self.traced is None else self.traced.extended([point])
@@ -163,6 +163,12 @@ class Pieces:
             return ()
         last = (self._chain(segment)[-1] for segment in (self.first, self.second))
         return [part.segment for part in last]
+
+    @property
+    def open_outside(self) -> bool:
+        """Whether the chains from both ends stop beyond the same end of the window, so that nothing of it lies between
+        them."""
+        return {segment.left_at for segment in self.open_ends()} in ({-1}, {1})
 
     def parts(self) -> Sequence[Part]:
         """In the order of the curve, from the first segment's end of the window to the other one, with what was found

@@ -24,6 +24,7 @@ class Status(Enum):
     TOO_MANY_ITERATIONS = "too many iterations"
     DIVERGED = "diverged"
     STALLED = "stalled"
+    NO_MAXIMUM = "no maximum of the response between the half-power points of the phase that is followed"
 
     @property
     def advice(self) -> str:
@@ -35,6 +36,7 @@ _ADVICE = {
     Status.TOO_MANY_ITERATIONS: "start closer (smaller step, neighbouring force level) or allow more iterations",
     Status.DIVERGED: "the residual is not finite: check stiffness, preload and the zero harmonic's support by the wire",
     Status.STALLED: "no step lowers the residual: use more time samples, or start from fewer harmonics",
+    Status.NO_MAXIMUM: "trace the response curve at this force",
 }
 
 

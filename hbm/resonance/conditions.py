@@ -14,7 +14,7 @@ from scipy.optimize import minimize_scalar
 
 from updamp.hbm.continuation.step_lengths import StepLengths
 from updamp.hbm.newton.equation import linear_solution
-from updamp.hbm.newton.newton import NewtonOptions
+from updamp.hbm.newton.newton import NewtonOptions, Status
 from updamp.hbm.resonance.resonance import (
     Hyperplane,
     ResonanceProblem,
@@ -25,13 +25,15 @@ from updamp.hbm.resonance.resonance import (
 )
 
 LARGEST_TURN = 0.4  # [rad] from one phase tried for the maximum to the next
+HALF_POWER = np.pi / 4  # [rad] from a resonance's phase to those at which it has fallen to 1 / sqrt(2)
 
 
 def turned(
     problem: ResonanceProblem, solution: ResonanceSolution, turn: float, options: NewtonOptions, lengths: StepLengths
 ) -> ResonanceSolution:
     """The response at the same force with its phase turned [rad], on the same branch: by less where the solution lies
-    far off what the tangent at constant force has predicted, which may be another branch."""
+    far off what the tangent at constant force has predicted, which may be another branch; its status tells where none
+    on this branch is found."""
     state, line = solution.state, solution.linearised
     size = float(np.linalg.norm(state.z))  # the mean position counts: branches that vibrate alike differ in it
     while True:
@@ -41,8 +43,10 @@ def turned(
         nearby = replace(problem, near=line.jacobian.factors)
         found = at_phase(nearby, guess, constant_force_plane(guess), options)
         off, moved = (float(np.linalg.norm(found.state.z - there.z)) / size for there in (guess, state))
-        if (found.converged and lengths.as_predicted(off, moved)) or abs(turn) < lengths.smallest_step:
+        if found.converged and lengths.as_predicted(off, moved):
             return found
+        if abs(turn) < lengths.smallest_step:
+            return replace(found, status=Status.STALLED) if found.converged else found
         turn /= 2
 
 
@@ -92,7 +96,9 @@ class PhaseResonance:
 class MaximumResonance:
     """The largest first harmonic of the observed displacement along the response at constant force.
 
-    From force to force the response is followed at one phase, and the maximum is looked for from there.
+    From force to force the response is followed at one phase, and the maximum is looked for from there, along the
+    response at constant force: up to the half-power points, where a resonance of that phase has fallen to 1 / sqrt(2).
+    What is largest beyond them is not what is followed.
 
     tolerance: how near the phase comes to the maximum's [rad]; tries: phases tried at most
     followed: the phase that is followed [rad], by default that of the linear response at its maximum
@@ -101,7 +107,7 @@ class MaximumResonance:
     """
 
     tolerance: float = 1e-3
-    tries: int = 16
+    tries: int = 100
     followed: float | None = None
     lengths: StepLengths = field(default_factory=StepLengths)
 
@@ -123,12 +129,15 @@ class MaximumResonance:
         """Root of lag_to_maximum over the phase: secant steps kept inside the bracket once there is one.
 
         Sampled contact laws have tangents that jump, so there may be no root but a change of sign: the bracket is
-        then closed to the tolerance. Where the response cannot be solved on the way, the largest that was is taken.
+        then closed to the tolerance, or as far as the response can be solved, and the largest that was is taken. What
+        lies between no two phases of different sign is no maximum, and its status tells.
         """
         solution = self.solve(problem, guess, constant_force_plane(guess), options)
-        largest, iterations, tried = solution, solution.iterations, _PhaseBracket()
+        tried = _PhaseBracket(solution.state.phase, self.lengths.most_growth)
+        largest, iterations, status = solution, solution.iterations, Status.TOO_MANY_ITERATIONS
         for _ in range(self.tries):
             if not solution.converged:
+                status = solution.status
                 break
             if abs(solution.amplitude) > abs(largest.amplitude):
                 largest = solution
@@ -136,22 +145,43 @@ class MaximumResonance:
             tried.add(solution.state.phase, lag)
             if abs(lag) < self.tolerance or tried.width < self.tolerance:
                 return replace(solution, iterations=iterations)
+            if tried.room < self.tolerance:
+                status = Status.NO_MAXIMUM
+                break
             solution = turned(problem, solution, tried.next() - solution.state.phase, options, self.lengths)
             iterations = max(iterations, solution.iterations)
-        return replace(largest, iterations=iterations)
+        return replace(largest, iterations=iterations, status=Status.CONVERGED if tried.closed else status)
 
 
 class _PhaseBracket:
-    """Phases tried for the maximum: before it (lag > 0) and past it (lag < 0)."""
+    """Phases tried for the maximum: before it (lag > 0) and past it (lag < 0), within the half-power points of the
+    phase that is followed [rad].
 
-    def __init__(self) -> None:
+    growth: the most that a turn is longer than the last one, until a maximum is between two phases
+    """
+
+    def __init__(self, followed: float, growth: float) -> None:
+        self.ends, self.growth = (followed - HALF_POWER, followed + HALF_POWER), growth
         self.before: tuple[float, float] | None = None
         self.past: tuple[float, float] | None = None
         self.last: list[tuple[float, float]] = []
+        self.widths: list[float] = []
+
+    @property
+    def closed(self) -> bool:
+        """Whether a maximum lies between two phases tried."""
+        return self.before is not None and self.past is not None
 
     @property
     def width(self) -> float:
         return self.before[0] - self.past[0] if self.before and self.past else np.inf
+
+    @property
+    def room(self) -> float:
+        """From the last phase to the half-power point that lies towards the maximum, where none is between two phases
+        [rad]."""
+        phase, lag = self.last[-1]
+        return np.inf if self.closed else abs(self.ends[0 if lag > 0 else 1] - phase)
 
     def add(self, phase: float, lag: float) -> None:
         if lag > 0 and (self.before is None or phase < self.before[0]):
@@ -159,16 +189,20 @@ class _PhaseBracket:
         if lag <= 0 and (self.past is None or phase > self.past[0]):
             self.past = (phase, lag)
         self.last = [*self.last[-1:], (phase, lag)]
+        self.widths = [*self.widths[-1:], self.width]
 
     def next(self) -> float:
-        phase, lag = self.last[-1]
-        slope = 1.0
-        if len(self.last) > 1 and phase != self.last[0][0]:
-            slope = (lag - self.last[0][1]) / (phase - self.last[0][0])
-        turn = -lag / slope if slope > 0.2 else -lag
-        proposed = phase + float(np.clip(turn, -LARGEST_TURN, LARGEST_TURN))
-        if self.before and self.past and not self.past[0] < proposed < self.before[0]:
-            return (self.past[0] + self.before[0]) / 2
+        (phase, lag), before = self.last[-1], self.last[0][0]
+        turn, longest = -lag, LARGEST_TURN
+        if phase != before:
+            slope = (lag - self.last[0][1]) / (phase - before)
+            turn = -lag / slope if slope > 0 else -np.sign(lag) * np.inf
+            longest = LARGEST_TURN if self.closed else min(self.growth * abs(phase - before), LARGEST_TURN)
+        proposed = float(np.clip(phase + np.clip(turn, -longest, longest), *self.ends))
+        if self.before and self.past:
+            halved = self.width <= self.widths[0] / 2
+            if not (halved and self.past[0] < proposed < self.before[0]):
+                return (self.past[0] + self.before[0]) / 2
         return proposed
 
 

@@ -69,9 +69,13 @@ class ResonanceStoppedError(Exception):
 
     def __init__(self, solution: ResonanceSolution, status: Status) -> None:
         self.force, self.frequency, self.status, self.error = solution.force, solution.frequency, status, solution.error
+        where = f"the resonance stops at {self.force:.4g} N, {self.frequency:.4f} Hz: {status.value}"
+        solved = status is Status.NO_MAXIMUM  # the point is, and is not what is looked for
         super().__init__(
-            f"the resonance stops at {self.force:.4g} N, {self.frequency:.4f} Hz: {status.value}, residual "
-            f"{self.error:.1e} of the displacement; {status.advice}, or begin at another force or response curve"
+            f"{where}; {status.advice}"
+            if solved
+            else f"{where}, residual {self.error:.1e} of the displacement; {status.advice}, or begin at another force "
+            "or response curve"
         )
 
 

@@ -145,6 +145,9 @@ def test_an_error_that_is_not_known_says_why_and_the_run_goes_on():
     none = numerical_error(replace(products, finer=(), point_errors=()), curve, "blade_right.tip.x")
     assert "the curve with more harmonics failed" in none["not_known"]
     assert error_cells(none) == ("not known", "")
+    short = replace(curve, complete=False, stopped="widen the window")
+    known = numerical_error(replace(products, finer=()), short, "blade_right.tip.x")["not_known"]
+    assert known.startswith("not known: the curve is not complete, and was not traced with more harmonics")
 
 
 def test_the_csv_holds_the_curves(finished):

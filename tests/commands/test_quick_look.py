@@ -91,7 +91,9 @@ def test_why_the_resonance_stopped_is_said_at_the_end_and_of_a_kept_one_too(quic
     assert again.exit_code == 1
     said = " ".join(again.output.split())
     assert "stopped OOP, resonance kept as it is on file: stalled: use more time samples" in said
-    assert "OOP 17 N: the resonance was not followed so far: stalled: use more time samples" in said
+    assert (
+        "OOP 17 N: there is no curve, and the resonance was not followed so far: stalled: use more time samples" in said
+    )
 
 
 def test_the_run_without_it_computes_what_is_missing_and_takes_the_rest(quick, tmp_path):
@@ -130,6 +132,10 @@ def test_a_curve_does_not_depend_on_what_is_left_out(quick, tmp_path):
     assert len(one) > 5
     assert one == other
     assert len(summary_of(tmp_path / "out")["not_checked"]) == 4, "what is not asked for is said too"
+    part = summary_of(tmp_path / "out")["part"]
+    assert part.startswith("asked for with --mode and --force: summary.json")
+    assert "have OOP at 3.84 N alone" in part
+    assert part in " ".join(result.output.split())
 
 
 AS_A_SHELL_DOES = (

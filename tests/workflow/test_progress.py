@@ -24,6 +24,17 @@ def test_pieces_together_are_told_as_their_mean_and_the_bar_goes_with_them() -> 
         assert display._progress.tasks == []
 
 
+@pytest.mark.parametrize("terminal", [False, True])
+def test_work_that_begins_is_said_once_where_no_bar_can_be_seen(terminal: bool) -> None:
+    said = io.StringIO()
+    with Display(Console(file=said, force_terminal=terminal)) as display:
+        all_of_them = display.together("in all", 2)
+        for share in (0.0, 0.1, 0.5):
+            all_of_them.update("OOP 17 N, more harmonics", share)
+        all_of_them.over()
+    assert said.getvalue().count("begins    OOP 17 N, more harmonics") == (0 if terminal else 1)
+
+
 def test_time_left_follows_from_the_share_once_it_is_known() -> None:
     assert time_left(10.0, 0.01) == ""
     assert time_left(10.0, 0.25) == ", about 30 s left"

@@ -206,6 +206,42 @@ def test_a_largest_response_at_the_end_of_the_window_is_no_peak(window, upwards)
     assert "its resonance does not lie within it: widen the window" in curve.stopped
 
 
+def two_branches(seen):
+    """`continue_branch` whose branch from the lower end of the window turns and leaves it there, another one than that
+    from the upper end, which leaves at the lower end too. seen: the starts that it was given"""
+
+    def followed(system, excitation, window, options, upwards, resume=()):
+        seen.extend(resume)
+        points = []
+        for point in continue_branch(system, excitation, window, options, upwards, resume):
+            points.append(point if upwards else replace(point, x=3 * point.x))
+            yield points[-1]
+            if upwards and point.frequency > np.quantile(window, 0.2):
+                below = next(continue_branch(system, excitation, (0.9 * window[0], window[1]), options))
+                yield from (*points[-2::-1], below)
+                return
+
+    return followed
+
+
+def test_where_the_branch_leaves_the_window_nothing_of_it_is_missing(monkeypatch):
+    """But what comes back there need not be the same branch, so that the curve is not complete."""
+    system, request = linear_oscillator()
+    starts = []
+    monkeypatch.setattr(segments, "continue_branch", two_branches(starts))
+    *_, curve = trace(system, request)
+    assert not curve.complete
+    assert starts == [], "there is nothing to be found between the ends"
+    assert "not followed" not in curve.stopped
+    assert (
+        f"the branch leaves the window from {WINDOW[0]:.4g} to {WINDOW[1]:.4g} Hz at {WINDOW[0]:.4g} Hz"
+        in curve.stopped
+    )
+    assert "widen the window" in curve.stopped
+    assert "Hz: it left the window" in curve.stopped
+    assert "it left the window at" not in curve.stopped, "a frequency is named once"
+
+
 def test_half_width_of_a_linear_resonance_is_that_of_its_damping():
     frequency, ratio = np.linspace(0.9, 1.1, 2001), 0.01
     size = 1 / np.abs(1 - frequency**2 + 2j * ratio * frequency)

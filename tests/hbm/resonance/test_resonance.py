@@ -13,7 +13,7 @@ from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
 from updamp.hbm.continuation.continuation import ContinuationOptions
 from updamp.hbm.continuation.curve import CurveRequest, trace
-from updamp.hbm.newton.newton import NewtonOptions
+from updamp.hbm.newton.newton import NewtonOptions, Status
 from updamp.hbm.problem.elements import ElementGroup
 from updamp.hbm.problem.system import Excitation
 from updamp.hbm.resonance import resonance_curve
@@ -142,6 +142,28 @@ def test_maximum_is_a_maximum(blades):
         )
         assert beside.converged
         assert abs(beside.amplitude) < abs(top.amplitude)
+
+
+def test_the_largest_response_that_was_tried_is_no_maximum(blades):
+    """Two phases tried, both on the same side of the maximum."""
+    problem = _problem(blades)
+    top = first_resonance(problem, MaximumResonance(), WINDOW, 40.0)
+    condition = MaximumResonance(tries=2, followed=top.state.phase + 0.7)
+    found = condition.at_force(problem, top.state, NewtonOptions())
+    assert found.status is Status.TOO_MANY_ITERATIONS
+    assert abs(found.linearised.lag_to_maximum) > condition.tolerance
+
+
+def test_a_maximum_beyond_the_half_power_points_is_not_what_is_followed(blades):
+    """A linear resonance, the phase followed 60 degrees off that of its maximum, and 30 degrees."""
+    problem = _problem(blades)
+    peak = linear_peak(problem, WINDOW, np.log(0.1))
+    far, near = (MaximumResonance(followed=peak.phase + np.radians(off)) for off in (60.0, 30.0))
+    assert far.at_force(problem, peak, NewtonOptions()).status is Status.NO_MAXIMUM
+    assert near.at_force(problem, peak, NewtonOptions()).w == pytest.approx(peak.w, rel=1e-6)
+    curve = whole_resonance(blades, ResonanceRequest("1", "excitation", "tip", WINDOW, (0.1, 0.2), far))
+    assert "no maximum of the response between the half-power points" in curve.stopped
+    assert "trace the response curve" in curve.stopped
 
 
 def test_with_modes_close_together_the_peak_has_another_phase(blades):
