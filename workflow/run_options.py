@@ -40,17 +40,17 @@ class RunOptions:
     def __post_init__(self) -> None:
         checked_workers(self.workers)
 
-    def part(self, modes: Sequence[str], levels: Sequence[float]) -> str:
+    def part(self, modes: Sequence[str]) -> str:
         """A sentence on which curves of a study the run has, where it was asked for a part; "" where it has all.
 
-        modes, levels [N]: of the study
+        modes: of the study
         """
         names = [option for option, given in (("--mode", self.modes), ("--force", self.forces)) if given]
         if not names:
             return ""
-        forces = ", ".join(f"{force:g}" for force in sorted(self.forces or levels))
+        forces = f" at {', '.join(f'{force:g}' for force in sorted(self.forces))} N" if self.forces else ""
         return (
             f"asked for with {' and '.join(names)}: summary.json and the response files that were written now have "
-            f"{', '.join(self.modes or modes)} at {forces} N alone; other files here, pictures that were not drawn now "
-            f"too, are of earlier runs. Without {' and '.join(names)} the run has all of the study"
+            f"{', '.join(self.modes or modes)}{forces} alone; other files here, pictures that were not drawn now too, "
+            f"are of earlier runs. Without {' and '.join(names)} the run has all of the study"
         )

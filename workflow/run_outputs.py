@@ -168,7 +168,7 @@ def _error(run: Run, products: Products, curve: ResponseCurve) -> dict[str, Any]
 
 def _of_curves(run: Run, products: Products) -> dict[str, Any]:
     followed = {entry.product.mode: entry.product for entry in products.resonances}
-    part = run.options.part(tuple(run.rig.study.modes), run.rig.study.force_levels)
+    part = run.options.part(tuple(run.rig.study.modes))
     return {
         "curves": [
             summary.curve_entry(

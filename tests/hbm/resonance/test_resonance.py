@@ -16,7 +16,7 @@ from updamp.hbm.continuation.curve import CurveRequest, trace
 from updamp.hbm.newton.newton import NewtonOptions, Status
 from updamp.hbm.problem.elements import ElementGroup
 from updamp.hbm.problem.system import Excitation
-from updamp.hbm.resonance import resonance_curve
+from updamp.hbm.resonance import conditions, resonance_curve
 from updamp.hbm.resonance.backbone import (
     ResonanceOptions,
     ResonanceStoppedError,
@@ -152,6 +152,16 @@ def test_the_largest_response_that_was_tried_is_no_maximum(blades):
     found = condition.at_force(problem, top.state, NewtonOptions())
     assert found.status is Status.TOO_MANY_ITERATIONS
     assert abs(found.linearised.lag_to_maximum) > condition.tolerance
+
+
+def test_what_lies_elsewhere_however_small_the_turn_is_not_taken(blades, monkeypatch):
+    """A corrector that always ends on another branch, twice as large."""
+    top = first_resonance(_problem(blades), MaximumResonance(), WINDOW, 0.1)
+    elsewhere = replace(top, state=replace(top.state, z=2 * top.state.z))
+    monkeypatch.setattr(conditions, "at_phase", lambda *_: elsewhere)
+    assert elsewhere.converged
+    found = conditions.turned(_problem(blades), top, 0.1, NewtonOptions(), ResonanceOptions())
+    assert found.status is Status.STALLED
 
 
 def test_a_maximum_beyond_the_half_power_points_is_not_what_is_followed(blades):
