@@ -4,6 +4,10 @@ leaves of runs whose noise is not stated.
 A sensor and its amplifier have a floor. What is small beside it, the lowest levels, the flanks of a resonance, the
 neighbourhood of an antiresonance, is noisier in proportion, and one number for a sensor would count that as a misfit,
 and leave the peaks less sure than they are.
+
+How rough a run is tells its noise only where it has many points: third differences of a resonance in fifteen points are
+as large as its noise, which is then taken for twice what it is, and what a model lacks goes unseen. A model that is
+nearly right takes the resonance off. What it gets wrong is smooth, and third differences take that off in turn.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from updamp.comparison.fit.at_sensors import columns_at_sensors, recorded
 from updamp.comparison.fit.matching import Matched
 from updamp.comparison.fit.observations import Observations, Plan, noise_of
 from updamp.comparison.fit.roughness import SHARES, deviation_of, third_differences
-from updamp.comparison.fit.sensor_noise import columns_at_sensors, recorded
 
 Floats = NDArray[np.float64]
 # Point of the model and harmonic.

@@ -12,7 +12,6 @@ from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.matching import Matched
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.scatter import Assembly, Scatter, learn
-from updamp.comparison.fit.sensor_noise import noise_of_sensors
 from updamp.model.calibration import LOSS_FACTOR
 
 Floats = NDArray[np.float64]
@@ -27,8 +26,7 @@ def scatter_of_repeats(fitted: Fit, plan: Plan) -> tuple[Scatter, float]:
 
     A misfit of the model is common to all repeats, whatever its shape along a curve. So frequency, damping, the
     sensors' amplitudes and phases of every run, and beyond that a smooth curve for every residual, may be anything
-    here, or the scatter would grow until the misfit is one of its draws. Sensors' noise is as stated, or what the
-    roughness of what the model leaves says (`sensor_noise.py`).
+    here, or the scatter would grow until the misfit is one of its draws. The sensors' noise is as the plan has it.
     """
     p, compared = fitted.parametrisation, fitted.compared
     loss = p.names.index(LOSS_FACTOR.name)
@@ -40,15 +38,14 @@ def scatter_of_repeats(fitted: Fit, plan: Plan) -> tuple[Scatter, float]:
             *(np.concatenate([_free(m, loss), curves[m.observations.test](m)], axis=1) for m in of_repeat)
         )
         freed.append(replace(a, common=np.concatenate([a.common, blocks], axis=1)))
-    noise = noise_of_sensors(compared.matched, plan)
     if len(freed) < 2:
-        return replace(compared.scatter, noise=noise), 1.0
+        return replace(compared.scatter, noise=1.0), 1.0
     freed = _independent(freed)
     # what is rough about a large misfit is no scatter either
     sizes = {n.name: n.scatter for n in p.nuisances}
-    prior = Scatter(sizes, plan.drift, plan.gain, max(noise, _roughness(freed)))
+    prior = Scatter(sizes, plan.drift, plan.gain, max(1.0, _roughness(freed)))
     learnt = learn(freed, prior)
-    return replace(learnt, noise=noise), learnt.noise / noise
+    return replace(learnt, noise=1.0), learnt.noise
 
 
 def of_repeats(fit: Fit, plan: Plan) -> Scatter:

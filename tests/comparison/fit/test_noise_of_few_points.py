@@ -8,8 +8,8 @@ import pytest
 from support.jumping_beam import Joint, Mode, measured
 
 from updamp.comparison.fit.fit_from_far import fit_from_far
+from updamp.comparison.fit.noise_by_amplitude import noise_of_each_sensor, with_noise_of_sensors
 from updamp.comparison.fit.observations import Plan, plan_of
-from updamp.comparison.fit.sensor_noise import noise_of_sensors
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.model.build import modal_before_effects
 from updamp.model.calibration import OF_MODES
@@ -31,8 +31,9 @@ def read_off(runs: Plan) -> tuple[float, float]:
     true one"""
     p = Parametrisation(MODEL, OF_MODES)
     found = fit_from_far(p, runs, np.zeros(len(p))).compared
-    of_runs = float(np.median(np.concatenate([o.noise[:, 1] for o in runs.observations]))) / NOISE
-    return of_runs, of_runs * noise_of_sensors(found.matched, runs)
+    read_again = with_noise_of_sensors(runs, noise_of_each_sensor(found.matched, runs))
+    noises = [np.concatenate([o.noise[:, 1] for o in each.observations]) / NOISE for each in (runs, read_again)]
+    return float(np.median(noises[0])), float(np.median(noises[1]))
 
 
 @pytest.mark.parametrize("points", [12, 40])
@@ -51,4 +52,4 @@ def test_a_misfit_is_no_noise() -> None:
 
 def test_a_noise_that_is_stated_stays() -> None:
     runs = replace(plan(12), noise_read=False)
-    assert noise_of_sensors((), runs) == 1.0
+    assert noise_of_each_sensor((), runs) == {}

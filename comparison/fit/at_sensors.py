@@ -1,30 +1,11 @@
-"""The sensors' noise, read off what a model leaves of the runs in place of the runs themselves.
-
-How rough a run is tells its noise only where it has many points: third differences of a resonance in fifteen points are
-as large as its noise, which is then taken for twice what it is, and what a model lacks goes unseen. A model that is
-nearly right takes the resonance off. What it gets wrong is smooth, and third differences take that off in turn.
-"""
-
-from collections.abc import Sequence
+"""What a model leaves of the runs at the sensors, where it is matched across the branch (`matching.py`)."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.fit.matching import Matched
-from updamp.comparison.fit.observations import Plan
-from updamp.comparison.fit.roughness import deviation_of, third_differences
 
 Floats = NDArray[np.float64]
-
-
-def noise_of_sensors(matched: Sequence[Matched], plan: Plan) -> float:
-    """Factor on the noise that the observations have: 1 where it is stated, and at most, since a model that fails may
-    leave rougher runs than there were."""
-    if not plan.noise_read:
-        return 1.0
-    rough = [third_differences(column / np.sqrt(seen)) for m in matched for column, seen in columns_at_sensors(m)]
-    told = np.concatenate(rough)
-    return min(1.0, deviation_of(told)) if len(told) else 1.0
 
 
 def columns_at_sensors(m: Matched) -> list[tuple[Floats, Floats]]:
