@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.comparison import (
+    LACK_OF_FIT,
     Calibrated,
     Comparison,
     FeatureComparison,
@@ -123,7 +124,7 @@ def comparison_of(
     names = {channel.point: channel.name for channel in measurement.channels}
     of_tests, of_model = measured_backbones(plan, names), model_backbones(plan, names, after)
     first_order = misfits(fitted, plan, [damping_share(b, loss_factor) for b in after])
-    repeats = of_repeats(fitted, plan)
+    repeats, by_chance = of_repeats(fitted, plan), lack_of_fit(fitted, plan)
     found = all_findings(fitted, plan, after, first_order, names, of_tests, of_model, repeats)
     return Comparison(
         title=measurement.title,
@@ -142,7 +143,7 @@ def comparison_of(
         parameters=len(fitted.u),
         contact_states=_states_of_tests(fitted, plan, after),
         assumptions=measurement.stated,
-        provenance={**(provenance or {}), "calibration": fitted.message, "lack of fit": f"{lack_of_fit(fitted):.3g}"},
+        provenance={**(provenance or {}), "calibration": fitted.message, LACK_OF_FIT: f"{by_chance:.3g}"},
         level_unit=plan.conditions[0].unit,
         response_unit=measurement.units[0],
         force_unit=measurement.units[1],

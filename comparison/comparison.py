@@ -10,6 +10,8 @@ from updamp.comparison.json_document import JsonDocument
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+# Key of the provenance: probability of a misfit as large by chance.
+LACK_OF_FIT = "lack of fit"
 
 
 @dataclass(frozen=True)

@@ -30,6 +30,7 @@ from updamp.comparison.fit.compared import Compared, compare_at, predict_branche
 from updamp.comparison.fit.fit import Fit, fit
 from updamp.comparison.fit.numerical_gate import apply_numerical_gate
 from updamp.comparison.fit.observations import Plan, plan_of
+from updamp.comparison.fit.repeat_scatter import of_repeats
 from updamp.comparison.fit.scatter import Scatter, learn
 from updamp.comparison.prediction.moved_branch import move_branch
 from updamp.comparison.prediction.parameters import Parametrisation
@@ -124,21 +125,21 @@ def compare_draw(draw: Draw, prepared: Path, key: ResultKey, results: Path) -> R
     shares = [damping_share(b, loss_factor) for b in after]
     found = misfits(fitted, plan, shares)
     names = {channel.point: channel.name for channel in measurement.channels}
-    sentences = tuple(f.text for f in all_findings(fitted, plan, after, found, names, (), ()))
+    sentences = tuple(f.text for f in all_findings(fitted, plan, after, found, names, (), (), of_repeats(fitted, plan)))
     write_result(results / f"{draw.name}.pkl", key, (fitted, plan, shares))
     seconds = time.perf_counter() - started
-    record = _record(fitted, truth, found)
+    record = _record(fitted, plan, truth, found)
     whole = {"name": draw.name, "code": key.code, **record, "sentences": list(sentences), "seconds": seconds}
     write_whole(results / f"{draw.name}.json", whole)
     return Result(draw.name, sentences, seconds)
 
 
-def _record(fitted: Fit, truth: Compared, found: Sequence[Misfit]) -> dict[str, Any]:
+def _record(fitted: Fit, plan: Plan, truth: Compared, found: Sequence[Misfit]) -> dict[str, Any]:
     """In numbers. truth: at the true parameters; found: what calibration leaves"""
     parametrisation, c = fitted.parametrisation, fitted.compared
     n = len(parametrisation.nuisances)
     return {
-        "chi2": c.chi2, "values": c.values, "message": fitted.message, "lack_of_fit": lack_of_fit(fitted),
+        "chi2": c.chi2, "values": c.values, "message": fitted.message, "lack_of_fit": lack_of_fit(fitted, plan),
         "truth": {"chi2": truth.chi2, "scatter": truth.scatter.as_numbers()},
         "scatter": c.scatter.as_numbers(),
         "parameters": {

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2 as chi_squared
+from scipy.stats import f as ratio_of_variances
 from scipy.stats import norm
 
 from updamp.comparison.comparison import Finding
@@ -164,9 +165,13 @@ def _columns(fit: Fit, plan: Plan, repeat: int, directions: Sequence[Direction])
     return np.concatenate(blocks)
 
 
-def lack_of_fit(fit: Fit) -> float:
-    """Probability of a chi2 as large by chance."""
-    return float(chi_squared.sf(fit.compared.chi2, fit.compared.values - len(fit.u)))
+def lack_of_fit(fit: Fit, plan: Plan) -> float:
+    """Probability of a chi2 as large by chance; where the noise has been read off the runs, of the ratio of two
+    variances (R. A. Fisher, Proc. Int. Math. Congress Toronto 2 (1924) 805)."""
+    free, known = fit.compared.values - len(fit.u), plan.noise_freedom
+    if np.isinf(known):
+        return float(chi_squared.sf(fit.compared.chi2, free))
+    return float(ratio_of_variances.sf(fit.compared.chi2 / free, free, known))
 
 
 def findings(fit: Fit, plan: Plan, found: Sequence[Misfit]) -> tuple[Finding, ...]:
@@ -181,7 +186,7 @@ def findings(fit: Fit, plan: Plan, found: Sequence[Misfit]) -> tuple[Finding, ..
     sentences += [_of_amplitude(m) for m in standing if m.direction.quantity == AMPLITUDE]
     sentences += [_of_sensor(m) for m in standing if m.direction.quantity == SENSOR]
     sentences.sort(key=lambda f: -abs(f.significance))
-    if not sentences and lack_of_fit(fit) < RISK:
+    if not sentences and lack_of_fit(fit, plan) < RISK:
         sentences.append(_of_all(fit, plan))
     return tuple(sentences)
 

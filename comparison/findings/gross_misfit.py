@@ -30,7 +30,7 @@ def linear_findings(
 
     measured, model: as for `gross_misfits`
     """
-    if lack_of_fit(fit) >= RISK:
+    if lack_of_fit(fit, plan) >= RISK:
         return findings(fit, plan, first_order)
     gains = [m for m in first_order if m.direction.quantity not in (FREQUENCY, DAMPING)]
     read = gross_misfits(fit, plan, measured, model)

@@ -17,11 +17,12 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
+from scipy.stats import norm
 
 from updamp.comparison.fit.at_sensors import columns_at_sensors, recorded
 from updamp.comparison.fit.matching import Matched
 from updamp.comparison.fit.observations import Observations, Plan, noise_of
-from updamp.comparison.fit.roughness import SHARES, deviation_of, third_differences
+from updamp.comparison.fit.roughness import SHARES, deviation_of, known_to, third_differences
 
 Floats = NDArray[np.float64]
 # Point of the model and harmonic.
@@ -30,6 +31,7 @@ Sensor = tuple[str, int]
 # c^2 / (c^2 + x^2), sqrt(pi / 2) c exp(c^2 / 2) erfc(c / sqrt(2)), is to be a half. It is as little drawn up by a few
 # places that the model gets wrong as the median is.
 _CAUCHY = 0.6120031809624807
+_OUTLYING = 3.0  # standard deviations
 # Range of the two parts, as factors on what one of them alone would be.
 _LOWEST, _HIGHEST = 1e-3, 10.0
 
@@ -64,8 +66,9 @@ def noise_of_each_sensor(matched: Sequence[Matched], plan: Plan) -> dict[Sensor,
 
 
 def with_noise_of_sensors(plan: Plan, noise: Mapping[Sensor, SensorNoise]) -> Plan:
-    """The same runs with the noise of each sensor, no larger on the whole than they had, since a model that fails may
-    leave rougher runs than there were; as it is where nothing is known of a sensor at a mode."""
+    """The same runs with the noise of each sensor, no larger on the whole than they had, as well as that is known (two
+    deviations), since a model that fails may leave rougher runs than there were; as it is where nothing is known of a
+    sensor at a mode."""
     runs = list(plan.observations)
     for sensor, own in noise.items():
         places = [
@@ -75,7 +78,8 @@ def with_noise_of_sensors(plan: Plan, noise: Mapping[Sensor, SensorNoise]) -> Pl
         ]
         new = [own.of(_amplitude(runs[i], j), mode) for i, j, mode in places]
         before = np.concatenate([runs[i].noise[:, 1 + 2 * j] for i, j, _ in places])
-        factor = min(1.0, float(np.median(before) / np.median(np.concatenate(new))))
+        most = float(np.median(before)) * np.exp(2 * known_to(len(before)))
+        factor = min(1.0, most / float(np.median(np.concatenate(new))))
         for (i, j, _), each in zip(places, new, strict=True):
             runs[i] = _with_noise(runs[i], j, factor * each)
     conditions = [replace(c, noise=tuple(noise_of(runs, test).tolist())) for test, c in enumerate(plan.conditions)]
@@ -92,6 +96,11 @@ class _Rough:
     seen: Floats
     differences: Floats
 
+    def deviations(self, noise: SensorNoise) -> Floats:
+        """(n - 3,) standard deviations of the differences"""
+        squared = self.seen * noise.of(self.amplitude, self.mode) ** 2
+        return np.sqrt(np.convolve(squared, SHARES, "valid"))
+
 
 def _fitted(runs: Sequence[_Rough]) -> SensorNoise:
     """The likeliest two parts, from both ends: nearly all of it a share of the amplitude, or nearly all a floor."""
@@ -104,7 +113,18 @@ def _fitted(runs: Sequence[_Rough]) -> SensorNoise:
     ends = [np.log(np.array([part, *([1 - part] * len(modes))])) for part in (0.9, 0.1)]
     best = min((minimize(unlikely, end, method="L-BFGS-B", bounds=bounds) for end in ends), key=lambda r: float(r.fun))
     share, *floors = (units * np.exp(best.x)).tolist()
-    return SensorNoise(share, dict(zip(modes, floors, strict=True)))
+    found = SensorNoise(share, dict(zip(modes, floors, strict=True)))
+    factor = _spread(np.concatenate([r.differences / r.deviations(found) for r in runs]))
+    return SensorNoise(factor * found.share, {mode: factor * floor for mode, floor in found.floor.items()})
+
+
+def _spread(deviates: Floats) -> float:
+    """Standard deviation of normal deviates, by those that are no outliers: twice as well known as a robust estimate
+    alone, which tells which these are (P. J. Rousseeuw and A. M. Leroy, Robust Regression and Outlier Detection, 1987,
+    ch. 1)."""
+    kept = deviates[np.abs(deviates) < _OUTLYING]
+    inside = 1 - 2 * _OUTLYING * norm.pdf(_OUTLYING) / (2 * norm.cdf(_OUTLYING) - 1)  # variance of what is kept
+    return float(np.sqrt(np.mean(kept**2) / inside)) if len(kept) else 1.0
 
 
 def _unlikely(runs: Sequence[_Rough], modes: Sequence[str], units: Floats, logarithms: Floats) -> float:
@@ -112,9 +132,8 @@ def _unlikely(runs: Sequence[_Rough], modes: Sequence[str], units: Floats, logar
     share, *floors = (units * np.exp(logarithms)).tolist()
     noise, total = SensorNoise(share, dict(zip(modes, floors, strict=True))), 0.0
     for r in runs:
-        squared = r.seen * noise.of(r.amplitude, r.mode) ** 2
-        scale = _CAUCHY**2 * np.convolve(squared, SHARES, "valid")
-        total += float(np.sum(0.5 * np.log(scale) + np.log1p(r.differences**2 / scale)))
+        scale = _CAUCHY * r.deviations(noise)
+        total += float(np.sum(np.log(scale) + np.log1p((r.differences / scale) ** 2)))
     return total
 
 

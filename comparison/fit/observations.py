@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.fit.failing_model import as_many, independent
-from updamp.comparison.fit.roughness import roughness, shrunk
+from updamp.comparison.fit.roughness import freedom, roughness, shrunk
 from updamp.comparison.prediction.run_condition import DERIVATIVES, HeldResponse, RunCondition
 from updamp.measurement.measurement import DRIFT, GAIN, MeasuredRun, Measurement
 
@@ -84,6 +84,14 @@ class Plan:
     def independent(self) -> float:
         """Values that count of their own for what a model lacks."""
         return independent(self.values, self.as_many)
+
+    @property
+    def noise_freedom(self) -> float:
+        """Degrees of freedom that the variance of the sensors' noise is known by, infinite where it is stated."""
+        if not self.noise_read:
+            return float("inf")
+        recorded = [int(np.isfinite(o.noise[:, 1:]).all(axis=0).sum()) for o in self.observations]
+        return freedom([len(o) for o, columns in zip(self.observations, recorded, strict=True) for _ in range(columns)])
 
     @property
     def has_phases(self) -> bool:

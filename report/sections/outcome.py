@@ -5,7 +5,7 @@ from html import escape
 
 from scipy.stats import chi2
 
-from updamp.comparison.comparison import Comparison, Finding
+from updamp.comparison.comparison import LACK_OF_FIT, Comparison, Finding
 from updamp.comparison.findings.findings import RISK
 from updamp.report.markup import level_name, level_word, number, paragraph
 from updamp.report.section import Content, Report, ReportSection
@@ -57,6 +57,8 @@ def verdict_sentence(comparison: Comparison) -> str:
 def within_scatter(comparison: Comparison) -> bool:
     """Whether chi-square is no larger than chance has it in all but RISK of the cases: what stands out then is too
     small beside the scatter to be seen in the misfit as a whole."""
+    if (told := comparison.provenance.get(LACK_OF_FIT)) is not None:
+        return float(told) >= RISK
     free = comparison.values - comparison.parameters
     return free > 0 and float(chi2.sf(comparison.chi2_after, free)) >= RISK
 

@@ -62,7 +62,7 @@ def test_as_high_at_another_frequency_is_another_peak():
 def products(resonance):
     """Of a quick look that has left out the curve at 1 N."""
     left = CurveJob(None, "OOP", 1.0, "", Path(), Path(), Path())
-    return SimpleNamespace(left=(left,), resonances=(SimpleNamespace(product=resonance),))
+    return SimpleNamespace(left=(left,), resonances=(SimpleNamespace(product=resonance),), unknown=())
 
 
 def test_a_quick_look_says_why_there_is_no_peak():
