@@ -203,6 +203,7 @@ def check(rig: RigFile, debug: Debug = False) -> None:
     with clean_errors(debug):
         from updamp.model.rig_files import load_any
         from updamp.parallel.resources import free_memory
+        from updamp.rig.modal_tables import modes_table
         from updamp.rig.questions import questions
         from updamp.rig.rig import Rig
         from updamp.rig.tables import derived_table, sizes_table, values_table
@@ -214,6 +215,8 @@ def check(rig: RigFile, debug: Debug = False) -> None:
             console.print(sizes_table(loaded, free_memory()))
             for question in questions(loaded):
                 console.print(Text.assemble(("question  ", "yellow"), question), soft_wrap=True)
+        else:
+            console.print(modes_table(loaded))
 
 
 def show(folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.")], debug: Debug = False) -> None:

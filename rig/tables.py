@@ -74,6 +74,8 @@ def _unit_within(annotation: Any) -> str:
 
 
 def _written(value: Any) -> str:
+    if value is None:
+        return "not stated"
     if isinstance(value, float):
         return f"{value:.6g}"
     if isinstance(value, tuple):

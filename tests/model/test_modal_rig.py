@@ -1,15 +1,19 @@
 """Rigs given by modes: what a rig file says is what the model's receptance shows, and what is wrong is named."""
 
+import io
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.model.build import modal_model
 from updamp.model.calibration import MODAL_MASS, MODAL_STIFFNESS, nuisances
 from updamp.model.rig_files import is_modal, load_modal
 from updamp.rig.errors import RigError
+from updamp.rig.modal_tables import modes_table
 
 RIGS = Path(__file__).parents[2] / "rigs"
 TWO_MODES = """
@@ -127,3 +131,16 @@ def test_a_factor_of_one_mode_may_be_stated_and_of_a_mode_that_is_not_there_is_r
     other = load_modal(write(TWO_MODES + "\n[calibration]\nthird_loss_factor = 1.2\n"))
     with pytest.raises(ValueError, match=r"third_loss_factor: this model has no place for it; it has .*second"):
         modal_model(other)
+
+
+def test_check_shows_each_mode_where_it_is_driven_and_where_it_moves(write):
+    console = Console(width=200, file=io.StringIO())
+    console.print(modes_table(load_modal(write(TWO_MODES))))
+    rows = {cells[0].strip(): [c.strip() for c in cells[1:]] for line in console.file.getvalue().splitlines()
+            if len(cells := [c for c in re.split("[│┃]", line) if c.strip()]) == 4}  # fmt: skip
+    mass = 0.5 / 2**2
+    assert rows["modal mass at beam.drive.x"] == [f"{mass:.4g}", f"{1 / 0.7**2:.4g}", "kg"]
+    peak = 1 / (mass * (2 * np.pi * 80) ** 2 * 0.006)
+    assert rows["peak receptance at beam.drive.x"][0] == f"{peak:.4g}"
+    assert rows["loss factor at resonance"] == ["0.006", "0.02", "-"]
+    assert rows["shape at beam.end.x"][1:] == ["0", "kg^-1/2"]
