@@ -16,7 +16,7 @@ from updamp.commands.shared import (
     chosen_mesh,
     clean_errors,
     interruptible,
-    named_path,
+    out_option,
 )
 from updamp.parallel.ending import INTERRUPTED
 from updamp.parallel.resources import one_thread, usual_workers
@@ -68,7 +68,7 @@ def design(
 def design_rig(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a study.")],
     number: Annotated[int, typer.Argument(metavar="NUMBER", help="Of the design, as in designs.csv.")],
-    out: Annotated[Path, typer.Option("--out", "-o", parser=named_path, metavar="<path>", help="The new rig file.")],
+    out: Annotated[Path, out_option("The new rig file.")],
     replace: Annotated[bool, typer.Option("--replace", help="Replace the file where it is there already.")] = False,
     debug: Debug = False,
 ) -> None:

@@ -18,7 +18,7 @@ from updamp.commands.shared import (
     chosen_mesh,
     clean_errors,
     interruptible,
-    named_path,
+    out_option,
 )
 from updamp.parallel.resources import one_thread
 
@@ -27,15 +27,7 @@ if TYPE_CHECKING:
     from updamp.workflow.add import Changed
 
 Out = Annotated[
-    Path | None,
-    typer.Option(
-        "--out",
-        "-o",
-        parser=named_path,
-        metavar="<path>",
-        help="The new rig file; RIG itself to change it.",
-        show_default="RIG's name and EFFECT's",
-    ),
+    Path | None, out_option("The new rig file; RIG itself to change it.", show_default="RIG's name and EFFECT's")
 ]
 
 

@@ -8,7 +8,7 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from updamp.commands.shared import INCOMPLETE, Debug, Jobs, Mesh, RigFile, clean_errors, interruptible, named_path
+from updamp.commands.shared import INCOMPLETE, Debug, Jobs, Mesh, RigFile, clean_errors, interruptible, out_option
 from updamp.parallel.resources import Meter, one_thread_for_numpy, usual_workers
 from updamp.workflow import stages
 
@@ -20,16 +20,7 @@ if TYPE_CHECKING:
     from updamp.workflow.run_options import RunOptions
 
 
-Out = Annotated[
-    Path,
-    typer.Option(
-        "--out",
-        "-o",
-        parser=named_path,
-        metavar="<path>",
-        help="Folder for all that is written; the same one to resume or to reuse.",
-    ),
-]
+Out = Annotated[Path, out_option("Folder for all that is written; the same one to resume or to reuse.")]
 Modes = Annotated[list[str] | None, typer.Option(help="Only this mode of the study; may be repeated.")]
 Forces = Annotated[list[str] | None, typer.Option(help='Only this amplitude, such as "3.84 N"; may be repeated.')]
 Pictures = Annotated[bool, typer.Option(help="Whether to draw pictures.")]

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -21,6 +21,11 @@ def named_path(text: str) -> Path:
     if not text.strip():
         raise typer.BadParameter('nothing is named; give a path, such as results ("." is the folder you are in)')
     return Path(text)
+
+
+def out_option(meaning: str, show_default: bool | str = True) -> Any:
+    """The option --out of a command. meaning: its line of help"""
+    return typer.Option("--out", "-o", parser=named_path, metavar="<path>", help=meaning, show_default=show_default)
 
 
 RigFile = Annotated[Path, typer.Argument(metavar="RIG", help="Rig file, such as rigs/pesaresi2017.toml.")]
@@ -38,27 +43,8 @@ Finer = Annotated[
     list[str] | None,
     typer.Option(help="Preset with a finer mesh: what it changes counts as numerical error. May be repeated."),
 ]
-OutOfRun = Annotated[
-    Path,
-    typer.Option(
-        "--out",
-        "-o",
-        parser=named_path,
-        metavar="<path>",
-        help="Folder for all that is written; that of a run, to use its model.",
-    ),
-]
-OutOfStudy = Annotated[
-    Path | None,
-    typer.Option(
-        "--out",
-        "-o",
-        parser=named_path,
-        metavar="<path>",
-        help="Folder for all that is written.",
-        show_default="`out` of the study file",
-    ),
-]
+OutOfRun = Annotated[Path, out_option("Folder for all that is written; that of a run, to use its model.")]
+OutOfStudy = Annotated[Path | None, out_option("Folder for all that is written.", "`out` of the study file")]
 JobsOfStudy = Annotated[
     int | None,
     typer.Option(
