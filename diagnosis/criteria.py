@@ -5,7 +5,22 @@ The mean squared misfit is chi-square over the number of measured values: 1 is w
 
 from dataclasses import dataclass, field
 
+import numpy as np
 from scipy.stats import chi2, norm
+from scipy.stats import f as ratio_of_variances
+
+
+@dataclass(frozen=True)
+class Freedom:
+    """Degrees of freedom of a mean squared misfit.
+
+    independent: values that count of their own. What little is wrong with a model, as a mesh, is the same for
+        neighbouring points, so that these count as one (`comparison/fit/failing_model.py`); at least one counts
+    noise: those of the variance that it is divided by, infinite where the noise is stated
+    """
+
+    independent: float
+    noise: float = float("inf")
 
 
 @dataclass(frozen=True)
@@ -66,20 +81,20 @@ class Criteria:
         """Whether nobody would believe what is so many prior deviations from where it was stated to be."""
         return abs(deviations) >= self.calibration
 
-    def fails(self, misfit: float, independent: float) -> bool:
-        """Whether a mean squared misfit of so many values of their own is no chance; never of none (nan)."""
-        return misfit > largest_by_chance(independent, self.chance)
+    def fails(self, misfit: float, freedom: Freedom) -> bool:
+        """Whether a mean squared misfit is no chance; never of no values (nan)."""
+        return misfit > largest_by_chance(freedom, self.chance)
 
-    def is_doubtful(self, misfit: float, independent: float) -> bool:
+    def is_doubtful(self, misfit: float, freedom: Freedom) -> bool:
         """Likewise, whether it may be none."""
-        return misfit > largest_by_chance(independent, self.doubtful)
+        return misfit > largest_by_chance(freedom, self.doubtful)
 
 
-def largest_by_chance(independent: float, probability: float) -> float:
-    """Mean squared misfit that a model which lacks nothing exceeds with this probability.
-
-    What little is wrong with it, as a mesh, is the same for neighbouring points, so that these count as one
-    (`Compared.independent`), and at least one counts.
-    """
-    n = max(independent, 1.0)
-    return float(chi2.isf(probability, n) / n)
+def largest_by_chance(freedom: Freedom, probability: float) -> float:
+    """Mean squared misfit that a model which lacks nothing exceeds with this probability: of chi-square, or where the
+    noise is itself an estimate of the ratio of two variances (R. A. Fisher, Proc. Int. Math. Congress Toronto 2 (1924)
+    805)."""
+    n = max(freedom.independent, 1.0)
+    if np.isinf(freedom.noise):
+        return float(chi2.isf(probability, n) / n)
+    return float(ratio_of_variances.isf(probability, n, freedom.noise))

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from updamp.comparison.json_document import JsonDocument
+from updamp.diagnosis.criteria import Freedom
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,8 @@ class Evidence:
     alike: pairs of effects whose signatures look alike, with the cosine
     farthest, deviations, if_repeatable: as for a `Trial`, of the model without effects
     independent, unseen_independent: values that count of their own for what the model lacks, of the runs of the fit and
-        of the rest; as_many: how many values count as one of these
+        of the rest; as_many: how many values count as one of these; noise_freedom: degrees of freedom of the sensors'
+        noise, infinite where it is stated
     """
 
     excess: float
@@ -85,6 +87,17 @@ class Evidence:
     unseen: float = float("nan")
     unseen_independent: float = 0.0
     as_many: float = 1.0
+    noise_freedom: float = float("inf")
+
+    @property
+    def freedom(self) -> Freedom:
+        """Of a misfit of the runs of the fit."""
+        return Freedom(self.independent, self.noise_freedom)
+
+    @property
+    def unseen_freedom(self) -> Freedom:
+        """Of a misfit of the rest."""
+        return Freedom(self.unseen_independent, self.noise_freedom)
 
     def trial_of(self, effects: tuple[str, ...]) -> Trial | None:
         return next((t for t in (*self.trials, *self.combined) if t.effects == effects), None)
@@ -101,4 +114,4 @@ def gain_over_fewer(effects: frozenset[str], gains: Mapping[frozenset[str], floa
 
 
 # `evidence.json`, every number kept to the last digit.
-EVIDENCE_JSON = JsonDocument(Evidence, "updamp evidence 5", "updamp diagnose")
+EVIDENCE_JSON = JsonDocument(Evidence, "updamp evidence 6", "updamp diagnose")

@@ -20,6 +20,7 @@ from updamp.comparison.fit.numerical_gate import apply_numerical_gate, finer_tha
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.numerical_error import NumericalError
+from updamp.diagnosis.criteria import Freedom
 from updamp.effects.chosen import ChosenEffect
 from updamp.effects.rig_model import RigModel
 
@@ -53,6 +54,16 @@ class Baseline:
     @property
     def held_out_plan(self) -> Plan:
         return self.plan.only(self.held_out)
+
+    @property
+    def freedom(self) -> Freedom:
+        """Of a misfit of the runs of the fit."""
+        return Freedom(self.train_plan.independent, self.plan.noise_freedom)
+
+    @property
+    def unseen_freedom(self) -> Freedom:
+        """Of a misfit of the runs that are held out."""
+        return Freedom(self.held_out_plan.independent, self.plan.noise_freedom)
 
 
 def baseline(

@@ -40,12 +40,12 @@ class FitContext:
 
     def explains(self, trial: Trial) -> bool:
         """Whether it leaves no more than chance may, on runs that it has not seen too: nothing else is looked for."""
-        unseen = self.criteria.is_doubtful(trial.unseen, self.start.held_out_plan.independent)
-        return not (self.criteria.is_doubtful(trial.excess, self.start.train_plan.independent) or unseen)
+        unseen = self.criteria.is_doubtful(trial.unseen, self.start.unseen_freedom)
+        return not (self.criteria.is_doubtful(trial.excess, self.start.freedom) or unseen)
 
     def fails(self, trial: Trial) -> bool:
         """Whether it leaves more than chance can on the runs that it was fitted to."""
-        return self.criteria.fails(trial.excess, self.start.train_plan.independent)
+        return self.criteria.fails(trial.excess, self.start.freedom)
 
     def cannot_be_named(self, trial: Trial) -> bool:
         """Whether no verdict can rest on it: it fails, or asks for a calibration that nobody would believe."""

@@ -18,10 +18,9 @@ _FOUND = 6.0
 def ablations(evidence: Evidence, criteria: Criteria) -> dict[str, VerdictSummary]:
     """Name -> verdict, effects and group: by the residual's likeness to the signature alone, by the score test alone
     with and without scatter, by BIC alone, and without held-out runs."""
+    doubtful = criteria.is_doubtful(evidence.excess, evidence.freedom)
     return {
-        "no orthogonalisation": _by(
-            evidence, lambda t: t.alone, criteria.is_doubtful(evidence.excess, evidence.independent)
-        ),
+        "no orthogonalisation": _by(evidence, lambda t: t.alone, doubtful),
         "no scatter": _by(evidence, lambda t: t.without_scatter, True, _FOUND),
         "score only": _by(evidence, lambda t: t.score, True, _FOUND),
         "BIC only": _by_bic(evidence, criteria),

@@ -54,7 +54,7 @@ def _by_misfit(evidence: Evidence, criteria: Criteria) -> Decision:
     if several:
         return _named(max(several, key=lambda t: gain(t, evidence)), several, criteria)
     if single is None:
-        failing = criteria.fails(evidence.excess, evidence.independent)
+        failing = criteria.fails(evidence.excess, evidence.freedom)
         return Decision("unknown" if failing else "adequate", (), (), None)
     if still_fails(single, evidence, criteria):
         return Decision("unknown", (), (), single)
@@ -112,7 +112,7 @@ def within_scatter(evidence: Evidence) -> bool:
 def _allowed(evidence: Evidence, criteria: Criteria) -> float:
     """Error on held-out runs: below that without the effect, or no larger where they were within the scatter before,
     since there is nothing to gain then (what shows at the highest level alone need not show below it)."""
-    badly = criteria.is_doubtful(evidence.unseen, evidence.unseen_independent)
+    badly = criteria.is_doubtful(evidence.unseen, evidence.unseen_freedom)
     return (1 - criteria.gain) * evidence.held_out if badly else evidence.held_out
 
 
@@ -129,12 +129,12 @@ def _combined(evidence: Evidence, criteria: Criteria, single: Trial | None) -> l
         return believable or good
     if far_off(single, criteria) and believable:
         return believable
-    if not criteria.is_doubtful(single.excess, evidence.independent):
+    if not criteria.is_doubtful(single.excess, evidence.freedom):
         return []  # a second effect has to make up for a misfit that stands out, not for the last tenths of it
     return [p for p in good if (1 + criteria.as_good) * p.excess < single.excess]
 
 
 def still_fails(trial: Trial, evidence: Evidence, criteria: Criteria) -> bool:
     """Whether it leaves more than chance can, on held-out runs too."""
-    unseen = criteria.fails(trial.unseen, evidence.unseen_independent)
-    return criteria.fails(trial.excess, evidence.independent) or unseen
+    unseen = criteria.fails(trial.unseen, evidence.unseen_freedom)
+    return criteria.fails(trial.excess, evidence.freedom) or unseen

@@ -81,8 +81,8 @@ def _is_worth_a_fit(scored: Score, start: Baseline, criteria: Criteria) -> bool:
     something."""
     if scored.score >= criteria.search.score:
         return True
-    compared = start.fitted.compared
-    return scored.effect.finite_step and criteria.is_doubtful(compared.mean_squared_misfit, compared.independent)
+    misfit = start.fitted.compared.mean_squared_misfit
+    return scored.effect.finite_step and criteria.is_doubtful(misfit, start.freedom)
 
 
 def _sizes(effect: Effect) -> tuple[Floats, ...]:

@@ -19,7 +19,7 @@ def try_pairs(fits: FitContext, effects: Sequence[Effect], singles: CandidateFit
     settled = [r.refit for r in full]
     if not settled or settled[0].drop <= 0:
         return {}
-    doubtful = criteria.is_doubtful(settled[0].mean_squared_misfit, settled[0].fitted.compared.independent)
+    doubtful = criteria.is_doubtful(settled[0].mean_squared_misfit, start.freedom)
     if not (doubtful or settled[0].at_bound or criteria.is_far_off(full[0].trial.deviations)):
         return {}
     found: CandidateFits = {}

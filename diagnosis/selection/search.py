@@ -119,6 +119,7 @@ def _evidence(
         held_out.misfit,
         independent(held_out.values, base.compared.as_many),
         base.compared.as_many,
+        start.plan.noise_freedom,
     )
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from updamp.diagnosis.candidate_models.candidate_fits import FitContext
 from updamp.diagnosis.candidate_models.fit_tasks import FittedCandidate, fit_here
-from updamp.diagnosis.criteria import Criteria
+from updamp.diagnosis.criteria import Criteria, Freedom
 from updamp.diagnosis.evidence import Trial
 from updamp.diagnosis.selection import further_effects as module
 from updamp.diagnosis.selection.further_effects import further_effects
@@ -29,7 +29,7 @@ def candidate(names, excess, held_out=None, gain=None, deviations=0.0):
 def context(contacts=None):
     base = SimpleNamespace(contacts=contacts)
     fitted = SimpleNamespace(parametrisation=SimpleNamespace(base=base))
-    start = SimpleNamespace(fitted=fitted, train_plan=SimpleNamespace(independent=INDEPENDENT))
+    start = SimpleNamespace(fitted=fitted, freedom=Freedom(INDEPENDENT))
     return FitContext(start, Criteria(), lambda _: None, fit_here)
 
 

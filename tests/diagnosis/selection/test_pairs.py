@@ -8,7 +8,7 @@ import pytest
 from updamp.diagnosis.candidate_models.candidate_fits import FitContext
 from updamp.diagnosis.candidate_models.fit_tasks import FittedCandidate, fit_here
 from updamp.diagnosis.candidate_models.refit import Refit, gain_of_bic
-from updamp.diagnosis.criteria import Criteria
+from updamp.diagnosis.criteria import Criteria, Freedom
 from updamp.diagnosis.evidence import Trial, gain_over_fewer
 from updamp.diagnosis.selection import pairs
 from updamp.effects.effect import Effect, EffectParameter
@@ -95,12 +95,12 @@ def test_when_a_second_effect_is_looked_for(monkeypatch, misfit, at_bound, devia
     deviations off (case 004 of the draw 40391360)."""
     calls = []
     monkeypatch.setattr(pairs, "beside", lambda *_: calls.append(1) or {})
-    compared = SimpleNamespace(independent=64.0, mean_squared_misfit=misfit)
+    compared = SimpleNamespace(mean_squared_misfit=misfit)
     parametrisation = SimpleNamespace(base=SimpleNamespace(contacts=object()))
     fitted = SimpleNamespace(compared=compared, parametrisation=parametrisation)
     alone = singles(replace(refit(ONE, drop=900.0), fitted=fitted, at_bound=at_bound))
     (one,) = alone.values()
     alone = {("one",): replace(one, trial=replace(one.trial, deviations=deviations))}
-    context = FitContext(SimpleNamespace(fitted=fitted), Criteria(), lambda _: None, fit_here)
+    context = FitContext(SimpleNamespace(fitted=fitted, freedom=Freedom(64.0)), Criteria(), lambda _: None, fit_here)
     pairs.try_pairs(context, (ONE, THREE), alone)
     assert bool(calls) == tried
