@@ -20,6 +20,16 @@ class IfRepeatable:
 
 
 @dataclass(frozen=True)
+class IfRunsDrift:
+    """The model without effects, had every run a resonance of its own. drift: relative standard deviation of these;
+    excess, unseen: as for a `Trial`"""
+
+    drift: float
+    excess: float
+    unseen: float
+
+
+@dataclass(frozen=True)
 class Trial:
     """A fit with effects in the model.
 
@@ -71,6 +81,7 @@ class Evidence:
     independent, unseen_independent: values that count of their own for what the model lacks, of the runs of the fit and
         of the rest; as_many: how many values count as one of these; noise_freedom: degrees of freedom of the sensors'
         noise, infinite where it is stated
+    if_runs_drift: where that describes the data and no single effect does
     """
 
     excess: float
@@ -88,6 +99,7 @@ class Evidence:
     unseen_independent: float = 0.0
     as_many: float = 1.0
     noise_freedom: float = float("inf")
+    if_runs_drift: IfRunsDrift | None = None
 
     @property
     def freedom(self) -> Freedom:

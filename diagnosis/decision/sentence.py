@@ -76,7 +76,20 @@ def _of_unknown(evidence: Evidence, criteria: Criteria, words: Wording) -> str:
     else:
         said = f"something is missing that cannot be named: {off}, and nothing that explains it is accepted"
     left = [_in_the_way(t, evidence, criteria) for t in best]
-    return said + (f". Closest: {'; '.join(left)}" if left else "")
+    closest = f". Closest: {'; '.join(left)}" if left else ""
+    return said + closest + _if_runs_drift(evidence, words)
+
+
+def _if_runs_drift(evidence: Evidence, words: Wording) -> str:
+    """That it is the runs which differ, where that describes all of them."""
+    free = evidence.if_runs_drift
+    if free is None:
+        return ""
+    return (
+        f". With a resonance of its own for every run the model is off by {free.excess**0.5:.2f} times {words.scatter}:"
+        f" the runs lie {100 * free.drift:.2g} % apart (standard deviation), whatever the level, as where a structure "
+        f"warms up or a clamp settles. If it is that, state frequency_drift = {free.drift:.1g} in the measurement file"
+    )
 
 
 def _in_the_way(trial: Trial, evidence: Evidence, criteria: Criteria) -> str:

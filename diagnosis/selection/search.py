@@ -13,9 +13,10 @@ from updamp.diagnosis.candidate_models.baseline import Baseline, farthest_off
 from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext, Progress
 from updamp.diagnosis.candidate_models.fit_tasks import FitRunner, fit_here, with_branches
 from updamp.diagnosis.candidate_models.if_repeatable import if_repeatable
+from updamp.diagnosis.candidate_models.if_runs_drift import if_runs_drift
 from updamp.diagnosis.candidate_models.refit import Refit
 from updamp.diagnosis.criteria import Criteria
-from updamp.diagnosis.evidence import EffectScore, Evidence, gain_over_fewer
+from updamp.diagnosis.evidence import EffectScore, Evidence, IfRunsDrift, gain_over_fewer
 from updamp.diagnosis.score_tests.score import Score, cosines, scores
 from updamp.diagnosis.score_tests.signature import Extended, extend
 from updamp.diagnosis.selection.fair_credit import credited, without_effects_again
@@ -75,11 +76,13 @@ def search(
         singles = credited(singles, base, without[0])
         fits = replace(fits, start=better)
         held_out = replace(held_out, error=without[1].held_out, misfit=without[1].unseen)
-    further, pairs = exchanged(fits, fitting, singles, try_pairs(fits, fitting, singles))
+    free = _if_runs_drift(fits, singles)
+    several = fitting if free is None or _comes_close(fits, singles, free) else ()
+    further, pairs = exchanged(fits, several, singles, try_pairs(fits, several, singles))
     singles |= further
     singles |= alone(fits, singles, pairs)
-    combined = _over_fewer(singles, pairs | further_effects(fits, fitting, singles, pairs))
-    evidence = _evidence(fits, extended, scored, held_out, singles, combined)
+    combined = _over_fewer(singles, pairs | further_effects(fits, several, singles, pairs))
+    evidence = _evidence(fits, extended, scored, held_out, singles, combined, free)
     refits = {names: r.refit for names, r in {**singles, **combined}.items()}
     return SearchResult(fits.start, extended, scored, refits, evidence)
 
@@ -100,6 +103,7 @@ def _evidence(
     held_out: PredictionError,
     singles: CandidateFits,
     combined: CandidateFits,
+    free: IfRunsDrift | None,
 ) -> Evidence:
     start, base = fits.start, fits.start.fitted
     of_singles, of_combined = (
@@ -120,7 +124,28 @@ def _evidence(
         independent(held_out.values, base.compared.as_many),
         base.compared.as_many,
         start.plan.noise_freedom,
+        free,
     )
+
+
+def _if_runs_drift(fits: FitContext, singles: CandidateFits) -> IfRunsDrift | None:
+    """Of a model that fails while no single effect explains the data, where that would."""
+    start, criteria = fits.start, fits.criteria
+    failing = criteria.fails(start.fitted.compared.mean_squared_misfit, start.freedom)
+    if not failing or any(fits.explains(r.trial) for r in singles.values()):
+        return None
+    fits.progress("with a resonance of its own for every run")
+    free = if_runs_drift(start, BranchesBy(fits.workers))
+    if free is None or criteria.fails(free.excess, start.freedom) or criteria.fails(free.unseen, start.unseen_freedom):
+        return None
+    return free
+
+
+def _comes_close(fits: FitContext, singles: CandidateFits, free: IfRunsDrift) -> bool:
+    """Whether an effect takes off nearly as much as free resonances of the runs do: a second one may do the rest."""
+    before = fits.start.fitted.compared.mean_squared_misfit
+    least = min((r.trial.excess for r in singles.values()), default=before)
+    return before - least > fits.criteria.search.nearly * (before - free.excess)
 
 
 def _tested(extended: Extended, scored: Sequence[Score]) -> tuple[EffectScore, ...]:
