@@ -9,18 +9,7 @@ import numpy as np
 from scipy.stats import chi2, norm
 from scipy.stats import f as ratio_of_variances
 
-
-@dataclass(frozen=True)
-class Freedom:
-    """Degrees of freedom of a mean squared misfit.
-
-    independent: values that count of their own. What little is wrong with a model, as a mesh, is the same for
-        neighbouring points, so that these count as one (`comparison/fit/failing_model.py`); at least one counts
-    noise: those of the variance that it is divided by, infinite where the noise is stated
-    """
-
-    independent: float
-    noise: float = float("inf")
+from updamp.comparison.fit.failing_model import Freedom
 
 
 @dataclass(frozen=True)

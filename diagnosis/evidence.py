@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from updamp.comparison.fit.failing_model import Freedom
 from updamp.comparison.json_document import JsonDocument
-from updamp.diagnosis.criteria import Freedom
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from typing import Any
 
 from updamp.effects.catalogue import OWN, catalogue
 from updamp.effects.effect import Effect, EffectParameter
+from updamp.effects.placed import effect_called
 from updamp.effects.rig_model import RigModel
 from updamp.effects.user_effect import EffectError, effect_from_file
 from updamp.rig.effects import RigEffect
@@ -96,7 +97,7 @@ def code_of(effect: Effect, file: Path | None) -> str:
     """
     if file is not None:
         return hashlib.sha256(file.read_bytes()).hexdigest()
-    if effect is OWN.get(effect.name):
+    if effect.joint or effect is OWN.get(effect.name):
         return ""
     module = inspect.getmodule(effect.apply)
     source = module.__file__ if module is not None else None
@@ -152,10 +153,10 @@ def _chosen(table: Mapping[str, Any], path: str, folder: Path) -> ChosenEffect:
 
 def _effect(name: str, file: Path | None, path: str) -> Effect:
     if file is None:
-        known = catalogue()
-        if name not in known:
-            raise RigError(f'{path}.name = "{name}": no such effect; {_instead(name, tuple(known))}')
-        return known[name]
+        found = effect_called(name)
+        if found is None:
+            raise RigError(f'{path}.name = "{name}": no such effect; {_instead(name, tuple(catalogue()))}')
+        return found
     try:
         effect = effect_from_file(file)
     except EffectError as error:

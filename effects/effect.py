@@ -67,6 +67,7 @@ class Effect:
     finite_step: the effect cannot be differentiated at its null value; its signature is taken from a step to the
         typical value
     of_measurement: whether it is a fault of the measurement: of `reading` alone, not of what moves
+    joint: point of the joint that it was placed at (`placed.py`), "" where it stays at the excitation
     """
 
     name: str
@@ -75,6 +76,12 @@ class Effect:
     apply: Callable[[RigModel, Values], RigModel]
     finite_step: bool = False
     of_measurement: bool = False
+    joint: str = ""
+
+    @property
+    def kind(self) -> str:
+        """Its name without the place of the joint."""
+        return self.name.partition("@")[0]
 
     @property
     def in_words(self) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from updamp.effects.effect import Effect, EffectParameter, Values
 from updamp.effects.rig_model import RigModel
-from updamp.effects.structure import joint_model
+from updamp.effects.structure import joint_model, joint_of
 from updamp.hbm.problem.linear_model import LinearModel
 from updamp.hbm.problem.structural_changes import Attachment
 
@@ -26,7 +26,7 @@ def apply(model: RigModel, values: Values) -> RigModel:
         return joint_model(model)
     inner = _with_point(joint_model(model).components, stiffness)
     layer = (
-        Attachment("layer's spring", {model.excitation: 1.0, POINT: -1.0}, stiffness),
+        Attachment("layer's spring", {joint_of(model): 1.0, POINT: -1.0}, stiffness),
         Attachment("layer's dashpot", {POINT: 1.0}, dashpot=stiffness * time),
     )
     owner = (*model.owner, "joint")

@@ -4,15 +4,15 @@ from dataclasses import replace
 
 from updamp.effects.effect import Effect, EffectParameter, Values
 from updamp.effects.rig_model import RigModel
-from updamp.effects.structure import joint_model
+from updamp.effects.structure import joint_model, joint_of
 from updamp.hbm.problem.structural_changes import Attachment
 
 
 def apply(model: RigModel, values: Values) -> RigModel:
-    """A dashpot to the ground at the excitation point."""
+    """A dashpot to the ground at the joint."""
     if (dashpot := values["dashpot"]) == 0:
         return joint_model(model)
-    loss = Attachment("joint's dashpot", {joint_model(model).excitation: 1.0}, dashpot=dashpot)
+    loss = Attachment("joint's dashpot", {joint_of(model): 1.0}, dashpot=dashpot)
     return replace(model, attachments=(*model.attachments, loss))
 
 

@@ -47,7 +47,8 @@ class RigModel:
     contacts: the friction elements, on the relative rows; None for a model without
     patches: where they lie; None where they are not laid over faces
     elements: further nonlinear elements
-    excitation: name of the point that the shaker acts on
+    excitation: name of the point that the shaker acts on; joint: of the one that effects of a joint act at, "" for the
+        excitation
     places: where points and the clamps ("blade_left.root", "blade_right.root") are, name without axis -> (x, y, z)
         at rest [m]; empty where that is not known
     modes: names of identified ones, in the order of `components`
@@ -73,6 +74,7 @@ class RigModel:
     stated_pressure: float | None = None
     reading: Reading = field(default_factory=Reading)
     by_pull: tuple[str, ...] = ()
+    joint: str = ""
 
     @cached_property
     def system(self) -> NonlinearSystem:

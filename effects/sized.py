@@ -19,14 +19,23 @@ def sized(effect: Effect, model: RigModel, amplitude: float) -> Effect:
     """
     if not model.identified or all(p.grows_with == (0, 0, 0) for p in effect.parameters):
         return effect
-    factors = np.array([_stiffness(model), amplitude, float(np.sqrt(model.components.omega_squared.min()))]) / _BEAM
+    factors = (
+        np.array(
+            [
+                _stiffness(model, effect.joint or model.excitation),
+                amplitude,
+                float(np.sqrt(model.components.omega_squared.min())),
+            ]
+        )
+        / _BEAM
+    )
     return replace(effect, parameters=tuple(_scaled(p, factors) for p in effect.parameters))
 
 
-def _stiffness(model: RigModel) -> float:
-    """Of the softest mode, as an oscillator that moves as the excitation point does [N/m]"""
+def _stiffness(model: RigModel, joint: str) -> float:
+    """Of the softest mode, as an oscillator that moves as the joint does [N/m]"""
     components = model.components
-    share = components.phi[components.points.index(model.excitation)]
+    share = components.phi[components.row(joint)]
     moving = np.abs(share) > 1e-3 * np.abs(share).max()
     return float(np.min(components.omega_squared[moving] / share[moving] ** 2))
 

@@ -3,7 +3,8 @@ component's modes.
 
 Effects of a bolted joint are for models whose modes were identified in a test. The joint is not a point of such a
 model: its motion goes with that of the mode, so an element at the excitation point stands for it, and its parameters
-are those seen from there. With several modes, each of which moves the joint otherwise, they are not the joint's own.
+are those seen from there. With several modes, each of which moves the joint otherwise, it may be placed at another
+point (`placed.py`).
 
 Elements at the tips stand for what the blades themselves do, or what touches them there; between the platforms, for
 what happens across their gap. Changes of one component's modes are made within the model
@@ -49,12 +50,17 @@ def joint_model(model: RigModel) -> RigModel:
     return model
 
 
+def joint_of(model: RigModel) -> str:
+    """Point that the effects of a joint act at; raises as `joint_model`"""
+    return joint_model(model).joint or model.excitation
+
+
 def with_joint_element(model: RigModel, name: str, law: ContactLaw, **entries: float) -> RigModel:
-    """The model with an element between its excitation point and the ground; entries: of the law's parameters.
+    """The model with an element between its joint and the ground; entries: of the law's parameters.
 
     raises: ValueError where the model is not one of identified modes without contacts
     """
-    added = _element(name, (joint_model(model).excitation,), law, entries)
+    added = _element(name, (joint_of(model),), law, entries)
     return replace(model, elements=(*model.elements, added), time_samples=max(model.time_samples, _SAMPLES))
 
 

@@ -5,7 +5,7 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from updamp.diagnosis.verdict import Verdict
-from updamp.effects.catalogue import catalogue
+from updamp.effects.placed import effect_called
 from updamp.effects.user_effect import effect_from_file
 from updamp.rig.effects import RigEffect
 
@@ -48,14 +48,14 @@ def already_there(present: Sequence[RigEffect], names: Sequence[str], rig: Path,
 
 
 def _absent(effect: RigEffect) -> bool:
-    defined = effect_from_file(effect.file) if effect.file else catalogue()[effect.name]
-    return dict(effect.values) == defined.at_null()
+    defined = effect_from_file(effect.file) if effect.file else effect_called(effect.name)
+    return defined is not None and dict(effect.values) == defined.at_null()
 
 
 def unknown(verdict: Verdict, names: Sequence[str], own: Sequence[str]) -> Iterator[str]:
     looked_at = {candidate.name for candidate in verdict.candidates}
     for name in names:
-        if name in looked_at and name not in catalogue() and name not in own:
+        if name in looked_at and effect_called(name) is None and name not in own:
             yield f"{name}: neither in the catalogue nor in the rig file; name the Python file that defines it: --file"
 
 

@@ -9,6 +9,8 @@ squares with the weights found anew at every step lower `unlikelihood`, whose de
 Green, J. R. Stat. Soc. B 46 (1984) 149).
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 # Stretches of a curve in each of which what a model lacks is the same: it makes a resonance too high, too low, too wide
@@ -16,6 +18,19 @@ import numpy as np
 STRETCHES = 4
 # Mean squared misfit beyond which a model fails badly: first order about it says little.
 TOLERATED = 3.0
+
+
+@dataclass(frozen=True)
+class Freedom:
+    """Degrees of freedom of a mean squared misfit.
+
+    independent: values that count of their own. What little is wrong with a model, as a mesh, is the same for
+        neighbouring points, so that these count as one (`independent`); at least one counts
+    noise: those of the variance that it is divided by, infinite where the noise is stated
+    """
+
+    independent: float
+    noise: float = float("inf")
 
 
 def as_many(points: float) -> float:

@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from updamp.comparison.fit.calibration import calibration
 from updamp.comparison.fit.compared import predict_branches
+from updamp.comparison.fit.failing_model import Freedom
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
 from updamp.comparison.fit.noise_by_amplitude import with_noise_of_sensors
 from updamp.comparison.fit.numerical_gate import apply_numerical_gate, finer_than, starting_at, with_numerical_error
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.numerical_error import NumericalError
-from updamp.diagnosis.criteria import Freedom
 from updamp.effects.chosen import ChosenEffect
 from updamp.effects.rig_model import RigModel
 

@@ -18,10 +18,10 @@ from updamp.effects.effect import Effect
 def beside(fits: FitContext, first: Refit, effects: Sequence[Effect], fewer: CandidateFits) -> CandidateFits:
     """Fits with the effects of `first` and each of the others. fewer: fits with one effect less, to be better than"""
     start, criteria = fits.start, fits.criteria
-    there = {e.name for e in first.effects}
+    there = {e.kind for e in first.effects}
     fits.progress(f"another effect beside {' and '.join(e.name for e in first.effects)}")
     about = replace(fits, start=replace(start, fitted=with_branches(first.fitted, start, BranchesBy(fits.workers))))
-    others = [e for e in effects if e.name not in there]
+    others = [e for e in effects if e.kind not in there]
     again = scores(extend(about.start.fitted, start.train_plan, others, fits.progress, fits.workers))
     wanted = fit_tasks(about.start, others, again, criteria, fits.progress, fits.workers)
     if all(task.full for task in wanted):

@@ -21,6 +21,7 @@ from updamp.diagnosis.score_tests.score import Score, cosines, scores
 from updamp.diagnosis.score_tests.signature import Extended, extend
 from updamp.diagnosis.selection.fair_credit import credited, without_effects_again
 from updamp.diagnosis.selection.further_effects import further_effects
+from updamp.diagnosis.selection.other_places import try_other_places
 from updamp.diagnosis.selection.pairs import alone, exchanged, try_pairs
 from updamp.diagnosis.selection.single_effects import other_sizes, try_singles
 from updamp.effects.effect import Effect
@@ -76,6 +77,11 @@ def search(
         singles = credited(singles, base, without[0])
         fits = replace(fits, start=better)
         held_out = replace(held_out, error=without[1].held_out, misfit=without[1].unseen)
+    if elsewhere := try_other_places(fits, effects, singles):
+        singles |= elsewhere
+        fitting += [e for r in elsewhere.values() for e in r.refit.effects]
+        extended = extend(base, plan, fitting, progress, workers)
+        scored = scores(extended)
     free = _if_runs_drift(fits, singles)
     several = fitting if free is None or _comes_close(fits, singles, free) else ()
     further, pairs = exchanged(fits, several, singles, try_pairs(fits, several, singles))

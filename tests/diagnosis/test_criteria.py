@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from updamp.diagnosis.criteria import Criteria, Freedom, largest_by_chance
+from updamp.comparison.fit.failing_model import Freedom
+from updamp.diagnosis.criteria import Criteria, largest_by_chance
 
 
 @pytest.mark.parametrize("independent", [24, 192])

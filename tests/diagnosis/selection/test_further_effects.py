@@ -5,9 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from updamp.comparison.fit.failing_model import Freedom
 from updamp.diagnosis.candidate_models.candidate_fits import FitContext
 from updamp.diagnosis.candidate_models.fit_tasks import FittedCandidate, fit_here
-from updamp.diagnosis.criteria import Criteria, Freedom
+from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.evidence import Trial
 from updamp.diagnosis.selection import further_effects as module
 from updamp.diagnosis.selection.further_effects import further_effects

@@ -5,10 +5,11 @@ from types import SimpleNamespace
 
 import pytest
 
+from updamp.comparison.fit.failing_model import Freedom
 from updamp.diagnosis.candidate_models.candidate_fits import FitContext
 from updamp.diagnosis.candidate_models.fit_tasks import FittedCandidate, fit_here
 from updamp.diagnosis.candidate_models.refit import Refit, gain_of_bic
-from updamp.diagnosis.criteria import Criteria, Freedom
+from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.evidence import Trial, gain_over_fewer
 from updamp.diagnosis.selection import pairs
 from updamp.effects.effect import Effect, EffectParameter
