@@ -77,7 +77,7 @@ def _of_unknown(evidence: Evidence, criteria: Criteria, words: Wording) -> str:
         said = f"something is missing that cannot be named: {off}, and nothing that explains it is accepted"
     left = [_in_the_way(t, evidence, criteria) for t in best]
     closest = f". Closest: {'; '.join(left)}" if left else ""
-    return said + closest + _if_runs_drift(evidence, words)
+    return said + _if_runs_drift(evidence, words) + closest
 
 
 def _if_runs_drift(evidence: Evidence, words: Wording) -> str:
