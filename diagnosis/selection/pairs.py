@@ -17,7 +17,7 @@ def try_pairs(fits: FitContext, effects: Sequence[Effect], singles: CandidateFit
     start, criteria = fits.start, fits.criteria
     full = best_first({names: r for names, r in singles.items() if r.trial.full})
     settled = [r.refit for r in full]
-    if not settled or settled[0].drop <= 0 or _nothing_is_asked_for(fits, settled):
+    if not effects or not settled or settled[0].drop <= 0 or _nothing_is_asked_for(fits, settled):
         return {}
     doubtful = criteria.is_doubtful(settled[0].mean_squared_misfit, start.freedom)
     if not (doubtful or settled[0].at_bound or criteria.is_far_off(full[0].trial.deviations)):

@@ -130,8 +130,8 @@ class DirectResponse:
 
 def _one_by_one(matrices: Complex, loads: Complex) -> Complex:
     """(n, m, m) times the n parts of loads (m, n, ...)"""
-    columns = np.moveaxis(loads.reshape(*loads.shape[:2], -1), 1, 0)
-    return np.moveaxis(matrices @ columns, 0, 1).reshape(loads.shape)
+    columns = loads.reshape(*loads.shape[:2], -1).transpose(1, 0, 2)
+    return (matrices @ columns).transpose(1, 0, 2).reshape(loads.shape)
 
 
 def dynamic_stiffness(omega_squared: Floats, hysteretic: Floats, viscous: Floats, w: float) -> Complex:
