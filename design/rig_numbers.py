@@ -14,6 +14,7 @@ from pydantic.fields import FieldInfo
 from updamp.effects.catalogue import catalogue
 from updamp.effects.chosen import resolved
 from updamp.effects.effect import EffectParameter
+from updamp.effects.placed import effect_called
 from updamp.model.calibration import read_calibration
 from updamp.rig.fields import Quantity
 from updamp.rig.modal_rig import ModalRig
@@ -38,8 +39,8 @@ class RigNumber:
 def number_at(rig: AnyRig, path: str) -> RigNumber:
     """raises: ValueError naming the part of the path that is not there, and what is"""
     first, *rest = path.split(".")
-    if first == "effects" and len(rest) == 2:
-        return _of_effect(rig, path, *rest)
+    if first == "effects" and len(rest) >= 2:  # an effect's name may have the point of its joint in it
+        return _of_effect(rig, path, ".".join(rest[:-1]), rest[-1])
     if first == "calibration" and len(rest) == 1:
         return _of_calibration(rig, path, rest[0])
     return _of_table(rig, path)
@@ -83,10 +84,9 @@ def _checked_by(field: FieldInfo) -> Callable[[Any], object]:
 def _of_effect(rig: AnyRig, path: str, name: str, parameter: str) -> RigNumber:
     """Of one that the rig has, or of the catalogue: then it is absent as the rig stands."""
     own = {one.effect.name: one for one in resolved(rig.effects)}
-    known = catalogue()
-    if name not in own and name not in known:
-        raise ValueError(f"{path}: no such effect; {_instead(name, [*own, *known])}")
-    effect = own[name].effect if name in own else known[name]
+    effect = own[name].effect if name in own else effect_called(name)
+    if effect is None:
+        raise ValueError(f"{path}: no such effect; {_instead(name, [*own, *catalogue()])}")
     parameters = {p.name: p for p in effect.parameters}
     if parameter not in parameters:
         raise ValueError(f"{path}: no such parameter; {_instead(parameter, parameters)}")

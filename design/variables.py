@@ -143,7 +143,7 @@ def overrides(stated: Mapping[str, Any], variables: Sequence[Variable], values: 
         written = one.written(values[one.name])
         if first == "effects":
             tables = changes.setdefault("effects", deepcopy(list(stated.get("effects", []))))
-            _set_parameter(tables, rest[0], rest[1], written)
+            _set_parameter(tables, ".".join(rest[:-1]), rest[-1], written)
         else:
             changes[one.path] = written
     return changes

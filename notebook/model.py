@@ -6,6 +6,7 @@ from html import escape
 from updamp.effects.catalogue import catalogue
 from updamp.effects.chosen import ChosenEffect
 from updamp.effects.effect import Effect
+from updamp.effects.placed import effect_called
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.problem.system import NonlinearSystem
 from updamp.report.markup import number, table
@@ -92,10 +93,10 @@ class Model:
 def _checked(effect: str | Effect, values: dict[str, float]) -> tuple[Effect, dict[str, float]]:
     """raises: ValueError naming what cannot be, with what would be allowed"""
     if isinstance(effect, str):
-        known = catalogue()
-        if effect not in known:
-            raise ValueError(f'effect = "{effect}": not in the catalogue; there are {", ".join(known)}')
-        effect = known[effect]
+        found = effect_called(effect)
+        if found is None:
+            raise ValueError(f'effect = "{effect}": not in the catalogue; there are {", ".join(catalogue())}')
+        effect = found
     usual = ", ".join(f"{p.name} = {p.typical:g}" for p in effect.parameters)
     if not values:
         raise ValueError(f'the effect "{effect.name}" needs values in SI units, such as {usual}')

@@ -44,6 +44,14 @@ def test_an_effect_that_the_rig_has_not_is_added_and_one_that_it_has_keeps_its_o
     assert stated["effects"][0]["values"]["depth"] == "1 um", "what was read is left alone"
 
 
+def test_an_effect_whose_joint_is_at_another_point_has_that_points_name_in_its_path(folder):
+    cubic = "joint_cubic@beam.drive.x"
+    text = STUDY.replace("modes.first.frequency", f"effects.{cubic}.coefficient").replace(" Hz", " N/m^3")
+    study = read_study(write_study(folder, text=text))
+    (table,) = overrides({}, study.variables[:1], {study.variables[0].name: 75.0})["effects"]
+    assert (table["name"], list(table["values"])) == (cubic, ["coefficient"])
+
+
 @pytest.mark.parametrize(
     ("wrong", "right", "message"),
     [
