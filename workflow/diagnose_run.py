@@ -2,6 +2,7 @@
 
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from datetime import date
 from pathlib import Path
@@ -11,9 +12,10 @@ from rich.console import Console
 
 from updamp.comparison.compare import compare
 from updamp.comparison.comparison import COMPARISON_JSON
+from updamp.comparison.fit.compared import compare_at, predict_branches
 from updamp.comparison.fit.observations import Plan, plan_of
 from updamp.comparison.prediction.branch_tasks import Branches, BranchesBy, in_turn
-from updamp.diagnosis.candidate_models.baseline import Baseline, baseline, held_out_runs
+from updamp.diagnosis.candidate_models.baseline import Baseline, baseline, calibrated_as, held_out_runs
 from updamp.diagnosis.candidate_models.fit_tasks import FitRunnerOf
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.decision.ablations import write_ablations
@@ -28,6 +30,7 @@ from updamp.effects.catalogue import catalogue
 from updamp.effects.chosen import code_of
 from updamp.effects.effect import Effect
 from updamp.effects.user_effect import effect_from_file
+from updamp.hbm.continuation.predictor_corrector import BranchStoppedError
 from updamp.model.rig_files import is_modal, load_any, load_rig
 from updamp.parallel.processes import chosen_workers
 from updamp.parallel.workers import Workers
@@ -87,7 +90,7 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
             provenance["held out"] = ", ".join(plan.conditions[i].name for i in start.held_out) or "nothing"
             names = {channel.point: channel.name for channel in inputs.measurement.channels}
             decision = decide(found.evidence, options.criteria)
-            forces = _forces(found, decision) if options.report else ()
+            forces = _forces(found, decision, BranchesBy(workers)) if options.report else ()
             proposed = _next_measurements(cache, found, decision, options, progress, workers) if options.report else ()
             verdict = conclude(found, decision, options.criteria, names, forces, provenance, proposed)
             VERDICT_JSON.write(files.out / "diagnosis.json", verdict)
@@ -182,11 +185,18 @@ def _baseline(
     return start
 
 
-def _forces(found: SearchResult, decision: Decision) -> tuple[MissingForce, ...]:
+def _forces(found: SearchResult, decision: Decision, branches_of: Branches) -> tuple[MissingForce, ...]:
+    """Beside the calibration that goes with what is named: that of the model without it has taken up a part of the
+    force, more than first order gives back."""
     fitted, plan = found.baseline.fitted, found.baseline.train_plan
     if decision.outcome == "adequate" or not plan.has_phases:
         return ()  # a force has a direction
-    return missing_forces(fitted.compared, fitted.parametrisation, plan)
+    p, compared = fitted.parametrisation, fitted.compared
+    if decision.trial is not None and (decision.effects or decision.group):
+        u = calibrated_as(fitted, found.refits[decision.trial.effects].fitted)
+        with suppress(BranchStoppedError):  # where the model without effects has no response
+            compared = compare_at(p, u, plan, predict_branches(p, u, plan, None, branches_of), compared.scatter)
+    return missing_forces(compared, p, plan)
 
 
 def _next_measurements(

@@ -123,6 +123,13 @@ def farthest_off(fitted: Fit) -> tuple[str, float]:
     return max(off.items(), key=lambda named: abs(named[1]))
 
 
+def calibrated_as(base: Fit, other: Fit) -> Floats:
+    """(p,) parameters of `base`, calibrated as a fit that has effects besides"""
+    n, u = len(base.parametrisation.nuisances), base.u.copy()
+    u[:n] = other.u[:n]
+    return u
+
+
 def held_out_runs(plan: Plan, runs: Sequence[str] | None, modes: Sequence[str]) -> tuple[str, ...] | None:
     """Names of the runs: those given and all of the modes; None where neither is given, for the usual choice.
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from updamp.comparison.fit.compared import misfit
 from updamp.comparison.fit.fit import Fit
+from updamp.diagnosis.candidate_models.baseline import calibrated_as
 from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext, best_first
 from updamp.diagnosis.candidate_models.fit_tasks import FitTask, FittedCandidate
 from updamp.diagnosis.candidate_models.refit import gain_of_bic
@@ -24,9 +25,8 @@ def without_effects_again(fits: FitContext, found: CandidateFits) -> tuple[Fit, 
     settled = [r for r in best_first(found) if r.trial.full and r.refit.delta_bic >= criteria.delta_bic]
     if not settled:
         return None
-    best, p = settled[0].refit, start.fitted.parametrisation
-    n, u = len(p.nuisances), start.fitted.u.copy()
-    u[:n] = best.fitted.u[:n]
+    best = settled[0].refit
+    u = calibrated_as(start.fitted, best.fitted)
     there = replace(start.fitted, compared=replace(start.fitted.compared, u=u, branches=()))
     again = fits.results([FitTask((), (), True, near=there, own_numerics=best.own_numerics)]).get(())
     if again is None or again.refit.drop <= 0:
