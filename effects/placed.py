@@ -3,7 +3,7 @@
 A model of several modes tells where a joint is: each mode moves it otherwise.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -44,23 +44,27 @@ def effect_called(name: str) -> Effect | None:
     return placed(JOINTS[kind], point) if kind in JOINTS and point else catalogue().get(name)
 
 
-def other_places(model: RigModel) -> tuple[str, ...]:
+def other_places(model: RigModel, measured: Collection[str]) -> tuple[str, ...]:
     """Points where a joint would be seen otherwise than at the excitation, and than at each other: none where a single
-    mode is known, since a joint that moves otherwise has other parameters and the same response there."""
+    mode was measured, since a joint that moves otherwise there has other parameters and the same response.
+
+    measured: names of modes
+    """
     if not model.identified:
         return ()
-    found, told = [], [_direction(model, model.excitation)]
+    modes = [i for i, name in enumerate(model.modes) if name in measured]
+    found, told = [], [_direction(model, model.excitation, modes)]
     for point in model.components.points:
-        direction = _direction(model, point)
+        direction = _direction(model, point, modes)
         if np.any(direction) and all(_differ(direction, one) for one in told):
             told.append(direction)
             found.append(point)
     return tuple(found)
 
 
-def _direction(model: RigModel, point: str) -> Floats:
+def _direction(model: RigModel, point: str, modes: Sequence[int]) -> Floats:
     """(m,) of its motion in the modes, of unit length; nil where it does not move"""
-    share = model.components.phi[model.components.row(point)]
+    share = model.components.phi[model.components.row(point)][modes]
     return share / (np.linalg.norm(share) or 1.0)
 
 
@@ -68,6 +72,7 @@ def _differ(one: Floats, other: Floats) -> bool:
     return bool(1 - (one @ other) ** 2 > _ALIKE**2)
 
 
-def at_other_places(effects: Sequence[Effect], model: RigModel) -> tuple[Effect, ...]:
+def at_other_places(effects: Sequence[Effect], model: RigModel, measured: Collection[str]) -> tuple[Effect, ...]:
     """Those of a joint among them, at each of `other_places`."""
-    return tuple(placed(effect, point) for effect in effects if effect.name in JOINTS for point in other_places(model))
+    places = other_places(model, measured)
+    return tuple(placed(effect, point) for effect in effects if effect.name in JOINTS for point in places)

@@ -10,18 +10,19 @@ from updamp.effects.sized import sized
 
 
 def try_other_places(fits: FitContext, effects: Sequence[Effect], singles: CandidateFits) -> CandidateFits:
-    """Fits of those of the best effects that leave less there, where the model may lack something and none explains
-    the data: two effects at a wrong place may stand in for one at the right one.
+    """Fits of those of the best effects that leave less there, where the model may lack something or the data ask for
+    an effect: at a wrong place another law, or two, may stand in for the right one.
 
     effects: as in the catalogue
     """
     start, criteria = fits.start, fits.criteria
     base = start.fitted.parametrisation.base
-    lacking = criteria.is_doubtful(start.fitted.compared.mean_squared_misfit, start.freedom)
-    if not lacking or any(fits.explains(r.trial) for r in singles.values()):
+    settled = [r.refit for r in best_first(singles) if r.trial.full]
+    asked = any(r.delta_bic >= criteria.delta_bic for r in settled)
+    if not asked and not criteria.is_doubtful(start.fitted.compared.mean_squared_misfit, start.freedom):
         return {}
-    best = [r.refit.effects[0].name for r in best_first(singles) if r.trial.full][: criteria.search.full]
-    tried = at_other_places([e for e in effects if e.name in best], base)
+    best = [r.effects[0].name for r in settled[: criteria.search.full]]
+    tried = at_other_places([e for e in effects if e.name in best], base, {c.mode for c in start.train_plan.conditions})
     amplitude = start.train_plan.largest_amplitude
     found = fits.results([FitTask((sized(effect, base, amplitude),), (), full=True) for effect in tried])
     return {names: r for names, r in found.items() if r.trial.excess < singles[(r.refit.effects[0].kind,)].trial.excess}

@@ -57,13 +57,14 @@ def test_a_spring_at_the_tip_is_felt_at_the_drive_as_its_equation_says(mode, for
 
 
 def test_a_second_place_is_one_that_the_modes_move_otherwise():
-    assert other_places(two_modes()) == (TIP,)
-    assert other_places(two_modes({"first": 0.8, "second": 1.8})) == ()  # twice as far in both
-    assert other_places(two_modes({"first": 0.0, "second": 0.0})) == ()  # it does not move
+    assert other_places(two_modes(), MODES) == (TIP,)
+    assert other_places(two_modes(), ("first",)) == ()  # any point will do
+    assert other_places(two_modes({"first": 0.8, "second": 1.8}), MODES) == ()  # twice as far in both
+    assert other_places(two_modes({"first": 0.0, "second": 0.0}), MODES) == ()  # it does not move
 
 
 def test_joints_alone_are_placed():
-    found = at_other_places((JOINTS["joint_cubic"], CATALOGUE["shaker_attachment"]), two_modes())
+    found = at_other_places((JOINTS["joint_cubic"], CATALOGUE["shaker_attachment"]), two_modes(), MODES)
     assert [effect.name for effect in found] == [NAME]
     assert (found[0].kind, found[0].joint) == ("joint_cubic", TIP)
 
