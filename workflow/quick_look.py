@@ -89,11 +89,10 @@ def _peak(followed: ResonanceCurve | None, force: float) -> PeakPoint | None:
 
 
 def not_checked(products: Products, options: RunOptions) -> list[str]:
-    """Sentences on what is not known, for it was left out or not asked for."""
+    """Sentences on what was left out or not asked for; what was not found is told by `not_followed`."""
     left, peaks = products.left, peaks_followed(products)
     met = [f"{mode} {force:g} N" for (mode, force), peak in peaks.items() if peak is not None]
     said = [f"{', '.join(met)}: no curve; its peak is where the resonance followed in force passes it"] if met else []
-    said += not_followed(products)
     said += [_SENTENCES[about] for about in _about_curves(left, options)]
     if not options.resonance:
         said.append("the resonance followed in force, and branches beside the curves that it leads to")

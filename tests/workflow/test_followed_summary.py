@@ -71,7 +71,7 @@ def test_a_quick_look_says_why_there_is_no_peak():
     assert peak_sentences(peaks_followed(products(short))) == []
     (sentence,) = not_followed(products(short))
     assert "the resonance was not followed so far: the resonance stops at 0.9 N" in sentence
-    assert sentence in not_checked(products(short), options)
+    assert sentence not in not_checked(products(short), options)  # it is a problem of the run, told once
     assert not any("passes it" in one for one in not_checked(products(short), options))
     met = followed(curve, 15)
     assert not_followed(products(met)) == []
