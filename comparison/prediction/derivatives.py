@@ -184,7 +184,7 @@ class _Here:
         all_x = np.concatenate([x, self._motion_of(change.added)]) if change.added else x
         g = system.departure_value(all_x, receptance.w, self._known)
         excitation = replace(self.excitation, row=self.excitation.row + further) if further else self.excitation
-        motion = receptance.excitation(excitation, _ALL) - receptance.apply(g, _ALL)
+        motion = receptance.motion(excitation, g, _ALL)
         return (self.motion[:n] - motion[:n]) / change.step, (motion[rows + further] - self.motion[rows]) / change.step
 
     def _motion_of(self, points: Sequence[str]) -> Floats:

@@ -29,7 +29,7 @@ class ContactState(IntEnum):
 def response(equation: Equation, excitation: Excitation, rows: Integers) -> Floats:
     """(len(rows), n_coefficients) displacement of rows of the linear model, all contacts' forces included [m]."""
     receptance = equation.receptance
-    return receptance.excitation(excitation, rows) - receptance.apply(equation.departure.value, rows)
+    return receptance.motion(excitation, equation.departure.value, rows)
 
 
 def contact_states(system: NonlinearSystem, x: Floats, w: float, time_samples: int = 256) -> Integers:

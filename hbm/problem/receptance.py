@@ -62,6 +62,18 @@ class Receptance:
         response[:, self.system.harmonics.slices[1].start] += excitation.force * stuck.residual[rows, excitation.row]
         return np.asarray(response)
 
+    def motion(self, excitation: Excitation, forces: Floats, rows: slice | Integers | None = None) -> Floats:
+        """`excitation` less `apply`, by one modal solution: of `rows` where the elements carry these forces."""
+        stuck, n = self.system.stuck, self.system.stuck.n_relative
+        rows = slice(n) if rows is None else rows
+        response = stuck.phi[rows] @ self.through_modes(self._modal_load(excitation) - stuck.phi[:n].T @ forces)
+        if stuck.has_residual:
+            response[:, self.system.harmonics.slices[1].start] += (
+                excitation.force * stuck.residual[rows, excitation.row]
+            )
+            response -= thin_product(stuck.residual[rows, :n], forces)
+        return np.asarray(response)
+
     def excitation_rate(self, excitation: Excitation, rows: slice | Integers | None = None) -> Floats:
         """d/dw of `excitation`."""
         stuck = self.system.stuck
