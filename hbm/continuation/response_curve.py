@@ -115,11 +115,12 @@ class ResponseCurve:
 
     def extreme(self, values: Floats, place: int, point: str) -> Extreme | None:
         """Where a cubic spline through the points about one of them is highest, over the length of the branch as seen
-        at a named point: within the points beside it. None for fewer than four points, or where two are the same.
+        at a named point: within the points beside it, none of them across a gap. None for fewer than four points, or
+        where two are the same.
 
         values: (n,) of which the largest is sought, such as the frequency at a fold
         """
-        near = slice(max(place - 3, 0), place + 4)
+        near = self._without_gap(place, 3)
         f, z = self.frequency[near], self.receptance(point)[near]
         if len(f) < 4:
             return None
@@ -131,3 +132,10 @@ class ResponseCurve:
         ends = (length[max(place - near.start - 1, 0)], length[min(place - near.start + 1, len(f) - 1)])
         at = float(minimize_scalar(lambda t: -float(spline(t)), bounds=ends).x)
         return Extreme(near, length, at, float(spline(at)))
+
+    def _without_gap(self, place: int, reach: int) -> slice:
+        """The points up to so many places beside one, of its piece of the curve alone."""
+        gaps = np.flatnonzero(self.after_gap)
+        first = max([int(g) for g in gaps if g <= place], default=0)
+        end = min([int(g) for g in gaps if g > place], default=len(self.frequency))
+        return slice(max(place - reach, first), min(place + reach + 1, end))
