@@ -261,8 +261,10 @@ def curves_table(entries: Sequence[Mapping[str, Any]]) -> Table:
     for entry in entries:
         table.add_row(*_curve_cells(entry, bool(known), chosen))
     if known:
-        orders = next((", ".join(map(str, one["orders"])) for one in known if one["orders"]), "further")
-        table.caption = f"error: what harmonics {orders} change, of the peak's height and frequency"
+        orders = next((one["orders"] for one in known if one["orders"]), ())
+        which = f"harmonics {', '.join(map(str, orders))}" if orders else "further harmonics"
+        mean = "; what the mean position (harmonic 0) changes is not in it" if orders and 0 not in orders else ""
+        table.caption = f"error: what {which} change, of the peak's height and frequency{mean}"
     return table
 
 

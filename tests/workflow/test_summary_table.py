@@ -40,6 +40,19 @@ def test_no_number_and_no_word_is_cut_off():
         assert word in words
 
 
+@pytest.mark.parametrize(
+    ("orders", "said"),
+    [
+        ([0, 1, 2, 3], "error: what harmonics 0, 1, 2, 3 change, of the peak's height and frequency"),
+        ([1, 3, 5], "error: what harmonics 1, 3, 5 change, of the peak's height and frequency; what the mean position "
+         "(harmonic 0) changes is not in it"),
+        ([], "error: what further harmonics change, of the peak's height and frequency"),
+    ],
+)  # fmt: skip
+def test_it_is_said_what_the_error_is_of(orders, said):
+    assert curves_table([{**ENTRY, "numerical_error": {**ERROR, "orders": orders}}]).caption == said
+
+
 @pytest.mark.parametrize("work", [0.0, np.nan])
 def test_shares_of_work_are_null_where_a_point_takes_none(work):
     curve = softening_curve()
