@@ -153,12 +153,13 @@ def _remarks(products: "Products", summary: Mapping[str, Any]) -> Iterator[tuple
     from updamp.workflow.detached_summary import coexisting
     from updamp.workflow.followed_summary import different_peaks
     from updamp.workflow.marching_summary import moving_peaks
-    from updamp.workflow.quick_look import peak_sentences, peaks_followed
+    from updamp.workflow.quick_look import ended_early, peak_sentences, peaks_followed
     from updamp.workflow.stability_summary import doubtful_peaks
 
     curves = summary.get("curves", ())
     yield from (("names     ", line) for line in summary.get("misnamed_modes", ()))
-    yield from (("followed  ", line) for line in (*peak_sentences(peaks_followed(products)), *different_peaks(curves)))
+    followed = (*peak_sentences(peaks_followed(products)), *different_peaks(curves), *ended_early(products))
+    yield from (("followed  ", line) for line in followed)
     yield from (("stability ", line) for line in doubtful_peaks(curves))
     yield from (("in time ", line) for line in moving_peaks(curves))
     yield from (("beside it ", line) for line in coexisting(curves))

@@ -71,14 +71,30 @@ def peaks_followed(products: Products) -> Mapping[tuple[str, float], PeakPoint |
 
 def not_followed(products: Products) -> list[str]:
     """Sentences on the peaks that neither a curve nor the resonance followed in the force has come to, and why."""
-    why = {entry.product.mode: entry.product.stopped for entry in products.resonances}
-    why |= {one.job.mode: one.message for one in products.unknown if isinstance(one.job, ResonanceJob)}
+    why = _why_ended(products)
     return [
         f"{mode} {force:g} N: there is no curve, and the resonance was not followed so far: "
         f"{why.get(mode) or 'it was not begun'}"
         for (mode, force), peak in peaks_followed(products).items()
         if peak is None
     ]
+
+
+def ended_early(products: Products) -> list[str]:
+    """Sentences on the resonances that were not followed up to the highest force, and why; where a curve was left out
+    for it, `not_followed` tells it."""
+    left = {job.mode for job in curves_left(products.left)}
+    return [
+        f"{mode}: the resonance followed in the force ends early, and beyond curves alone tell it: {reason}"
+        for mode, reason in _why_ended(products).items()
+        if reason and mode not in left
+    ]
+
+
+def _why_ended(products: Products) -> dict[str, str]:
+    """By mode, "" where it was followed to the end."""
+    why = {entry.product.mode: entry.product.stopped for entry in products.resonances}
+    return why | {one.job.mode: one.message for one in products.unknown if isinstance(one.job, ResonanceJob)}
 
 
 def _peak(followed: ResonanceCurve | None, force: float) -> PeakPoint | None:

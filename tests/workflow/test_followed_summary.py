@@ -11,7 +11,7 @@ from support.curves import softening_curve
 from updamp.hbm.resonance.resonance_curve import ResonanceCurve
 from updamp.workflow.curve_jobs import CurveJob
 from updamp.workflow.followed_summary import different_peaks
-from updamp.workflow.quick_look import not_checked, not_followed, peak_sentences, peaks_followed
+from updamp.workflow.quick_look import ended_early, not_checked, not_followed, peak_sentences, peaks_followed
 from updamp.workflow.run_options import RunOptions
 from updamp.workflow.summary import curve_entry
 
@@ -76,3 +76,14 @@ def test_a_quick_look_says_why_there_is_no_peak():
     met = followed(curve, 15)
     assert not_followed(products(met)) == []
     assert "passes it" in not_checked(products(met), options)[0]
+
+
+def test_a_resonance_that_ends_early_is_said_with_its_reason_where_all_curves_were_traced():
+    curve = softening_curve("OOP")
+    short = followed(curve, 15, stopped="the resonance stops at 0.9 N")
+    (sentence,) = ended_early(SimpleNamespace(left=(), resonances=(SimpleNamespace(product=short),), unknown=()))
+    assert sentence.startswith("OOP: ")
+    assert sentence.endswith("the resonance stops at 0.9 N")
+    assert ended_early(products(short)) == []  # a curve was left out for it, and it is a problem of the run
+    whole = followed(curve, 15)
+    assert ended_early(SimpleNamespace(left=(), resonances=(SimpleNamespace(product=whole),), unknown=())) == []
