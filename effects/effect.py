@@ -7,6 +7,8 @@ from math import isfinite
 from updamp.effects.rig_model import RigModel
 
 Values = Mapping[str, float]
+# Between the name of a joint's effect and the point that it was placed at.
+AT = "@"
 
 
 @dataclass(frozen=True)
@@ -81,7 +83,7 @@ class Effect:
     @property
     def kind(self) -> str:
         """Its name without the place of the joint."""
-        return self.name.partition("@")[0]
+        return self.name.partition(AT)[0]
 
     @property
     def in_words(self) -> str:

@@ -11,12 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.effects.catalogue import JOINTS, catalogue
-from updamp.effects.effect import Effect, Values
+from updamp.effects.effect import AT, Effect, Values
 from updamp.effects.rig_model import RigModel
 from updamp.effects.structure import model_with
 
 Floats = NDArray[np.float64]
-AT = "@"
 # Sine of the angle between the motions of two points in all modes, below which they tell the same of a joint: shapes
 # that were identified in a test are hardly known any better.
 _ALIKE = 0.05

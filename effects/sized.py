@@ -19,16 +19,8 @@ def sized(effect: Effect, model: RigModel, amplitude: float) -> Effect:
     """
     if not model.identified or all(p.grows_with == (0, 0, 0) for p in effect.parameters):
         return effect
-    factors = (
-        np.array(
-            [
-                _stiffness(model, effect.joint or model.excitation),
-                amplitude,
-                float(np.sqrt(model.components.omega_squared.min())),
-            ]
-        )
-        / _BEAM
-    )
+    stiffness = _stiffness(model, effect.joint or model.excitation)
+    factors = np.array([stiffness, amplitude, float(np.sqrt(model.components.omega_squared.min()))]) / _BEAM
     return replace(effect, parameters=tuple(_scaled(p, factors) for p in effect.parameters))
 
 

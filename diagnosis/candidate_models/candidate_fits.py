@@ -43,6 +43,12 @@ class FitContext:
         unseen = self.criteria.is_doubtful(trial.unseen, self.start.unseen_freedom)
         return not (self.criteria.is_doubtful(trial.excess, self.start.freedom) or unseen)
 
+    def may_lack_something(self, settled: Sequence[Refit]) -> bool:
+        """Whether the model without effects may, or the data ask for one of those that were fitted."""
+        asked = any(r.delta_bic >= self.criteria.delta_bic for r in settled)
+        misfit = self.start.fitted.compared.mean_squared_misfit
+        return asked or self.criteria.is_doubtful(misfit, self.start.freedom)
+
     def fails(self, trial: Trial) -> bool:
         """Whether it leaves more than chance can on the runs that it was fitted to."""
         return self.criteria.fails(trial.excess, self.start.freedom)

@@ -15,13 +15,12 @@ def try_other_places(fits: FitContext, effects: Sequence[Effect], singles: Candi
 
     effects: as in the catalogue
     """
-    start, criteria = fits.start, fits.criteria
+    start = fits.start
     base = start.fitted.parametrisation.base
     settled = [r.refit for r in best_first(singles) if r.trial.full]
-    asked = any(r.delta_bic >= criteria.delta_bic for r in settled)
-    if not asked and not criteria.is_doubtful(start.fitted.compared.mean_squared_misfit, start.freedom):
+    if not fits.may_lack_something(settled):
         return {}
-    best = [r.effects[0].name for r in settled[: criteria.search.full]]
+    best = [r.effects[0].name for r in settled[: fits.criteria.search.full]]
     tried = at_other_places([e for e in effects if e.name in best], base, {c.mode for c in start.train_plan.conditions})
     amplitude = start.train_plan.largest_amplitude
     found = fits.results([FitTask((sized(effect, base, amplitude),), (), full=True) for effect in tried])

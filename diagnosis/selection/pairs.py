@@ -17,7 +17,7 @@ def try_pairs(fits: FitContext, effects: Sequence[Effect], singles: CandidateFit
     start, criteria = fits.start, fits.criteria
     full = best_first({names: r for names, r in singles.items() if r.trial.full})
     settled = [r.refit for r in full]
-    if not effects or not settled or settled[0].drop <= 0 or _nothing_is_asked_for(fits, settled):
+    if not effects or not settled or settled[0].drop <= 0 or not fits.may_lack_something(settled):
         return {}
     doubtful = criteria.is_doubtful(settled[0].mean_squared_misfit, start.freedom)
     if not (doubtful or settled[0].at_bound or criteria.is_far_off(full[0].trial.deviations)):
@@ -28,13 +28,6 @@ def try_pairs(fits: FitContext, effects: Sequence[Effect], singles: CandidateFit
     for first in (settled[0], *(r for r in settled[1:2] if nearly(r, settled[0], start, criteria))):
         found = better_of(found, beside(fits, first, effects, singles))
     return found
-
-
-def _nothing_is_asked_for(fits: FitContext, settled: Sequence[Refit]) -> bool:
-    """Whether the model may lack nothing, and the data ask for no effect: not for two either."""
-    misfit, criteria = fits.start.fitted.compared.mean_squared_misfit, fits.criteria
-    asked = any(r.delta_bic >= criteria.delta_bic for r in settled)
-    return not asked and not criteria.is_doubtful(misfit, fits.start.freedom)
 
 
 def _all_pairs(
