@@ -5,9 +5,7 @@ The mean squared misfit is chi-square over the number of measured values: 1 is w
 
 from dataclasses import dataclass, field
 
-import numpy as np
-from scipy.stats import chi2, norm
-from scipy.stats import f as ratio_of_variances
+from scipy.stats import norm
 
 from updamp.comparison.fit.failing_model import Freedom
 
@@ -80,10 +78,5 @@ class Criteria:
 
 
 def largest_by_chance(freedom: Freedom, probability: float) -> float:
-    """Mean squared misfit that a model which lacks nothing exceeds with this probability: of chi-square, or where the
-    noise is itself an estimate of the ratio of two variances (R. A. Fisher, Proc. Int. Math. Congress Toronto 2 (1924)
-    805)."""
-    n = max(freedom.independent, 1.0)
-    if np.isinf(freedom.noise):
-        return float(chi2.isf(probability, n) / n)
-    return float(ratio_of_variances.isf(probability, n, freedom.noise))
+    """Mean squared misfit that a model which lacks nothing exceeds with this probability."""
+    return float(freedom.by_chance.isf(probability))

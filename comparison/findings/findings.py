@@ -10,11 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2 as chi_squared
-from scipy.stats import f as ratio_of_variances
 from scipy.stats import norm
 
 from updamp.comparison.comparison import Finding
+from updamp.comparison.fit.failing_model import Freedom
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.scatter import Assembly, whitened
@@ -166,12 +165,9 @@ def _columns(fit: Fit, plan: Plan, repeat: int, directions: Sequence[Direction])
 
 
 def lack_of_fit(fit: Fit, plan: Plan) -> float:
-    """Probability of a chi2 as large by chance; where the noise has been read off the runs, of the ratio of two
-    variances (R. A. Fisher, Proc. Int. Math. Congress Toronto 2 (1924) 805)."""
-    free, known = fit.compared.values - len(fit.u), plan.noise_freedom
-    if np.isinf(known):
-        return float(chi_squared.sf(fit.compared.chi2, free))
-    return float(ratio_of_variances.sf(fit.compared.chi2 / free, free, known))
+    """Probability of a chi2 as large by chance, the noise known as well as it is."""
+    free = fit.compared.values - len(fit.u)
+    return float(Freedom(free, plan.noise_freedom).by_chance.sf(fit.compared.chi2 / free))
 
 
 def findings(fit: Fit, plan: Plan, found: Sequence[Misfit]) -> tuple[Finding, ...]:

@@ -10,8 +10,11 @@ Green, J. R. Stat. Soc. B 46 (1984) 149).
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from scipy.stats import chi2 as chi_squared
+from scipy.stats import f as ratio_of_variances
 
 # Stretches of a curve in each of which what a model lacks is the same: it makes a resonance too high, too low, too wide
 # on one side or the other.
@@ -31,6 +34,14 @@ class Freedom:
 
     independent: float
     noise: float = float("inf")
+
+    @property
+    def by_chance(self) -> Any:
+        """Distribution (of scipy) of the mean squared misfit of a model that lacks nothing: of chi-square, or where the
+        noise is itself an estimate of the ratio of two variances (R. A. Fisher, Proc. Int. Math. Congress Toronto 2
+        (1924) 805)."""
+        n = max(self.independent, 1.0)
+        return chi_squared(n, scale=1 / n) if np.isinf(self.noise) else ratio_of_variances(n, self.noise)
 
 
 def as_many(points: float) -> float:
