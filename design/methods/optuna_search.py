@@ -1,8 +1,9 @@
 """Search with Optuna: designs are asked for a batch at a time, and the answers change what is asked for next.
 
-Trials stand in `optuna.db` of the study's folder (SQLite); the same command goes on from there. What was asked for and
-not answered when a session ended is asked for again. Which designs come does not depend on who solves them: a batch is
-of a stated size and answered in the order in which it was asked for, and each design has random numbers of its own.
+Answered trials stand in `optuna.db` of the study's folder (SQLite), each written whole; the same command goes on from
+there. A search asks in memory, so that what was asked for and not answered when a session ended leaves no trace: the
+batch is asked for again. Which designs come does not depend on who solves them nor on interruptions: a batch is of a
+stated size, follows from the batches before it, and each design has random numbers of its own.
 """
 
 import math
@@ -18,8 +19,6 @@ from updamp.design.methods.method import Evaluate, Method, MethodResult, Problem
 from updamp.design.methods.sobol import Seed
 from updamp.design.records import Record
 from updamp.design.variables import Variable
-
-_ANSWERED = "design"  # attribute of a trial: number of its design
 
 
 class OptunaSearch(Method):
@@ -41,34 +40,42 @@ class OptunaSearch(Method):
         """raises: ValueError where Optuna is not installed; what `evaluate` raises"""
         optuna = library("optuna")
         optuna.logging.set_verbosity(optuna.logging.WARNING)
-        study = self._study(optuna, problem)
-        _ask_again(optuna, study)
-        if not study.trials:
-            study.enqueue_trial(problem.initial())
+        answered = self._answered(optuna, problem)
+        start = len(answered.trials) // self.batch * self.batch
+        search = optuna.create_study(directions=_directions(problem))
+        search.add_trials(answered.trials[:start])
+        if not start:
+            search.enqueue_trial(problem.initial())
         space = {one.name: _distribution(optuna, one) for one in problem.variables}
-        while (known := _answered(study)) < self.designs:
-            ends = min(self.designs, known - known % self.batch + self.batch)
-            trials = [self._asked(optuna, study, space, place) for place in range(known, ends)]
+        for first in range(start, self.designs, self.batch):
+            places = range(first, min(self.designs, first + self.batch))
+            trials = [self._asked(optuna, search, space, place) for place in places]
             designs = [{name: float(trial.params[name]) for name in space} for trial in trials]
             for trial, record in zip(trials, evaluate(designs, self.designs), strict=True):
-                _tell(optuna, study, problem, trial, record)
-        unknown = sum(trial.state == optuna.trial.TrialState.FAIL for trial in study.trials)
-        return MethodResult(summary={"trials": len(study.trials), "not_known_or_asked_again": unknown})
+                _tell(optuna, search, problem, trial, record)
+            answered.add_trials(search.trials[len(answered.trials) :])
+        unknown = sum(trial.state == optuna.trial.TrialState.FAIL for trial in search.trials)
+        return MethodResult(summary={"trials": len(search.trials), "not_known": unknown})
 
-    def _study(self, optuna: Any, problem: Problem) -> Any:
-        storage = f"sqlite:///{problem.folder / 'optuna.db'}"
+    def _answered(self, optuna: Any, problem: Problem) -> Any:
+        """The study of all sessions; with other options than the number of designs it is another search."""
+        options = self.model_dump_json(exclude={"designs"})
         return optuna.create_study(
-            study_name=f"{type(self).__name__} {problem.key[:16]}",
-            storage=storage,
-            directions=["minimize"] * len(problem.objectives),
+            study_name=f"{type(self).__name__} {problem.key[:16]} {options}",
+            storage=f"sqlite:///{problem.folder / 'optuna.db'}",
+            directions=_directions(problem),
             load_if_exists=True,
         )
 
-    def _asked(self, optuna: Any, study: Any, space: dict[str, Any], place: int) -> Any:
+    def _asked(self, optuna: Any, search: Any, space: dict[str, Any], place: int) -> Any:
         """place: of the design, counted from the first one of all sessions"""
         seed = int(np.random.SeedSequence((self.seed, place)).generate_state(1)[0])
-        study.sampler = self.sampler(optuna, seed)
-        return study.ask(space)
+        search.sampler = self.sampler(optuna, seed)
+        return search.ask(space)
+
+
+def _directions(problem: Problem) -> list[str]:
+    return ["minimize"] * len(problem.objectives)
 
 
 def _distribution(optuna: Any, one: Variable) -> Any:
@@ -77,22 +84,10 @@ def _distribution(optuna: Any, one: Variable) -> Any:
     return optuna.distributions.FloatDistribution(one.lower, one.upper, log=one.logarithmic)
 
 
-def _ask_again(optuna: Any, study: Any) -> None:
-    """What a session that was ended has left without an answer."""
-    for trial in study.get_trials(states=(optuna.trial.TrialState.RUNNING,)):
-        study.tell(trial.number, state=optuna.trial.TrialState.FAIL)
-        if trial.params:
-            study.enqueue_trial(trial.params)
-
-
-def _answered(study: Any) -> int:
-    return sum(_ANSWERED in trial.user_attrs for trial in study.trials)
-
-
 def _tell(optuna: Any, study: Any, problem: Problem, trial: Any, record: Record) -> None:
     """A design whose responses are not known counts as failed: the search goes elsewhere."""
     losses, violations = problem.losses(record), problem.violations(record)
-    trial.set_user_attr(_ANSWERED, record.number)
+    trial.set_user_attr("design", record.number)
     if losses is None or violations is None:
         study.tell(trial, state=optuna.trial.TrialState.FAIL)
         return

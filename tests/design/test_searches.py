@@ -41,16 +41,29 @@ def test_a_search_goes_on_with_other_designs_where_it_stopped(folder):
     assert len({tuple(one.values.values()) for one in second.records}) == 9, "none is asked for twice"
 
 
-def test_what_was_asked_for_and_not_answered_is_asked_for_again(folder):
+@pytest.mark.parametrize("kind", ["tpe", "nsga2"])
+@pytest.mark.parametrize("sessions", [(5, 6, 11), (8,), (9, 10)])
+def test_sessions_come_to_the_designs_of_one_go(folder, kind, sessions):
+    """A batch is four: sessions end within one and after one, and in generations of three beside it."""
+    more = "\npopulation = 3" if kind == "nsga2" else ""
+    goals = MINIMISE.format("minimise") + LIMIT
+    for designs in (*sessions, 14):
+        result = run(write_study(folder, f'kind = "{kind}"\ndesigns = {designs}{more}', goals))
+    whole = run(folder / "study.toml", out=folder / "in_one_go")
+    assert [(r.number, r.values) for r in result.records] == [(r.number, r.values) for r in whole.records]
+
+
+def test_what_was_stored_of_a_batch_when_a_session_was_killed_is_not_stored_twice(folder):
     optuna = pytest.importorskip("optuna")
     text = 'kind = "tpe"\ndesigns = {}'
-    run(write_study(folder, text.format(3), MINIMISE.format("minimise")))
+    goals = MINIMISE.format("minimise")
+    run(write_study(folder, text.format(6), goals))
+    result = run(write_study(folder, text.format(8), goals))
     storage = f"sqlite:///{folder / 'out' / 'optuna.db'}"
     (name,) = optuna.get_all_study_names(storage)
-    study = optuna.load_study(study_name=name, storage=storage)
-    lost = study.ask(study.trials[0].distributions).params  # a session that was killed
-    result = run(write_study(folder, text.format(4), MINIMISE.format("minimise")))
-    assert result.records[3].values == pytest.approx(lost)
+    trials = optuna.load_study(study_name=name, storage=storage).trials
+    assert [one.user_attrs["design"] for one in trials] == list(range(1, 9))
+    assert [one.params for one in trials] == [pytest.approx(one.values) for one in result.records]
 
 
 def test_several_objectives_give_a_front(folder):
