@@ -27,6 +27,7 @@ from updamp.effects.rig_model import RigModel
 from updamp.hbm.compilation_cache import keep_compiled
 from updamp.hbm.continuation.continuation import ContinuationOptions
 from updamp.hbm.continuation.curve import CurveRequest, whole_curve
+from updamp.hbm.continuation.curve_records import observed_points
 from updamp.hbm.resonance.conditions import MaximumResonance, PhaseResonance, ResonanceCondition
 from updamp.hbm.resonance.resonance_curve import ResonanceRequest, whole_resonance
 from updamp.hbm.resonance.resonance_steps import ResonanceOptions
@@ -104,10 +105,9 @@ def response_curve(
     """
     name, frequencies = _window(model, window)
     reported = _points(model, points)
-    every = tuple(dict.fromkeys((*reported, *(p for p in model.points if ".excitation." not in p))))
-    request = CurveRequest(
-        name, model.parts.excited_by(_force(force)), frequencies, every, upwards, options or ContinuationOptions()
-    )
+    every = tuple(dict.fromkeys((*reported, *observed_points(model.system.free))))
+    excitation, options = model.parts.excited_by(_force(force)), options or ContinuationOptions()
+    request = CurveRequest(name, excitation, frequencies, every, upwards, options, told=reported)
     return Curve(whole_curve(model.system, request), reported)
 
 

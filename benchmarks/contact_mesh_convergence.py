@@ -63,7 +63,7 @@ def divided(rig: Rig, mesh: str, elements: int) -> RigModel:
 
 
 def converging(rig: Rig, mesh: str, elements: Sequence[int]) -> Iterator[MeshPoint]:
-    tip = f"blade_{rig.excitation.blade}.tip.x"
+    tip = rig.response_point
     for count in elements:
         model = divided(rig, mesh, count)
         for mode, force in CURVES:

@@ -47,7 +47,7 @@ def curve(model: RigModel, rig: Rig, mode: str, force: float) -> ResponseCurve:
 
 
 def tip(rig: Rig) -> str:
-    return f"blade_{rig.excitation.blade}.tip.x"
+    return rig.response_point
 
 
 def main(

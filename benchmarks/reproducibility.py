@@ -82,7 +82,7 @@ def with_round_off(reduced: ReducedModel, seed: int) -> ReducedModel:
 
 
 def read(name: str, rig: Rig, reduced: ReducedModel, mode: str, force: float, upwards: bool) -> Reading:
-    model, tip = rig_model(reduced, static_contact(reduced, rig), rig), f"blade_{rig.excitation.blade}.tip.x"
+    model, tip = rig_model(reduced, static_contact(reduced, rig), rig), rig.response_point
     request = CurveRequest(mode, model.excited_by(force), rig.study.modes[mode].window, (tip,), upwards)
     curve = whole_curve(model.system, request)
     frequency, peak = curve.peak(tip)

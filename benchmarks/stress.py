@@ -145,7 +145,7 @@ def system_of(case: StressCase, reduced: ReducedModel) -> tuple[NonlinearSystem,
         },
     )
     model = rig_model(reduced, static_contact(reduced, rig), rig)
-    tip = f"blade_{rig.excitation.blade}.tip.x"
+    tip = rig.response_point
     requested = CurveRequest(case.mode, model.excited_by(case.force_N), window(model.system, case.mode), (tip,))
     return model.system, requested
 

@@ -13,7 +13,7 @@ from updamp.design.evaluate import Asked, Task, evaluate
 from updamp.design.methods.method import MethodResult, Problem
 from updamp.design.records import Record, RecordFolder
 from updamp.design.rig_numbers import AnyRig
-from updamp.design.solved_design import DesignInput, SolvedDesign, observed_point
+from updamp.design.solved_design import DesignInput, SolvedDesign
 from updamp.design.study_file import DesignStudy
 from updamp.design.tracked_modes import ModeReference, mode_references
 from updamp.design.variables import Values, overrides
@@ -171,7 +171,7 @@ def _references(study: DesignStudy, rig: AnyRig, given: DesignInput, display: Di
         return ()
     with display.stage("rig as it stands"):
         windows = {name: window for name, window in windows_of(rig).items() if name in named}
-        return mode_references(SolvedDesign(given).model, windows, observed_point(rig))
+        return mode_references(SolvedDesign(given).model, windows, rig.response_point)
 
 
 def windows_of(rig: AnyRig) -> dict[str, tuple[float, float]]:

@@ -23,6 +23,7 @@ from updamp.design.tracked_modes import ModeReference, TrackedMode, UnknownRespo
 from updamp.effects.rig_model import RigModel
 from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.hbm.continuation.curve import CurveRequest, trace
+from updamp.hbm.continuation.curve_records import observed_points
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.model.build import modal_model, rig_model
 from updamp.model.rig_files import load_any
@@ -81,7 +82,7 @@ class SolvedDesign:
     @property
     def observed(self) -> str:
         """Where responses are taken unless a point is named."""
-        return observed_point(self.rig)
+        return self.rig.response_point
 
     @property
     def rest(self) -> StaticContact:
@@ -156,8 +157,8 @@ class SolvedDesign:
         most = self.given.most_points
         if not isinstance(self.rig, ModalRig):
             return self._stages(self._moved(mode, self.mode(mode).window)).curve(mode, force, most)
-        points = tuple(p for p in self.model.system.free.points if ".excitation." not in p)
-        request = CurveRequest(mode, self.model.excited_by(force), self.mode(mode).window, points)
+        points, told = observed_points(self.model.system.free), (self.rig.response_point,)
+        request = CurveRequest(mode, self.model.excited_by(force), self.mode(mode).window, points, told=told)
         (curve,) = deque(islice(trace(self.model.system, request), most), maxlen=1)
         return curve if curve.complete or curve.stopped else replace(curve, stopped=given_up(len(curve)))
 
@@ -175,11 +176,6 @@ class SolvedDesign:
         if failure is not None:
             raise failure
         return value
-
-
-def observed_point(rig: AnyRig) -> str:
-    """The tip of the excited blade; the excitation of a rig given by modes."""
-    return rig.excitation if isinstance(rig, ModalRig) else f"blade_{rig.excitation.blade}.tip.x"
 
 
 def window_change(mode: str, window: Sequence[float]) -> dict[str, list[str]]:

@@ -44,7 +44,7 @@ class Model:
     @property
     def response_point(self) -> str:
         """Where responses are taken unless a point is named: the tip of the excited blade; the excitation of modes."""
-        return self.rig.excitation if isinstance(self.rig, ModalRig) else f"blade_{self.rig.excitation.blade}.tip.x"
+        return self.rig.response_point
 
     @property
     def stuck_frequencies(self) -> tuple[float, ...]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from updamp.design.run_study import own_copy, windows_of
-from updamp.design.solved_design import DesignInput, SolvedDesign, observed_point
+from updamp.design.solved_design import DesignInput, SolvedDesign
 from updamp.design.tracked_modes import mode_references
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.parallel.ending import heard
@@ -87,7 +87,7 @@ def _variants(study: ParameterStudy, rig: Rig, out: Path, display: Display) -> d
         model = SolvedDesign(DesignInput(study.rig, {}, study.mesh, store)).model
         used = {mode for family in study.families for mode in family.modes}
         windows = {mode: window for mode, window in windows_of(rig).items() if mode in used}
-        references = mode_references(model, windows, observed_point(rig))
+        references = mode_references(model, windows, rig.response_point)
     return {
         one.name: SolvedDesign(DesignInput(study.rig, one.changes, study.mesh, store, references))
         for one in study.variants

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.design.solved_design import SolvedDesign, observed_point
+from updamp.design.solved_design import SolvedDesign
 from updamp.effects.rig_model import RigModel
 from updamp.fem.contact_places import nearest_patch
 from updamp.fem.static_contact.rest_state import StaticContact
@@ -43,7 +43,7 @@ class SolvedStudy:
     @property
     def point(self) -> str:
         """Where peaks are taken."""
-        return observed_point(self.rig)
+        return self.rig.response_point
 
     @property
     def forces(self) -> tuple[float, ...]:

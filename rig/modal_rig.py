@@ -101,6 +101,11 @@ class ModalRig(InputTable):
         return self
 
     @property
+    def response_point(self) -> str:
+        """Where peaks are told."""
+        return self.excitation
+
+    @property
     def points(self) -> tuple[str, ...]:
         """Those of all modes, in the order of the file."""
         return tuple(dict.fromkeys(point for mode in self.modes.values() for point in mode.shape))

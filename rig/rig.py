@@ -237,6 +237,11 @@ class Rig(InputTable):
     calibration: CalibrationTable = Calibration()
 
     @property
+    def response_point(self) -> str:
+        """Where peaks are told: the tip of the excited blade."""
+        return f"blade_{self.excitation.blade}.tip.x"
+
+    @property
     def underside_length(self) -> float:
         """Of the platform's sloping underside, from its inner edge to the stem. [m]"""
         reach = self.blade.axis_offset - self.blade.thickness / 2 - self.platform.gap / 2

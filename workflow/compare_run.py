@@ -220,13 +220,12 @@ def _features(
     if not measurement.features:
         return ()
     wanted = needed(measurement.features)
-    point = f"blade_{rig.excitation.blade}.tip.x"
     peaks: dict[tuple[str, float], float] = {}
     for mode in dict.fromkeys(mode for mode, _ in wanted):
         forces = tuple(force for of_mode, force in wanted if of_mode == mode)
         run = Run(rig, RunOptions(preset, files.out, workers, (mode,), forces, check=False, pictures=False), display)
         for stored in run.products().curves:
-            peaks[mode, stored.product.force] = stored.product.peak(point)[0]
+            peaks[mode, stored.product.force] = stored.product.peak(rig.response_point)[0]
 
     def resonance(mode: str, force: float) -> float:
         if WITHOUT_DAMPER in mode:

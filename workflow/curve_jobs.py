@@ -15,6 +15,7 @@ from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.hbm.analysis.adaptive import with_orders
 from updamp.hbm.analysis.settings import more_harmonics, setting_of, with_setting
 from updamp.hbm.continuation.curve import CurveRequest, trace
+from updamp.hbm.continuation.curve_records import observed_points
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.problem.system import NonlinearSystem
 from updamp.model.build import rig_model
@@ -105,9 +106,9 @@ def curve_problem(job: CurveJob) -> tuple[NonlinearSystem, CurveRequest]:
     setting = with_orders(setting, job.orders or setting.orders)
     setting = more_harmonics(setting) if job.finer else setting
     system = with_setting(model.system, setting) if setting != setting_of(model.system) else model.system
-    observed = tuple(name for name in system.free.points if ".excitation." not in name)
-    window = job.rig.study.modes[job.mode].window
-    return system, CurveRequest(job.mode, model.excited_by(job.force), window, observed)
+    window, points = job.rig.study.modes[job.mode].window, observed_points(system.free)
+    told = (job.rig.response_point,)
+    return system, CurveRequest(job.mode, model.excited_by(job.force), window, points, told=told)
 
 
 def _progress(curve: ResponseCurve, window: tuple[float, float], upwards: bool) -> JobProgress:

@@ -66,11 +66,6 @@ class Run:
     def files(self) -> StageFiles:
         return StageFiles(self.rig, self.options)
 
-    @property
-    def response_point(self) -> str:
-        """Where peaks are taken: the tip of the blade that is excited."""
-        return f"blade_{self.rig.excitation.blade}.tip.x"
-
     def wanted(self, stage: Stage) -> bool:
         """Whether the run goes as far as this stage."""
         last = self.options.until
@@ -105,7 +100,7 @@ class Run:
             self.display.note("question", question)
 
     def _with_curves(self, done: Products, finite_elements: Path, rest: Path) -> Products:
-        jobs = RunJobs(self.files, self.response_point, finite_elements, rest)
+        jobs = RunJobs(self.files, self.rig.response_point, finite_elements, rest)
         given, failures, left = self._obtain_all(jobs, jobs.at_once())
         curves = [(job, one) for job, one in given if isinstance(job, CurveJob)]
         done = replace(

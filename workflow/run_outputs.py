@@ -163,7 +163,7 @@ def _error(run: Run, products: Products, curve: ResponseCurve) -> dict[str, Any]
     """None where it was not asked for"""
     if not run.options.accuracy or error_is_left(products.left, curve):
         return None
-    return numerical_error(products, curve, run.response_point)
+    return numerical_error(products, curve, run.rig.response_point)
 
 
 def _of_curves(run: Run, products: Products) -> dict[str, Any]:
@@ -173,7 +173,7 @@ def _of_curves(run: Run, products: Products) -> dict[str, Any]:
         "curves": [
             summary.curve_entry(
                 curve,
-                run.response_point,
+                run.rig.response_point,
                 _error(run, products, curve),
                 products.stability_of(curve.mode).get(curve.force),
                 _chosen(entry),
@@ -184,7 +184,7 @@ def _of_curves(run: Run, products: Products) -> dict[str, Any]:
             for entry, curve in ((entry, entry.product) for entry in products.curves)
         ],
         **({"part": part} if part else {}),
-        "misnamed_modes": misnamed_modes(products, run.response_point),
+        "misnamed_modes": misnamed_modes(products, run.rig.response_point),
         "not_checked": not_checked(products, run.options),
         "not_known": {outcome.job.name: outcome.message for outcome in products.unknown},
         "failed_curves": {outcome.job.name: outcome.message for outcome in products.failures},

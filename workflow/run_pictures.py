@@ -95,7 +95,7 @@ def _plots(run: Run, products: Products) -> list[Picture]:
 
 
 def _of_mode(run: Run, products: Products, mode: str, curves: Sequence[ResponseCurve]) -> list[Picture]:
-    keys, point = curve_keys(products, mode), run.response_point
+    keys, point = curve_keys(products, mode), run.rig.response_point
     finer = [curve for curve in products.finer if curve.product.mode == mode and len(curve.product)]
     followed = next((entry for entry in products.resonances if entry.product.mode == mode), None)
     peaks = [peak for (of, _), peak in peaks_followed(products).items() if peak is not None and of == mode]
@@ -181,13 +181,13 @@ def blades_alone(run: Run, products: Products, curves: Sequence[ResponseCurve]) 
     spread = first * np.sinh(np.linspace(-8, 8, 161)) / np.sinh(8) * (1 - FROM)  # closest at the resonance
     frequency = np.unique(np.concatenate([np.linspace(low, high, 200), first + spread]))
     frequency = frequency[(frequency >= low) & (frequency <= high)]
-    row, column = (np.array([free.row(name)]) for name in (run.response_point, model.excitation))
+    row, column = (np.array([free.row(name)]) for name in (run.rig.response_point, model.excitation))
     receptance = [free.receptance(2 * np.pi * float(f), row, column)[0, 0] for f in frequency]
     return response.LinearResponse(frequency, np.array(receptance))
 
 
 def peak_place(run: Run, curve: ResponseCurve) -> int:
-    return int(abs(curve.receptance(run.response_point)).argmax())
+    return int(abs(curve.receptance(run.rig.response_point)).argmax())
 
 
 def states_at_peaks(run: Run, products: Products, curves: Sequence[ResponseCurve]) -> dict[float, Integers]:

@@ -134,7 +134,7 @@ STATIC_CONTACT = Stage(
 )
 CURVE = Stage(
     name="curve",
-    version=14,
+    version=15,
     sections=(
         "damper_model",
         "material.loss_factor",

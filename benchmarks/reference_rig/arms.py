@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from updamp.design.run_study import windows_of
-from updamp.design.solved_design import DesignInput, SolvedDesign, observed_point
+from updamp.design.solved_design import DesignInput, SolvedDesign
 from updamp.design.solved_peak import PeakRequest
 from updamp.design.tracked_modes import UnknownResponseError, mode_references
 from updamp.hbm.compilation_cache import keep_compiled
@@ -96,7 +96,7 @@ def main() -> None:
     keep_compiled()
     given = DesignInput(RIG, {}, "small", stated.out / "stages", most_points=MOST_POINTS)
     rig = load_any(RIG)
-    references = mode_references(SolvedDesign(given).model, windows_of(rig), observed_point(rig))
+    references = mode_references(SolvedDesign(given).model, windows_of(rig), rig.response_point)
     requests = tuple(PeakRequest(mode, f, "", "resonance_only") for mode in ("OOP", "IP") for f in FORCES)
     given = replace(given, references=references, peaks=requests)
     for name in stated.names:

@@ -94,13 +94,13 @@ class ErrorEstimate:
 def estimate_error(
     system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, point: str | None = None
 ) -> ErrorEstimate:
-    """Error of `curve`, traced for `request` on `system`, at `point` (default: the first observed one).
+    """Error of `curve`, traced for `request` on `system`, at `point` (default: the first whose peak is told).
 
     raises: ValueError for a curve of fewer than two points, or an unknown point
     """
     if len(curve) < 2:
         raise ValueError(f"a curve of {len(curve)} points has no branch to compare with: at least two are needed")
-    point = point or request.points[0]
+    point = point or request.peaks_at[0]
     return estimate_of(CheckedPoints.of(system, request, curve, point))
 
 

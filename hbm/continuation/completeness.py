@@ -27,9 +27,9 @@ class CompletenessLimits:
     change: float = 0.1
 
 
-def shortcoming(curve: ResponseCurve, window: tuple[float, float], limits: CompletenessLimits | None = None) -> str:
-    """Why the curve is not the whole branch through the window [Hz]; "" where it is."""
-    limits = limits or CompletenessLimits()
+def shortcoming(curve: ResponseCurve, window: tuple[float, float], limits: CompletenessLimits, point: str) -> str:
+    """Why the curve is not the whole branch through the window [Hz], its resonance as seen at a point within it; ""
+    where it is."""
     frequency, after_gap = curve.frequency, curve.after_gap
     if len(frequency) < 2:
         return "no branch was found"
@@ -39,14 +39,10 @@ def shortcoming(curve: ResponseCurve, window: tuple[float, float], limits: Compl
             return f"the window from {low:.4g} to {high:.4g} Hz is covered to {reached:.2f} Hz only"
     if abs(frequency[-1] - frequency[0]) < (high - low) / 2:
         return f"the branch turned back and left the window where it had entered, at {frequency[-1]:.2f} Hz"
-    response = curve.amplitudes()
-    size = np.abs(response[:, np.abs(response).max(axis=0).argmax()])
+    response, size = curve.amplitudes(), np.abs(curve.receptance(point))
     top = int(size.argmax())
     if top in (0, len(size) - 1) or not low <= frequency[top] <= high:
-        return (
-            f"the response is largest at {frequency[top]:.2f} Hz, at or beyond the end of the window from {low:.4g} to "
-            f"{high:.4g} Hz, so that its resonance does not lie within it: widen the window"
-        )
+        return _largest_at_an_end(frequency, size, window)
     width, outside = half_width(frequency, size), ""
     for i in np.flatnonzero(after_gap):
         ends = frequency[i - 1 : i + 1]
@@ -60,6 +56,22 @@ def shortcoming(curve: ResponseCurve, window: tuple[float, float], limits: Compl
             )
         outside = _left(low if ends.max() < low else high, (low, high))
     return outside
+
+
+def _largest_at_an_end(frequency: Floats, size: Floats, window: tuple[float, float]) -> str:
+    """The resonance lies beyond that end; or it is another one's flank that stands there."""
+    (low, high), at = window, frequency[size.argmax()]
+    said = f"the response is largest at {at:.2f} Hz, at or beyond the end of the window from {low:.4g} to {high:.4g} Hz"
+    inner = 1 + np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:]))
+    inner = inner[(low < frequency[inner]) & (frequency[inner] < high)]
+    if not len(inner):
+        return f"{said}, so that its resonance does not lie within it: widen the window"
+    within = frequency[inner[size[inner].argmax()]]
+    remedy = f"{'raise the lower' if abs(at - low) < abs(at - high) else 'lower the upper'} end"
+    return (
+        f"{said}, and has a maximum at {within:.2f} Hz within it: if that is the resonance meant, {remedy} of the "
+        "window until the flank of its neighbour is outside, else widen it"
+    )
 
 
 def _left(end: float, window: tuple[float, float]) -> str:

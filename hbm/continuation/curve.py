@@ -124,7 +124,7 @@ def _finished(system: NonlinearSystem, request: CurveRequest, pieces: Pieces) ->
     beside = [apart(pieces.first.records, *chain) for chain in pieces.detached()]
     scale_w = request.options.scale_w(request.window)
     curve = replace(curve, detached=tuple(one for one in beside if missing(curve, [middle(one)], scale_w)))
-    why = shortcoming(curve, request.window, request.assembly.limits)
+    why = shortcoming(curve, request.window, request.assembly.limits, request.peaks_at[0])
     curve = curve if why else with_extremes_solved(system, request, curve)
     ends = "; ".join(segment.end_sentence for segment in pieces.open_ends())
     return replace(curve, complete=not why, stopped=f"{why}. {ends}" if why else "")

@@ -12,6 +12,7 @@ from updamp.hbm.continuation.completeness import CompletenessLimits
 from updamp.hbm.continuation.predictor_corrector import ContinuationOptions
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.newton import observe
+from updamp.hbm.problem.linear_model import LinearModel
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 
@@ -61,6 +62,8 @@ class CurveRequest:
 
     mode: its name in the study; upwards: start at the lower end of the window
     options: of its branches; assembly: of what is put together from them
+    told: points whose peaks are told, the first observed one where none is named: a point is solved at the top of each,
+        and whether the window holds the resonance is asked at the first
     """
 
     mode: str
@@ -70,6 +73,16 @@ class CurveRequest:
     upwards: bool = True
     options: ContinuationOptions = field(default_factory=ContinuationOptions)
     assembly: CurveOptions = field(default_factory=CurveOptions)
+    told: tuple[str, ...] = ()
+
+    @property
+    def peaks_at(self) -> tuple[str, ...]:
+        return self.told or self.points[:1]
+
+
+def observed_points(model: LinearModel) -> tuple[str, ...]:
+    """Names of all points of a rig but those that the force acts on."""
+    return tuple(name for name in model.points if ".excitation." not in name)
 
 
 class Records:

@@ -23,13 +23,15 @@ Floats = NDArray[np.float64]
 
 
 def with_extremes_solved(system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve) -> ResponseCurve:
-    """The curve with further points, at the top of the largest first harmonic at the first observed point and at the
-    last frequency before each jump of a slow sweep."""
+    """The curve with further points, at the top of the largest first harmonic at each point where the peak is told and
+    at the last frequency before each jump of a slow sweep."""
     for upwards in (True, False):
         for jump in range(len(swept(curve, upwards).jumps)):
             curve = _with_solved(system, request, curve, partial(_fold, request, upwards, jump))
     # last, as the height is read from a spline through the points about it, those of a fold among them
-    return _with_solved(system, request, curve, partial(_highest, request))
+    for point in request.peaks_at:
+        curve = _with_solved(system, request, curve, partial(_highest, request, point))
+    return curve
 
 
 def _with_solved(
@@ -46,13 +48,13 @@ def _with_solved(
     return curve
 
 
-def _highest(request: CurveRequest, curve: ResponseCurve) -> Extreme | None:
+def _highest(request: CurveRequest, point: str, curve: ResponseCurve) -> Extreme | None:
     """The expected top that is highest; of several maxima of about the same height, not the one that happens to have
     the largest point: over a step of arc the amplitude changes by a share of at most that size."""
-    size = np.abs(curve.receptance(request.points[0]))
+    size = np.abs(curve.receptance(point))
     inner = 1 + np.flatnonzero((size[1:-1] >= size[:-2]) & (size[1:-1] >= size[2:]))
     high = inner[size[inner] * (1 + request.options.largest_step) >= size.max()]
-    tops = [top for place in high if (top := curve.extreme(size, int(place), request.points[0])) is not None]
+    tops = [top for place in high if (top := curve.extreme(size, int(place), point)) is not None]
     return max(tops, key=lambda top: top.value, default=None)
 
 
@@ -63,7 +65,7 @@ def _fold(request: CurveRequest, upwards: bool, jump: int, curve: ResponseCurve)
     if jump >= len(seen.jumps):
         return None
     place = int(seen.visited[seen.jump_after[jump]])
-    return curve.extreme(curve.frequency if upwards else -curve.frequency, place, request.points[0])
+    return curve.extreme(curve.frequency if upwards else -curve.frequency, place, request.peaks_at[0])
 
 
 def _with_point_at(

@@ -8,7 +8,7 @@ from support.peers import one_degree_of_freedom, solved
 
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
 from updamp.hbm.continuation import continuation, segments
-from updamp.hbm.continuation.completeness import half_width, shortcoming
+from updamp.hbm.continuation.completeness import CompletenessLimits, half_width, shortcoming
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions, continue_branch, first_point
 from updamp.hbm.continuation.curve import CurveRequest, trace
 from updamp.hbm.continuation.curve_records import COLUMNS
@@ -175,7 +175,7 @@ def test_a_gap_below_a_tenth_of_the_half_width_is_none(half_widths, complete):
     columns = {name: getattr(whole, name)[kept] for name in COLUMNS}
     columns["after_gap"] = kept == right
     cut = replace(whole, **columns)
-    assert (shortcoming(cut, WINDOW) == "") == complete
+    assert (shortcoming(cut, WINDOW, CompletenessLimits(), "mass") == "") == complete
 
 
 @pytest.mark.parametrize("kept", [slice(40, None), slice(None, -40)])
@@ -183,7 +183,7 @@ def test_a_window_that_is_not_covered_is_named(kept):
     system, request = linear_oscillator()
     *_, whole = trace(system, replace(request, options=ContinuationOptions(first_step=0.01, largest_step=0.02)))
     cut = replace(whole, **{name: getattr(whole, name)[kept] for name in COLUMNS})
-    assert "is covered to" in shortcoming(cut, WINDOW)
+    assert "is covered to" in shortcoming(cut, WINDOW, CompletenessLimits(), "mass")
 
 
 def test_a_branch_that_leaves_the_window_where_it_came_in_is_not_complete():
@@ -191,9 +191,9 @@ def test_a_branch_that_leaves_the_window_where_it_came_in_is_not_complete():
     *_, whole = trace(system, request)
     middle = whole.frequency.mean()
     back = replace(whole, frequency=np.append(whole.frequency[:-1], WINDOW[0]))
-    assert "left the window where it had entered" in shortcoming(back, WINDOW)
+    assert "left the window where it had entered" in shortcoming(back, WINDOW, CompletenessLimits(), "mass")
     folded = replace(whole, frequency=middle - np.abs(whole.frequency - middle))
-    assert "is covered to" in shortcoming(folded, WINDOW)
+    assert "is covered to" in shortcoming(folded, WINDOW, CompletenessLimits(), "mass")
 
 
 @pytest.mark.parametrize("window", [(0.5, 0.95), (1.05, 2.0)])
@@ -204,6 +204,22 @@ def test_a_largest_response_at_the_end_of_the_window_is_no_peak(window, upwards)
     *_, curve = trace(system, replace(request, window=tuple(w / 2 / np.pi for w in window), upwards=upwards))
     assert not curve.complete
     assert "its resonance does not lie within it: widen the window" in curve.stopped
+
+
+@pytest.mark.parametrize(("mirrored", "remedy"), [(False, "raise the lower end"), (True, "lower the upper end")])
+def test_a_neighbours_flank_at_the_end_of_the_window_is_told_from_a_resonance_beyond_it(mirrored, remedy):
+    """Widened, the window would hold both, and the neighbour's peak be called that of the resonance meant."""
+    system, request = linear_oscillator()
+    *_, whole = trace(system, request)
+    assert shortcoming(whole, WINDOW, CompletenessLimits(), "mass") == ""
+    top, at = np.abs(whole.receptance("mass")).max(), whole.peak("mass")[0]
+    end = whole.frequency.max() if mirrored else whole.frequency.min()
+    flank = 2 * top * np.exp(-np.abs(whole.frequency - end) / (0.05 * np.ptp(WINDOW)))
+    factor = 1 + flank / np.abs(whole.receptance("mass"))
+    beside = replace(whole, response=whole.response * factor[:, np.newaxis, np.newaxis])
+    said = shortcoming(beside, WINDOW, CompletenessLimits(), "mass")
+    assert f"a maximum at {at:.2f} Hz within it" in said
+    assert remedy in said
 
 
 def two_branches(seen):

@@ -149,6 +149,15 @@ def test_energy_balance_at_every_point(friction_curve):
     assert curve.friction_loss.max() > 0.3 * curve.work_in.max()
 
 
+def test_the_top_is_a_solved_point_wherever_the_peak_is_told(friction_curve):
+    """Not the top of a spline between points that lie there by chance."""
+    system, request, _ = friction_curve
+    points = ("excitation", "tip")
+    *_, curve = trace(system, replace(request, told=points))
+    for point in points:
+        assert curve.peak(point)[1] == pytest.approx(np.abs(curve.receptance(point)).max(), rel=1e-7)
+
+
 def test_every_point_is_converged(friction_curve):
     _, request, curve = friction_curve
     assert (curve.error < request.options.newton.tolerance).all()
