@@ -127,7 +127,7 @@ class SolvedDesign:
                     found = followed_peaks(self.model, request)
                 else:
                     found = self._stages(self._moved(mode, stuck.window)).peaks(self.model, request)
-            except ValueError as error:  # no stuck mode in the window
+            except ValueError as error:  # no mode in the window
                 return None, str(error)
             return found, found.met.stopped
 

@@ -59,7 +59,7 @@ class FollowedPeaks:
 
 
 def followed_peaks(model: RigModel, request: ResonanceRequest) -> FollowedPeaks:
-    """What stops on the way is said in `met.stopped`. raises: ValueError where the window has no stuck mode"""
+    """What stops on the way is said in `met.stopped`. raises: ValueError where the window has no mode"""
     whole, options = whole_resonance(model.system, request), request.options or ResonanceOptions()
     given_up = not whole.complete and len(whole) >= options.max_points
     if given_up:

@@ -47,20 +47,27 @@ class CoupledModes:
     @property
     def out_of_phase(self) -> int:
         """Number of the first mode whose tips move against each other: OOP."""
-        return self._first(self.tips[:, 0] * self.tips[:, 1] < 0)
+        return first_mode(self.tips, in_phase=False)
 
     @property
     def in_phase(self) -> int:
         """Number of the first mode whose tips move together: IP."""
-        return self._first(self.tips[:, 0] * self.tips[:, 1] > 0)
+        return first_mode(self.tips, in_phase=True)
 
-    def _first(self, of_kind: NDArray[np.bool_]) -> int:
-        # Torsion leaves the tips' middle at rest: there the sign would be round-off.
-        amplitude = np.abs(self.tips).min(axis=1)
-        found = np.flatnonzero(of_kind & (amplitude > 0.1 * amplitude.max()))
-        if not len(found):
-            raise ValueError(f"no such mode among the first {len(self.tips)}; ask for more coupled modes")
-        return int(found[0])
+
+def first_mode(tips: Floats, in_phase: bool) -> int:
+    """Number of the first mode whose tips move together, or against each other.
+
+    tips: (n, 2) displacement of the left and the right tip along the global x
+    raises: ValueError where there is none
+    """
+    # Torsion leaves the tips' middle at rest: there the sign would be round-off.
+    amplitude = np.abs(tips).min(axis=1)
+    of_kind = (tips[:, 0] * tips[:, 1] > 0) == in_phase
+    found = np.flatnonzero(of_kind & (amplitude > 0.1 * amplitude.max()))
+    if not len(found):
+        raise ValueError(f"no such mode among the first {len(tips)}; ask for more coupled modes")
+    return int(found[0])
 
 
 def static_flexibility(part: FactorisedComponent) -> Floats:

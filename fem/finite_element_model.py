@@ -48,11 +48,6 @@ class CoupledCheck:
         """Largest |reduced / full - 1| [-]."""
         return float(np.abs(self.reduced / self.full - 1).max())
 
-    @property
-    def named(self) -> dict[str, float]:
-        """Name ("OOP", "IP") -> frequency of the full model [Hz]."""
-        return {"OOP": float(self.full[self.out_of_phase]), "IP": float(self.full[self.in_phase])}
-
 
 @dataclass(frozen=True, eq=False)
 class ComponentModel:

@@ -174,11 +174,11 @@ def empty_windows(windows: Mapping[str, Range], resonances: Sequence[Range], kno
 def undivided_windows(windows: Mapping[str, Range], coupled: Mapping[str, float]) -> list[str]:
     """A question for each window of a mode that is known by name and that the other one lies in too.
 
-    windows: mode -> (lower, upper) [Hz]; coupled: mode -> frequency with all contacts stuck [Hz]
+    windows: mode -> (lower, upper) [Hz]; coupled: mode -> frequency at forces so small that nothing slips or opens [Hz]
     """
     return [
-        f"study.modes.{mode}.window = {low:g} to {high:g} Hz has {_named(inside)} in it, with all contacts stuck: the "
-        f"one that responds most is followed as {mode}; is a window without the other meant?"
+        f"study.modes.{mode}.window = {low:g} to {high:g} Hz has {_named(inside)} in it, at small forces: the one that "
+        f"responds most is followed as {mode}; is a window without the other meant?"
         for mode, (low, high) in windows.items()
         if len(inside := {name: at for name, at in coupled.items() if low <= at <= high}) > 1 and mode in coupled
     ]
@@ -191,8 +191,8 @@ def misnamed(found: Mapping[str, float], coupled: Mapping[str, float]) -> list[s
     """
     nearest = {mode: min(coupled, key=lambda name: abs(coupled[name] - at)) for mode, at in found.items()}
     return [
-        f"{mode}: its resonance at the lowest force, {at:.2f} Hz, is that of {nearest[mode]}: with all contacts stuck "
-        f"there are {_named(coupled)}; give {mode} a window without {nearest[mode]}"
+        f"{mode}: its resonance at the lowest force, {at:.2f} Hz, is that of {nearest[mode]}: at small forces there "
+        f"are {_named(coupled)}; give {mode} a window without {nearest[mode]}"
         for mode, at in found.items()
         if mode in coupled and nearest[mode] != mode
     ]

@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.effects.rig_model import RigModel
+from updamp.hbm.problem.small_amplitude import SmallAmplitude
 from updamp.measurement.measurement import MeasuredRun, Measurement, MeasurementError
 from updamp.model.calibration import PRELOAD
-from updamp.model.small_amplitude import SmallAmplitude, small_amplitude
+from updamp.model.small_amplitude import small_amplitude
 from updamp.rig.questions import possible_resonances
 
 Floats = NDArray[np.float64]

@@ -1,6 +1,7 @@
 """Whether the modes of a run are those that their names say, by their frequencies at the lowest force.
 
-A mode of a study is a window with a name. The coupled check knows which resonances are out of phase and in phase.
+A mode of a study is a window with a name. Which resonances are out of phase and in phase the model says that is solved,
+at forces so small that nothing slips or opens.
 """
 
 from updamp.rig.questions import misnamed
@@ -19,7 +20,5 @@ def lowest_resonances(products: Products, point: str) -> dict[str, float]:
 
 
 def misnamed_modes(products: Products, point: str) -> list[str]:
-    """Sentences; none where the coupled check was left out."""
-    if products.coupled_check is None:
-        return []
-    return misnamed(lowest_resonances(products, point), products.coupled_check.product.named)
+    """Sentences."""
+    return misnamed(lowest_resonances(products, point), products.named_modes)

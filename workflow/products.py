@@ -1,7 +1,7 @@
 """What a run's stages have given, each with its file and stamp."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Generic, TypeVar
 
@@ -39,6 +39,7 @@ class Products:
     resonances: of the modes, followed in the force; detached: branches beside curves, where there are any
     failures: curves that are not there; unknown: what was to be said about curves, and could not
     left: jobs of which there is no file, since a quick look leaves them out
+    named_modes: name -> frequency at forces so small that nothing slips or opens [Hz]
     """
 
     mesh: Stored[RigMesh]
@@ -56,6 +57,7 @@ class Products:
     failures: tuple[JobOutcome, ...] = ()
     unknown: tuple[JobOutcome, ...] = ()
     left: tuple[Job, ...] = ()
+    named_modes: Mapping[str, float] = field(default_factory=dict)
 
     def stability_of(self, mode: str) -> Mapping[float, BranchStability]:
         """By force, of the curves it is known of."""

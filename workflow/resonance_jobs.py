@@ -48,7 +48,7 @@ class ResonanceJob:
         """Follow and store it. What stops on the way is stored with its sentence; an interruption loses it.
 
         raises: StoreError where the files of the stages before cannot be read; ValueError where the mode's window has
-            no stuck mode
+            no mode
         """
         forces = sorted(self.rig.study.force_levels)
         with Meter(memory_of) as meter:

@@ -5,10 +5,14 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from updamp.fem.finite_element_model import ComponentModel, CoupledCheck, FiniteElementResult, joined
 from updamp.fem.rig_components import RigComponents
 from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.geometry.rig_mesh import RigMesh
+from updamp.model.build import rig_model
+from updamp.model.small_amplitude import modes_by_name
 from updamp.parallel.resources import Meter
 from updamp.rig.questions import empty_windows, possible_resonances, undivided_windows
 from updamp.rig.rig import Rig
@@ -87,16 +91,23 @@ class Run:
         done = replace(done, static_contact=rest)
         if not self.wanted(stages.CURVE):
             return done
-        self._ask_of_windows(finite_elements.product, check.product if check else None)
+        done = replace(done, named_modes=self._named_modes(finite_elements.product, rest.product))
+        self._ask_of_windows(done.named_modes, finite_elements.product, check.product if check else None)
         return self._with_curves(done, finite_elements.path, rest.path)
 
-    def _ask_of_windows(self, finite_elements: FiniteElementResult, check: CoupledCheck | None) -> None:
-        if check is None:  # the stuck structure's frequencies are not known
-            return
-        resonances = possible_resonances(finite_elements.blade_frequencies.tolist(), check.full.tolist())
+    def _named_modes(self, finite_elements: FiniteElementResult, rest: StaticContact) -> Mapping[str, float]:
+        middles = [float(np.mean(mode.window)) for mode in self.rig.study.modes.values()]
+        return modes_by_name(rig_model(finite_elements.reduced, rest, self.rig), float(np.mean(middles)))
+
+    def _ask_of_windows(
+        self, named: Mapping[str, float], finite_elements: FiniteElementResult, check: CoupledCheck | None
+    ) -> None:
         windows = {mode: self.rig.study.modes[mode].window for mode in self.options.modes or self.rig.study.modes}
-        known = float(check.full.max())
-        for question in (*empty_windows(windows, resonances, known), *undivided_windows(windows, check.named)):
+        asked = undivided_windows(windows, named)
+        if check is not None:  # else the stuck structure's frequencies are not known
+            resonances = possible_resonances(finite_elements.blade_frequencies.tolist(), check.full.tolist())
+            asked = [*empty_windows(windows, resonances, float(check.full.max())), *asked]
+        for question in asked:
             self.display.note("question", question)
 
     def _with_curves(self, done: Products, finite_elements: Path, rest: Path) -> Products:

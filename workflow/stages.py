@@ -156,7 +156,7 @@ CURVE = Stage(
 # A mode's resonance followed in the force, through all levels of the study; what goes into a curve goes into it.
 RESONANCE = Stage(
     name="resonance",
-    version=7,
+    version=8,
     sections=(*CURVE.sections, "excitation", "study.force_levels"),
     after=(STATIC_CONTACT,),
     optional=CURVE.optional,
@@ -165,7 +165,7 @@ RESONANCE = Stage(
 # The same at some forces alone, as a design study asks for it.
 PEAKS = Stage(
     name="peaks",
-    version=1,
+    version=2,
     sections=(*CURVE.sections, "excitation"),
     after=(STATIC_CONTACT,),
     choices=("point", "forces", "frequency", "points"),

@@ -21,7 +21,7 @@ from updamp.design.solved_design import DesignInput, SolvedDesign
 from updamp.design.solved_peak import PeakRequest
 from updamp.design.tracked_modes import UnknownResponseError, mode_references
 from updamp.hbm.compilation_cache import keep_compiled
-from updamp.hbm.resonance.conditions import linear_peak
+from updamp.hbm.resonance.linear_peak import linear_peak
 from updamp.hbm.resonance.resonance import ResonanceProblem
 from updamp.model.rig_files import load_any
 

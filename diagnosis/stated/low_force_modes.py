@@ -9,7 +9,8 @@ from scipy.optimize import linear_sum_assignment
 
 from updamp.comparison.findings.stated_values import WITHOUT_DAMPER
 from updamp.effects.rig_model import RigModel
-from updamp.model.small_amplitude import SmallAmplitude, settled, small_amplitude, without_contacts
+from updamp.hbm.problem.small_amplitude import SmallAmplitude
+from updamp.model.small_amplitude import settled, small_amplitude, without_contacts
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]

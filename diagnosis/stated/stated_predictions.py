@@ -16,7 +16,8 @@ from updamp.diagnosis.stated.low_force_modes import LowForceModes
 from updamp.diagnosis.stated.stated_explanations import Explanation
 from updamp.diagnosis.verdict import NextMeasurement
 from updamp.effects.rig_model import RigModel
-from updamp.model.small_amplitude import SmallAmplitude, linear_up_to
+from updamp.hbm.problem.small_amplitude import SmallAmplitude
+from updamp.model.small_amplitude import linear_up_to
 
 Floats = NDArray[np.float64]
 

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.newton.newton import Status
-from updamp.hbm.resonance.conditions import ResonanceCondition, linear_peak
+from updamp.hbm.resonance.conditions import ResonanceCondition
+from updamp.hbm.resonance.linear_peak import linear_peak
 from updamp.hbm.resonance.resonance import (
     ResonanceProblem,
     ResonanceSolution,
@@ -66,11 +67,11 @@ def first_resonance(
     options: ResonanceOptions | None = None,
     mode_frequency: float | None = None,
 ) -> ResonanceSolution:
-    """The resonance at one force [N]: from the stuck structure's peak in `window` [Hz], by way of smaller forces where
+    """The resonance at one force [N]: from the linear response's peak in `window` [Hz], by way of smaller forces where
     that is too far.
 
-    mode_frequency: [Hz] of the stuck mode, see `linear_peak`
-    raises: ResonanceStoppedError; ValueError where no stuck mode lies in the window or the force is not positive
+    mode_frequency: [Hz] of the linear mode, see `linear_peak`
+    raises: ResonanceStoppedError; ValueError where no mode lies in the window or the force is not positive
     """
     options, log_force = options or ResonanceOptions(), _log_force(force)
     peak = linear_peak(problem, window, log_force, mode_frequency)
@@ -104,9 +105,9 @@ def follow_resonance(
 ) -> Iterator[ResonancePoint]:
     """Resonances from the first of `forces` to the last [N], rising or falling, each of them met exactly.
 
-    window: [Hz] where the stuck structure's resonance lies; its width scales the metric
+    window: [Hz] where the resonance lies at a small force; its width scales the metric
     start: a resonance near the first force, such as the peak of a response curve; default: `first_resonance`
-    mode_frequency: [Hz] of the stuck mode to begin with, see `linear_peak`
+    mode_frequency: [Hz] of the linear mode to begin with, see `linear_peak`
 
     raises: ResonanceStoppedError where the step would fall below its floor or no beginning is found;
     ValueError for no force, or forces that do not all rise or fall

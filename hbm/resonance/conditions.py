@@ -10,10 +10,8 @@ from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from updamp.hbm.continuation.step_lengths import StepLengths
-from updamp.hbm.newton.equation import linear_solution
 from updamp.hbm.newton.newton import NewtonOptions, Status
 from updamp.hbm.resonance.resonance import (
     Hyperplane,
@@ -204,34 +202,3 @@ class _PhaseBracket:
             if not (halved and self.past[0] < proposed < self.before[0]):
                 return (self.past[0] + self.before[0]) / 2
         return proposed
-
-
-def linear_peak(
-    problem: ResonanceProblem, window: tuple[float, float], log_force: float, mode_frequency: float | None = None
-) -> ResonanceState:
-    """The stuck structure's response at its resonance in `window` [Hz]: where following a resonance begins.
-
-    mode_frequency: [Hz], the stuck mode next to it is taken; by default the one that responds most
-    raises: ValueError where no mode of the stuck structure lies in the window
-    """
-    stuck = problem.system.stuck
-    inside = [2 * np.pi * f for f in stuck.frequencies if window[0] <= f <= window[1]]
-    if not inside:
-        near = ", ".join(f"{f:.4g}" for f in stuck.frequencies[:6])
-        raise ValueError(f"no stuck mode between {window[0]:g} and {window[1]:g} Hz; the lowest are {near} Hz")
-
-    def receptance(w: float) -> complex:
-        rows = np.array([problem.observed, problem.excited])
-        return complex(stuck.receptance(w, slice(rows[0], rows[0] + 1), slice(rows[1], rows[1] + 1))[0, 0])
-
-    if mode_frequency is None:
-        mode = max(inside, key=lambda w: abs(receptance(w)))
-    else:
-        mode = min(inside, key=lambda w: abs(w - 2 * np.pi * mode_frequency))
-    damping = stuck.modal_dynamic_stiffness(mode).imag.diagonal()[np.argmin(abs(stuck.omega_squared - mode**2))]
-    width = max(damping / mode, 1e-6 * mode)  # between the half-power points
-    w = minimize_scalar(
-        lambda w: -abs(receptance(w)), bounds=(mode - 2 * width, mode + 2 * width), options={"xatol": 1e-9 * mode}
-    ).x
-    unit = problem.excitation(0.0)
-    return ResonanceState(linear_solution(problem.system, w, unit), float(w), log_force, float(np.angle(receptance(w))))

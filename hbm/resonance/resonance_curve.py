@@ -28,7 +28,7 @@ Integers = NDArray[np.int64]
 class ResonanceRequest:
     """What to follow: one mode's resonance, as observed at `point`, under a force at `excited`, both named.
 
-    window: [Hz] where it lies while stuck; forces: [N], met exactly, from the first to the last
+    window: [Hz] where it lies at a small force; forces: [N], met exactly, from the first to the last
     start, mode_frequency: see `follow_resonance`
     """
 

@@ -24,8 +24,9 @@ from updamp.hbm.resonance.backbone import (
     follow_resonance,
     log_forces_passed,
 )
-from updamp.hbm.resonance.conditions import MaximumResonance, PhaseResonance, linear_peak
+from updamp.hbm.resonance.conditions import MaximumResonance, PhaseResonance
 from updamp.hbm.resonance.equivalent_damping import half_power
+from updamp.hbm.resonance.linear_peak import linear_peak
 from updamp.hbm.resonance.resonance import ResonanceProblem, at_phase, constant_force_plane
 from updamp.hbm.resonance.resonance_curve import ResonanceRequest, trace_resonance, whole_resonance
 
@@ -265,7 +266,7 @@ def test_what_cannot_be_followed_says_where(blades):
         (lambda p: list(follow_resonance(p, PhaseResonance(), WINDOW, ())), "give one, or several"),
         (lambda p: list(follow_resonance(p, PhaseResonance(), WINDOW, (1.0, 3.0, 2.0))), "rise, or fall"),
         (lambda p: first_resonance(p, PhaseResonance(), WINDOW, 0.0), "force = 0"),
-        (lambda p: linear_peak(p, (1.0, 2.0), 0.0), "no stuck mode between 1 and 2 Hz"),
+        (lambda p: linear_peak(p, (1.0, 2.0), 0.0), "no mode between 1 and 2 Hz"),
         (lambda _: MaximumResonance(tolerance=1.0), "tolerance = 1.0"),
         (lambda _: ResonanceOptions(first_step=1.0), "first_step"),
         (lambda _: ResonanceOptions(max_points=1), "max_points"),

@@ -1,0 +1,50 @@
+"""Where following a resonance begins: at the peak of the response at forces so small that nothing slips or opens."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from updamp.hbm.problem.small_amplitude import element_stiffness, modes_on, response_on
+from updamp.hbm.resonance.resonance import ResonanceProblem, ResonanceState
+
+Complex = NDArray[np.complex128]
+
+
+def linear_peak(
+    problem: ResonanceProblem, window: tuple[float, float], log_force: float, mode_frequency: float | None = None
+) -> ResonanceState:
+    """The linear response at its resonance in `window` [Hz]. Contacts that are open at rest stay so at small forces.
+
+    mode_frequency: [Hz], the mode next to it is taken; by default the one that responds most
+    raises: ValueError where no mode lies in the window
+    """
+    system, n = problem.system, problem.system.free.n_relative
+    near = float(np.mean(window))
+    stiffness = element_stiffness(system.groups, n, near)
+    modes = modes_on(system.free, stiffness, 2 * np.pi * near)
+    inside = np.flatnonzero((window[0] <= modes.frequencies) & (modes.frequencies <= window[1]))
+    if not len(inside):
+        lowest = ", ".join(f"{f:.4g}" for f in modes.frequencies[:6])
+        raise ValueError(
+            f"no mode between {window[0]:g} and {window[1]:g} Hz at forces so small that nothing slips or opens; the "
+            f"lowest are {lowest} Hz"
+        )
+
+    def response(w: float) -> Complex:
+        return response_on(system.free, stiffness, w, problem.excited)
+
+    def size(w: float) -> float:
+        return float(abs(response(w)[problem.observed]))
+
+    if mode_frequency is None:
+        mode = max(inside.tolist(), key=lambda i: size(2 * np.pi * float(modes.frequencies[i])))
+    else:
+        mode = min(inside.tolist(), key=lambda i: abs(modes.frequencies[i] - mode_frequency))
+    middle = 2 * np.pi * float(modes.frequencies[mode])
+    width = middle * max(modes.loss_factor(mode), 1e-6)  # between the half-power points
+    bounds = (middle - 2 * width, middle + 2 * width)
+    w = float(minimize_scalar(lambda w: -size(w), bounds=bounds, options={"xatol": 1e-9 * middle}).x)
+    at_peak = response(w)
+    z = np.zeros((n, system.harmonics.n_coefficients))
+    system.harmonics.set_amplitude(z, 1, at_peak[:n])
+    return ResonanceState(z, w, log_force, float(np.angle(at_peak[problem.observed])))
