@@ -13,7 +13,7 @@ from dataclasses import replace
 
 from updamp.hbm.continuation.completeness import shortcoming
 from updamp.hbm.continuation.curve_records import CurveRequest, put_together
-from updamp.hbm.continuation.detached import apart, middle, missing
+from updamp.hbm.continuation.detached import apart, middle, missing, within
 from updamp.hbm.continuation.extremes import with_extremes_solved
 from updamp.hbm.continuation.half_problem import HalfProblem
 from updamp.hbm.continuation.pieces import Pieces
@@ -121,7 +121,7 @@ def _from_further_starts(
 def _finished(system: NonlinearSystem, request: CurveRequest, pieces: Pieces) -> ResponseCurve:
     parts = [(part.segment.records, part.backwards, part.gap) for part in pieces.parts()]
     curve = put_together(pieces.first.records, parts)
-    beside = [apart(pieces.first.records, *chain) for chain in pieces.detached()]
+    beside = within(request.window, (apart(pieces.first.records, *chain) for chain in pieces.detached()))
     scale_w = request.options.scale_w(request.window)
     curve = replace(curve, detached=tuple(one for one in beside if missing(curve, [middle(one)], scale_w)))
     why = shortcoming(curve, request.window, request.assembly.limits, request.peaks_at[0])

@@ -58,6 +58,12 @@ def apart(first: Records, chain: Sequence[Part], closed: bool) -> ResponseCurve:
     return replace(curve, stopped=f"not followed round: {ends_at}")
 
 
+def within(window: tuple[float, float], branches: Iterable[ResponseCurve]) -> tuple[ResponseCurve, ...]:
+    """Those that come into the window [Hz]: what lies beyond it wholly is no answer to what was asked."""
+    low, high = window
+    return tuple(one for one in branches if ((low <= one.frequency) & (one.frequency <= high)).any())
+
+
 def middle(curve: ResponseCurve) -> Place:
     """The place of a curve halfway along its points."""
     i = len(curve) // 2
@@ -93,7 +99,7 @@ def _from(
                 pieces.advance(segment)
         if not any(segment.active for segment in pair):
             break
-    return tuple(apart(pair[0].records, *chain) for chain in pieces.detached())
+    return within(request.window, (apart(pair[0].records, *chain) for chain in pieces.detached()))
 
 
 def _whole(system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve) -> BranchSegment:

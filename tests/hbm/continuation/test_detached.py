@@ -77,6 +77,12 @@ def test_a_loop_that_takes_more_points_than_allowed_is_kept_in_part(traced):
     assert len(found) <= 7
 
 
+def test_what_lies_beyond_the_window_is_not_told(traced, loop):
+    system, request, curve = traced
+    beyond = (float(loop.frequency.max()) + 0.01, float(loop.frequency.max()) + 0.02)
+    assert detached_through(system, replace(request, window=beyond), curve, [at_resonance(resonances()[2])]) == ()
+
+
 def test_a_loop_met_while_a_curve_is_traced_is_no_part_of_it(traced):
     """In whatever order: the branch is one, with no gap, and the loop beside it."""
     system, request, curve = traced
