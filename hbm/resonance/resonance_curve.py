@@ -134,9 +134,14 @@ def trace_resonance(system: NonlinearSystem, request: ResonanceRequest) -> Itera
         start = replace(start, z=driven[1].halved(start.z))
     problem = ResonanceProblem(solved, solved.free.row(request.excited), solved.free.row(request.point))
     rows: list[dict[str, Any]] = []
+    n, n_coefficients = system.free.n_relative, system.harmonics.n_coefficients
+    shapes = {"response": (n_coefficients,), "displacement": (n, n_coefficients), "states": (len(ContactState),)}
 
     def curve(complete: bool = False, stopped: str = "") -> ResonanceCurve:
-        columns: dict[str, Any] = {name: np.array([row[name] for row in rows]) for name in COLUMNS}
+        columns: dict[str, Any] = {
+            name: np.reshape([row[name] for row in rows], (len(rows), *shapes.get(name, ()))) for name in COLUMNS
+        }
+        columns |= {name: columns[name].astype(bool) for name in ("asked_for", "turning")}
         seconds = time.perf_counter() - started
         head = (request.mode, request.point, system.harmonics.orders)
         return ResonanceCurve(*head, **columns, complete=complete, stopped=stopped, seconds=seconds)

@@ -7,15 +7,17 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from scipy.special import ellipk
-from support.peers import blades_and_damper_system, one_degree_of_freedom, solved
+from support.peers import blades_and_damper_system, friction, one_degree_of_freedom, solved
 
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
 from updamp.hbm.continuation.continuation import ContinuationOptions
 from updamp.hbm.continuation.curve import CurveRequest, trace
+from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.newton.newton import NewtonOptions, Status
 from updamp.hbm.problem.elements import ElementGroup
-from updamp.hbm.problem.system import Excitation
+from updamp.hbm.problem.linear_model import from_matrices
+from updamp.hbm.problem.system import Excitation, NonlinearSystem
 from updamp.hbm.resonance import conditions, resonance_curve
 from updamp.hbm.resonance.backbone import (
     ResonanceOptions,
@@ -275,3 +277,31 @@ def test_what_cannot_be_followed_says_where(blades):
 def test_bad_input_is_named(blades, call, message):
     with pytest.raises(ValueError, match=message):
         call(_problem(blades))
+
+
+def test_a_resonance_that_does_not_begin_has_no_point_and_says_why(blades):
+    hopeless = ResonanceOptions(newton=NewtonOptions(iterations=1), lowest_start=0.9)
+    request = ResonanceRequest("1", "excitation", "tip", WINDOW, (200.0,), MaximumResonance(), options=hopeless)
+    curve = whole_resonance(blades, request)
+    assert len(curve) == len(curve.receptance) == len(curve.at_forces()) == len(curve.passes(200.0)) == 0
+    assert curve.harmonic_content().shape == (0, len(blades.harmonics.orders))
+    assert "too many iterations" in curve.stopped
+
+
+def test_a_resonance_begins_with_contacts_as_they_are_at_rest():
+    """A mass on a spring beside a contact that is open at rest: the resonance begins as that of the spring alone, at
+    half of the frequency with the contact closed, which lies in the window too."""
+    gap = friction(1, mu=0.1, kt=3.0, kn=3.0, n0=np.zeros(1))._replace(gap=np.ones(1))
+    one = np.eye(3)
+    linear = from_matrices(one, 0.01 * one, one, one, {"mass": one[2]})
+    contact = ElementGroup(JenkinsBox(2), gap, np.array([[0, 1, 2]]))
+    system = NonlinearSystem(linear, (contact,), Harmonics((0, 1, 2, 3)), 256)
+    assert system.stuck.frequencies[0] == pytest.approx(2 / 2 / np.pi)
+    window = (0.5 / 2 / np.pi, 2.5 / 2 / np.pi)
+    request = ResonanceRequest("1", "mass", "mass", window, (1e-3, 0.009, 0.02), MaximumResonance())
+    curve = whole_resonance(system, request)
+    assert curve.complete, curve.stopped
+    at = curve.at_forces()
+    assert at.frequency[:2] == pytest.approx(1 / 2 / np.pi, rel=1e-4), "amplitudes of 0.1 and 0.9 of the gap"
+    assert np.abs(at.receptance[:2]) == pytest.approx(100, rel=1e-4), "1 / c"
+    assert at.frequency[2] > 1.05 * at.frequency[0], "the contact closes"
