@@ -179,4 +179,9 @@ def _work(job: Job) -> JobOutcome:
     try:
         return JobOutcome(job, job.run(report, asked, os.getppid()))
     except Exception as error:
-        return JobOutcome(job, JobEnd.FAILED, f"{type(error).__name__}: {error}")
+        return JobOutcome(job, JobEnd.FAILED, _sentence(error))
+
+
+def _sentence(error: Exception) -> str:
+    """A ValueError says what is wrong with what was asked for; of others the kind is all that may be known."""
+    return str(error) if isinstance(error, ValueError) else f"{type(error).__name__}: {error}"

@@ -85,7 +85,7 @@ def ended_early(products: Products) -> list[str]:
     for it, `not_followed` tells it."""
     left = {job.mode for job in curves_left(products.left)}
     return [
-        f"{mode}: the resonance followed in the force ends early, and beyond curves alone tell it: {reason}"
+        f"{mode}: the resonance is not followed in the force to the end, and beyond curves alone tell it: {reason}"
         for mode, reason in _why_ended(products).items()
         if reason and mode not in left
     ]
