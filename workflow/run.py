@@ -5,16 +5,11 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from updamp.fem.finite_element_model import ComponentModel, CoupledCheck, FiniteElementResult, joined
 from updamp.fem.rig_components import RigComponents
 from updamp.fem.static_contact.rest_state import StaticContact
 from updamp.geometry.rig_mesh import RigMesh
-from updamp.model.build import rig_model
-from updamp.model.small_amplitude import modes_by_name
 from updamp.parallel.resources import Meter
-from updamp.rig.questions import empty_windows, possible_resonances, undivided_windows
 from updamp.rig.rig import Rig
 from updamp.workflow import stages, store
 from updamp.workflow.accuracy_jobs import AccuracyJob
@@ -22,6 +17,7 @@ from updamp.workflow.curve_jobs import CurveJob
 from updamp.workflow.job_pool import Job, JobEnd, JobOutcome, JobProgress, run_all
 from updamp.workflow.limits import check_size
 from updamp.workflow.marching_jobs import MarchingJob
+from updamp.workflow.mode_names import named_modes, window_questions
 from updamp.workflow.output_folder import check_folder
 from updamp.workflow.products import Product, Products, Stored, stored, why_stopped
 from updamp.workflow.progress import Display
@@ -84,31 +80,18 @@ class Run:
         if not self.wanted(stages.BLADE):
             return done
         done = self._with_finite_elements(done)
-        finite_elements, check = done.finite_elements, done.coupled_check
+        finite_elements = done.finite_elements
         if finite_elements is None or not self.wanted(stages.STATIC_CONTACT):
             return done
         rest = self._static_contact(finite_elements.product)
         done = replace(done, static_contact=rest)
         if not self.wanted(stages.CURVE):
             return done
-        done = replace(done, named_modes=self._named_modes(finite_elements.product, rest.product))
-        self._ask_of_windows(done.named_modes, finite_elements.product, check.product if check else None)
-        return self._with_curves(done, finite_elements.path, rest.path)
-
-    def _named_modes(self, finite_elements: FiniteElementResult, rest: StaticContact) -> Mapping[str, float]:
-        middles = [float(np.mean(mode.window)) for mode in self.rig.study.modes.values()]
-        return modes_by_name(rig_model(finite_elements.reduced, rest, self.rig), float(np.mean(middles)))
-
-    def _ask_of_windows(
-        self, named: Mapping[str, float], finite_elements: FiniteElementResult, check: CoupledCheck | None
-    ) -> None:
+        done = replace(done, named_modes=named_modes(self.rig, finite_elements.product.reduced, rest.product))
         windows = {mode: self.rig.study.modes[mode].window for mode in self.options.modes or self.rig.study.modes}
-        asked = undivided_windows(windows, named)
-        if check is not None:  # else the stuck structure's frequencies are not known
-            resonances = possible_resonances(finite_elements.blade_frequencies.tolist(), check.full.tolist())
-            asked = [*empty_windows(windows, resonances, float(check.full.max())), *asked]
-        for question in asked:
+        for question in window_questions(windows, done):
             self.display.note("question", question)
+        return self._with_curves(done, finite_elements.path, rest.path)
 
     def _with_curves(self, done: Products, finite_elements: Path, rest: Path) -> Products:
         jobs = RunJobs(self.files, self.rig.response_point, finite_elements, rest)
