@@ -31,9 +31,15 @@ def moving_peaks(entries: Sequence[Mapping[str, Any]]) -> list[str]:
     """Sentences on the curves' entries whose reported peak does not stay, or was not checked."""
     return [
         f"{entry['mode']} {entry['force_N']:g} N: the peak at {entry['peak_frequency_Hz']:.2f} Hz {marched['sentence']}"
+        f"{_without_mean(entry, marched['verdict'])}"
         for entry in entries
         if (marched := entry.get("marching")) and marched["verdict"] != "stays" and entry["points"]
     ]
+
+
+def _without_mean(entry: Mapping[str, Any], verdict: str) -> str:
+    held = verdict == "moves" and 0 not in entry["harmonics"]
+    return "; harmonic 0, the mean position, is not among those it keeps" if held else ""
 
 
 def marching_remark(entry: Mapping[str, Any]) -> list[str]:

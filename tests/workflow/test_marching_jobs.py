@@ -84,6 +84,14 @@ def test_a_peak_that_does_not_stay_is_said_below_and_in_the_table(finished, verd
     assert any(verdict.name.lower() in cell for cell in cells)
 
 
+@pytest.mark.parametrize(("orders", "said"), [([1, 3], True), ([0, 1, 3], False)])
+def test_a_mean_position_that_is_held_may_be_why_a_peak_moves(finished, orders, said):
+    curve, found = finished
+    moving = replace(found, verdict=int(Verdict.MOVES), moved=0.3)
+    (sentence,) = moving_peaks([{**curve_entry(curve, TIP, marched=moving), "harmonics": orders}])
+    assert sentence.endswith("; harmonic 0, the mean position, is not among those it keeps") == said
+
+
 def test_a_peak_that_was_not_checked_is_said_with_the_reason(finished):
     curve, found = finished
     unchecked = replace(
