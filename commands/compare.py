@@ -41,6 +41,7 @@ def compare(
         one_thread()
         # On call: JAX takes seconds to load, and has to find the number of threads stated.
         from updamp.hbm.compilation_cache import keep_compiled
+        from updamp.report.sections.calibration import far_calibrated
         from updamp.report.sections.outcome import verdict_sentence
         from updamp.workflow.compare_run import CompareFiles, run_compare
 
@@ -49,6 +50,8 @@ def compare(
         files = CompareFiles(rig, measurement, out)
         comparison, _ = run_compare(files, chosen_mesh(rig, mesh), chosen_jobs(jobs), console, tuple(finer or ()))
         console.print(Text.assemble(("verdict   ", "yellow"), verdict_sentence(comparison)), soft_wrap=True)
+        if far := far_calibrated(comparison):
+            console.print(Text.assemble(("calibrated", "yellow"), f" {far}"), soft_wrap=True)
         for finding in comparison.findings:
             console.print(Text.assemble(("finding   ", "yellow"), finding.text), soft_wrap=True)
         console.print(f"{files.report}", highlight=False, soft_wrap=True)

@@ -1,5 +1,6 @@
 """What a comparison of model and measurement hands on: numbers for `comparison.json`, the report and the diagnosis."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -12,6 +13,7 @@ Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 # Key of the provenance: probability of a misfit as large by chance.
 LACK_OF_FIT = "lack of fit"
+FAR = 2.0  # prior standard deviations, from where on a calibrated value deserves a word: 1 in 20 by chance
 
 
 @dataclass(frozen=True)
@@ -147,6 +149,17 @@ class Calibrated:
     after: float
     lower: float
     upper: float
+
+    @property
+    def deviations(self) -> float:
+        """Prior standard deviations that calibration has moved it by; nan where it has none."""
+        deviation = abs(self.before) * self.prior_deviation
+        return (self.after - self.before) / deviation if deviation > 0 else math.nan
+
+    @property
+    def far(self) -> bool:
+        """Whether it deserves a word."""
+        return abs(self.deviations) > FAR
 
 
 @dataclass(frozen=True)

@@ -50,9 +50,16 @@ def modes_by_name(model: RigModel, near: float) -> dict[str, float]:
     near: as for `small_amplitude`; raises: ValueError where there is no such mode
     """
     found = small_amplitude(model, near)
-    tips = np.real([found.shapes[found.free.row(f"blade_{side}.tip.x")] for side in ("left", "right")]).T
-    numbers = {"OOP": first_mode(tips, in_phase=False), "IP": first_mode(tips, in_phase=True)}
-    return {name: float(found.frequencies[number]) for name, number in numbers.items()}
+    return {name: float(found.frequencies[number]) for name, number in numbers_by_name(found).items()}
+
+
+def numbers_by_name(found: SmallAmplitude) -> dict[str, int]:
+    """Likewise, name -> number of the mode; none of a structure that is not two blades."""
+    points = [f"blade_{side}.tip.x" for side in ("left", "right")]
+    if not set(points) <= set(found.free.points):
+        return {}
+    tips = np.real([found.shapes[found.free.row(point)] for point in points]).T
+    return {"OOP": first_mode(tips, in_phase=False), "IP": first_mode(tips, in_phase=True)}
 
 
 def without_contacts(model: RigModel, component: str, number: int = 0) -> float:

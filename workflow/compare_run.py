@@ -34,6 +34,8 @@ from updamp.workflow.response_files import matlab_name
 from updamp.workflow.run import Run
 from updamp.workflow.run_options import RunOptions
 
+ASKED_FIRST = "what is asked above comes first: calibration makes up for it, and what is found may be nothing else"
+
 
 @dataclass(frozen=True)
 class CompareFiles:
@@ -87,6 +89,8 @@ def run_compare(
         display.done("comparison", f"findings: {len(comparison.findings)}")
         for run in comparison.unlike_repeats:
             display.note("check", run.text)
+        if inputs.measurement.questions and comparison.findings:
+            display.note("check", ASKED_FIRST)
         COMPARISON_JSON.write(files.comparison, comparison)
         write_report(comparison, files.report, pictures_of(files.out))
         write_pictures(comparison, files.out)

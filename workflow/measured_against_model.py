@@ -1,13 +1,12 @@
 """Is the measurement in the units it says, and of this rig? Asked before anything is fitted to it.
 
 Where units are mistaken a measurement is off by a factor that one knows: 1000, 9.81, 1.414, 2 pi. Frequencies are held
-against those at which the model can resonate, amplitudes against its modal constant: near a resonance
-1/H = (w_r^2 (1 + i eta) - w^2) / A, whose slope in w^2 gives A whatever the damping is (D. J. Ewins, Modal Testing,
-2000, ch. 4).
+against those at which the model can resonate, amplitudes and signs against its modal constant
+(`workflow/modal_constant.py`).
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 
 import numpy as np
@@ -17,8 +16,9 @@ from updamp.effects.rig_model import RigModel
 from updamp.hbm.problem.small_amplitude import SmallAmplitude
 from updamp.measurement.measurement import MeasuredRun, Measurement, MeasurementError
 from updamp.model.calibration import PRELOAD
-from updamp.model.small_amplitude import small_amplitude
+from updamp.model.small_amplitude import numbers_by_name, small_amplitude
 from updamp.rig.questions import possible_resonances
+from updamp.workflow.modal_constant import StraightLine, modal_fit
 
 Floats = NDArray[np.float64]
 
@@ -30,16 +30,13 @@ class QuestionOptions:
     gives as much
     exact: how close to a known factor an amplitude is for it to be asked about; odd: a factor that is asked about in
     any case: mode shapes are hardly wrong by as much
-    height: points from this share of the peak on are used; scatter: of them about the straight line, relative, and
-    of its slopes on both sides of the resonance, up to which it tells
+    straight: which points tell a modal constant
     """
 
-    points: int = 5
     frequency: float = 0.2
     exact: float = 0.06
     odd: float = 5.0
-    height: float = 0.3
-    scatter: float = 0.3
+    straight: StraightLine = field(default_factory=StraightLine)
 
 
 FREQUENCY_UNITS = {"kHz": 1e3, "mHz": 1e-3, "rad/s": 1 / (2 * np.pi), "1/min": 1 / 60}
@@ -83,15 +80,17 @@ def _near(mode: str, modes: Sequence[str]) -> str:
 def measured_against_model(
     model: RigModel, measurement: Measurement, options: QuestionOptions | None = None
 ) -> list[str]:
-    """Questions on units, each with what may be meant. model: with the effects of its rig file
+    """Questions on units and signs, each with what may be meant. model: with the effects of its rig file
 
-    raises: MeasurementError where a run has no frequency at which the model can resonate: nothing could be compared
+    raises: MeasurementError where the model is excited elsewhere, or a run has no frequency at which it can resonate:
+        nothing could be compared
     """
     options = options or QuestionOptions()
+    _check_excitation(model, measurement)
     questions: list[str] = []
     runs = {run.name: run for run in reversed(measurement.runs)}  # one of each test
-    enough = [run for run in reversed(runs.values()) if len(run) >= options.points]
-    questions += [_few(run, options.points) for run in runs.values() if len(run) < options.points]
+    enough = [run for run in reversed(runs.values()) if len(run) >= options.straight.points]
+    questions += [_few(run, options.straight.points) for run in runs.values() if len(run) < options.straight.points]
     if enough:
         near = float(np.median([_peak(run)[0] for run in enough]))
         found = small_amplitude(model, near)
@@ -100,8 +99,17 @@ def measured_against_model(
         lowest = min(enough, key=lambda run: run.level)
         for channel in measurement.channels:
             if channel.name in lowest.channels:
-                questions += _amplitude(model, found, lowest, channel.name, channel.point, options)
+                questions += _channel(model, found, lowest, channel.name, channel.point, options)
     return questions
+
+
+def _check_excitation(model: RigModel, measurement: Measurement) -> None:
+    if measurement.excitation and measurement.excitation != model.excitation:
+        raise MeasurementError(
+            f'excitation = "{measurement.excitation}": the rig file excites the model at "{model.excitation}"; state '
+            'the same there ([excitation] blade = "left" or "right"; excitation of a rig given by modes), or correct '
+            "it here with the point of the force"
+        )
 
 
 def _few(run: MeasuredRun, points: int) -> str:
@@ -155,18 +163,49 @@ def _sizes(units: Sequence[str]) -> str:
     return " or ".join(f"{max(f, 1 / f):.3g}" for f in (FREQUENCY_UNITS[unit] for unit in units))
 
 
-def _amplitude(
+def _channel(
     model: RigModel, found: SmallAmplitude, run: MeasuredRun, name: str, point: str, options: QuestionOptions
 ) -> Iterator[str]:
-    measured = modal_constant(run.frequency, run.receptance(name), options)
+    measured = modal_fit(run.frequency, run.receptance(name), options.straight)
     if measured is None:
         return
     frequency, _ = _peak(run)
-    mode = int(np.argmin(np.abs(found.frequencies - frequency)))
-    own = abs(found.at(point, mode) * found.at(model.excitation, mode))
+    mode, certain = _mode_of(run, found, frequency, options)
+    own = found.at(point, mode) * found.at(model.excitation, mode)
     if own == 0:
         return
-    ratio = measured / own
+    where = f"channel '{name}' (run '{run.name}')"
+    ratio = complex(measured.constant / own)
+    if guess := _factor(name, abs(ratio), frequency, options):
+        yield f"{where}: its modal constant at {frequency:.4g} Hz is {abs(ratio):.3g} times the model's; {guess}?"
+    if name in run.without_phase:
+        return
+    if measured.pole.imag < 0:
+        yield (
+            f"{where}: its phase rises through the resonance at {frequency:.4g} Hz, as of a structure that gives "
+            'energy; is time_convention right ("exp(+iwt)", "exp(-iwt)"), and the sign of its phases?'
+        )
+    # nearer to the opposite sign than to a quarter of a turn, which another quantity would be
+    elif certain and abs(np.angle(ratio)) > 3 * np.pi / 4:
+        yield (
+            f"{where}: it moves against the model at the resonance at {frequency:.4g} Hz; is "
+            f"channels.{name}.direction right (with a minus sign where the sensor looks the other way), and its point?"
+        )
+
+
+def _mode_of(run: MeasuredRun, found: SmallAmplitude, frequency: float, options: QuestionOptions) -> tuple[int, bool]:
+    """Number of the mode that a run's resonance is, and whether that is certain: by its name, or since no other is so
+    near that the resonance may be its. The signs of another one's shape are other ones."""
+    named = numbers_by_name(found)
+    if run.mode in named:
+        return named[run.mode], True
+    mode = int(np.argmin(np.abs(found.frequencies - frequency)))
+    apart = np.abs(np.delete(found.frequencies, mode) / found.frequencies[mode] - 1)
+    return mode, bool((apart > options.frequency).all())
+
+
+def _factor(name: str, ratio: float, frequency: float, options: QuestionOptions) -> str:
+    """What a modal constant that is so many times the model's may come from, "" where that is nothing to ask about."""
     size = max(ratio, 1 / ratio)
     w = 2 * np.pi * frequency
     of_time = {
@@ -178,38 +217,6 @@ def _amplitude(
         for factor, text in {**FACTORS, **of_time}.items()
         if abs(np.log(size / factor)) < options.exact
     ]
-    if guesses or size > options.odd:
-        guess = "; or ".join(guesses) or f"is {UNIT.format(name)} right, its quantity, and the point it looks at"
-        yield (
-            f"channel '{name}' (run '{run.name}'): its modal constant at {frequency:.4g} Hz is {ratio:.3g} times the "
-            f"model's; {guess}?"
-        )
-
-
-def modal_constant(frequency: Floats, receptance: NDArray[np.complex128], options: QuestionOptions) -> float | None:
-    """|A| of the straight line through 1/H around the peak [1/kg]; None where too few points lie on one, or it is
-    not as steep on both sides of the resonance: one that bends over shows a straight line on one side, of another
-    slope."""
-    size = np.abs(receptance)
-    if not np.all(size > 0):
-        return None
-    near = size >= options.height * size.max()
-    if near.sum() < options.points:
-        return None
-    squared, H = (2 * np.pi * frequency[near]) ** 2, receptance[near]
-    middle, spread = squared.mean(), np.ptp(squared)
-    columns = np.stack([np.ones_like(squared), (squared - middle) / spread], axis=1) * H[:, None]
-    line = np.linalg.lstsq(columns, np.ones(len(H), complex), rcond=None)[0]
-    left = np.abs(columns @ line - 1)
-    if np.sqrt(np.mean(left**2)) > options.scatter or line[1] == 0:
-        return None
-    stiffness = np.real(np.conj(line[1]) / np.abs(line[1]) / H)  # negative on one side of the resonance
-    sides = [_slope(squared[one], stiffness[one], spread) for one in (stiffness < 0, stiffness >= 0)]
-    if not all(abs(slope / np.abs(line[1]) - 1) <= options.scatter for slope in sides):
-        return None
-    return float(spread / abs(line[1]))
-
-
-def _slope(squared: Floats, stiffness: Floats, spread: float) -> float:
-    """Of a straight line; nan of less than two points."""
-    return float(np.polyfit((squared - squared.mean()) / spread, stiffness, 1)[0]) if len(squared) > 1 else np.nan
+    if not guesses and size <= options.odd:
+        return ""
+    return "; or ".join(guesses) or f"is {UNIT.format(name)} right, its quantity, and the point it looks at"

@@ -243,8 +243,8 @@ def _of_all(fit: Fit, plan: Plan) -> Finding:
     condition, size = plan.conditions[worst], float(np.sqrt(of_test[worst])) / fit.compared.scatter.noise
     text = (
         f"the curves differ in shape, most of all {condition.mode} at {level_of(plan, worst)} ({size:.1f} times the "
-        f"scatter): the mean squared misfit is {mean_squared:.2f}, with resonances, peaks and sensors right within the "
-        "scatter"
+        f"scatter): the mean squared misfit is {mean_squared:.2f}, and no resonance, peak or sensor stands out of so "
+        "large a one by itself"
     )
     relative = float(np.sqrt(mean_squared) - 1)
     return Finding(text, condition.mode, condition.level, AMPLITUDE, "", relative, _deviations(fit))

@@ -3,11 +3,11 @@
 import math
 from html import escape
 
-from updamp.comparison.comparison import Calibrated
+from updamp.comparison.comparison import FAR, Calibrated, Comparison
 from updamp.report.markup import MISSING, number, percent, table, with_unit
 from updamp.report.section import Content, Report, ReportSection
 
-FAR = 2.0  # prior standard deviations, from where on a calibrated value deserves a word
+MAKES_UP = "A calibration that has to go so far often makes up for something that the model lacks"
 
 
 def render(report: Report) -> Content | None:
@@ -16,19 +16,29 @@ def render(report: Report) -> Content | None:
         return None
     head = ("Parameter", "Rig file", "Calibrated", "95 % interval", "Change", "Change / prior deviation")
     html = table(head, [_row(each) for each in calibration])
-    far = [each.name for each in calibration if abs(_in_deviations(each)) > FAR]
+    far = [each.name for each in calibration if each.far]
     if far:
         html += (
             f'<p class="note">Further from the rig file than {FAR:g} standard deviations of the prior: '
-            f"{escape(', '.join(far))}. A calibration that has to go so far often makes up for something that the "
-            "model lacks.</p>"
+            f"{escape(', '.join(far))}. {MAKES_UP}.</p>"
         )
     return Content(html)
 
 
+def far_calibrated(comparison: Comparison) -> str:
+    """A sentence for the terminal, "" where nothing was calibrated far."""
+    far = [
+        f"{each.name} to {each.after:.3g} times the rig file's, {abs(each.deviations):.1f} deviations of how well it "
+        "is known"
+        for each in comparison.calibration
+        if each.far
+    ]
+    return f"{'; '.join(far)}. {MAKES_UP}." if far else ""
+
+
 def _row(each: Calibrated) -> tuple[str, ...]:
     change = (each.after - each.before) / abs(each.before) if each.before else math.nan
-    moved = _in_deviations(each)
+    moved = each.deviations
     text = number(moved, 2) if math.isfinite(moved) else MISSING
     return (
         escape(each.name),
@@ -36,13 +46,8 @@ def _row(each: Calibrated) -> tuple[str, ...]:
         with_unit(each.after, each.unit),
         f"{number(each.lower)} … {with_unit(each.upper, each.unit)}",
         percent(change),
-        f'<strong class="far">{text}</strong>' if abs(moved) > FAR else text,
+        f'<strong class="far">{text}</strong>' if each.far else text,
     )
-
-
-def _in_deviations(each: Calibrated) -> float:
-    deviation = abs(each.before) * each.prior_deviation
-    return (each.after - each.before) / deviation if deviation > 0 else math.nan
 
 
 SECTION = ReportSection("calibration", "Calibration", render)

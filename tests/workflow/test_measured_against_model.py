@@ -1,15 +1,19 @@
 """Modal constants and questions on units; what is asked of which mistake is in tests/support/broken."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from support.jumping_beam import Joint, Mode, swept
+from support.two_modes import DRIVE, MODES, TIP, two_modes
 
 from updamp.measurement.load import load_measurement
+from updamp.measurement.measurement import Channel, MeasuredRun, Measurement, MeasurementError
 from updamp.model.build import modal_model
 from updamp.model.rig_files import load_modal
-from updamp.workflow.measured_against_model import QuestionOptions, measured_against_model, modal_constant
+from updamp.workflow.measured_against_model import measured_against_model
+from updamp.workflow.modal_constant import StraightLine, modal_fit
 
 RIGS = Path(__file__).parents[2] / "rigs"
 DATA = Path(__file__).parents[3] / "shared" / "data" / "brb" / "response_controlled.csv"
@@ -23,15 +27,17 @@ def oscillator(loss_factor: float, constant: complex = 0.5) -> np.ndarray:
 
 @pytest.mark.parametrize("loss_factor", [0.001, 0.003, 0.02])
 def test_a_modal_constant_is_found_whatever_the_damping(loss_factor: float) -> None:
-    assert modal_constant(F, oscillator(loss_factor), QuestionOptions()) == pytest.approx(0.5, rel=1e-6)
+    found = modal_fit(F, oscillator(loss_factor, -0.5j), StraightLine())
+    assert found.constant == pytest.approx(-0.5j, rel=1e-6)
+    assert found.pole == pytest.approx(W0**2 * (1 + 1j * loss_factor), rel=1e-9)
 
 
 def test_it_is_not_told_from_what_is_no_resonance() -> None:
     rng = np.random.default_rng(0)
     noise = rng.standard_normal(60) + 1j * rng.standard_normal(60)
-    assert modal_constant(F, noise, QuestionOptions()) is None
-    assert modal_constant(F, oscillator(1e-5), QuestionOptions()) is None, "one point on the peak is not enough"
-    assert modal_constant(F, 0 * noise, QuestionOptions()) is None
+    assert modal_fit(F, noise, StraightLine()) is None
+    assert modal_fit(F, oscillator(1e-5), StraightLine()) is None, "one point on the peak is not enough"
+    assert modal_fit(F, 0 * noise, StraightLine()) is None
 
 
 @pytest.mark.parametrize("upwards", [False, True])
@@ -42,9 +48,9 @@ def test_it_is_not_told_from_a_resonance_that_bends_over(upwards: bool) -> None:
     f = np.linspace(78.5, 82.0, 100)
     f = f if upwards else f[::-1]
     slight, bent, jumping = (
-        modal_constant(f, swept((beam,), softens, f, force) / force, QuestionOptions()) for force in (0.35, 2.0, 4.0)
+        modal_fit(f, swept((beam,), softens, f, force) / force, StraightLine()) for force in (0.35, 2.0, 4.0)
     )
-    assert slight == pytest.approx(0.5, rel=0.01)
+    assert slight.constant == pytest.approx(0.5, rel=0.01)
     assert bent is jumping is None
 
 
@@ -53,3 +59,46 @@ def test_a_real_test_in_the_right_units_is_asked_nothing() -> None:
         pytest.skip(f"{DATA} is missing: the beam's data are under GPL-3.0 and are kept beside the checkout")
     measurement = load_measurement(RIGS / "brake_reuss_measurement.toml", ["beam.drive.x"], rig="brake_reuss")
     assert measured_against_model(modal_model(load_modal(RIGS / "brake_reuss.toml")), measurement) == []
+
+
+def swept_arm(tip: complex = 1.0, conjugated: bool = False, excitation: str = DRIVE) -> Measurement:
+    """The first mode of the arm at 1 N, by its residues; tip: factor of what the sensor there reads."""
+    f = np.linspace(39.0, 41.0, 40)
+    w, found = 2 * np.pi * f, {}
+    for point, place in ((DRIVE, 2), (TIP, 3)):
+        found[point] = sum(
+            m[2] * m[place] / ((2 * np.pi * m[0]) ** 2 - w**2 + 2j * m[1] * 2 * np.pi * m[0] * w)
+            for m in MODES.values()
+        )
+    x = np.stack([found[DRIVE], tip * found[TIP]])[:, None]
+    run = MeasuredRun(
+        "1 N", "first", True, "force", 1.0, 1, ("drive", "tip"), (1,), f, np.ones(40, complex),
+        x.conj() if conjugated else x,
+    )  # fmt: skip
+    channels = (Channel("drive", DRIVE), Channel("tip", TIP))
+    return Measurement("arm", 0.0, excitation, channels, (run,), repeatability=0.01)
+
+
+def test_a_sensor_that_looks_the_other_way_is_asked_about() -> None:
+    assert measured_against_model(two_modes(), swept_arm()) == []
+    assert measured_against_model(two_modes(), swept_arm(tip=np.exp(0.5j))) == [], "a lag is no sign"
+    (question,) = measured_against_model(two_modes(), swept_arm(tip=-1.0))
+    assert question.startswith("channel 'tip' (run '1 N'): it moves against the model at the resonance at 39.97 Hz")
+    assert "channels.tip.direction" in question
+
+
+def test_phases_that_run_the_other_way_are_asked_about() -> None:
+    questions = measured_against_model(two_modes(), swept_arm(conjugated=True))
+    assert [question.split("'")[1] for question in questions] == ["drive", "tip"]
+    assert all("its phase rises through the resonance" in question for question in questions)
+
+
+def test_amplitudes_alone_tell_no_sign() -> None:
+    measurement = swept_arm(tip=-1.0)
+    runs = tuple(replace(run, without_phase=("tip",)) for run in measurement.runs)
+    assert measured_against_model(two_modes(), replace(measurement, runs=runs)) == []
+
+
+def test_a_model_that_is_excited_elsewhere_is_not_compared() -> None:
+    with pytest.raises(MeasurementError, match=f'excitation = "{TIP}": the rig file excites the model at "{DRIVE}"'):
+        measured_against_model(two_modes(), swept_arm(excitation=TIP))
