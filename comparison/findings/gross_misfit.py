@@ -11,7 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.comparison import Backbone, Finding
-from updamp.comparison.findings.findings import DAMPING, FREQUENCY, RISK, Direction, Misfit, findings, lack_of_fit
+from updamp.comparison.findings.findings import (
+    AMPLITUDE,
+    DAMPING,
+    FREQUENCY,
+    RISK,
+    Direction,
+    Misfit,
+    findings,
+    lack_of_fit,
+)
+from updamp.comparison.findings.gross_sensors import sensor_misfits
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Plan
 from updamp.model.calibration import LOSS_FACTOR
@@ -32,8 +42,8 @@ def linear_findings(
     """
     if lack_of_fit(fit, plan) >= RISK:
         return findings(fit, plan, first_order)
-    gains = [m for m in first_order if m.direction.quantity not in (FREQUENCY, DAMPING)]
-    read = gross_misfits(fit, plan, measured, model)
+    gains = [m for m in first_order if m.direction.quantity == AMPLITUDE or m.direction.sensor[1] != 1]
+    read = (*gross_misfits(fit, plan, measured, model), *sensor_misfits(plan, measured, model))
     return (*damping_growth(fit, plan, measured, model), *findings(fit, plan, (*read, *gains)))
 
 

@@ -1,6 +1,9 @@
 """A beam of two identified modes that is driven at one point and whose tip each mode moves otherwise."""
 
+import numpy as np
+
 from updamp.effects.rig_model import RigModel
+from updamp.measurement.measurement import Channel, MeasuredRun, Measurement
 from updamp.model.build import modal_before_effects
 from updamp.rig.modal_rig import ModalRig
 
@@ -21,3 +24,25 @@ def two_modes(tip: dict[str, float] | None = None) -> RigModel:
     }
     rig = ModalRig.model_validate({"kind": "modal", "name": "arm", "excitation": DRIVE, "modes": modes})
     return modal_before_effects(rig)
+
+
+def swept_arm(
+    tip: complex = 1.0, conjugated: bool = False, excitation: str = DRIVE, modes: tuple[str, ...] = ("first",)
+) -> Measurement:
+    """Linear sweeps through modes at 1 N, by the residues; tip: factor of what the sensor there reads."""
+    runs = [_sweep(mode, tip, conjugated) for mode in modes]
+    channels = (Channel("drive", DRIVE), Channel("tip", TIP))
+    return Measurement("arm", 0.0, excitation, channels, tuple(runs), repeatability=0.01)
+
+
+def _sweep(mode: str, tip: complex, conjugated: bool) -> MeasuredRun:
+    f = MODES[mode][0] * np.linspace(0.975, 1.025, 40)
+    w, found = 2 * np.pi * f, {}
+    for point, place in ((DRIVE, 2), (TIP, 3)):
+        found[point] = sum(
+            m[2] * m[place] / ((2 * np.pi * m[0]) ** 2 - w**2 + 2j * m[1] * 2 * np.pi * m[0] * w)
+            for m in MODES.values()
+        )
+    x = np.stack([found[DRIVE], tip * found[TIP]])[:, None]
+    x, force = x.conj() if conjugated else x, np.ones(40, complex)
+    return MeasuredRun(f"{mode} 1 N", mode, True, "force", 1.0, 1, ("drive", "tip"), (1,), f, force, x)

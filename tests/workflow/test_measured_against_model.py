@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.jumping_beam import Joint, Mode, swept
-from support.two_modes import DRIVE, MODES, TIP, two_modes
+from support.two_modes import DRIVE, TIP, swept_arm, two_modes
 
 from updamp.measurement.load import load_measurement
-from updamp.measurement.measurement import Channel, MeasuredRun, Measurement, MeasurementError
+from updamp.measurement.measurement import MeasurementError
 from updamp.model.build import modal_model
 from updamp.model.rig_files import load_modal
 from updamp.workflow.measured_against_model import measured_against_model
@@ -61,29 +61,11 @@ def test_a_real_test_in_the_right_units_is_asked_nothing() -> None:
     assert measured_against_model(modal_model(load_modal(RIGS / "brake_reuss.toml")), measurement) == []
 
 
-def swept_arm(tip: complex = 1.0, conjugated: bool = False, excitation: str = DRIVE) -> Measurement:
-    """The first mode of the arm at 1 N, by its residues; tip: factor of what the sensor there reads."""
-    f = np.linspace(39.0, 41.0, 40)
-    w, found = 2 * np.pi * f, {}
-    for point, place in ((DRIVE, 2), (TIP, 3)):
-        found[point] = sum(
-            m[2] * m[place] / ((2 * np.pi * m[0]) ** 2 - w**2 + 2j * m[1] * 2 * np.pi * m[0] * w)
-            for m in MODES.values()
-        )
-    x = np.stack([found[DRIVE], tip * found[TIP]])[:, None]
-    run = MeasuredRun(
-        "1 N", "first", True, "force", 1.0, 1, ("drive", "tip"), (1,), f, np.ones(40, complex),
-        x.conj() if conjugated else x,
-    )  # fmt: skip
-    channels = (Channel("drive", DRIVE), Channel("tip", TIP))
-    return Measurement("arm", 0.0, excitation, channels, (run,), repeatability=0.01)
-
-
 def test_a_sensor_that_looks_the_other_way_is_asked_about() -> None:
     assert measured_against_model(two_modes(), swept_arm()) == []
     assert measured_against_model(two_modes(), swept_arm(tip=np.exp(0.5j))) == [], "a lag is no sign"
     (question,) = measured_against_model(two_modes(), swept_arm(tip=-1.0))
-    assert question.startswith("channel 'tip' (run '1 N'): it moves against the model at the resonance at 39.97 Hz")
+    assert question.startswith("channel 'tip' (run 'first 1 N'): it moves against the model at the resonance at 39.97 Hz")
     assert "channels.tip.direction" in question
 
 
