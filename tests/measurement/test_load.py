@@ -215,5 +215,7 @@ def test_columns_of_a_spreadsheet(tmp_path: Path, phase: str) -> None:
     )
     path = tmp_path / "measurement.toml"
     path.write_text(TOML + options + phase)
-    run = load_measurement(path).runs[0]
+    measurement = load_measurement(path)
+    run = measurement.runs[0]
     np.testing.assert_allclose(run.receptance("laser"), displacement()[0] / force(), rtol=1e-11)
+    assert any("no phase is named for the force, 'force'" in text for text in measurement.assumptions)

@@ -110,6 +110,44 @@ def test_force_is_missing(tmp_path: Path) -> None:
     assert "not in the file" in message
 
 
+@pytest.mark.parametrize("ending", [".csv", ".h5", ".mat", ".uff"])
+def test_amplitudes_alone_are_not_taken_for_a_phase_of_zero(tmp_path: Path, ending: str) -> None:
+    toml = f'{TOML.replace("data.csv", f"data{ending}")}repeat = 1\nchannels = ["laser"]\n'
+    sweep = recorded()
+    laser = sweep.channels["laser"]
+    laser = replace(laser, amplitude=np.abs(laser.amplitude[:1]) + 0j, harmonics=(1,))
+    channels = {"force": sweep.channels["force"], "laser": laser}
+    write = {".csv": write_long_csv, ".h5": write_hdf5, ".mat": write_mat, ".uff": write_uff58}[ending]
+    write(tmp_path / f"data{ending}", [replace(sweep, channels=channels)])
+    message = refused(tmp_path, toml, name=f"data{ending}")
+    assert "channel 'laser': its 41 values are all real" in message
+    assert 'phase = "none"' in message
+    path = tmp_path / "measurement.toml"
+    path.write_text(toml.replace("[channels.laser]", '[channels.laser]\nphase = "none"'))
+    assert load_measurement(path).runs[0].without_phase == ("laser",)
+
+
+@pytest.mark.parametrize("key", ["phase", "imaginary"])
+@pytest.mark.parametrize("label", ["lasr", "laser 1"])
+def test_a_phase_of_what_is_no_channel(tmp_path: Path, key: str, label: str) -> None:
+    (tmp_path / "data.csv").write_text("frequency_Hz,force,laser,angle\n430,17,1,-90\n")
+    options = f'{key} = {{ "{label}" = "angle" }}, phase_unit = "deg"'
+    message = refused(tmp_path, f'{TOML}reader = "csv_columns"\noptions = {{ {options} }}\n')
+    for word in ("data.csv", f'options.{key}: "{label}"', "did you mean laser?"):
+        assert word in message, message
+
+
+@pytest.mark.parametrize("ending", [".csv", ".uff"])
+def test_no_label_is_in_the_file(tmp_path: Path, ending: str) -> None:
+    (write_long_csv if ending == ".csv" else write_uff58)(tmp_path / f"data{ending}", [recorded()])
+    toml = TOML
+    for name in ("force", "laser", "accelerometer"):
+        toml = toml.replace(f"[channels.{name}]", f'[channels.{name}]\nlabel = "sensor {name[0]}"')
+    message = refused(tmp_path, toml, name=f"data{ending}")
+    for word in ("channel 'laser'", 'label = "sensor l"', "not in the file", "there are force, laser, accelerometer"):
+        assert word in message, message
+
+
 def test_a_file_that_contradicts_the_statement(tmp_path: Path) -> None:
     sweep = recorded()
     for key, value, words in (("unit", "m/s", "says m/s"), ("quantity", "acceleration", "says acceleration")):
