@@ -23,7 +23,8 @@ class TimeCsvOptions(TimeOptions, CsvForm):
 
 @register("time_csv", options=TimeCsvOptions)
 def read_time_csv(path: Path, labels: tuple[str, ...], options: TimeCsvOptions) -> tuple[RecordedSweep, ...]:
-    """One sweep: its steps are the stretches over which the commanded frequency is constant."""
+    """One sweep: its steps are the stretches over which the commanded frequency is constant and time does not start
+    again."""
     header = header_of(path, options)
     if labels[0] not in header:
         raise MeasurementError(f"{path}: no column '{labels[0]}': the force; {near(labels[0], header)}")
@@ -35,7 +36,10 @@ def read_time_csv(path: Path, labels: tuple[str, ...], options: TimeCsvOptions) 
     commanded = table[options.step] if stepped else np.full(len(time), options.frequency)
     if not (np.isfinite(time).all() and np.isfinite(commanded).all()):
         raise MeasurementError(f"{path}: a time or a commanded frequency is no finite number; export the file again")
-    edges = [0, *(np.flatnonzero(np.diff(commanded)) + 1).tolist(), len(time)]
+    begins = np.diff(commanded) != 0
+    if stepped:  # one frequency may be commanded twice in a row, as where a sweep turns round
+        begins |= time[1:] <= time[0]
+    edges = [0, *(np.flatnonzero(begins) + 1).tolist(), len(time)]
     steps = [
         TimeStep(float(commanded[a]), time[a:b], {label: table[label][a:b] for label in present})
         for a, b in pairwise(edges)

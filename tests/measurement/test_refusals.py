@@ -94,8 +94,8 @@ def with_value(channel: str, place: tuple[int, int], value: complex) -> Recorded
         (with_value("accelerometer", (0, 3), complex(0, np.inf)), ["accelerometer", "no finite number", "take these"]),
         (with_value("force", (0, 5), 0j), ["force = 0", "1 of 41", f"{FREQUENCY[5]:g} Hz"]),
         (replace(recorded(), frequency=np.where(FREQUENCY > 430, FREQUENCY, np.nan)), ["frequency = nan"]),
-        (replace(recorded(), frequency=np.round(FREQUENCY)), ["frequency = 428 Hz", "times", "average"]),
-        (replace(recorded(), frequency=np.roll(FREQUENCY, 9)), ["turn round", "split"]),
+        (replace(recorded(), frequency=np.round(FREQUENCY)), ["frequency = 428 Hz", "places 1 and 2", "average"]),
+        (replace(recorded(), frequency=np.roll(FREQUENCY, 9)), ["turn round at 432", "place 9", "split"]),
         (replace(recorded(), frequency=-FREQUENCY), ["frequency = -428", "mend"]),
     ],
 )
@@ -175,7 +175,9 @@ def test_one_repeat_number_for_two_sweeps(tmp_path: Path) -> None:
     write_hdf5(tmp_path / "data.h5", [recorded(1), recorded(1)])
     assert "more than one sweep of the same repeat" in refused(tmp_path, name="data.h5")
     write_long_csv(tmp_path / "data.csv", [recorded(1), recorded(1)])
-    assert "stands there 2 times" in refused(tmp_path)
+    message = refused(tmp_path)
+    for word in ("turn round at 432", "place 41", "column of runs", 'options = { run = "its column" }'):
+        assert word in message, message
 
 
 GARBAGE = np.random.default_rng(1).bytes(20_000)
