@@ -58,7 +58,7 @@ def read_csv_columns(path: Path, labels: tuple[str, ...], options: ColumnOptions
     )
     used = {options.frequency, *present, *parts, *marks}
     others = tuple(name for name in header if name not in used)
-    notes = _granted(path, labels[0], {*options.phase, *options.imaginary}, present)
+    notes = (*table.notes, *_granted(path, labels[0], {*options.phase, *options.imaginary}, present))
     found = []
     for rows in group_rows(run, repeat, sweep):
         name = text_of(run, rows)
