@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 import scipy.io
@@ -15,6 +16,7 @@ from updamp.measurement.readers.hdf5 import write_hdf5
 from updamp.measurement.readers.long_csv import write_long_csv
 from updamp.measurement.readers.uff import write_uff58
 from updamp.measurement.recorded import RecordedSweep
+from updamp.parallel.whole_file import MARK
 
 POINTS = ["mass.drive.x", "mass.tip.x"]
 LEVEL = 'level = "17 N"'
@@ -178,6 +180,21 @@ def test_one_repeat_number_for_two_sweeps(tmp_path: Path) -> None:
     message = refused(tmp_path)
     for word in ("turn round at 432", "place 41", "column of runs", 'options = { run = "its column" }'):
         assert word in message, message
+
+
+@pytest.mark.parametrize(
+    ("group", "key"),
+    [("sweeps/00000", "run"), ("sweeps/00000/channels/0001", "unit"), ("sweeps/00000/channels/0001", "name")],
+)
+def test_an_hdf5_file_lacks_an_attribute(tmp_path: Path, group: str, key: str) -> None:
+    write_hdf5(tmp_path / "whole.h5", [recorded()])
+    content = (tmp_path / "whole.h5").read_bytes()
+    (tmp_path / "data.h5").write_bytes(content[: content.index(MARK)])  # another program writes no checksum
+    with h5py.File(tmp_path / "data.h5", "r+") as file:
+        del file[group].attrs[key]
+    message = refused(tmp_path, name="data.h5")
+    assert f"/{group} has no attribute '{key}'" in message
+    assert "damaged" not in message
 
 
 GARBAGE = np.random.default_rng(1).bytes(20_000)
