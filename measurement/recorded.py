@@ -65,7 +65,7 @@ def one_way(sweep: RecordedSweep) -> tuple[RecordedSweep, ...]:
     steps = np.sign(change)
     moving = np.flatnonzero(steps)
     back = moving[1:][steps[moving[1:]] != steps[moving[:-1]]]  # first step after a turn
-    if sweep.sweep or len(back) != 1:
+    if sweep.sweep or len(back) != 1 or not np.isfinite(change).all():
         return (sweep,)
     twice = abs(change[back[0] - 1]) < SAME * abs(change[back[0]])
     end = int(back[0]) + (0 if twice else 1)
