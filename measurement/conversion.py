@@ -38,11 +38,12 @@ def measured_run(
     raises: MeasurementError naming file, run, channel and value where the data cannot be used
     """
     where = f"{path}: run '{run.name}'"
+    names = [name for name in run.channels or tuple(file.channels) if name != file.force_channel]
+    # First: a sweep has no frequencies where the file has none of the labels.
+    recorded, granted = _all_recorded(where, file, run, sweep, names)
     check_frequencies(where, sweep.frequency)
     upwards, reverse, notes = in_order_of_the_sweep(where, sweep, run.sweep or sweep.sweep)
     order = slice(None, None, -1 if reverse else 1)
-    names = [name for name in run.channels or tuple(file.channels) if name != file.force_channel]
-    recorded, granted = _all_recorded(where, file, run, sweep, names)
     notes += granted
     raw_force, force = _force(where, file, recorded[file.force_channel], sweep.frequency)
     harmonics, kept = _common_harmonics(where, file, recorded)

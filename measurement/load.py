@@ -29,6 +29,7 @@ from updamp.measurement.measurement_file import (
 from updamp.measurement.readers.registry import reader_of, usable_file
 from updamp.measurement.recorded import RecordedSweep, one_way
 from updamp.measurement.stated_features import is_feature_file, read_features
+from updamp.measurement.sweep_checks import check_phase
 
 FEW_REPEATS = 3  # assemblies; with fewer the scatter between them is hardly known
 
@@ -136,6 +137,7 @@ def _runs(path: Path, file: MeasurementFile, files: _Files) -> tuple[tuple[Measu
                 repeat = 1
                 note = f"{data}: run '{run.name}': its repeat (assembly) is not stated; taken as number 1"
                 assumptions.append((run.name, note))
+            _check_phases(f"{data}: run '{run.name}'", file, run, sweep)
             measured, notes = measured_run(data, file, run, sweep, repeat)
             runs.append(measured)
             assumptions += [(run.name, note) for note in (*sweep.notes, *notes)]
@@ -143,6 +145,17 @@ def _runs(path: Path, file: MeasurementFile, files: _Files) -> tuple[tuple[Measu
                 note = f"{data}: channels {', '.join(sweep.others)} are not in measurement.toml and not used"
                 assumptions.append((run.name, note))
     return tuple(runs), _merged(assumptions)
+
+
+def _check_phases(where: str, file: MeasurementFile, run: RunTable, sweep: RecordedSweep) -> None:
+    """Of all responses but those stated to have none. A channel that the sweep lacks is refused later, with its label.
+
+    raises: MeasurementError
+    """
+    for name in run.channels or tuple(file.channels):
+        channel = sweep.channels.get(file.label(name))
+        if channel is not None and name != file.force_channel and file.channels[name].phase is None:
+            check_phase(f"{where} channel '{name}'", channel)
 
 
 def _own_units(file: MeasurementFile) -> tuple[str, str]:

@@ -81,7 +81,7 @@ class ChannelTable(InputTable):
     @property
     def si_factor(self) -> float:
         """One of its unit in SI. raises: ValueError for a unit that does not measure the quantity"""
-        return 1.0 if self.uncalibrated else si_factor(self.unit, self.quantity)
+        return si_factor(self.unit, self.quantity, self.uncalibrated)
 
     def to_si(self, text: str) -> float:
         """A number with a unit, in SI. raises: ValueError saying what would be allowed"""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from updamp.measurement.recorded import Complex, Floats
-from updamp.rig.fields import Quantity
+from updamp.rig.fields import LOGARITHMIC, Quantity, is_logarithmic
 
 
 @dataclass(frozen=True)
@@ -29,8 +29,15 @@ QUANTITIES: Mapping[str, SensorQuantity] = {
 AMPLITUDES: Mapping[str, float] = {"peak": 1.0, "rms": float(np.sqrt(2)), "peak_to_peak": 0.5}
 
 
-def si_factor(unit: str, quantity: str) -> float:
-    """One of the unit in SI. raises: ValueError naming the key `unit`, what is wrong and what is allowed"""
+def si_factor(unit: str, quantity: str, uncalibrated: bool = False) -> float:
+    """One of the unit in SI, 1 where it is not calibrated.
+
+    raises: ValueError naming the key `unit`, what is wrong and what is allowed
+    """
+    if uncalibrated:
+        if is_logarithmic(unit):
+            raise ValueError(f'unit = "{unit}": {LOGARITHMIC}')
+        return 1.0
     kind = QUANTITIES[quantity]
     example = kind.example.split(maxsplit=1)[1]
     try:

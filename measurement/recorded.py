@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
+SAME = 0.1  # of a step: frequencies closer than that were one as commanded; fits of time signals part them by less
+
 
 def complex_of(real: Floats, imaginary: Floats) -> Complex:
     """Without arithmetic, so that an infinite part stays as the file has it."""
@@ -58,13 +60,16 @@ class RecordedSweep:
 
 def one_way(sweep: RecordedSweep) -> tuple[RecordedSweep, ...]:
     """The sweep; as one up and one down where the file does not tell them apart and the frequency turns round once,
-    with the point where it does in the first of them."""
-    steps = np.sign(np.diff(sweep.frequency))
-    turns = np.flatnonzero(steps[1:] != steps[:-1]) + 1
-    if sweep.sweep or len(turns) != 1:
+    with the point where it does in the first of them, or one in each where it was recorded twice."""
+    change = np.diff(sweep.frequency)
+    steps = np.sign(change)
+    moving = np.flatnonzero(steps)
+    back = moving[1:][steps[moving[1:]] != steps[moving[:-1]]]  # first step after a turn
+    if sweep.sweep or len(back) != 1 or not np.isfinite(change).all():
         return (sweep,)
-    end = int(turns[0]) + 1
-    directions = ("up", "down") if steps[0] > 0 else ("down", "up")
+    twice = abs(change[back[0] - 1]) < SAME * abs(change[back[0]])
+    end = int(back[0]) + (0 if twice else 1)
+    directions = ("up", "down") if steps[moving[0]] > 0 else ("down", "up")
     return tuple(_part(sweep, rows, d) for rows, d in zip((slice(end), slice(end, None)), directions, strict=True))
 
 

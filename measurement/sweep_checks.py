@@ -16,18 +16,21 @@ def check_frequencies(where: str, frequency: Floats) -> None:
     bad = ~(np.isfinite(frequency) & (frequency > 0))
     if bad.any():
         raise MeasurementError(f"{where}: frequency = {frequency[bad][0]:g} Hz at place {np.argmax(bad) + 1}; mend it")
-    values, counts = np.unique(frequency, return_counts=True)
-    if (counts > 1).any():
-        raise MeasurementError(
-            f"{where}: frequency = {values[counts > 1][0]:g} Hz stands there {counts.max()} times; average them, or "
-            f"give the second sweep its own repeat number or name"
-        )
     steps = np.sign(np.diff(frequency))
-    if len(steps) and not (steps == steps[0]).all():
-        i = int(np.argmax(steps != steps[0])) + 1
+    same_way = (steps == steps[:1]) & (steps != 0)
+    if same_way.all():
+        return
+    i = int(np.argmin(same_way))
+    if steps[i] == 0:
         raise MeasurementError(
-            f"{where}: frequencies turn round at {frequency[i]:g} Hz; a run is one sweep one way, split the file"
+            f"{where}: frequency = {frequency[i]:g} Hz stands there twice, at places {i + 1} and {i + 2}; average the "
+            f"two, or take one out"
         )
+    raise MeasurementError(
+        f"{where}: frequencies turn round at {frequency[i]:g} Hz, place {i + 1}; a run is one sweep one way: split the "
+        f"file, or tell its sweeps apart by a column of runs, repeats or directions (long_csv: run, repeat, sweep; "
+        f'csv_columns: options = {{ run = "its column" }}, repeat or sweep likewise)'
+    )
 
 
 def check_channel(where: str, channel: RecordedChannel, frequency: Floats) -> None:
@@ -43,6 +46,16 @@ def check_channel(where: str, channel: RecordedChannel, frequency: Floats) -> No
         )
     if channel.noise is not None and not (np.isfinite(channel.noise).all() and (channel.noise >= 0).all()):
         raise MeasurementError(f"{where}: its noise has values that are negative or no finite numbers; mend the file")
+
+
+def check_phase(where: str, channel: RecordedChannel) -> None:
+    """raises: MeasurementError where all values of the first harmonic are real, as no phase is near a resonance"""
+    first = channel.amplitude[[k == 1 for k in channel.harmonics]]
+    if first.size and not first.imag.any():
+        raise MeasurementError(
+            f"{where}: its {first.size} values are all real, so the file gives no phase for it; give its phase or "
+            f'imaginary part too (options of the run), or state phase = "none" for the channel where there is none'
+        )
 
 
 def check_force(where: str, force: Complex, frequency: Floats) -> None:

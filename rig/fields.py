@@ -16,6 +16,9 @@ _DECIMAL_COMMA = re.compile(r",\d")  # what is left of "150,5 mm" after the numb
 _NUMBER_AND_UNIT = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*")
 
 
+LOGARITHMIC = "is logarithmic; give values as they are (an amplitude is 10^(dB/20) of its reference)"
+
+
 class InputTable(BaseModel):
     """A table of the rig file: frozen, and unknown keys are refused."""
 
@@ -51,12 +54,14 @@ class Quantity:
     def to_si(self, text: object) -> float:
         """Text with a unit to a float in SI.
 
-        raises: ValueError, with what would be allowed, if the unit is missing, unknown or of another
+        raises: ValueError, with what would be allowed, if the unit is missing, unknown, logarithmic or of another
             dimension, or the number is not finite or out of range
         """
         if isinstance(text, (int, float)) and not isinstance(text, bool):
             raise ValueError(f'state its unit as text, such as "{self.example}"')
         number, unit = self._split(text)
+        if is_logarithmic(written := self.unit_of(text)):
+            raise ValueError(f'"{written}" {LOGARITHMIC}, like "{self.example}"')
         # Root units, not dimensions: radians have none, so "2700 rad/s" would pass for hertz, "45 %" for an angle.
         if (1 * unit).to_root_units().units != _registry().Quantity(1, self.si).to_root_units().units:
             raise ValueError(f'wrong dimension: needs a unit of the kind {self.si}, such as "{self.example}"')
@@ -111,6 +116,19 @@ class Quantity:
 def _registry() -> pint.UnitRegistry:
     """With decimal numbers, so that "60000 N/mm^3" is 6e13 and not 5.999...e13."""
     return pint.UnitRegistry(non_int_type=Decimal)
+
+
+def is_logarithmic(unit: str) -> bool:
+    """Whether it stands for a logarithm, as dB, Np and octave do; not where it is no unit at all."""
+    try:
+        parsed = _registry().parse_units(unit)
+    except Exception:  # as in `Quantity._split`
+        return False
+    try:
+        (1 * parsed).to_root_units()
+    except Exception:  # decimal numbers have no such logarithm in pint, and dB/s has no root units
+        return True
+    return False
 
 
 def damped(loss_factor: float) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from updamp.measurement.measurement import MeasurementError, near
 from updamp.measurement.readers.gather import group_rows, repeat_number, sweep_direction, text_of
 from updamp.measurement.readers.registry import register
 from updamp.measurement.readers.table import Codes, CsvForm, Table, header_of, read_table
@@ -20,8 +21,8 @@ Column = Annotated[str, Field(examples=["frequency_Hz"])]
 class ColumnOptions(CsvForm):
     """Which columns hold what.
 
-    phase: channel -> column of its phase; imaginary: channel -> column of its imaginary part. A channel with neither
-    has the phase 0: it is what the phases refer to.
+    phase: label -> column of its phase; imaginary: label -> column of its imaginary part. A channel with neither is
+    real: the force that the phases refer to, or an amplitude alone.
     run, repeat, sweep: columns that tell sweeps of one file apart
     """
 
@@ -45,6 +46,7 @@ class ColumnOptions(CsvForm):
 @register("csv_columns", options=ColumnOptions)
 def read_csv_columns(path: Path, labels: tuple[str, ...], options: ColumnOptions) -> tuple[RecordedSweep, ...]:
     """A label is the column of the channel's amplitude, or of its real part where `imaginary` names another column."""
+    _check_keys(path, labels, options)
     header = header_of(path, options)
     present = [label for label in labels if label in header]
     parts = [table[label] for label in present for table in (options.phase, options.imaginary) if label in table]
@@ -56,6 +58,7 @@ def read_csv_columns(path: Path, labels: tuple[str, ...], options: ColumnOptions
     )
     used = {options.frequency, *present, *parts, *marks}
     others = tuple(name for name in header if name not in used)
+    notes = (*table.notes, *_granted(path, labels[0], {*options.phase, *options.imaginary}, present))
     found = []
     for rows in group_rows(run, repeat, sweep):
         name = text_of(run, rows)
@@ -63,8 +66,26 @@ def read_csv_columns(path: Path, labels: tuple[str, ...], options: ColumnOptions
         number = repeat_number(path, name, text_of(repeat, rows))
         direction = sweep_direction(path, name, text_of(sweep, rows))
         frequency = table.numbers[options.frequency][rows]
-        found.append(RecordedSweep(name, number, direction, frequency, channels, others))
+        found.append(RecordedSweep(name, number, direction, frequency, channels, others, notes))
     return tuple(found)
+
+
+def _check_keys(path: Path, labels: tuple[str, ...], options: ColumnOptions) -> None:
+    """raises: MeasurementError for a phase or imaginary part of what is no channel"""
+    for key, table in (("phase", options.phase), ("imaginary", options.imaginary)):
+        for label in table:
+            if label not in labels:
+                raise MeasurementError(
+                    f'{path}: options.{key}: "{label}" = "{table[label]}": no channel has the label "{label}"; '
+                    f"{near(label, labels)} (a label is the name of the amplitude's column)"
+                )
+
+
+def _granted(path: Path, force: str, with_phase: set[str], present: list[str]) -> tuple[str, ...]:
+    """Where the responses have phases and the force has none: what they are taken to refer to."""
+    if force not in present or force in with_phase or not with_phase:
+        return ()
+    return (f"{path.name}: no phase is named for the force, '{force}'; the others are taken as against the force",)
 
 
 def _amplitude(table: Table, options: ColumnOptions, label: str, rows: NDArray[np.intp]) -> Complex:

@@ -13,7 +13,8 @@ from updamp.measurement.recorded import Complex, Floats, RecordedChannel, Record
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """n amplitudes of whatever channel, run, repeat and sweep. labels: channels wanted; frequency: (n,) [Hz]"""
+    """n amplitudes of whatever channel, run, repeat and sweep. labels: channels wanted; frequency: (n,) [Hz]; notes: on
+    the file, for each of its sweeps"""
 
     run: Codes
     repeat: Codes
@@ -23,6 +24,7 @@ class Samples:
     harmonic: Floats
     amplitude: Complex
     labels: tuple[str, ...]
+    notes: tuple[str, ...] = ()
 
 
 def sweeps_from_samples(path: Path, samples: Samples) -> tuple[RecordedSweep, ...]:
@@ -75,6 +77,7 @@ def _sweep(path: Path, samples: Samples, rows: NDArray[np.intp]) -> RecordedSwee
         frequency=np.zeros(0) if frequency is None else frequency,
         channels=channels,
         others=tuple(others),
+        notes=samples.notes,
     )
 
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -66,12 +67,12 @@ def _put(group: h5py.Group, sweep: RecordedSweep) -> None:
 
 
 def _sweep(path: Path, group: h5py.Group, labels: tuple[str, ...]) -> RecordedSweep:
-    entries = {str(entry.attrs["name"]): entry for entry in group["channels"].values()}
+    entries = {str(_stated(path, entry, "name")): entry for entry in group["channels"].values()}
     frequency = _numbers(path, group["frequency"])
     channels = {label: _channel(path, label, entries[label], len(frequency)) for label in labels if label in entries}
     repeat = group.attrs.get("repeat")
     others = tuple(name for name in entries if name not in labels)
-    run, sweep = str(group.attrs["run"]), str(group.attrs["sweep"])
+    run, sweep = str(_stated(path, group, "run")), str(_stated(path, group, "sweep"))
     return RecordedSweep(run, None if repeat is None else int(repeat), sweep, frequency, channels, others)
 
 
@@ -85,8 +86,15 @@ def _channel(path: Path, label: str, entry: h5py.Group, n: int) -> RecordedChann
                 f"{path}: channel '{label}' has the shape {values.shape}, wanted is {(len(harmonics), n)} for its "
                 f"{len(harmonics)} harmonics and {n} frequencies"
             )
-    stated = {key: str(entry.attrs[key]) for key in ("unit", "quantity", "direction")}
-    return RecordedChannel(amplitude, harmonics, noise, bool(entry.attrs["per_force"]), **stated)
+    stated = {key: str(_stated(path, entry, key)) for key in ("unit", "quantity", "direction")}
+    return RecordedChannel(amplitude, harmonics, noise, bool(_stated(path, entry, "per_force")), **stated)
+
+
+def _stated(path: Path, group: h5py.Group, key: str) -> Any:
+    """An attribute. raises: MeasurementError where it is missing"""
+    if key not in group.attrs:
+        raise MeasurementError(f"{path}: {group.name} has no attribute '{key}'; add it, or use write_hdf5")
+    return group.attrs[key]
 
 
 def _numbers(path: Path, dataset: h5py.Dataset) -> np.ndarray:

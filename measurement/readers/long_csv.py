@@ -40,6 +40,7 @@ def read_long_csv(path: Path, labels: tuple[str, ...], options: CsvForm) -> tupl
             harmonic=values.get("harmonic", np.ones(n)),
             amplitude=complex_of(values["real"], values["imag"]),
             labels=labels,
+            notes=table.notes,
         ),
     )
 

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import os
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -58,11 +59,12 @@ class Codes:
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """header: all columns; numbers: (n,) by column; texts: by column"""
+    """header: all columns; numbers: (n,) by column; texts: by column; notes: what was taken for granted"""
 
     header: tuple[str, ...]
     numbers: dict[str, Floats]
     texts: dict[str, Codes]
+    notes: tuple[str, ...] = ()
 
 
 def read_table(path: Path, numeric: Collection[str], text: Collection[str] = (), form: CsvForm = PLAIN) -> Table:
@@ -148,7 +150,7 @@ def _body(
     codes = {name: Codes() for name in text}
     parts: dict[str, list[NDArray[np.int32]]] = {name: [] for name in text}
     values: dict[str, list[Floats]] = {name: [] for name in numeric}
-    done = 0
+    done, last = 0, ""
     while rows := list(islice(reader, LINES_AT_ONCE)):
         _check_rows(path, len(header), rows, done)
         columns = list(zip(*rows, strict=True))
@@ -156,12 +158,22 @@ def _body(
             values[name].append(_numbers(path, name, columns[place[name]], done, form))
         for name in text:
             parts[name].append(codes[name].of(columns[place[name]]))
-        done += len(rows)
+        done, last = done + len(rows), rows[-1][-1]
     if done == 0:
         raise MeasurementError(f"{path}: a header and no line below it; export the data again")
     for name in text:
         codes[name].codes = np.concatenate(parts.pop(name))
-    return Table(header, {name: np.concatenate(values.pop(name)) for name in numeric}, codes)
+    notes = _last_value(path, last) if header[-1] in place else ()
+    return Table(header, {name: np.concatenate(values.pop(name)) for name in numeric}, codes, notes)
+
+
+def _last_value(path: Path, text: str) -> tuple[str, ...]:
+    """A file that was cut off within its last value shows it by nothing else than its missing line end."""
+    with path.open("rb") as file:
+        file.seek(-1, os.SEEK_END)
+        ended = file.read() in b'\r\n"'
+    note = f"{path.name}: no line end after its last value, {text[:40]}: taken as complete, as if nothing were cut off"
+    return () if ended else (note,)
 
 
 def _check_rows(path: Path, width: int, rows: list[list[str]], before: int) -> None:

@@ -23,23 +23,28 @@ class TimeCsvOptions(TimeOptions, CsvForm):
 
 @register("time_csv", options=TimeCsvOptions)
 def read_time_csv(path: Path, labels: tuple[str, ...], options: TimeCsvOptions) -> tuple[RecordedSweep, ...]:
-    """One sweep: its steps are the stretches over which the commanded frequency is constant."""
+    """One sweep: its steps are the stretches over which the commanded frequency is constant and time does not start
+    again."""
     header = header_of(path, options)
     if labels[0] not in header:
         raise MeasurementError(f"{path}: no column '{labels[0]}': the force; {near(labels[0], header)}")
     present = [label for label in labels if label in header]
     stepped = options.frequency is None
     numeric = [options.time, *present, *([options.step] if stepped else [])]
-    table = read_table(path, dict.fromkeys(numeric), (), options).numbers
-    time = table[options.time]
-    commanded = table[options.step] if stepped else np.full(len(time), options.frequency)
+    table = read_table(path, dict.fromkeys(numeric), (), options)
+    numbers = table.numbers
+    time = numbers[options.time]
+    commanded = numbers[options.step] if stepped else np.full(len(time), options.frequency)
     if not (np.isfinite(time).all() and np.isfinite(commanded).all()):
         raise MeasurementError(f"{path}: a time or a commanded frequency is no finite number; export the file again")
-    edges = [0, *(np.flatnonzero(np.diff(commanded)) + 1).tolist(), len(time)]
+    begins = np.diff(commanded) != 0
+    if stepped:  # one frequency may be commanded twice in a row, as where a sweep turns round
+        begins |= time[1:] <= time[0]
+    edges = [0, *(np.flatnonzero(begins) + 1).tolist(), len(time)]
     steps = [
-        TimeStep(float(commanded[a]), time[a:b], {label: table[label][a:b] for label in present})
+        TimeStep(float(commanded[a]), time[a:b], {label: numbers[label][a:b] for label in present})
         for a, b in pairwise(edges)
     ]
     frequency, channels, notes = sweep_of_steps(path, steps, present, options)
     others = tuple(name for name in header if name not in numeric)
-    return (RecordedSweep("", None, "", frequency, channels, others, notes),)
+    return (RecordedSweep("", None, "", frequency, channels, others, (*table.notes, *notes)),)

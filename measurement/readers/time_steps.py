@@ -8,7 +8,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import AfterValidator, Field
 
-from updamp.measurement.harmonic_fit import fit_harmonics
+from updamp.measurement.harmonic_fit import HarmonicFit, fit_harmonics
 from updamp.measurement.measurement import MeasurementError
 from updamp.measurement.recorded import Floats, RecordedChannel
 from updamp.rig.fields import InputTable, Quantity
@@ -46,20 +46,7 @@ def sweep_of_steps(
 
     raises: MeasurementError where a record is not finite, too short, or cannot be fitted
     """
-    fits = []
-    for step in steps:
-        settled = step.time >= step.time[0] + options.settle
-        signals = np.array([step.signals[label][settled] for label in labels])
-        for label, signal in zip(labels, signals, strict=True):
-            if not np.isfinite(signal).all():
-                raise MeasurementError(
-                    f"{path}: channel '{label}' at {step.frequency:g} Hz: {np.sum(~np.isfinite(signal))} samples are "
-                    f"no finite numbers; leave the step out or export it again"
-                )
-        try:
-            fits.append(fit_harmonics(step.time[settled], signals, step.frequency, options.harmonics))
-        except ValueError as error:
-            raise MeasurementError(f"{path}: step of {step.frequency:g} Hz: {error}") from None
+    fits = [_fit(path, step, labels, options) for step in steps]
     amplitude = np.array([fit.amplitude for fit in fits]).transpose(1, 2, 0)
     deviation = np.array([fit.deviation for fit in fits]).transpose(1, 2, 0)
     channels = {label: RecordedChannel(amplitude[i], options.harmonics, deviation[i]) for i, label in enumerate(labels)}
@@ -70,3 +57,26 @@ def sweep_of_steps(
         f"off; frequencies corrected by at most {shift:.2g} Hz from the drift of the force's phase"
     )
     return frequency, channels, (note,)
+
+
+def _fit(path: Path, step: TimeStep, labels: Sequence[str], options: TimeOptions) -> HarmonicFit:
+    where = f"{path}: step of {step.frequency:g} Hz"
+    lasts = float(np.ptp(step.time))
+    if 0 < options.settle >= lasts:
+        raise MeasurementError(
+            f"{where}: settle = {options.settle:g} s is all of the step, which lasts {lasts:.4g} s; shorten settle, or "
+            f"leave the step out"
+        )
+    settled = step.time >= step.time[0] + options.settle
+    signals = np.array([step.signals[label][settled] for label in labels])
+    for label, signal in zip(labels, signals, strict=True):
+        if not np.isfinite(signal).all():
+            raise MeasurementError(
+                f"{where}: channel '{label}': {np.sum(~np.isfinite(signal))} samples are no finite numbers; leave the "
+                f"step out or export it again"
+            )
+    try:
+        return fit_harmonics(step.time[settled], signals, step.frequency, options.harmonics)
+    except ValueError as error:
+        before = f" (settle = {options.settle:g} s of {lasts:.4g} s is cut off before)" if options.settle else ""
+        raise MeasurementError(f"{where}: {error}{before}") from None

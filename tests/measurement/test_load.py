@@ -106,6 +106,17 @@ def test_what_is_not_stated_is_an_assumption(tmp_path: Path) -> None:
         assert words in text
 
 
+@pytest.mark.parametrize("cut", [1, 2, 8])
+def test_a_file_without_a_last_line_end_may_be_cut_off(tmp_path: Path, cut: int) -> None:
+    path = written(tmp_path)
+    data = tmp_path / "data.csv"
+    data.write_bytes(data.read_bytes()[:-cut])
+    (said,) = (text for text in load_measurement(path).assumptions if "line end" in text)
+    assert data.read_text().rsplit(",", 1)[1] in said
+    data.write_bytes(data.read_bytes() + b"\r\n")
+    assert not any("line end" in text for text in load_measurement(path).assumptions)
+
+
 def test_a_downward_sweep_keeps_its_order(tmp_path: Path) -> None:
     toml = TOML.replace('"up"', '"down"')
     sorted_by_recorder = load_measurement(written(tmp_path, toml, [recorded(sweep="down")]))
@@ -215,5 +226,7 @@ def test_columns_of_a_spreadsheet(tmp_path: Path, phase: str) -> None:
     )
     path = tmp_path / "measurement.toml"
     path.write_text(TOML + options + phase)
-    run = load_measurement(path).runs[0]
+    measurement = load_measurement(path)
+    run = measurement.runs[0]
     np.testing.assert_allclose(run.receptance("laser"), displacement()[0] / force(), rtol=1e-11)
+    assert any("no phase is named for the force, 'force'" in text for text in measurement.assumptions)

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 import scipy.io
@@ -15,6 +16,7 @@ from updamp.measurement.readers.hdf5 import write_hdf5
 from updamp.measurement.readers.long_csv import write_long_csv
 from updamp.measurement.readers.uff import write_uff58
 from updamp.measurement.recorded import RecordedSweep
+from updamp.parallel.whole_file import MARK
 
 POINTS = ["mass.drive.x", "mass.tip.x"]
 LEVEL = 'level = "17 N"'
@@ -37,6 +39,9 @@ def refused(folder: Path, toml: str = TOML, sweep: RecordedSweep | None = None, 
         ('unit = "mm/s"', 'unit = ""', ['channels.laser.unit = ""', "state its unit", '"mm/s"']),
         ('unit = "mm/s"\n', "", ["channels.laser.unit: missing", "mm/s"]),
         ('unit = "mm/s"', 'unit = "furlong/s/s"', ["channels.laser.unit", "wrong dimension"]),
+        ('unit = "mm/s"', 'unit = "dB"', ['channels.laser.unit = "dB"', "logarithmic", "10^(dB/20)", '"mm/s"']),
+        ('unit = "mm/s"', 'unit = "dB"\nuncalibrated = true', ['channels.laser.unit = "dB"', "10^(dB/20)"]),
+        ('"17 N"', '"2 dB"', ['level = "2 dB"', "logarithmic"]),
         ('"g_0"', '"g"', ['unit = "g"', 'write "g_0"', "gram"]),
         ('"17 N"', '"17"', ['level = "17"', "state its unit"]),
         ('"960 N"', '"960 mm"', ["damper_load", "960 mm", "wrong dimension"]),
@@ -91,8 +96,8 @@ def with_value(channel: str, place: tuple[int, int], value: complex) -> Recorded
         (with_value("accelerometer", (0, 3), complex(0, np.inf)), ["accelerometer", "no finite number", "take these"]),
         (with_value("force", (0, 5), 0j), ["force = 0", "1 of 41", f"{FREQUENCY[5]:g} Hz"]),
         (replace(recorded(), frequency=np.where(FREQUENCY > 430, FREQUENCY, np.nan)), ["frequency = nan"]),
-        (replace(recorded(), frequency=np.round(FREQUENCY)), ["frequency = 428 Hz", "times", "average"]),
-        (replace(recorded(), frequency=np.roll(FREQUENCY, 9)), ["turn round", "split"]),
+        (replace(recorded(), frequency=np.round(FREQUENCY)), ["frequency = 428 Hz", "places 1 and 2", "average"]),
+        (replace(recorded(), frequency=np.roll(FREQUENCY, 9)), ["turn round at 432", "place 9", "split"]),
         (replace(recorded(), frequency=-FREQUENCY), ["frequency = -428", "mend"]),
     ],
 )
@@ -108,6 +113,44 @@ def test_force_is_missing(tmp_path: Path) -> None:
     message = refused(tmp_path, sweep=replace(sweep, channels=channels))
     assert "the force, channel 'force'" in message
     assert "not in the file" in message
+
+
+@pytest.mark.parametrize("ending", [".csv", ".h5", ".mat", ".uff"])
+def test_amplitudes_alone_are_not_taken_for_a_phase_of_zero(tmp_path: Path, ending: str) -> None:
+    toml = f'{TOML.replace("data.csv", f"data{ending}")}repeat = 1\nchannels = ["laser"]\n'
+    sweep = recorded()
+    laser = sweep.channels["laser"]
+    laser = replace(laser, amplitude=np.abs(laser.amplitude[:1]) + 0j, harmonics=(1,))
+    channels = {"force": sweep.channels["force"], "laser": laser}
+    write = {".csv": write_long_csv, ".h5": write_hdf5, ".mat": write_mat, ".uff": write_uff58}[ending]
+    write(tmp_path / f"data{ending}", [replace(sweep, channels=channels)])
+    message = refused(tmp_path, toml, name=f"data{ending}")
+    assert "channel 'laser': its 41 values are all real" in message
+    assert 'phase = "none"' in message
+    path = tmp_path / "measurement.toml"
+    path.write_text(toml.replace("[channels.laser]", '[channels.laser]\nphase = "none"'))
+    assert load_measurement(path).runs[0].without_phase == ("laser",)
+
+
+@pytest.mark.parametrize("key", ["phase", "imaginary"])
+@pytest.mark.parametrize("label", ["lasr", "laser 1"])
+def test_a_phase_of_what_is_no_channel(tmp_path: Path, key: str, label: str) -> None:
+    (tmp_path / "data.csv").write_text("frequency_Hz,force,laser,angle\n430,17,1,-90\n")
+    options = f'{key} = {{ "{label}" = "angle" }}, phase_unit = "deg"'
+    message = refused(tmp_path, f'{TOML}reader = "csv_columns"\noptions = {{ {options} }}\n')
+    for word in ("data.csv", f'options.{key}: "{label}"', "did you mean laser?"):
+        assert word in message, message
+
+
+@pytest.mark.parametrize("ending", [".csv", ".uff"])
+def test_no_label_is_in_the_file(tmp_path: Path, ending: str) -> None:
+    (write_long_csv if ending == ".csv" else write_uff58)(tmp_path / f"data{ending}", [recorded()])
+    toml = TOML
+    for name in ("force", "laser", "accelerometer"):
+        toml = toml.replace(f"[channels.{name}]", f'[channels.{name}]\nlabel = "sensor {name[0]}"')
+    message = refused(tmp_path, toml, name=f"data{ending}")
+    for word in ("channel 'laser'", 'label = "sensor l"', "not in the file", "there are force, laser, accelerometer"):
+        assert word in message, message
 
 
 def test_a_file_that_contradicts_the_statement(tmp_path: Path) -> None:
@@ -134,7 +177,24 @@ def test_one_repeat_number_for_two_sweeps(tmp_path: Path) -> None:
     write_hdf5(tmp_path / "data.h5", [recorded(1), recorded(1)])
     assert "more than one sweep of the same repeat" in refused(tmp_path, name="data.h5")
     write_long_csv(tmp_path / "data.csv", [recorded(1), recorded(1)])
-    assert "stands there 2 times" in refused(tmp_path)
+    message = refused(tmp_path)
+    for word in ("turn round at 432", "place 41", "column of runs", 'options = { run = "its column" }'):
+        assert word in message, message
+
+
+@pytest.mark.parametrize(
+    ("group", "key"),
+    [("sweeps/00000", "run"), ("sweeps/00000/channels/0001", "unit"), ("sweeps/00000/channels/0001", "name")],
+)
+def test_an_hdf5_file_lacks_an_attribute(tmp_path: Path, group: str, key: str) -> None:
+    write_hdf5(tmp_path / "whole.h5", [recorded()])
+    content = (tmp_path / "whole.h5").read_bytes()
+    (tmp_path / "data.h5").write_bytes(content[: content.index(MARK)])  # another program writes no checksum
+    with h5py.File(tmp_path / "data.h5", "r+") as file:
+        del file[group].attrs[key]
+    message = refused(tmp_path, name="data.h5")
+    assert f"/{group} has no attribute '{key}'" in message
+    assert "damaged" not in message
 
 
 GARBAGE = np.random.default_rng(1).bytes(20_000)

@@ -57,6 +57,39 @@ def test_csv(tmp_path: Path) -> None:
     assert any("trigger" in text for text in measurement.assumptions)
 
 
+def test_time_that_restarts_parts_the_steps_at_a_turning_point(tmp_path: Path) -> None:
+    lines = ["time_s,frequency_Hz,force,laser"]
+    for place, step in enumerate((8, 13, 18, 18, 13, 8)):
+        t, f, v = signals(step)
+        f = f + 0.1 * np.random.default_rng(place).normal(size=len(t))  # the two fits at the turn differ a little
+        lines += [f"{a},{FREQUENCY[step]},{b},{c}" for a, b, c in zip(t, f, v, strict=True)]
+    (tmp_path / "data.csv").write_text("\n".join(lines) + "\n")
+    toml = TOML.replace('amplitude = "rms"', 'amplitude = "peak"') + OPTIONS.format("time_csv")
+    path = tmp_path / "measurement.toml"
+    for way, order in (("up", [8, 13, 18]), ("down", [18, 13, 8])):
+        path.write_text(toml.replace('sweep = "up"', f'sweep = "{way}"'))
+        np.testing.assert_allclose(load_measurement(path).runs[0].frequency, FREQUENCY[order], atol=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("settle", "words"),
+    [
+        ("2 s", r"step of 428.* Hz: settle = 2 s is all of the step, which lasts 0\.5997 s; shorten settle"),
+        ("0.59 s", r"8 or more are wanted \(settle = 0\.59 s of 0\.5997 s is cut off before\)"),
+    ],
+)
+def test_nothing_is_left_after_settling(tmp_path: Path, settle: str, words: str) -> None:
+    lines = [
+        "time_s,frequency_Hz,force,laser",
+        *(f"{t},{FREQUENCY[8]},{f},{v}" for t, f, v in zip(*signals(8), strict=True)),
+    ]
+    (tmp_path / "data.csv").write_text("\n".join(lines) + "\n")
+    path = tmp_path / "measurement.toml"
+    path.write_text(TOML + OPTIONS.format("time_csv").replace("0.1 s", settle))
+    with pytest.raises(MeasurementError, match=words):
+        load_measurement(path)
+
+
 def write_time_uff(path: Path) -> None:
     file = pyuff.UFF(str(path))
     for step in STEPS:

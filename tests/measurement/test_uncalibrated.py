@@ -53,9 +53,9 @@ sweep = "down"
 FREQUENCY = (40.0, 41.0, 42.0, 41.5, 40.5)
 
 
-def written(folder: Path, old: str = "", new: str = "") -> Path:
+def written(folder: Path, old: str = "", new: str = "", frequencies: tuple[float, ...] = FREQUENCY) -> Path:
     assert old in TEXT
-    rows = [f"{f},{2e-5 * f}" for f in FREQUENCY]
+    rows = [f"{f},{2e-5 * np.nan_to_num(f, nan=39.0)}" for f in frequencies]
     (folder / "sweep.csv").write_text("\n".join(["f,gauge", *rows]))
     path = folder / "measurement.toml"
     path.write_text(TEXT.replace(old, new) if old else TEXT)
@@ -75,6 +75,22 @@ def test_amplitudes_are_taken_as_they_stand(tmp_path: Path) -> None:
     said = " ".join(measurement.assumptions)
     assert "1 V stands for 1 m" in said
     assert "the force was not recorded" in said
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_turning_point_recorded_twice_belongs_to_both_ways(tmp_path: Path, sign: int) -> None:
+    series = tuple(45 + sign * (f - 45) for f in (40.0, 41.0, 42.0, 42.0, 41.0, 40.0))
+    runs = load_measurement(written(tmp_path, frequencies=series)).runs
+    first, second = runs if sign > 0 else runs[::-1]
+    np.testing.assert_array_equal(first.frequency, series[:3])
+    np.testing.assert_array_equal(second.frequency, series[3:])
+    assert first.upwards == (sign > 0)
+
+
+def test_a_frequency_that_is_none_does_not_part_the_series(tmp_path: Path) -> None:
+    runs = TEXT[TEXT.index('[[runs]]\nname = "down"') :]
+    with pytest.raises(MeasurementError, match="frequency = nan Hz at place 1"):
+        load_measurement(written(tmp_path, runs, "", (np.nan, 40.0, 41.0, 42.0)))
 
 
 def test_phases_count_for_nothing(tmp_path: Path) -> None:
