@@ -5,8 +5,9 @@ Each statement is a direction in the residual: a shift of a run's resonance, mor
 high. All of them are estimated together, on top of the fitted parameters, by generalised least squares.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,32 +91,59 @@ def misfits(fit: Fit, plan: Plan, damping_share: Sequence[float]) -> tuple[Misfi
     estimate = covariance @ (both.T @ r - np.append(fit.u * before, np.zeros(len(sizes))))
     # with the noise that the misfit asks for, where it is larger (R. T. Birge, Phys. Rev. 40 (1932) 207)
     covariance = covariance * max(1.0, fit.compared.mean_squared_misfit)
-    n, found = p.shape[1], []
-    for direction, combined in _statements(directions, damping_share):
+    estimate, covariance = estimate[p.shape[1] :], covariance[p.shape[1] :, p.shape[1] :]
+
+    def misfit(direction: Direction, combined: Floats) -> Misfit:
         # a correction that the model needs upwards is a model that reads low
-        log, deviation = -float(combined @ estimate[n:]), float(np.sqrt(combined @ covariance[n:, n:] @ combined))
+        log, deviation = -float(combined @ estimate), float(np.sqrt(combined @ covariance @ combined))
         relative = float(np.expm1(log))
         # as significant as the logarithm is
-        found.append(Misfit(direction, relative, deviation * (relative / log if log else 1.0)))
-    return tuple(found)
+        return Misfit(direction, relative, deviation * (relative / log if log else 1.0))
+
+    return (*(misfit(*one) for one in _statements(directions, damping_share)), *_of_sensors(directions, misfit))
 
 
 def _statements(directions: Sequence[Direction], damping_share: Sequence[float]) -> list[tuple[Direction, Floats]]:
-    """What is stated, each with the combination of the directions that it is: of the sensors their mean, and how far
-    each is from the others; of two that is the same but for the sign."""
+    """What is stated, each with the combination of the directions that it is: of the sensors their mean."""
     found = []
     for row, direction in zip(np.eye(len(directions)), directions, strict=True):
         if direction.quantity != SENSOR:
             found.append((direction, row * (damping_share[direction.test] if direction.quantity == DAMPING else 1.0)))
     gains = np.array([float(d.quantity == SENSOR) for d in directions])
-    n = int(gains.sum())
-    if n == 0:
-        return found
-    found.append((Direction(AMPLITUDE), gains / n))
-    sensors = [i for i in range(len(directions)) if gains[i]]
-    for i in sensors[: 1 if n == 2 else n]:
-        found.append((directions[i], np.where(np.arange(len(directions)) == i, 1.0, -gains / (n - 1))))
-    return found
+    return [*found, (Direction(AMPLITUDE), gains / gains.sum())] if gains.any() else found
+
+
+def _of_sensors(directions: Sequence[Direction], misfit: Callable[[Direction, Floats], Misfit]) -> Iterator[Misfit]:
+    places = {d: i for i, d in enumerate(directions) if d.quantity == SENSOR}
+
+    def against(one: Direction, others: Sequence[Direction]) -> Misfit:
+        combined = np.zeros(len(directions))
+        combined[places[one]] = 1.0
+        combined[[places[other] for other in others]] = -1 / len(others)
+        return misfit(one, combined)
+
+    return farthest_first(list(places), against)
+
+
+Sensor = TypeVar("Sensor")
+
+
+def farthest_first(
+    sensors: Sequence[Sensor], against: Callable[[Sensor, Sequence[Sensor]], Misfit | None]
+) -> Iterator[Misfit]:
+    """How far each sensor is from the others: the farthest first, which the next ones are not held against. Of two,
+    which are as far from each other, the first.
+
+    against: misfit of one sensor against others, None where it cannot be told
+    """
+    left = list(sensors)
+    while len(left) > 1:
+        each = {one: found for one in left if (found := against(one, [s for s in left if s != one])) is not None}
+        if not each:
+            return
+        worst = max(each, key=lambda one: round(abs(each[one].significance), 6))
+        yield each[worst]
+        left.remove(worst)
 
 
 def _size(direction: Direction, plan: Plan) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.comparison import Backbone
-from updamp.comparison.findings.findings import SENSOR, Direction, Misfit
+from updamp.comparison.findings.findings import SENSOR, Direction, Misfit, farthest_first
 from updamp.comparison.fit.observations import Plan
 
 Floats = NDArray[np.float64]
@@ -19,23 +19,16 @@ Sensor = tuple[str, int]
 
 
 def sensor_misfits(plan: Plan, measured: Sequence[Backbone], model: Sequence[Backbone]) -> tuple[Misfit, ...]:
-    """Each sensor against the mean of the others; the one that is farthest off first, which the next ones are not held
-    against. A shape of the model that is wrong in one mode alone differs from test to test, and so does not stand out.
+    """As in `farthest_first`, by the mean of the others. A shape of the model that is wrong in one mode alone differs
+    from test to test, and so does not stand out.
 
     measured: one a mode and sensor, entries in the order of the plan's runs; model: likewise, of its conditions
     """
     tests = [
         dict(of_test) for test in range(len(plan.conditions)) if (of_test := _heights(test, plan, measured, model))
     ]
-    left, found = sorted({sensor for of_test in tests for sensor in of_test}), []
-    while len(left) > 1:
-        each = [misfit for sensor in left if (misfit := _against(sensor, left, tests, plan)) is not None]
-        if not each:
-            break
-        worst = max(each, key=lambda m: abs(m.significance))
-        found.append(worst)
-        left.remove(worst.direction.sensor)
-    return tuple(found)
+    sensors = list(dict.fromkeys(sensor for of_test in tests for sensor in of_test))
+    return tuple(farthest_first(sensors, lambda one, others: _against(one, others, tests, plan)))
 
 
 def _heights(
@@ -58,9 +51,11 @@ def _tests_of(mode: str, plan: Plan, tests: Sequence[int]) -> list[int]:
     return [t for t in tests if plan.conditions[t].mode == mode]
 
 
-def _against(sensor: Sensor, left: Sequence[Sensor], tests: Sequence[dict[Sensor, float]], plan: Plan) -> Misfit | None:
+def _against(
+    sensor: Sensor, others: Sequence[Sensor], tests: Sequence[dict[Sensor, float]], plan: Plan
+) -> Misfit | None:
     """None where it was never measured beside another one."""
-    logs = np.array(list(_differences(sensor, left, tests)))
+    logs = np.array(list(_differences(sensor, others, tests)))
     if not len(logs):
         return None
     noise = [float(np.median(o.noise[:, 1 + 2 * j])) for o in plan.observations for j in range(o.noise.shape[1] // 2)]
@@ -72,8 +67,8 @@ def _against(sensor: Sensor, left: Sequence[Sensor], tests: Sequence[dict[Sensor
     return Misfit(Direction(SENSOR, sensor=sensor), relative, deviation * (relative / log if log else 1.0))
 
 
-def _differences(sensor: Sensor, left: Sequence[Sensor], tests: Sequence[dict[Sensor, float]]) -> Iterator[float]:
+def _differences(sensor: Sensor, others: Sequence[Sensor], tests: Sequence[dict[Sensor, float]]) -> Iterator[float]:
     for of_test in tests:
-        others = [of_test[one] for one in left if one != sensor and one in of_test]
-        if sensor in of_test and others:
-            yield of_test[sensor] - float(np.mean(others))
+        beside = [of_test[one] for one in others if one in of_test]
+        if sensor in of_test and beside:
+            yield of_test[sensor] - float(np.mean(beside))

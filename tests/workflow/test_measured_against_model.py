@@ -65,7 +65,8 @@ def test_a_sensor_that_looks_the_other_way_is_asked_about() -> None:
     assert measured_against_model(two_modes(), swept_arm()) == []
     assert measured_against_model(two_modes(), swept_arm(tip=np.exp(0.5j))) == [], "a lag is no sign"
     (question,) = measured_against_model(two_modes(), swept_arm(tip=-1.0))
-    assert question.startswith("channel 'tip' (run 'first 1 N'): it moves against the model at the resonance at 39.97 Hz")
+    assert question.startswith("channel 'tip' (run 'first 1 N'): it moves against the model")
+    assert "at the resonance at 39.97 Hz" in question
     assert "channels.tip.direction" in question
 
 
