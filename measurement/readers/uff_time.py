@@ -12,17 +12,20 @@ import numpy as np
 from updamp.measurement.measurement import MeasurementError, near
 from updamp.measurement.readers.registry import register
 from updamp.measurement.readers.time_steps import TimeOptions, TimeStep, sweep_of_steps
-from updamp.measurement.readers.uff import (
+from updamp.measurement.readers.uff_file import Record, uff_records
+from updamp.measurement.readers.uff_record import (
     FREQUENCY,
+    HERTZ,
     QUANTITIES,
     TIME,
-    Record,
+    called,
+    called_apart,
     direction,
+    in_unit,
     names_of,
-    run_label,
     stated_unit,
-    uff_records,
 )
+from updamp.measurement.readers.uff_runs import Part, parts_of
 from updamp.measurement.recorded import RecordedChannel, RecordedSweep
 
 
@@ -32,19 +35,17 @@ def read_uff_time(path: Path, labels: tuple[str, ...], options: TimeOptions) -> 
     records = uff_records(path)
     for record in records:
         if record["abscissa_spec_data_type"] != TIME or np.iscomplexobj(record["data"]):
-            raise MeasurementError(f"{path}: record '{record['id1']}' is no time signal; read it with reader = \"uff\"")
-    sweeps: dict[tuple[str, int], list[Record]] = {}
-    for record in records:
-        sweeps.setdefault((run_label(record), int(record["ver_num"])), []).append(record)
-    return tuple(_sweep(path, run, number, part, labels, options) for (run, number), part in sweeps.items())
+            raise MeasurementError(
+                f"{path}: record '{called(record)}' is no time signal; read it with reader = \"uff\""
+            )
+    return tuple(_sweep(path, part, labels, options) for part in parts_of(path, records, labels))
 
 
-def _sweep(
-    path: Path, run: str, number: int, records: Sequence[Record], labels: tuple[str, ...], options: TimeOptions
-) -> RecordedSweep:
+def _sweep(path: Path, part: Part, labels: tuple[str, ...], options: TimeOptions) -> RecordedSweep:
+    run, records = part.run, part.records
     present = [label for label in labels if any(label in names_of(record) for record in records)]
     if labels[0] not in present:
-        known = [name for record in records for name in names_of(record) if name != "NONE"]
+        known = [name for record in records for name in names_of(record)]
         raise MeasurementError(f"{path}: run '{run}' has no record '{labels[0]}', the force; {near(labels[0], known)}")
     steps: dict[float, dict[str, Record]] = {}
     for record in records:
@@ -58,8 +59,8 @@ def _sweep(
     )
     first = next(iter(steps.values()))
     channels = {label: _labelled(channel, first[label]) for label, channel in channels.items()}
-    others = tuple(dict.fromkeys(names_of(record)[0] for record in records if not set(present) & set(names_of(record))))
-    return RecordedSweep(run, number or None, "", frequency, channels, others, notes)
+    others = called_apart([record for record in records if not set(present) & set(names_of(record))])
+    return RecordedSweep(run, part.repeat, "", frequency, channels, others, (*part.notes, *notes))
 
 
 def _commanded(path: Path, record: Record, options: TimeOptions) -> float:
@@ -67,10 +68,10 @@ def _commanded(path: Path, record: Record, options: TimeOptions) -> float:
         return options.frequency
     if record["z_axis_spec_data_type"] != FREQUENCY or record["z_axis_value"] <= 0:
         raise MeasurementError(
-            f"{path}: record '{record['id1']}' does not state its frequency (z-axis of type {FREQUENCY}); "
+            f"{path}: record '{called(record)}' does not state its frequency (z-axis of type {FREQUENCY}); "
             f'for a file with one step, options = {{ frequency = "430 Hz" }}'
         )
-    return float(record["z_axis_value"])
+    return float(record["z_axis_value"]) * in_unit(path, record, "z_axis", HERTZ)
 
 
 def _step(path: Path, frequency: float, signals: dict[str, Record], labels: Sequence[str]) -> TimeStep:

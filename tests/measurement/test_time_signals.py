@@ -12,7 +12,7 @@ from support.measured_oscillator import FREQUENCY, TOML, displacement, force
 from updamp.measurement.load import load_measurement
 from updamp.measurement.measurement import MeasuredRun, MeasurementError
 from updamp.measurement.readers.time_steps import TimeOptions
-from updamp.measurement.readers.uff import uff_records
+from updamp.measurement.readers.uff_file import uff_records
 from updamp.measurement.readers.uff_time import read_uff_time
 
 RATE, STEPS = 3600.0, range(8, 34, 5)
