@@ -6,7 +6,7 @@ harmonic, which is 1 elsewhere; the version number is the repeat where it is not
 """
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -23,12 +23,13 @@ from updamp.measurement.readers.uff_record import (
     HERTZ,
     ORDER,
     QUANTITIES,
-    RESPONSE_FUNCTION,
     TIME,
+    Place,
     called,
     called_apart,
     direction,
     in_unit,
+    is_ratio,
     names_of,
     place,
     place_of_label,
@@ -90,10 +91,10 @@ class _Chosen:
 
 def _sweep(path: Path, part: Part, labels: tuple[str, ...]) -> RecordedSweep:
     usable = {label: _usable(path, part, label, label == labels[0]) for label in labels}
-    force = usable[labels[0]].records
-    driven = place(force[0]) if force else place_of_label(labels[0])
-    chosen = {labels[0]: usable[labels[0]]} | {
-        label: _of_force(path, label, usable[label], labels[0], driven) for label in labels[1:]
+    driven = _driven(path, usable, labels[0])
+    chosen = {
+        label: one if label == labels[0] else _of_force(path, label, one, labels[0], driven)
+        for label, one in usable.items()
     }
     channels = {label: _channel(path, label, one.records) for label, one in chosen.items() if one.records}
     used = [record for one in chosen.values() for record in one.records]
@@ -115,39 +116,50 @@ def _usable(path: Path, part: Part, label: str, as_force: bool) -> _Chosen:
     return _Chosen(tuple(r for r, reason in zip(mine, reasons, strict=True) if not reason), tuple(notes))
 
 
-def _of_force(path: Path, label: str, chosen: _Chosen, force: str, driven: tuple[int, str]) -> _Chosen:
+def _driven(path: Path, usable: Mapping[str, _Chosen], force: str) -> Place:
+    """Node and direction of the force, by its record or else by its label.
+
+    raises: MeasurementError where it could be more than one of those that functions are divided by
+    """
+    records = usable[force].records
+    known = place(records[0]) if records else place_of_label(force)
+    references = [place(r, "ref") for one in usable.values() for r in one.records if is_ratio(r)]
+    matching = {
+        (node, toward[1:]): f"{node}{toward}" for node, toward in references if same_force((node, toward), known)
+    }
+    if len(matching) > 1:
+        names = list(matching.values())
+        raise MeasurementError(
+            f"{path}: frequency response functions are divided by the forces at {' and '.join(names)} (reference, "
+            f'record 6); say which one is meant by the label of the force, such as label = "{names[0]}"'
+        )
+    return known
+
+
+def _of_force(path: Path, label: str, chosen: _Chosen, force: str, driven: Place) -> _Chosen:
     """Without the frequency response functions that are divided by another force.
 
-    raises: MeasurementError where all are, or the force is not told and there are several
+    raises: MeasurementError where all are
     """
-    kept = [r for r in chosen.records if not _is_ratio(r) or same_force(place(r, "ref"), driven)]
-    there = list(dict.fromkeys("{}{}".format(*place(r, "ref")) for r in chosen.records if _is_ratio(r)))
+    others = [r for r in chosen.records if is_ratio(r) and not same_force(place(r, "ref"), driven)]
+    if not others:
+        return chosen
+    there = list(dict.fromkeys("{}{}".format(*place(r, "ref")) for r in others))
     at = "{}{}".format(*driven)
-    if chosen.records and not kept:
+    if len(others) == len(chosen.records):
         raise MeasurementError(
             f"{path}: frequency response functions of '{label}' are divided by the force at {', '.join(there)} "
             f"(reference, record 6), but the force, '{force}', is at {at}; give the force at {there[0]}, or "
             f"response functions whose reference is {at}"
         )
-    if driven == (0, "") and len(there) > 1:
-        raise MeasurementError(
-            f"{path}: frequency response functions of '{label}' are divided by the forces at {' and '.join(there)}; "
-            f'say which one is meant by the label of the force, such as label = "{there[0]}"'
-        )
-    if len(kept) == len(chosen.records):
-        return chosen
-    left = ", ".join(where for where in there if not same_force(place_of_label(where), driven))
-    note = f"{path.name}: records '{label}' divided by the force at {left} are not used: the force is at {at}"
-    return _Chosen(tuple(kept), (*chosen.notes, note))
+    left_out = {id(record) for record in others}
+    note = f"{path.name}: records '{label}' divided by the force at {', '.join(there)} are not used; it is at {at}"
+    return _Chosen(tuple(r for r in chosen.records if id(r) not in left_out), (*chosen.notes, note))
 
 
 def _file_unit_notes(path: Path, label: str, records: Sequence[Record]) -> list[str]:
     units = dict.fromkeys(stated_unit(r) for r in records if not stated(r["ordinate_axis_units_lab"]))
     return [f"{path.name}: '{label}' has no unit label; data set 164 says {unit}" for unit in units if unit]
-
-
-def _is_ratio(record: Record) -> bool:
-    return int(record["func_type"]) == RESPONSE_FUNCTION
 
 
 def _channel(path: Path, label: str, records: Sequence[Record]) -> RecordedChannel:
@@ -156,15 +168,15 @@ def _channel(path: Path, label: str, records: Sequence[Record]) -> RecordedChann
         harmonic = round(record["z_axis_value"]) if record["z_axis_spec_data_type"] == ORDER else 1
         if harmonic in harmonics:
             raise MeasurementError(
-                f"{path}: more than one record of '{label}', harmonic {harmonic}, in run '{run_label(record)}'; tell "
-                f'them apart by the second identification line (run) or by node and direction, such as label = "12+X"'
+                f"{path}: more than one record of '{label}', harmonic {harmonic}, in run '{run_label(record)}'; "
+                f"{_advice(record, harmonics[harmonic])}"
             )
         harmonics[harmonic] = record
     ordered = tuple(sorted(harmonics))
     first = harmonics[ordered[0]]
     amplitude = np.array([harmonics[k]["data"] for k in ordered], dtype=complex)
     quantity, toward = QUANTITIES.get(int(first["ordinate_spec_data_type"]), ""), direction(first)
-    if not _is_ratio(first):
+    if not is_ratio(first):
         unit = stated_unit(first)
         return RecordedChannel(amplitude, ordered, unit=unit, quantity=quantity, direction=toward)
     unit, force_unit = units_of_ratio(path, first)
@@ -177,6 +189,12 @@ def _channel(path: Path, label: str, records: Sequence[Record]) -> RecordedChann
         force_unit=force_unit,
         reference=direction(first, "ref"),
     )
+
+
+def _advice(one: Record, other: Record) -> str:
+    if is_ratio(one) != is_ratio(other):
+        return "one is a spectrum, one a frequency response function: export either of them"
+    return 'tell them apart by the second identification line (run) or by node and direction, such as label = "12+X"'
 
 
 def _frequency(path: Path, records: Sequence[Record]) -> Floats:

@@ -30,6 +30,17 @@ def uff_records(path: Path) -> tuple[Record, ...]:
     raises: MeasurementError where the file is cut off, is something else, or has no data set 58
     """
     usable_file(path, LARGEST)
+    with tempfile.TemporaryDirectory() as folder:
+        readable, kinds, units = _readable(path, Path(folder, "plain.uff"))
+        found = _sets(path, readable, [place for place, kind in enumerate(kinds) if kind == 58])
+    records = tuple({**record, "file_units": unit} for record, unit in zip(found, units, strict=True))
+    for number, record in enumerate(records, 1):
+        _check_whole(path, number, record)
+    return records
+
+
+def _readable(path: Path, copy: Path) -> tuple[Path, list[int], list[tuple[float, float] | None]]:
+    """The file, or a copy of it that pyuff can read; kinds of its data sets; what data set 164 says to each 58."""
     content = path.read_bytes()
     places = [match.start() for match in _DELIMITER.finditer(content)]
     if not places:
@@ -41,13 +52,9 @@ def uff_records(path: Path) -> tuple[Record, ...]:
     if 58 not in kinds:
         raise MeasurementError(f"{path}: no data set 58 in it, only {', '.join(map(str, kinds))}; export functions")
     plain = b"".join(_plain(block, kind) + b"    -1\n" for block, kind in zip(blocks, kinds, strict=True))
-    sets = [place for place, kind in enumerate(kinds) if kind == 58]
-    found = _sets(path, path, sets) if plain == content else _sets_of_copy(path, plain, sets)
-    units = _file_units(blocks, kinds)
-    records = tuple({**record, "file_units": unit} for record, unit in zip(found, units, strict=True))
-    for number, record in enumerate(records, 1):
-        _check_whole(path, number, record)
-    return records
+    if plain != content:
+        copy.write_bytes(plain)
+    return (path if plain == content else copy), kinds, _file_units(blocks, kinds)
 
 
 def _kind(block: bytes) -> int:
@@ -66,13 +73,6 @@ def _plain(block: bytes, kind: int) -> bytes:
     lines[FORMAT_LINE] = lines[FORMAT_LINE].translate(_EXPONENTS)
     numbers = _BLANKS.sub(b"", block[header.end() :]).translate(_EXPONENTS)
     return b"".join(lines) + _EMPTY_LINES.sub(b"\n", numbers)
-
-
-def _sets_of_copy(path: Path, plain: bytes, sets: Sequence[int]) -> Sequence[Record]:
-    with tempfile.TemporaryDirectory() as folder:
-        copy = Path(folder, "plain.uff")
-        copy.write_bytes(plain)
-        return _sets(path, copy, sets)
 
 
 def _sets(path: Path, readable: Path, sets: Sequence[int]) -> Sequence[Record]:

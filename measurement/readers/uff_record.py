@@ -16,6 +16,7 @@ from updamp.rig.fields import Quantity
 QUANTITIES = {8: "displacement", 9: "force", 11: "velocity", 12: "acceleration", 13: "force"}
 KNOWN_KINDS = (0, 8, 9, 11, 12, 13)
 ORDER, FREQUENCY, TIME = 20, 18, 17
+HERTZ, SECONDS = ("Hz", "kHz", "rad/s"), ("s", "ms")
 RESPONSE_FUNCTION = 4
 FUNCTIONS = {  # record 6, field 1
     1: "time response", 2: "auto spectrum", 3: "cross spectrum", 4: "frequency response function",
@@ -24,6 +25,7 @@ FUNCTIONS = {  # record 6, field 1
 # What data set 164 has for a metre and a newton (a value over it is in SI), in as few digits as programs write.
 LENGTHS = {"m": 1.0, "mm": 1e3, "cm": 100.0, "ft": 3.28084, "in": 39.3701, "um": 1e6}
 FORCES = {"N": 1.0, "mN": 1e3, "cN": 100.0, "kN": 1e-3, "lbf": 0.224809, "kgf": 0.101972, "pdl": 7.23301}
+Place = tuple[int, str]  # node (0 where none is stated) and direction
 _DIRECTED = re.compile(r"(\d+)([+-][XYZ])")
 
 
@@ -44,15 +46,22 @@ def names_of(record: Record) -> tuple[str, ...]:
 
 
 def called(record: Record) -> str:
-    """For people: its first line, or else node and direction."""
-    return stated(record["id1"]) or f"{record['rsp_node']}{direction(record)}"
+    """For people: its first line, or else as `_point`."""
+    return stated(record["id1"]) or _point(record)
+
+
+def _point(record: Record) -> str:
+    """Node and direction; its entity's name where there is no node."""
+    here = f"{record['rsp_node']}{direction(record)}"
+    return here if record["rsp_node"] else stated(record["rsp_ent_name"]) or here
 
 
 def called_apart(records: Sequence[Record]) -> tuple[str, ...]:
-    """For people: each once, by node and direction where first lines are the same."""
-    first = [stated(record["id1"]) for record in records]
-    places = (f"{record['rsp_node']}{direction(record)}" for record in records)
-    return tuple(dict.fromkeys(n if n and first.count(n) == 1 else p for n, p in zip(first, places, strict=True)))
+    """For people: each once, as `_point` where several points have the same first line."""
+    points: dict[str, set[str]] = {}
+    for record in records:
+        points.setdefault(stated(record["id1"]), set()).add(_point(record))
+    return tuple(dict.fromkeys(called(r) if len(points[stated(r["id1"])]) == 1 else _point(r) for r in records))
 
 
 def direction(record: Record, end: str = "rsp") -> str:
@@ -61,22 +70,27 @@ def direction(record: Record, end: str = "rsp") -> str:
     return ("+" if number > 0 else "-") + "XYZ"[abs(number) - 1] if 1 <= abs(number) <= 3 else ""
 
 
-def place(record: Record, end: str = "rsp") -> tuple[int, str]:
+def place(record: Record, end: str = "rsp") -> Place:
     """Node (0 where none is stated) and direction of response or reference."""
     return int(record[f"{end}_node"]), direction(record, end)
 
 
-def place_of_label(label: str) -> tuple[int, str]:
+def place_of_label(label: str) -> Place:
     """Of a label such as "12+X"; (0, "") for any other."""
     match = _DIRECTED.fullmatch(label)
     return (int(match[1]), match[2]) if match else (0, "")
 
 
-def same_force(one: tuple[int, str], other: tuple[int, str]) -> bool:
+def same_force(one: Place, other: Place) -> bool:
     """Whether node and axis agree as far as both state them."""
     return (one[0] == other[0] or not one[0] or not other[0]) and (
         one[1][1:] == other[1][1:] or not one[1] or not other[1]
     )
+
+
+def is_ratio(record: Record) -> bool:
+    """Whether it is a frequency response function: a response divided by a force."""
+    return int(record["func_type"]) == RESPONSE_FUNCTION
 
 
 def stated_unit(record: Record) -> str:
@@ -140,9 +154,6 @@ def in_unit(path: Path, record: Record, axis: str, units: Sequence[str]) -> floa
     return 1.0
 
 
-HERTZ = ("Hz", "kHz", "rad/s")
-
-
 def unusable(record: Record, as_force: bool) -> str:
     """Why the record is no amplitude over frequency, or not that of a force; "" where it is."""
     kind, abscissa, ordinate, below = (
@@ -155,13 +166,13 @@ def unusable(record: Record, as_force: bool) -> str:
             f"{'' if np.iscomplexobj(record['data']) else ' and real values'}; wanted are complex spectra (0 or 12) or "
             f"frequency response functions (4) over frequency (18): power spectra and coherences have no phase"
         )
-    if as_force and kind == RESPONSE_FUNCTION:
+    if as_force and is_ratio(record):
         return "is a frequency response function, divided by a force, and no force"
     if ordinate not in KNOWN_KINDS:
         return (
             f"holds data of type {ordinate} ({record['ordinate_axis_lab']}); wanted are displacement (8), velocity "
             f"(11), acceleration (12) or force (13)"
         )
-    if kind == RESPONSE_FUNCTION and below not in (0, 9, 13):
+    if is_ratio(record) and below not in (0, 9, 13):
         return f"is divided by data of type {below}, wanted is force (13)"
     return ""

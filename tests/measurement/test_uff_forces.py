@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.measured_oscillator import displacement, force
-from support.universal_file import POUND, UFF_TOML, measured, ratios, record
+from support.universal_file import POUND, UFF_TOML, measured, ratios, record, spectra
 
 from updamp.measurement.load import load_measurement
 from updamp.measurement.measurement import Measurement, MeasurementError
@@ -101,6 +101,15 @@ def test_of_several_references_that_of_the_force_is_taken(tmp_path: Path) -> Non
     message = refused(tmp_path, two, NOT_RECORDED, ('"1+X"', '"shaker"'))
     assert "forces at 3+X and 1+X" in message
     assert 'label = "3+X"' in message
+    of_one, of_other = ratios((3, 1)).split("    -1\n    58"), ratios((1, 1)).split("    -1\n    58")
+    one_each = "".join(f"    -1\n    58{part}" for part in (of_one[1], of_other[2]))
+    assert "forces at 1+X and 3+X" in refused(tmp_path, one_each, NOT_RECORDED, ('"1+X"', '"shaker"'))
+
+
+def test_spectra_beside_response_functions_are_told_apart_by_nobody(tmp_path: Path) -> None:
+    message = refused(tmp_path, spectra() + ratios())
+    assert "more than one record of '3+X'" in message
+    assert "one is a spectrum, one a frequency response function" in message
 
 
 def test_the_force_shares_its_node_with_the_response_there(tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ def load(folder: Path, content: str | bytes, toml: str = UFF_TOML) -> Measuremen
     return load_measurement(folder / "measurement.toml")
 
 
-def refused(folder: Path, content: str, toml: str = UFF_TOML) -> str:
+def refused(folder: Path, content: str | bytes, toml: str = UFF_TOML) -> str:
     with pytest.raises(MeasurementError) as error:
         load(folder, content, toml)
     return str(error.value)
@@ -70,6 +70,10 @@ def test_records_without_a_first_line_are_named_by_node_and_direction(tmp_path: 
     assert "records '1+X' and '3+X'" in refused(tmp_path, other)
     same = refused(tmp_path, spectra(first="Test 12"), UFF_TOML.replace('"1+X"', '"a"').replace('"2+X"', '"b"'))
     assert "1+X, 2+X" in same
+    write_uff58(tmp_path / "data.uff", [recorded()])  # two harmonics of the laser have one first line
+    harmonics = refused(tmp_path, (tmp_path / "data.uff").read_bytes(), TOML.replace("data.csv", "data.uff").replace(
+        "[channels.laser]", '[channels.laser]\nlabel = "tip"'))  # fmt: skip
+    assert "there are laser" in harmonics
 
 
 @pytest.mark.parametrize(
