@@ -91,9 +91,9 @@ class _Chosen:
 
 def _sweep(path: Path, part: Part, labels: tuple[str, ...]) -> RecordedSweep:
     usable = {label: _usable(path, part, label, label == labels[0]) for label in labels}
-    driven = _driven(path, usable, labels[0])
+    driven, rivals = _driven(usable, labels[0])
     chosen = {
-        label: one if label == labels[0] else _of_force(path, label, one, labels[0], driven)
+        label: one if label == labels[0] else _of_force(path, label, one, driven, rivals)
         for label, one in usable.items()
     }
     channels = {label: _channel(path, label, one.records) for label, one in chosen.items() if one.records}
@@ -116,44 +116,37 @@ def _usable(path: Path, part: Part, label: str, as_force: bool) -> _Chosen:
     return _Chosen(tuple(r for r, reason in zip(mine, reasons, strict=True) if not reason), tuple(notes))
 
 
-def _driven(path: Path, usable: Mapping[str, _Chosen], force: str) -> Place:
-    """Node and direction of the force, by its record or else by its label.
-
-    raises: MeasurementError where it could be more than one of those that functions are divided by
-    """
+def _driven(usable: Mapping[str, _Chosen], force: str) -> tuple[Place, tuple[str, ...]]:
+    """Node and direction of the force, by its record or else by its label; and the forces that functions are divided
+    by, where it could be more than one of them."""
     records = usable[force].records
     known = place(records[0]) if records else place_of_label(force)
     references = [place(r, "ref") for one in usable.values() for r in one.records if is_ratio(r)]
-    matching = {
+    could_be = {
         (node, toward[1:]): f"{node}{toward}" for node, toward in references if same_force((node, toward), known)
     }
-    if len(matching) > 1:
-        names = list(matching.values())
-        raise MeasurementError(
-            f"{path}: frequency response functions are divided by the forces at {' and '.join(names)} (reference, "
-            f'record 6); say which one is meant by the label of the force, such as label = "{names[0]}"'
-        )
-    return known
+    return known, tuple(could_be.values()) if len(could_be) > 1 else ()
 
 
-def _of_force(path: Path, label: str, chosen: _Chosen, force: str, driven: Place) -> _Chosen:
-    """Without the frequency response functions that are divided by another force.
-
-    raises: MeasurementError where all are
-    """
-    others = [r for r in chosen.records if is_ratio(r) and not same_force(place(r, "ref"), driven)]
-    if not others:
+def _of_force(path: Path, label: str, chosen: _Chosen, driven: Place, rivals: tuple[str, ...]) -> _Chosen:
+    """Without the frequency response functions that are divided by another force, or by nobody knows which."""
+    out = [r for r in chosen.records if is_ratio(r) and (rivals or not same_force(place(r, "ref"), driven))]
+    if not out:
         return chosen
-    there = list(dict.fromkeys("{}{}".format(*place(r, "ref")) for r in others))
-    at = "{}{}".format(*driven)
-    if len(others) == len(chosen.records):
-        raise MeasurementError(
-            f"{path}: frequency response functions of '{label}' are divided by the force at {', '.join(there)} "
-            f"(reference, record 6), but the force, '{force}', is at {at}; give the force at {there[0]}, or "
-            f"response functions whose reference is {at}"
+    there, at = ", ".join(dict.fromkeys("{}{}".format(*place(r, "ref")) for r in out)), "{}{}".format(*driven)
+    if rivals:
+        reason = (
+            f"the file has functions divided by the forces at {' and '.join(rivals)}; say which is meant by the label "
+            f'of the force, such as label = "{rivals[0]}"'
         )
-    left_out = {id(record) for record in others}
-    note = f"{path.name}: records '{label}' divided by the force at {', '.join(there)} are not used; it is at {at}"
+    elif len(out) == len(chosen.records):
+        reason = f"the force is at {at}; name the force at {there}, or take functions whose reference is {at}"
+    else:
+        reason = f"the force is at {at}"
+    note = (
+        f"{path.name}: records '{label}' divided by the force at {there} (reference, record 6) are not used: {reason}"
+    )
+    left_out = {id(record) for record in out}
     return _Chosen(tuple(r for r in chosen.records if id(r) not in left_out), (*chosen.notes, note))
 
 

@@ -88,15 +88,23 @@ def test_another_axis_of_the_file_is_said(tmp_path: Path) -> None:
 def test_responses_to_another_force_are_refused(tmp_path: Path) -> None:
     message = refused(tmp_path, NEWTONS + ratios((3, 1)))
     assert "divided by the force at 3+X" in message
-    assert "the force, '1+X', is at 1+X" in message
+    assert "the force is at 1+X; name the force at 3+X, or take functions whose reference is 1+X" in message
     assert "divided by the force at 1+Z" in refused(tmp_path, NEWTONS + ratios((1, 3)))
+
+
+def test_a_run_of_another_force_does_not_hinder_the_one_that_is_listed(tmp_path: Path) -> None:
+    other = record(measured()["force"], response=(3, 1), second="tip") + ratios((3, 1), second="tip")
+    listed = record(measured()["force"], second="B 17 N") + ratios(second="B 17 N")
+    assert_is_the_oscillator(load(tmp_path, other + listed))
 
 
 def test_of_several_references_that_of_the_force_is_taken(tmp_path: Path) -> None:
     two = ratios((3, 1), scale=7.0) + ratios((1, 1))
     measurement = load(tmp_path, NEWTONS + two)
     assert_is_the_oscillator(measurement)
-    assert any("'2+X' divided by the force at 3+X are not used" in a for a in measurement.assumptions)
+    assert any(
+        "'2+X' divided by the force at 3+X (reference, record 6) are not used" in a for a in measurement.assumptions
+    )
     assert_is_the_oscillator(load(tmp_path, two, NOT_RECORDED))
     message = refused(tmp_path, two, NOT_RECORDED, ('"1+X"', '"shaker"'))
     assert "forces at 3+X and 1+X" in message
@@ -117,3 +125,9 @@ def test_the_force_shares_its_node_with_the_response_there(tmp_path: Path) -> No
     drive = drive.replace("\nNONE", "\naccelerometer", 1).replace("         2   1 NONE", "         1   1 NONE")
     content = NEWTONS + "".join(f"    -1\n    58{part}" for part in (drive, other))
     assert_is_the_oscillator(load(tmp_path, content, ('label = "2+X"', 'label = "accelerometer"')))
+
+
+def test_an_uncalibrated_force_divides_in_its_own_unit(tmp_path: Path) -> None:
+    volts = ('unit = "N"', 'unit = "V"\nuncalibrated = true\nrecorded = false'), ('level = "17 N"', 'level = "17 V"')
+    assert_is_the_oscillator(load(tmp_path, ratios(below="V"), *volts))
+    assert 'divided by a force in "N", the force is uncalibrated in "V"' in refused(tmp_path, ratios(), *volts)
