@@ -8,6 +8,7 @@ import numpy as np
 
 from updamp.measurement.measurement import MeasuredRun, MeasurementError, near
 from updamp.measurement.measurement_file import ChannelTable, MeasurementFile, RunTable, level_in_si
+from updamp.measurement.per_force import divisor
 from updamp.measurement.quantities import AMPLITUDES, QUANTITIES, to_displacement
 from updamp.measurement.recorded import Complex, Floats, RecordedChannel, RecordedSweep
 from updamp.measurement.sweep_checks import (
@@ -45,12 +46,13 @@ def measured_run(
     upwards, reverse, notes = in_order_of_the_sweep(where, sweep, run.sweep or sweep.sweep)
     order = slice(None, None, -1 if reverse else 1)
     notes += granted
-    raw_force, force = _force(where, file, recorded[file.force_channel], sweep.frequency)
+    force = _force(where, file, recorded[file.force_channel], sweep.frequency)
+    divided_by, taken = _divided_by(where, file, recorded, force)
     harmonics, kept = _common_harmonics(where, file, recorded)
-    notes += kept
+    notes += [*taken, *kept]
     w = 2 * np.pi * sweep.frequency
     given = ((name, f"{where} channel '{name}'") for name in names)
-    converted = {n: _converted(channel, file, n, recorded[n], harmonics, raw_force, w) for n, channel in given}
+    converted = {n: _converted(c, file, n, recorded[n], harmonics, divided_by.get(n), w) for n, c in given}
     _check_power(where, file, converted, harmonics, force, w)
     level, level_notes = _level(where, file, run, force, converted, harmonics)
     unit = QUANTITIES[file.channels[run.held_channel].quantity].si if run.held_channel else "N"
@@ -95,7 +97,8 @@ def _checked(
             stands_for = f"1 {table.unit} stands for 1 {QUANTITIES[table.quantity].si}"
             notes.append(f"{here} is not calibrated: {stands_for}, and results are in {table.unit}")
         else:
-            notes += check_statements(here, channel, table.quantity, table.unit, table.direction)
+            told = _told(sweep, file.label(name))
+            notes += check_statements(here, channel, table.quantity, table.unit, table.direction, told)
     return notes
 
 
@@ -104,12 +107,19 @@ def _recorded(where: str, file: MeasurementFile, sweep: RecordedSweep, name: str
     if label in sweep.channels:
         return sweep.channels[label]
     what = "the force, " if name == file.force_channel else ""
+    if told := _told(sweep, label):
+        raise MeasurementError(f"{where}: {what}channel '{name}' cannot be read: {told}")
     present = {n for n in file.channels if file.label(n) in sweep.channels} - {file.force_channel}
     free = near(label, sweep.others) if sweep.others else f"all that it has are taken: {', '.join(sweep.channels)}"
     raise MeasurementError(
         f"{where}: {what}channel '{name}' (label = \"{label}\") is not in the file; {free}. "
         f"Correct its label, or name those that the run has: channels = {[n for n in file.channels if n in present]}"
     )
+
+
+def _told(sweep: RecordedSweep, label: str) -> str:
+    """What the reader said of a label, such as why its record is not used."""
+    return "; ".join(note for note in sweep.notes if f"'{label}'" in note)
 
 
 def _recorded_force(
@@ -124,12 +134,28 @@ def _recorded_force(
     return RecordedChannel(amplitude), [f"{where}: the force was not recorded; the level is taken at every frequency"]
 
 
-def _force(where: str, file: MeasurementFile, channel: RecordedChannel, frequency: Floats) -> tuple[Complex, Complex]:
-    """Its first harmonic as read, and in N along the model's axis."""
+def _force(where: str, file: MeasurementFile, channel: RecordedChannel, frequency: Floats) -> Complex:
+    """Its first harmonic, peak, in N along the model's axis."""
     raw = _turned(file, channel.amplitude[channel.harmonics.index(1)])
     force = raw * _factor(file.channels[file.force_channel])
     check_force(where, force, frequency)
-    return raw, force
+    return force
+
+
+def _divided_by(
+    where: str, file: MeasurementFile, recorded: dict[str, RecordedChannel], force: Complex
+) -> tuple[dict[str, Complex], list[str]]:
+    """Of each frequency response function the peak force in its own unit and direction; what was taken for granted."""
+    table, direction = file.channels[file.force_channel], recorded[file.force_channel].direction
+    as_read = -force if table.negative else force
+    forces: dict[str, Complex] = {}
+    notes = []
+    for name, channel in recorded.items():
+        if channel.per_force and name != file.force_channel:
+            newtons, taken = divisor(f"{where} channel '{name}'", channel, table, direction)
+            forces[name] = as_read / newtons
+            notes += taken
+    return forces, notes
 
 
 def _factor(table: ChannelTable, sort: str | None = None) -> float:
@@ -166,19 +192,20 @@ def _converted(
     name: str,
     channel: RecordedChannel,
     harmonics: Sequence[int],
-    raw_force: Complex,
+    divided_by: Complex | None,
     w: Floats,
 ) -> Converted:
     table = file.channels[name]
     rows = [channel.harmonics.index(k) for k in harmonics]
     amplitude = _turned(file, channel.amplitude[rows])
     size = np.ones((1, len(w)))
-    if channel.per_force:
+    sort = table.amplitude
+    if divided_by is not None:
         if tuple(harmonics) != (1,):
             raise MeasurementError(f"{where}: a frequency response function has harmonic 1 only, here are {harmonics}")
-        amplitude, size = amplitude * raw_force, np.abs(raw_force)[None]
+        amplitude, size, sort = amplitude * divided_by, np.abs(divided_by)[None], "peak"  # as the force is by now
     at = np.array(harmonics)[:, None] * w
-    factor = np.where(at > 0, _factor(table), _factor(table, "peak"))  # a mean value is neither RMS nor peak
+    factor = np.where(at > 0, _factor(table, sort), _factor(table, "peak"))  # a mean value is neither RMS nor peak
     displacement = to_displacement(amplitude * factor, at, table.quantity, table.phase_of)
     derivatives = QUANTITIES[table.quantity].derivatives or 0
     noise: Floats | None = None

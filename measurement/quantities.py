@@ -48,6 +48,16 @@ def si_factor(unit: str, quantity: str, uncalibrated: bool = False) -> float:
         raise ValueError(f'unit = "{unit}": for a {quantity}: {text}{hint}') from None
 
 
+def label_factor(label: str, quantity: str) -> float:
+    """As `si_factor`, of a label in a data file, whose capitals are not to be relied on. raises: ValueError"""
+    for spelled in (label, label.lower(), label.capitalize()):
+        try:
+            return si_factor(spelled, quantity)
+        except ValueError:
+            continue
+    raise ValueError(f'unit = "{label}": not understood as that of a {quantity}')
+
+
 def to_displacement(amplitude: Complex, angular_frequency: Floats, quantity: str, phase_of: str | None) -> Complex:
     """Displacement amplitudes [m] from those of a displacement, velocity or acceleration in SI: x = a / (i w)^d.
 

@@ -93,9 +93,12 @@ def check_power(where: str, displacement: Complex, force: Complex, angular_frequ
         )
 
 
-def check_statements(where: str, channel: RecordedChannel, quantity: str, unit: str, direction: str) -> list[str]:
+def check_statements(
+    where: str, channel: RecordedChannel, quantity: str, unit: str, direction: str, told: str = ""
+) -> list[str]:
     """What the file says of its channel against measurement.toml; returns what was taken for granted.
 
+    told: what its reader said of the channel
     raises: MeasurementError where quantity or unit contradict each other
     """
     notes = []
@@ -112,6 +115,7 @@ def check_statements(where: str, channel: RecordedChannel, quantity: str, unit: 
             if not np.isclose(stated, si_factor(unit, quantity), rtol=1e-6):
                 raise MeasurementError(
                     f'{where}: the file says {channel.unit}, measurement.toml unit = "{unit}"; correct one of them'
+                    f"{f' ({told})' if told else ''}"
                 )
     wanted = direction if direction[0] in "+-" else f"+{direction}"
     if channel.direction and channel.direction.lower() != wanted:

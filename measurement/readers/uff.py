@@ -5,10 +5,9 @@ as in "12+X". The second line is the run, as the format's note 3 has it; a z-axi
 harmonic, which is 1 elsewhere; the version number is the repeat where it is not 0.
 """
 
-import mmap
-import re
 import warnings
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,16 +15,33 @@ import numpy as np
 import pyuff
 
 from updamp.measurement.measurement import MeasurementError
-from updamp.measurement.readers.registry import NoOptions, register, usable_file
-from updamp.measurement.recorded import RecordedChannel, RecordedSweep
-
-LARGEST = 2.5e8  # bytes: pyuff keeps every number as a Python object, 2.1 GB of memory at 240 MB
-QUANTITIES = {8: "displacement", 9: "force", 11: "velocity", 12: "acceleration", 13: "force"}
-KNOWN_KINDS = (0, 8, 9, 11, 12, 13)
-ORDER, FREQUENCY, TIME = 20, 18, 17
-_DELIMITER = re.compile(rb" {4}-1(?= *[\r\n]| *\Z)")
-
-Record = Mapping[str, Any]
+from updamp.measurement.per_force import FrequencyResponse
+from updamp.measurement.readers.registry import NoOptions, register
+from updamp.measurement.readers.uff_file import Record, uff_records
+from updamp.measurement.readers.uff_record import (
+    FREQUENCY,
+    HERTZ,
+    ORDER,
+    QUANTITIES,
+    TIME,
+    Place,
+    called,
+    called_apart,
+    direction,
+    in_unit,
+    is_ratio,
+    names_of,
+    place,
+    place_of_label,
+    run_label,
+    same_force,
+    stated,
+    stated_unit,
+    units_of_ratio,
+    unusable,
+)
+from updamp.measurement.readers.uff_runs import Part, parts_of
+from updamp.measurement.recorded import Floats, RecordedChannel, RecordedSweep
 
 
 @register("uff", endings=(".uff", ".unv", ".uf", ".uff58"))
@@ -34,10 +50,7 @@ def read_uff(path: Path, labels: tuple[str, ...], options: NoOptions) -> tuple[R
     records = uff_records(path)
     if all(record["abscissa_spec_data_type"] == TIME for record in records):
         raise MeasurementError(f'{path}: holds time signals; read them with reader = "uff_time"')
-    sweeps: dict[tuple[str, int], list[Record]] = {}
-    for record in records:
-        sweeps.setdefault((run_label(record), int(record["ver_num"])), []).append(record)
-    return tuple(_sweep(path, run, number, part, labels) for (run, number), part in sweeps.items())
+    return tuple(_sweep(path, part, labels) for part in parts_of(path, records, labels))
 
 
 def write_uff58(path: Path, sweeps: Sequence[RecordedSweep], binary: bool = True) -> None:
@@ -68,69 +81,78 @@ def _correct_byte_count(path: Path, start: int, n: int) -> None:
         file.write(b"%12d" % (24 * n))
 
 
-def uff_records(path: Path) -> tuple[Record, ...]:
-    """Every data set 58 of the file, whole.
+@dataclass(frozen=True, eq=False)
+class _Chosen:
+    """Records of a label that can be used, and in sentences why others cannot."""
 
-    raises: MeasurementError where the file is cut off, is something else, or has no data set 58
-    """
-    usable_file(path, LARGEST)
-    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
-        delimiters = sum(1 for _ in _DELIMITER.finditer(content))
-    if delimiters == 0:
-        raise MeasurementError(f"{path}: no data set in it (no line '    -1'); this is no universal file")
-    if delimiters % 2:
-        raise MeasurementError(f"{path}: cut off: its last data set has no end; copy or export the file again")
-    try:
-        file_58 = pyuff.UFF(str(path))
-        kinds = np.asarray(file_58.get_set_types())
-        found = file_58.read_sets(np.flatnonzero(kinds == 58).tolist()) if (kinds == 58).any() else []
-    except Exception as error:  # pyuff wraps whatever it stumbles over in a bare Exception
-        raise MeasurementError(f"{path}: cannot be read as a universal file ({error}); export it again") from None
-    if not (kinds == 58).any():
-        raise MeasurementError(f"{path}: no data set 58 in it, only {', '.join(map(str, kinds))}; export functions")
-    records = tuple(found) if isinstance(found, list) else (found,)
-    for record in records:
-        _check_whole(path, record)
-    return records
+    records: tuple[Record, ...]
+    notes: tuple[str, ...]
 
 
-def _check_whole(path: Path, record: Record) -> None:
-    wanted, found = int(record["num_pts"]), min(len(record["x"]), len(record["data"]))
-    if found != wanted or wanted == 0:
-        raise MeasurementError(
-            f"{path}: record '{record['id1']}' has {found} values where its header says {wanted}; the file is cut "
-            f"off or damaged, copy or export it again"
+def _sweep(path: Path, part: Part, labels: tuple[str, ...]) -> RecordedSweep:
+    usable = {label: _usable(path, part, label, label == labels[0]) for label in labels}
+    driven, rivals = _driven(usable, labels[0])
+    chosen = {
+        label: one if label == labels[0] else _of_force(path, label, one, driven, rivals)
+        for label, one in usable.items()
+    }
+    channels = {label: _channel(path, label, one.records) for label, one in chosen.items() if one.records}
+    used = [record for one in chosen.values() for record in one.records]
+    others = called_apart([r for r in part.records if not set(labels) & set(names_of(r))])
+    notes = [*part.notes, *(note for one in chosen.values() for note in one.notes)]
+    notes += [note for label, one in chosen.items() for note in _file_unit_notes(path, label, one.records)]
+    if any(record["abscissa_spacing"] == 1 or not record["binary"] for record in used):
+        notes.append(
+            f"{path.name}: frequencies are known to six digits only, all that even spacing or the text form of a "
+            f"universal file holds; export binary (58b) with uneven spacing, or CSV, where a narrow resonance matters"
         )
+    return RecordedSweep(part.run, part.repeat, "", _frequency(path, used), channels, others, tuple(notes))
 
 
-def run_label(record: Record) -> str:
-    text = str(record["id2"]).strip()
-    return "" if text == "NONE" else text
+def _usable(path: Path, part: Part, label: str, as_force: bool) -> _Chosen:
+    mine = [record for record in part.records if label in names_of(record)]
+    reasons = [unusable(record, as_force) for record in mine]
+    notes = [f"{path.name}: a record '{label}' is not used: it {reason}" for reason in dict.fromkeys(reasons) if reason]
+    return _Chosen(tuple(r for r, reason in zip(mine, reasons, strict=True) if not reason), tuple(notes))
 
 
-def names_of(record: Record) -> tuple[str, ...]:
-    """What a channel's label may be: first line, entity name, node and direction."""
-    return str(record["id1"]).strip(), str(record["rsp_ent_name"]).strip(), f"{record['rsp_node']}{direction(record)}"
+def _driven(usable: Mapping[str, _Chosen], force: str) -> tuple[Place, tuple[str, ...]]:
+    """Node and direction of the force, by its record or else by its label; and the forces that functions are divided
+    by, where it could be more than one of them."""
+    records = usable[force].records
+    known = place(records[0]) if records else place_of_label(force)
+    references = [place(r, "ref") for one in usable.values() for r in one.records if is_ratio(r)]
+    could_be = {
+        (node, toward[1:]): f"{node}{toward}" for node, toward in references if same_force((node, toward), known)
+    }
+    return known, tuple(could_be.values()) if len(could_be) > 1 else ()
 
 
-def direction(record: Record) -> str:
-    number = int(record["rsp_dir"])
-    return ("+" if number > 0 else "-") + "XYZ"[abs(number) - 1] if 1 <= abs(number) <= 3 else ""
+def _of_force(path: Path, label: str, chosen: _Chosen, driven: Place, rivals: tuple[str, ...]) -> _Chosen:
+    """Without the frequency response functions that are divided by another force, or by nobody knows which."""
+    out = [r for r in chosen.records if is_ratio(r) and (rivals or not same_force(place(r, "ref"), driven))]
+    if not out:
+        return chosen
+    there, at = ", ".join(dict.fromkeys("{}{}".format(*place(r, "ref")) for r in out)), "{}{}".format(*driven)
+    if rivals:
+        reason = (
+            f"the file has functions divided by the forces at {' and '.join(rivals)}; say which is meant by the label "
+            f'of the force, such as label = "{rivals[0]}"'
+        )
+    elif len(out) == len(chosen.records):
+        reason = f"the force is at {at}; name the force at {there}, or take functions whose reference is {at}"
+    else:
+        reason = f"the force is at {at}"
+    note = (
+        f"{path.name}: records '{label}' divided by the force at {there} (reference, record 6) are not used: {reason}"
+    )
+    left_out = {id(record) for record in out}
+    return _Chosen(tuple(r for r in chosen.records if id(r) not in left_out), (*chosen.notes, note))
 
 
-def _sweep(path: Path, run: str, number: int, records: Sequence[Record], labels: tuple[str, ...]) -> RecordedSweep:
-    channels: dict[str, RecordedChannel] = {}
-    used: set[int] = set()
-    for label in labels:
-        mine = [record for record in records if label in names_of(record)]
-        used |= {id(record) for record in mine}
-        if mine:
-            channels[label] = _channel(path, label, mine)
-    frequency = _frequency(path, [record for record in records if id(record) in used])
-    others = tuple(dict.fromkeys(names_of(record)[0] for record in records if id(record) not in used))
-    rounded = any(not record["binary"] and record["abscissa_spacing"] == 0 for record in records)
-    note = f"{path.name}: frequencies are known to six digits only, all that the text form of a universal file holds"
-    return RecordedSweep(run, number or None, "", frequency, channels, others, (note,) if rounded else ())
+def _file_unit_notes(path: Path, label: str, records: Sequence[Record]) -> list[str]:
+    units = dict.fromkeys(stated_unit(r) for r in records if not stated(r["ordinate_axis_units_lab"]))
+    return [f"{path.name}: '{label}' has no unit label; data set 164 says {unit}" for unit in units if unit]
 
 
 def _channel(path: Path, label: str, records: Sequence[Record]) -> RecordedChannel:
@@ -139,59 +161,44 @@ def _channel(path: Path, label: str, records: Sequence[Record]) -> RecordedChann
         harmonic = round(record["z_axis_value"]) if record["z_axis_spec_data_type"] == ORDER else 1
         if harmonic in harmonics:
             raise MeasurementError(
-                f"{path}: more than one record of '{label}', harmonic {harmonic}, in run '{run_label(record)}'; tell "
-                f'them apart by the second identification line (run) or by node and direction, such as label = "12+X"'
+                f"{path}: more than one record of '{label}', harmonic {harmonic}, in run '{run_label(record)}'; "
+                f"{_advice(record, harmonics[harmonic])}"
             )
         harmonics[harmonic] = record
-        _check_kind(path, label, record)
     ordered = tuple(sorted(harmonics))
     first = harmonics[ordered[0]]
-    return RecordedChannel(
-        amplitude=np.array([harmonics[k]["data"] for k in ordered], dtype=complex),
-        harmonics=ordered,
-        per_force=int(first["func_type"]) == 4,
-        unit=stated_unit(first),
-        quantity=QUANTITIES.get(int(first["ordinate_spec_data_type"]), ""),
-        direction=direction(first),
+    amplitude = np.array([harmonics[k]["data"] for k in ordered], dtype=complex)
+    quantity, toward = QUANTITIES.get(int(first["ordinate_spec_data_type"]), ""), direction(first)
+    if not is_ratio(first):
+        unit = stated_unit(first)
+        return RecordedChannel(amplitude, ordered, unit=unit, quantity=quantity, direction=toward)
+    unit, force_unit = units_of_ratio(path, first)
+    return FrequencyResponse(
+        amplitude,
+        ordered,
+        unit=unit,
+        quantity=quantity,
+        direction=toward,
+        force_unit=force_unit,
+        reference=direction(first, "ref"),
     )
 
 
-def _check_kind(path: Path, label: str, record: Record) -> None:
-    kind, abscissa, ordinate = (
-        int(record[key]) for key in ("func_type", "abscissa_spec_data_type", "ordinate_spec_data_type")
-    )
-    if kind not in (0, 4, 12) or abscissa not in (0, FREQUENCY) or not np.iscomplexobj(record["data"]):
-        raise MeasurementError(
-            f"{path}: record '{label}' is of function type {kind} with abscissa type {abscissa}"
-            f"{'' if np.iscomplexobj(record['data']) else ' and real values'}; wanted are complex spectra (0 or 12) or "
-            f"frequency response functions (4) over frequency (18): power spectra have no phase"
-        )
-    if ordinate not in KNOWN_KINDS:
-        raise MeasurementError(
-            f"{path}: record '{label}' holds data of type {ordinate} ({record['ordinate_axis_lab']}); wanted are "
-            f"displacement (8), velocity (11), acceleration (12) or force (13)"
-        )
-    denominator = int(record["orddenom_spec_data_type"])
-    if kind == 4 and denominator not in (0, 9, 13):
-        raise MeasurementError(
-            f"{path}: record '{label}' is divided by data of type {denominator}, wanted is force (13)"
-        )
+def _advice(one: Record, other: Record) -> str:
+    if is_ratio(one) != is_ratio(other):
+        return "one is a spectrum, one a frequency response function: export either of them"
+    return 'tell them apart by the second identification line (run) or by node and direction, such as label = "12+X"'
 
 
-def stated_unit(record: Record) -> str:
-    text = str(record["ordinate_axis_units_lab"]).strip()
-    return "" if text.upper() == "NONE" else text
-
-
-def _frequency(path: Path, records: Sequence[Record]) -> np.ndarray[Any, np.dtype[np.float64]]:
+def _frequency(path: Path, records: Sequence[Record]) -> Floats:
     if not records:
         return np.zeros(0)
-    first = np.asarray(records[0]["x"], dtype=float)
-    for record in records[1:]:
-        if len(record["x"]) != len(first) or not np.allclose(record["x"], first, rtol=1e-9, atol=0):
+    first, *others = (np.asarray(r["x"], dtype=float) * in_unit(path, r, "abscissa", HERTZ) for r in records)
+    for record, other in zip(records[1:], others, strict=True):
+        if len(other) != len(first) or not np.allclose(other, first, rtol=1e-9, atol=0):
             raise MeasurementError(
-                f"{path}: records '{records[0]['id1']}' and '{record['id1']}' of run '{run_label(record)}' have other "
-                f"frequencies; every channel of a sweep needs the same ones"
+                f"{path}: records '{called(records[0])}' and '{called(record)}' of run '{run_label(record)}' have "
+                f"other frequencies; every channel of a sweep needs the same ones"
                 f"{'' if run_label(record) else ' (give each run its own second identification line)'}"
             )
     return first
@@ -221,6 +228,7 @@ def _record(
         "abscissa_spec_data_type": FREQUENCY, "abscissa_axis_lab": "Frequency", "abscissa_axis_units_lab": "Hz",
         "ordinate_spec_data_type": kind, "ordinate_axis_units_lab": channel.unit or "NONE",
         "orddenom_spec_data_type": 13 if channel.per_force else 0,
+        "orddenom_axis_units_lab": (channel.force_unit if isinstance(channel, FrequencyResponse) else "") or "NONE",
         "z_axis_spec_data_type": ORDER, "z_axis_value": float(harmonic),
         "abscissa_spacing": 0, "data": values, "x": sweep.frequency,
     }  # fmt: skip

@@ -5,6 +5,7 @@ commanded frequency (z-axis of the kind 18); or the file has one step, whose fre
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,17 +13,21 @@ import numpy as np
 from updamp.measurement.measurement import MeasurementError, near
 from updamp.measurement.readers.registry import register
 from updamp.measurement.readers.time_steps import TimeOptions, TimeStep, sweep_of_steps
-from updamp.measurement.readers.uff import (
+from updamp.measurement.readers.uff_file import Record, uff_records
+from updamp.measurement.readers.uff_record import (
     FREQUENCY,
+    HERTZ,
     QUANTITIES,
+    SECONDS,
     TIME,
-    Record,
+    called,
+    called_apart,
     direction,
+    in_unit,
     names_of,
-    run_label,
     stated_unit,
-    uff_records,
 )
+from updamp.measurement.readers.uff_runs import Part, parts_of
 from updamp.measurement.recorded import RecordedChannel, RecordedSweep
 
 
@@ -30,21 +35,23 @@ from updamp.measurement.recorded import RecordedChannel, RecordedSweep
 def read_uff_time(path: Path, labels: tuple[str, ...], options: TimeOptions) -> tuple[RecordedSweep, ...]:
     """One sweep for each run and repeat (version number) in the file."""
     records = uff_records(path)
-    for record in records:
-        if record["abscissa_spec_data_type"] != TIME or np.iscomplexobj(record["data"]):
-            raise MeasurementError(f"{path}: record '{record['id1']}' is no time signal; read it with reader = \"uff\"")
-    sweeps: dict[tuple[str, int], list[Record]] = {}
-    for record in records:
-        sweeps.setdefault((run_label(record), int(record["ver_num"])), []).append(record)
-    return tuple(_sweep(path, run, number, part, labels, options) for (run, number), part in sweeps.items())
+    signals = [r for r in records if r["abscissa_spec_data_type"] == TIME and not np.iscomplexobj(r["data"])]
+    if not signals:
+        raise MeasurementError(
+            f"{path}: record '{called(records[0])}' is no time signal; read it with reader = \"uff\""
+        )
+    kept = {id(record) for record in signals}
+    skipped = dict.fromkeys(n for r in records if id(r) not in kept for n in names_of(r) if n in labels)
+    notes = tuple(f"{path.name}: records '{label}' that are no time signals are not used" for label in skipped)
+    parts = [replace(part, notes=(*part.notes, *notes)) for part in parts_of(path, signals, labels)]
+    return tuple(_sweep(path, part, labels, options) for part in parts)
 
 
-def _sweep(
-    path: Path, run: str, number: int, records: Sequence[Record], labels: tuple[str, ...], options: TimeOptions
-) -> RecordedSweep:
+def _sweep(path: Path, part: Part, labels: tuple[str, ...], options: TimeOptions) -> RecordedSweep:
+    run, records = part.run, part.records
     present = [label for label in labels if any(label in names_of(record) for record in records)]
     if labels[0] not in present:
-        known = [name for record in records for name in names_of(record) if name != "NONE"]
+        known = dict.fromkeys(name for record in records for name in names_of(record))
         raise MeasurementError(f"{path}: run '{run}' has no record '{labels[0]}', the force; {near(labels[0], known)}")
     steps: dict[float, dict[str, Record]] = {}
     for record in records:
@@ -58,8 +65,8 @@ def _sweep(
     )
     first = next(iter(steps.values()))
     channels = {label: _labelled(channel, first[label]) for label, channel in channels.items()}
-    others = tuple(dict.fromkeys(names_of(record)[0] for record in records if not set(present) & set(names_of(record))))
-    return RecordedSweep(run, number or None, "", frequency, channels, others, notes)
+    others = called_apart([record for record in records if not set(present) & set(names_of(record))])
+    return RecordedSweep(run, part.repeat, "", frequency, channels, others, (*part.notes, *notes))
 
 
 def _commanded(path: Path, record: Record, options: TimeOptions) -> float:
@@ -67,18 +74,18 @@ def _commanded(path: Path, record: Record, options: TimeOptions) -> float:
         return options.frequency
     if record["z_axis_spec_data_type"] != FREQUENCY or record["z_axis_value"] <= 0:
         raise MeasurementError(
-            f"{path}: record '{record['id1']}' does not state its frequency (z-axis of type {FREQUENCY}); "
+            f"{path}: record '{called(record)}' does not state its frequency (z-axis of type {FREQUENCY}); "
             f'for a file with one step, options = {{ frequency = "430 Hz" }}'
         )
-    return float(record["z_axis_value"])
+    return float(record["z_axis_value"]) * in_unit(path, record, "z_axis", HERTZ)
 
 
 def _step(path: Path, frequency: float, signals: dict[str, Record], labels: Sequence[str]) -> TimeStep:
     if absent := [label for label in labels if label not in signals]:
         raise MeasurementError(f"{path}: the step of {frequency:g} Hz has no signal of {', '.join(absent)}")
-    time = np.asarray(signals[labels[0]]["x"], dtype=float)
-    for label in labels:
-        other = signals[label]["x"]
+    times = {label: signals[label]["x"] * in_unit(path, signals[label], "abscissa", SECONDS) for label in labels}
+    time = np.asarray(times[labels[0]], dtype=float)
+    for label, other in times.items():
         if len(other) != len(time) or not np.allclose(other, time, rtol=0, atol=1e-3 * abs(time[1] - time[0])):
             raise MeasurementError(
                 f"{path}: the step of {frequency:g} Hz: '{label}' is not sampled as '{labels[0]}' is; resample them"

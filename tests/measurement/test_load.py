@@ -162,8 +162,10 @@ def test_frequency_response_functions_are_multiplied_by_the_force(tmp_path: Path
     sweep = recorded()
     first = {n: replace(c, amplitude=c.amplitude[:1], harmonics=(1,)) for n, c in sweep.channels.items()}
     raw = first["force"].amplitude
+    sorts = {"laser": np.sqrt(2), "accelerometer": 1}  # of its amplitude to the force's: divided are peak by peak
     divided = {
-        n: c if n == "force" else replace(c, amplitude=c.amplitude / raw, per_force=True) for n, c in first.items()
+        n: replace(c, amplitude=c.amplitude * sorts[n] / raw, per_force=True) if n in sorts else c
+        for n, c in first.items()
     }
     write_uff58(tmp_path / "frf.uff", [replace(sweep, channels=divided)])
     path = tmp_path / "measurement.toml"

@@ -8,11 +8,12 @@ import pytest
 import pyuff
 from numpy.typing import NDArray
 from support.measured_oscillator import FREQUENCY, TOML, displacement, force
+from support.universal_file import record
 
 from updamp.measurement.load import load_measurement
 from updamp.measurement.measurement import MeasuredRun, MeasurementError
 from updamp.measurement.readers.time_steps import TimeOptions
-from updamp.measurement.readers.uff import uff_records
+from updamp.measurement.readers.uff_file import uff_records
 from updamp.measurement.readers.uff_time import read_uff_time
 
 RATE, STEPS = 3600.0, range(8, 34, 5)
@@ -90,24 +91,38 @@ def test_nothing_is_left_after_settling(tmp_path: Path, settle: str, words: str)
         load_measurement(path)
 
 
-def write_time_uff(path: Path) -> None:
+def write_time_uff(path: Path, second: float = 1, time: str = "s", hertz: float = 1, frequency: str = "Hz") -> None:
     file = pyuff.UFF(str(path))
     for step in STEPS:
         t, f, v = signals(step)
         for name, values, kind, unit in (("force", f, 13, "N"), ("laser", v, 11, "mm/s")):
-            record = {
+            fields = {
                 "type": 58, "binary": 1, "func_type": 1, "id1": name, "rsp_node": 1, "rsp_dir": 1, "ref_node": 0,
                 "ref_dir": 0, "abscissa_spacing": 0, "abscissa_spec_data_type": 17, "ordinate_spec_data_type": kind,
                 "ordinate_axis_units_lab": unit, "orddenom_spec_data_type": 0, "z_axis_spec_data_type": 18,
-                "z_axis_value": FREQUENCY[step], "data": values, "x": t,
+                "z_axis_value": FREQUENCY[step] * hertz, "data": values, "x": t * second,
+                "abscissa_axis_units_lab": time, "z_axis_axis_units_lab": frequency,
             }  # fmt: skip
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", ResourceWarning)
-                file.write_sets([record], mode="add")
+                file.write_sets([fields], mode="add")
 
 
 def test_universal_file(tmp_path: Path) -> None:
     write_time_uff(tmp_path / "data.uff")
+    path = tmp_path / "measurement.toml"
+    toml = TOML.replace('amplitude = "rms"', 'amplitude = "peak"').replace("data.csv", "data.uff")
+    path.write_text(toml + OPTIONS.format("uff_time"))
+    check(load_measurement(path).runs[0])
+    with (tmp_path / "data.uff").open("a") as file:
+        file.write(record(np.ones(41), function=6, first="laser"))
+    measurement = load_measurement(path)
+    check(measurement.runs[0])
+    assert "data.uff: records 'laser' that are no time signals are not used" in measurement.assumptions
+
+
+def test_milliseconds_and_commanded_kilohertz_of_a_universal_file(tmp_path: Path) -> None:
+    write_time_uff(tmp_path / "data.uff", 1e3, "ms", 1e-3, "kHz")
     path = tmp_path / "measurement.toml"
     toml = TOML.replace('amplitude = "rms"', 'amplitude = "peak"').replace("data.csv", "data.uff")
     path.write_text(toml + OPTIONS.format("uff_time"))
