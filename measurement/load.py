@@ -29,7 +29,6 @@ from updamp.measurement.measurement_file import (
 from updamp.measurement.readers.registry import reader_of, usable_file
 from updamp.measurement.recorded import RecordedSweep, one_way
 from updamp.measurement.stated_features import is_feature_file, read_features
-from updamp.measurement.sweep_checks import check_phase
 
 FEW_REPEATS = 3  # assemblies; with fewer the scatter between them is hardly known
 
@@ -148,14 +147,25 @@ def _runs(path: Path, file: MeasurementFile, files: _Files) -> tuple[tuple[Measu
 
 
 def _check_phases(where: str, file: MeasurementFile, run: RunTable, sweep: RecordedSweep) -> None:
-    """Of all responses but those stated to have none. A channel that the sweep lacks is refused later, with its label.
+    """Of all responses but those stated to have none. One that others' phases are told against has none of its own:
+    that which was held, or one of several. A channel that the sweep lacks is refused later, with its label.
 
     raises: MeasurementError
     """
-    for name in run.channels or tuple(file.channels):
-        channel = sweep.channels.get(file.label(name))
-        if channel is not None and name != file.force_channel and file.channels[name].phase is None:
-            check_phase(f"{where} channel '{name}'", channel)
+    names = [
+        n for n in run.channels or tuple(file.channels) if n != file.force_channel and file.channels[n].phase is None
+    ]
+    found = {n: sweep.channels[file.label(n)] for n in names if file.label(n) in sweep.channels}
+    force = sweep.channels.get(file.label(file.force_channel))
+    told_against = force is not None and force.has_phase
+    for name, channel in found.items():
+        others = any(one.has_phase for n, one in found.items() if n != name)
+        if not (channel.has_phase or (told_against and not channel.per_force and (others or name == run.held_channel))):
+            raise MeasurementError(
+                f"{where} channel '{name}': its {channel.amplitude.shape[1]} values are all real, so the file gives no "
+                'phase for it; give its phase or imaginary part too (options of the run), or state phase = "none" for '
+                "the channel where there is none"
+            )
 
 
 def _own_units(file: MeasurementFile) -> tuple[str, str]:

@@ -48,16 +48,6 @@ def check_channel(where: str, channel: RecordedChannel, frequency: Floats) -> No
         raise MeasurementError(f"{where}: its noise has values that are negative or no finite numbers; mend the file")
 
 
-def check_phase(where: str, channel: RecordedChannel) -> None:
-    """raises: MeasurementError where all values of the first harmonic are real, as no phase is near a resonance"""
-    first = channel.amplitude[[k == 1 for k in channel.harmonics]]
-    if first.size and not first.imag.any():
-        raise MeasurementError(
-            f"{where}: its {first.size} values are all real, so the file gives no phase for it; give its phase or "
-            f'imaginary part too (options of the run), or state phase = "none" for the channel where there is none'
-        )
-
-
 def check_force(where: str, force: Complex, frequency: Floats) -> None:
     """raises: MeasurementError where it is zero: nothing can be divided by it"""
     zero = np.abs(force) == 0

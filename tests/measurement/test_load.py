@@ -149,6 +149,21 @@ def test_conventions_that_differ(tmp_path: Path) -> None:
     np.testing.assert_allclose(load_measurement(path).runs[0].response[0], displacement(), rtol=1e-12)
 
 
+def test_phases_may_be_told_against_a_response(tmp_path: Path) -> None:
+    """As by an analyser whose reference is a sensor: it has no phase of its own, force and other sensors have."""
+    sweep = recorded()
+    turn = np.exp(-1j * np.angle(sweep.channels["laser"].amplitude[0]))
+    channels = {
+        name: replace(channel, amplitude=channel.amplitude[:1] * turn, harmonics=(1,))
+        for name, channel in sweep.channels.items()
+    }
+    laser = replace(channels["laser"], amplitude=channels["laser"].amplitude.real + 0j)
+    path = written(tmp_path, TOML, [replace(sweep, channels={**channels, "laser": laser})])
+    (run,) = load_measurement(path).runs
+    for channel in run.channels:
+        np.testing.assert_allclose(run.receptance(channel), displacement()[0] / force(), rtol=1e-12)
+
+
 def test_phase_of_another_quantity(tmp_path: Path) -> None:
     sweep = recorded()
     w = 2 * np.pi * FREQUENCY * np.array([[1], [3]])
