@@ -34,7 +34,7 @@ from updamp.workflow.response_files import matlab_name
 from updamp.workflow.run import Run
 from updamp.workflow.run_options import RunOptions
 
-ASKED_FIRST = "what is asked above comes first: calibration makes up for it, and what is found may be nothing else"
+ASKED_FIRST = "answer this first: calibration and searches make up for it, and what they find may be nothing else"
 
 
 @dataclass(frozen=True)
@@ -89,8 +89,6 @@ def run_compare(
         display.done("comparison", f"findings: {len(comparison.findings)}")
         for run in comparison.unlike_repeats:
             display.note("check", run.text)
-        if inputs.measurement.questions and comparison.findings:
-            display.note("check", ASKED_FIRST)
         COMPARISON_JSON.write(files.comparison, comparison)
         write_report(comparison, files.report, pictures_of(files.out))
         write_pictures(comparison, files.out)
@@ -131,6 +129,8 @@ def comparison_inputs(
     asked = (*inputs.measurement.questions, *measured_against_model(model, inputs.measurement))
     for question in asked:
         display.note("question", question)
+    if asked:
+        display.note("check", ASKED_FIRST)
     return replace(inputs, measurement=replace(inputs.measurement, questions=asked)) if asked else inputs
 
 
