@@ -48,9 +48,14 @@ def si_factor(unit: str, quantity: str, uncalibrated: bool = False) -> float:
         raise ValueError(f'unit = "{unit}": for a {quantity}: {text}{hint}') from None
 
 
+def spellings(label: str) -> tuple[str, ...]:
+    """Of a unit in a data file, whose capitals are not to be relied on."""
+    return label, label.lower(), label.capitalize()
+
+
 def label_factor(label: str, quantity: str) -> float:
-    """As `si_factor`, of a label in a data file, whose capitals are not to be relied on. raises: ValueError"""
-    for spelled in (label, label.lower(), label.capitalize()):
+    """As `si_factor`, of a label in a data file. raises: ValueError"""
+    for spelled in spellings(label):
         try:
             return si_factor(spelled, quantity)
         except ValueError:

@@ -135,6 +135,13 @@ def measured_backbones(plan: Plan, names: Mapping[str, str]) -> tuple[Backbone, 
     )
 
 
+def places_of(plan: Plan, test: int, is_measured: bool) -> list[int]:
+    """Of a test's entries in the backbones of its mode: the measured ones, or the model's."""
+    mode = plan.conditions[test].mode
+    tests = [o.test for o in plan.observations] if is_measured else range(len(plan.conditions))
+    return [k for k, t in enumerate([t for t in tests if plan.conditions[t].mode == mode]) if t == test]
+
+
 def model_backbones(plan: Plan, names: Mapping[str, str], branches: Sequence[PredictedBranch]) -> tuple[Backbone, ...]:
     """Likewise, with an entry for every condition. branches: one a condition"""
     first = [next(o for o in plan.observations if o.test == i) for i in range(len(plan.conditions))]

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.comparison import Backbone, Finding
+from updamp.comparison.findings.backbone import places_of
 from updamp.comparison.findings.findings import (
     AMPLITUDE,
     DAMPING,
@@ -100,7 +101,8 @@ def _ratios(quantity: str, test: int, plan: Plan, measured: Sequence[Backbone], 
     column = {FREQUENCY: "frequency", DAMPING: "damping"}[quantity]
     pairs = [(m, c) for m, c in zip(measured, model, strict=True) if m.mode == plan.conditions[test].mode]
     found = [
-        getattr(c, column)[_places(plan, test, False)] / getattr(m, column)[_places(plan, test, True)] for m, c in pairs
+        getattr(c, column)[places_of(plan, test, False)] / getattr(m, column)[places_of(plan, test, True)]
+        for m, c in pairs
     ]
     return np.concatenate(found)
 
@@ -108,14 +110,7 @@ def _ratios(quantity: str, test: int, plan: Plan, measured: Sequence[Backbone], 
 def _logs(backbones: Sequence[Backbone], plan: Plan, test: int, is_measured: bool) -> Floats:
     """Of the damping at a test."""
     mode = plan.conditions[test].mode
-    return np.log(np.concatenate([b.damping[_places(plan, test, is_measured)] for b in backbones if b.mode == mode]))
-
-
-def _places(plan: Plan, test: int, is_measured: bool) -> list[int]:
-    """Of a test's entries in the backbones of its mode."""
-    mode = plan.conditions[test].mode
-    tests = [o.test for o in plan.observations] if is_measured else range(len(plan.conditions))
-    return [k for k, t in enumerate([t for t in tests if plan.conditions[t].mode == mode]) if t == test]
+    return np.log(np.concatenate([b.damping[places_of(plan, test, is_measured)] for b in backbones if b.mode == mode]))
 
 
 def _scatter(quantity: str, fit: Fit) -> float:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.comparison import Backbone
+from updamp.comparison.findings.backbone import places_of
 from updamp.comparison.findings.findings import SENSOR, Direction, Misfit, farthest_first
 from updamp.comparison.fit.observations import Plan
 
@@ -38,17 +39,12 @@ def _heights(
     mode = plan.conditions[test].mode
     sensors = [s for s in plan.conditions[test].sensors if s[1] == 1]
     pairs = [(m, c) for m, c in zip(measured, model, strict=True) if m.mode == mode]
-    runs = [k for k, t in enumerate(_tests_of(mode, plan, [o.test for o in plan.observations])) if t == test]
-    place = _tests_of(mode, plan, range(len(plan.conditions))).index(test)
+    runs, (place,) = places_of(plan, test, True), places_of(plan, test, False)
     found = [
         (sensor, float(np.log(c.receptance[place]) - np.mean(np.log(m.receptance[runs]))))
         for sensor, (m, c) in zip(sensors, pairs, strict=True)
     ]
     return [(sensor, value) for sensor, value in found if np.isfinite(value)]
-
-
-def _tests_of(mode: str, plan: Plan, tests: Sequence[int]) -> list[int]:
-    return [t for t in tests if plan.conditions[t].mode == mode]
 
 
 def _against(

@@ -2,7 +2,7 @@
 
 A record belongs to the channel whose label is its first identification line, its entity name, or node and direction
 as in "12+X". The second line is the run, as the format's note 3 has it; a z-axis of the kind "order" (20) is the
-harmonic, which is 1 elsewhere; the version number is the repeat where it is not 0.
+harmonic, which is 1 elsewhere; what the version number means is in `uff_runs.py`.
 """
 
 import warnings

@@ -9,7 +9,7 @@ import numpy as np
 
 from updamp.measurement.measurement import MeasurementError
 from updamp.measurement.quantities import QUANTITIES as SI
-from updamp.measurement.quantities import label_factor
+from updamp.measurement.quantities import label_factor, spellings
 from updamp.measurement.readers.uff_file import Record
 from updamp.rig.fields import Quantity
 
@@ -139,7 +139,7 @@ def in_unit(path: Path, record: Record, axis: str, units: Sequence[str]) -> floa
     raises: MeasurementError where the label is none of these units' kinds
     """
     label = stated(record["z_axis_axis_units_lab" if axis == "z_axis" else "abscissa_axis_units_lab"])
-    for spelled in (label, label.lower(), label.capitalize()) if label else ():
+    for spelled in spellings(label) if label else ():
         for unit in units:
             try:
                 factor = Quantity(unit, f"1 {unit}").to_si(f"1 {spelled}")
