@@ -100,11 +100,8 @@ def _ratios(quantity: str, test: int, plan: Plan, measured: Sequence[Backbone], 
     """Model over measured: all runs of a test at all sensors."""
     column = {FREQUENCY: "frequency", DAMPING: "damping"}[quantity]
     pairs = [(m, c) for m, c in zip(measured, model, strict=True) if m.mode == plan.conditions[test].mode]
-    found = [
-        getattr(c, column)[places_of(plan, test, False)] / getattr(m, column)[places_of(plan, test, True)]
-        for m, c in pairs
-    ]
-    return np.concatenate(found)
+    there, here = places_of(plan, test, False), places_of(plan, test, True)
+    return np.concatenate([getattr(c, column)[there] / getattr(m, column)[here] for m, c in pairs])
 
 
 def _logs(backbones: Sequence[Backbone], plan: Plan, test: int, is_measured: bool) -> Floats:
