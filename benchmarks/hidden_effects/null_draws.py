@@ -19,6 +19,7 @@ import typer
 from numpy.typing import NDArray
 from rich.console import Console
 
+from updamp.benchmarks.hidden_effects.fitted_model import FINER
 from updamp.benchmarks.hidden_effects.in_turn import in_turn
 from updamp.benchmarks.hidden_effects.layout import read, write_whole
 from updamp.benchmarks.virtual_rig.measurement import RIG, make_measurement
@@ -31,7 +32,7 @@ from updamp.workflow.progress import Display
 
 Floats = NDArray[np.float64]
 
-FITTED, FINER = "diagnosis", ("diagnosis_fine", "diagnosis_contacts")
+FITTED = "diagnosis"
 CODE = (*SEARCH, "benchmarks/hidden_effects/null_draws.py")
 SEEDS = 9300  # beyond those of the blind benchmark
 _ROUNDS = 5
@@ -60,7 +61,7 @@ def compare_draw(draw: Draw, models: Path, code: str, results: Path) -> Result:
     if not draw.measurement.is_file():
         make_measurement(draw.measurement.parent, seed=draw.seed)
     with Display(Console(quiet=True)) as display:
-        inputs = comparison_inputs(CompareFiles(RIG, draw.measurement, models), FITTED, 1, display, FINER)
+        inputs = comparison_inputs(CompareFiles(RIG, draw.measurement, models), FITTED, 1, display, FINER[FITTED])
     calibrated = calibrate(
         inputs.before_effects, inputs.measurement, finer=inputs.finer, rig_effects=inputs.rig_effects
     )
@@ -172,7 +173,7 @@ def _make_models(first: Draw, models: Path) -> None:
     if not first.measurement.is_file():
         make_measurement(first.measurement.parent, seed=first.seed)
     with Display() as display:
-        comparison_inputs(CompareFiles(RIG, first.measurement, models), FITTED, 1, display, FINER)
+        comparison_inputs(CompareFiles(RIG, first.measurement, models), FITTED, 1, display, FINER[FITTED])
 
 
 def _is_done(result: Path, code: str) -> bool:

@@ -8,7 +8,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from updamp.benchmarks.hidden_effects.cases import Case
-from updamp.benchmarks.hidden_effects.fitted_model import place
+from updamp.benchmarks.hidden_effects.fitted_model import FINER, place
 from updamp.benchmarks.hidden_effects.layout import Layout
 from updamp.benchmarks.virtual_rig.measurement import RIG
 from updamp.comparison.compare import CalibrationResult, calibrate
@@ -19,7 +19,7 @@ from updamp.workflow.compare_run import CompareFiles, comparison_inputs, provena
 from updamp.workflow.kept_results import ResultKey, inputs_digest, read_result, write_result
 from updamp.workflow.progress import Display
 
-FITTED, FINER = "diagnosis", ("diagnosis_fine",)
+FITTED = "diagnosis"
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,11 +38,11 @@ def calibrated(case: Case, data: Layout, folder: Path, models: Path) -> KeptCali
     found: KeptCalibration | None = read_result(store, key, lambda sentence: print(sentence, file=sys.stderr))
     if found is not None:
         return found
-    place(models / FITTED, folder, FINER)
+    place(models / FITTED, folder, FINER[FITTED])
     started = time.perf_counter()
     files = CompareFiles(RIG, data.measurement(case.name), folder)
     with Display() as display:
-        inputs = comparison_inputs(files, FITTED, 1, display, FINER)
+        inputs = comparison_inputs(files, FITTED, 1, display, FINER[FITTED])
     done = calibrate(inputs.before_effects, inputs.measurement, finer=inputs.finer, rig_effects=inputs.rig_effects)
     seconds = time.perf_counter() - started
     kept = KeptCalibration(_slim(done), inputs.measurement, provenance_of(files, inputs, FITTED), seconds)
@@ -54,7 +54,9 @@ def _key(measured: Path) -> ResultKey:
     """measured: folder with the files of the measurement"""
     files = [RIG, *sorted(path for path in measured.iterdir() if path.is_file())]
     code = code_version(*SEARCH, "benchmarks/hidden_effects/sentence_runs.py")
-    return ResultKey(code, inputs_digest(FITTED, *FINER, *(sha256(path.read_bytes()).hexdigest() for path in files)))
+    return ResultKey(
+        code, inputs_digest(FITTED, *FINER[FITTED], *(sha256(path.read_bytes()).hexdigest() for path in files))
+    )
 
 
 def _slim(done: CalibrationResult) -> CalibrationResult:

@@ -18,11 +18,11 @@ from typing import Annotated, Any
 import typer
 
 from updamp.benchmarks.hidden_effects.cases import Case
-from updamp.benchmarks.hidden_effects.fitted_model import build
+from updamp.benchmarks.hidden_effects.fitted_model import FINER, build
 from updamp.benchmarks.hidden_effects.in_turn import in_turn
 from updamp.benchmarks.hidden_effects.layout import HERE, Layout, read, write_whole
 from updamp.benchmarks.hidden_effects.sentence_rule import Judged, judged, laboratory_changes
-from updamp.benchmarks.hidden_effects.sentence_runs import FINER, FITTED, calibrated
+from updamp.benchmarks.hidden_effects.sentence_runs import FITTED, calibrated
 from updamp.benchmarks.hidden_effects.version_2 import Only, chosen_cases
 from updamp.benchmarks.virtual_rig.measurement import RIG
 from updamp.comparison.compare import comparison_of
@@ -97,7 +97,7 @@ def main(
     jobs: Annotated[int, typer.Option(min=1, help="processes")] = 1,
 ) -> None:
     """Calibrate, say, judge, and write the table."""
-    for preset in (FITTED, *FINER):
+    for preset in (FITTED, *FINER[FITTED]):
         build(RIG, preset, out / "models")
     wanted = chosen_cases(None, only or USED)
     work = partial(judge_case, data=Layout(data), out=out)

@@ -4,7 +4,7 @@ Sentences come by how much of the misfit they account for, as sum of squares ove
 first. What does not stand out of the scatter gets no sentence.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,8 +23,12 @@ _LOSSES, _NO_LOSSES = 0.1, 0.05
 
 @dataclass(frozen=True)
 class _Sentence:
+    """with_damping: tests at whose heights it says the damping too"""
+
     finding: Finding
     severity: float
+    tests: frozenset[int]
+    with_damping: frozenset[int] = frozenset()
 
 
 def peak_findings(
@@ -34,21 +38,27 @@ def peak_findings(
 
     names: of the channels, by point of the model; risk: that an adequate model gets any sentence
     """
-    read = [m for m in misfits if m.direction.quantity != DAMPING]
     damping = {m.direction.test: m for m in misfits if m.direction.quantity == DAMPING}
     # each is held against the scatter in two ways, to two sides
-    limit = float(norm.isf(risk / 4 / max(len(read), 1)))
+    limit = float(norm.isf(risk / 4 / max(len(misfits), 1)))
     sentences: list[_Sentence] = []
-    for key in dict.fromkeys((m.direction.quantity, m.direction.sensor) for m in read):
-        same = [m for m in read if (m.direction.quantity, m.direction.sensor) == key]
+    for key in dict.fromkeys((m.direction.quantity, m.direction.sensor) for m in misfits):
+        same = [m for m in misfits if (m.direction.quantity, m.direction.sensor) == key]
         modes = dict.fromkeys(plan.conditions[m.direction.test].mode for m in same)
         groups = [[m for m in same if plan.conditions[m.direction.test].mode == mode] for mode in modes]
-        if key[0] != FREQUENCY and len(modes) > 1 and _are_alike(same):
+        if key[0] not in (FREQUENCY, DAMPING) and len(modes) > 1 and _are_alike(same):
             groups = [same]
         for group in groups:
             sentences += _of_group(group, limit, plan, names, damping)
+    sentences = [s for s in sentences if not _said_beside_heights(s, sentences)]
     sentences.sort(key=lambda s: -s.severity)
     return tuple(s.finding for s in sentences)
+
+
+def _said_beside_heights(sentence: _Sentence, sentences: Sequence[_Sentence]) -> bool:
+    """Whether one on the damping says what the aside of one on the heights does."""
+    said = frozenset[int]().union(*(s.with_damping for s in sentences))
+    return sentence.finding.quantity == DAMPING and sentence.tests <= said
 
 
 def without_peak_findings(tests: Sequence[int], plan: Plan) -> tuple[Finding, ...]:
@@ -84,9 +94,7 @@ def _of_group(
     together = len(group) > 1 and _are_alike(group)
     named = list(group) if together else standing
     if together:
-        kind = "force level" if plan.conditions[0].unit == "N" else "level"
-        where = "in all runs" if len(modes) > 1 else f"at every {kind}"
-        what = f"{_span(group)} {where}"
+        what = f"{_span(group)} {_where(group, modes, plan)}"
     else:
         small = [m for m in group if m.severity < FAR_LESS * largest]
         far_less = [level_of(plan, m.direction.test) for m in small if abs(m.significance) > limit]
@@ -97,19 +105,33 @@ def _of_group(
     mode = next(iter(modes)) if len(modes) == 1 else ""
     subject, channel = _subject(worst, plan, names, plural=not mode)
     text = f"{mode}: {subject} {what}" if mode else f"{subject} {what}"
-    text += _aside(named, damping, plan) if worst.direction.quantity == AMPLITUDE else ""
+    aside = _aside(named, damping, plan) if worst.direction.quantity == AMPLITUDE else ""
+    text += aside
     level = None if together else plan.conditions[worst.direction.test].level
     significance = max((m.significance for m in named), key=abs)
     relative = float(np.expm1(np.mean(np.log1p([m.relative for m in group])))) if together else worst.relative
     significance = float(np.copysign(significance, relative))
     finding = Finding(text, mode, level, worst.direction.quantity, channel, relative, significance)
-    return [_Sentence(finding, float(np.linalg.norm([m.severity for m in named])))]
+    tests = frozenset(m.direction.test for m in named)
+    severity = float(np.linalg.norm([m.severity for m in named]))
+    return [_Sentence(finding, severity, tests, tests & damping.keys() if aside else frozenset())]
+
+
+def _where(group: Sequence[PeakMisfit], modes: Collection[str], plan: Plan) -> str:
+    """Of misfits that are alike: "at every force level" where they are read at all of these modes."""
+    read = {m.direction.test for m in group}
+    if not read.issuperset(i for i, c in enumerate(plan.conditions) if c.mode in modes):
+        return f"at {_listed([level_of(plan, m.direction.test) for m in group])}"
+    kind = "force level" if plan.conditions[0].unit == "N" else "level"
+    return "in all runs" if len(modes) > 1 else f"at every {kind}"
 
 
 def _subject(misfit: PeakMisfit, plan: Plan, names: Mapping[str, str], plural: bool) -> tuple[str, str]:
     """What reads high or low, and the channel."""
     if misfit.direction.quantity == FREQUENCY:
         return "resonance", ""
+    if misfit.direction.quantity == DAMPING:
+        return "damping", ""
     if misfit.direction.quantity != SENSOR:
         return ("peaks" if plural else "peak"), ""
     point = misfit.direction.sensor[0]

@@ -85,8 +85,19 @@ def test_damping_is_an_aside_where_the_phase_tells_it() -> None:
         "IP: peak 30 % high at every force level (damping 22 to 25 % low at IP 2 N, IP 5 N)"
     ]
     assert texts(height, of(DAMPING, 0.01, 0.02, -0.02)) == ["IP: peak 30 % high at every force level (damping right)"]
-    # neither to blame nor right: nothing is said
-    assert texts(height, of(DAMPING, -0.08, -0.3, 0.2)) == ["IP: peak 30 % high at every force level"]
+
+
+def test_damping_has_a_sentence_of_its_own_where_that_of_the_heights_does_not_tell_it() -> None:
+    """A clamp that gives way changes the modal mass: heights are right, by the loss factor, and damping is not."""
+    heights = of(AMPLITUDE, 0.01, 0.0, 0.005)
+    assert texts(heights, of(DAMPING, -0.15, -0.17, -0.18)) == ["IP: damping 15 to 18 % low at every force level"]
+    told_at = [m for m in of(DAMPING, -0.15, -0.17, -0.18) if m.direction.test != 1]
+    assert texts(heights, told_at) == ["IP: damping 15 to 18 % low at 2 N, 8 N"]
+    high = of(AMPLITUDE, 0.3, 0.3, 0.3)
+    assert texts(high, of(DAMPING, -0.03, -0.3, 0.2)) == [
+        "IP: peak 30 % high at every force level",
+        "IP: damping 30 % low at 5 N, 20 % high at 8 N, right at 2 N",
+    ]
 
 
 def test_a_level_that_is_not_told_is_not_called_right() -> None:
