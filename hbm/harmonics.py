@@ -62,14 +62,18 @@ class Harmonics:
 
         raises: ValueError where n_time cannot resolve the highest harmonic
         """
-        if n_time <= 2 * self.orders[-1]:
-            raise ValueError(
-                f"time_samples = {n_time}: harmonic {self.orders[-1]} needs more than {2 * self.orders[-1]}"
-            )
+        self.refuse_too_few(n_time)
         transform = 2.0 / n_time * self.synthesis(n_time).T
         if 0 in self.orders:
             transform[0] /= 2
         return transform
+
+    def refuse_too_few(self, n_time: int) -> None:
+        """raises: ValueError where n_time samples cannot resolve the highest harmonic"""
+        if n_time <= 2 * self.orders[-1]:
+            raise ValueError(
+                f"time_samples = {n_time}: harmonic {self.orders[-1]} needs more than {2 * self.orders[-1]}"
+            )
 
     def _basis(self, n_time: int, cos_and_sin: Callable[[int, Floats], tuple[Floats, Floats]]) -> Floats:
         phase = self.phase(n_time)

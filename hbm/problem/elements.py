@@ -23,6 +23,7 @@ from updamp.hbm.contact.law import (
 )
 from updamp.hbm.contact.sticking import overshoot_between_samples
 from updamp.hbm.harmonics import Harmonics
+from updamp.hbm.problem.element_checks import refuse_impossible
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -41,12 +42,17 @@ class ElementGroup:
     parameters: the law's NamedTuple, each entry (n_elements, ...)
     rows: (n_elements, law.directions) rows of the linear model that the elements act on
     copies: (n_elements,) how many that move alike each stands for (hbm/problem/mirror.py); None: one
+
+    raises: ValueError naming an entry or a shape that cannot be
     """
 
     law: ContactLaw
     parameters: Any
     rows: Integers
     copies: Floats | None = None
+
+    def __post_init__(self) -> None:
+        refuse_impossible(self.law, self.parameters, self.rows)
 
     def reference_stiffness(self) -> Floats:
         """(n_elements, directions) of all copies together [N/m]"""

@@ -114,9 +114,18 @@ def from_matrices(
 ) -> LinearModel:
     """A model given by its matrices, without residual flexibility.
 
-    M, C, K: (n, n); relative: (n_relative, n) rows that pick the relative displacements; points: name -> (n,) row
+    M, C, K: (n, n), M and K symmetric; C too where a resonance is to be followed
+    relative: (n_relative, n) rows that pick the relative displacements; points: name -> (n,) row
+
+    raises: ValueError naming a matrix of another shape, one that is not finite, M or K where it is not symmetric
     """
     points = points or {}
+    n = len(M)
+    for name, matrix in (("M", M), ("C", C), ("K", K)):
+        _refuse_matrix(name, np.asarray(matrix), (n, n), symmetric=name != "C")
+    _refuse_matrix("relative", np.asarray(relative), (len(relative), n), symmetric=False)
+    for name, row in points.items():
+        _refuse_matrix(f"point '{name}'", np.asarray(row), (n,), symmetric=False)
     omega_squared, X = scipy.linalg.eigh(K, M)
     rows = np.vstack([relative, *points.values()])
     return LinearModel(
@@ -128,3 +137,14 @@ def from_matrices(
         n_relative=len(relative),
         points=tuple(points),
     )
+
+
+def _refuse_matrix(name: str, matrix: Floats, shape: tuple[int, ...], symmetric: bool) -> None:
+    """Of a matrix that is not symmetric half would be taken for the whole; what round-off leaves is less than half of
+    the digits."""
+    if matrix.shape != shape:
+        raise ValueError(f"{name} has shape {matrix.shape}: {shape} is needed")
+    if not np.isfinite(matrix).all():
+        raise ValueError(f"{name} has entries that are not finite")
+    if symmetric and np.abs(matrix - matrix.T).max() > np.sqrt(np.finfo(float).eps) * np.abs(matrix).max():
+        raise ValueError(f"{name} is not symmetric")

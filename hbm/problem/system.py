@@ -74,7 +74,8 @@ class NonlinearSystem:
 
     mirror: what might be a symmetry of the problem; whether it is one, `half` finds out
 
-    raises: ValueError where the rows of the groups overlap or leave some out
+    raises: ValueError where there is no group, where the rows of the groups overlap or leave some out, and where the
+        time samples do not resolve the highest harmonic
     """
 
     free: LinearModel
@@ -84,6 +85,9 @@ class NonlinearSystem:
     mirror: Mirror | None = None
 
     def __post_init__(self) -> None:
+        self.harmonics.refuse_too_few(self.time_samples)
+        if not self.groups:
+            raise ValueError("no elements: of a linear structure a `CubicSpring` of coefficient 0 makes a system")
         rows = np.concatenate([g.rows.ravel() for g in self.groups])
         if not np.array_equal(np.sort(rows), np.arange(self.free.n_relative)):
             raise ValueError(

@@ -2,13 +2,17 @@
 
 import numpy as np
 import pytest
-from support.peers import friction
+from support.peers import friction, one_degree_of_freedom
 
 from updamp.hbm.contact.coulomb_circle import CoulombCircle
+from updamp.hbm.contact.jenkins import Jenkins, JenkinsParameters
 from updamp.hbm.contact.jenkins_box import JenkinsBox
+from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
 from updamp.hbm.contact.law import ContactLaw
+from updamp.hbm.contact.springs import CubicParameters, CubicSpring
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.problem.elements import ElementGroup, element_forces, force_only
+from updamp.hbm.problem.system import NonlinearSystem
 
 
 @pytest.mark.parametrize(
@@ -31,3 +35,46 @@ def test_slipping_elements_have_forces_and_tangents_however_many_the_harmonics(l
     ahead, back = (force_only(group, x + sign * step, 100.0, harmonics, n_time) for sign in (1, -1))
     slope = forces.tangent[:, :, :, 1, harmonics.slices[1].start]
     np.testing.assert_allclose((ahead - back) / 2e-9, slope, atol=1e-4 * 3e4)
+
+
+@pytest.mark.parametrize(
+    ("entries", "said"),
+    [
+        ({"kn": np.zeros(1)}, r"kn = \[0.\] must be positive"),
+        ({"kt": np.zeros(1)}, r"kt = \[0.\] must be positive"),
+        ({"mu": np.full(1, -0.4)}, r"mu = \[-0.4\] must not be negative"),
+        ({"n0": np.full(1, np.nan)}, "n0 = .*not a number"),
+        ({"gap": np.zeros(2)}, r"gap has shape \(2,\); one entry for each of 1 elements"),
+        ({"mu": 0.4}, r"mu has shape \(\)"),
+    ],
+)
+@pytest.mark.parametrize("law", [JenkinsBox(), SampledJenkinsBox(), CoulombCircle()])
+def test_parameters_that_cannot_be_are_refused(law: ContactLaw, entries: dict[str, object], said: str) -> None:
+    """Without normal stiffness a box had never slipped, at any force; kt is divided by too."""
+    parameters = friction(1, 0.4, 1.0, 1.0, np.ones(1))._replace(**entries)
+    with pytest.raises(ValueError, match=said):
+        ElementGroup(law, parameters, np.arange(3)[None])
+
+
+@pytest.mark.parametrize("rows", [np.arange(3), np.arange(3)[:, None]])
+def test_rows_of_another_shape_are_refused(rows: np.ndarray) -> None:
+    with pytest.raises(ValueError, match=r"\(n_elements, 3\) is needed"):
+        ElementGroup(JenkinsBox(), friction(1, 0.4, 1.0, 1.0, np.ones(1)), rows)
+
+
+def test_a_load_that_hardly_varies_is_a_constant_one() -> None:
+    """What `kn` may be in place of 0: with 1e-12 of kt the box is Jenkins' element."""
+    harmonics, x = Harmonics((0, 1, 2, 3)), 2 * np.random.default_rng(0).normal(size=(1, 3, 7))
+    box = ElementGroup(SampledJenkinsBox(), friction(1, 0.4, 1.0, 1e-12, np.ones(1)), np.arange(3)[None])
+    one = ElementGroup(Jenkins(), JenkinsParameters(np.ones(1), np.full(1, 0.4)), np.zeros((1, 1), dtype=np.int64))
+    wanted = force_only(one, x[:, :1], 1.0, harmonics, 128)
+    np.testing.assert_allclose(force_only(box, x, 1.0, harmonics, 128)[:, :1], wanted, atol=1e-11)
+
+
+def test_a_system_needs_elements_and_samples_enough() -> None:
+    group = ElementGroup(CubicSpring(), CubicParameters(np.zeros(1)), np.array([[0]]))
+    free = one_degree_of_freedom(0.1, group, (0, 1), 8).free
+    with pytest.raises(ValueError, match="no elements"):
+        NonlinearSystem(free, (), Harmonics((0, 1)), 8)
+    with pytest.raises(ValueError, match="time_samples = 6: harmonic 3 needs more than 6"):
+        NonlinearSystem(free, (group,), Harmonics((1, 3)), 6)

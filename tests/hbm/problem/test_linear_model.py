@@ -78,3 +78,27 @@ def test_a_spring_of_no_stiffness_changes_nothing(chain):
 def test_unknown_point_names_those_there_are(chain):
     with pytest.raises(KeyError, match="tip"):
         truncated(*chain, 5).row("root")
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"K": np.array([[2.0, 1.0], [0.0, 2.0]])}, "K is not symmetric"),
+        ({"M": np.array([[1.0, 0.1], [0.0, 1.0]])}, "M is not symmetric"),
+        ({"C": np.eye(3)}, r"C has shape \(3, 3\)"),
+        ({"K": np.full((2, 2), np.nan)}, "K has entries that are not finite"),
+        ({"relative": np.array([1.0, 0.0])}, r"relative has shape \(2,\)"),
+        ({"points": {"tip": np.ones(3)}}, r"point 'tip' has shape \(3,\): \(2,\) is needed"),
+    ],
+)
+def test_matrices_that_cannot_be_are_refused(given, said):
+    """Of a K that is not symmetric one half was taken; one row given flat counted as two relative displacements."""
+    matrices = {"M": np.eye(2), "C": np.zeros((2, 2)), "K": 2 * np.eye(2), "relative": np.eye(1, 2), "points": {}}
+    with pytest.raises(ValueError, match=said):
+        from_matrices(**(matrices | given))
+
+
+def test_gyroscopic_damping_is_taken_whole():
+    M, K, C = np.eye(2), np.diag([2.0, 3.0]), np.array([[0.05, 0.6], [-0.6, 0.08]])
+    model, w = from_matrices(M, C, K, np.eye(2)), 1.3
+    np.testing.assert_allclose(model.receptance(w), np.linalg.inv(K - w**2 * M + 1j * w * C), atol=1e-14)

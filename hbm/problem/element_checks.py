@@ -1,0 +1,37 @@
+"""What a group of elements cannot be: said when it is made, not as an odd number or a foreign error later."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+# Laws divide by stiffnesses: a box law without normal stiffness had never slipped. A small one holds a load that does
+# not vary.
+_POSITIVE, _NOT_NEGATIVE = ("kt", "kn"), ("mu", "limit")
+
+
+def refuse_impossible(law: Any, parameters: Any, rows: Any) -> None:
+    """law: a `ContactLaw`; parameters, rows: as of `problem.elements.ElementGroup`
+
+    raises: ValueError naming what is wrong
+    """
+    name, shape = type(law).__name__, np.shape(rows)
+    if len(shape) != 2 or shape[1] != law.directions:
+        raise ValueError(f"{name}: rows of shape {shape}; (n_elements, {law.directions}) is needed, one row an element")
+    for entry, value in zip(type(parameters)._fields, parameters, strict=True):
+        _refuse_entry(f"{name}: {entry}", np.asarray(value), shape[0])
+        if entry in _POSITIVE and not np.all(np.asarray(value) > 0):
+            raise ValueError(f"{name}: {entry} = {_told(value)} must be positive; it may be small")
+        if entry in _NOT_NEGATIVE and not np.all(np.asarray(value) >= 0):
+            raise ValueError(f"{name}: {entry} = {_told(value)} must not be negative")
+
+
+def _refuse_entry(what: str, value: NDArray[Any], n_elements: int) -> None:
+    if value.ndim == 0 or len(value) != n_elements:
+        raise ValueError(f"{what} has shape {value.shape}; one entry for each of {n_elements} elements is needed")
+    if np.isnan(value).any():
+        raise ValueError(f"{what} = {_told(value)}: not a number")
+
+
+def _told(value: Any) -> str:
+    return np.array2string(np.asarray(value), precision=4, threshold=6)
