@@ -36,9 +36,9 @@ def shortcoming(curve: ResponseCurve, window: tuple[float, float], limits: Compl
     (low, high), allowed = window, limits.window * (window[1] - window[0])
     for end, reached in ((low, frequency.min()), (high, frequency.max())):
         if abs(min(max(reached, low), high) - end) > allowed:
-            return f"the window from {low:.4g} to {high:.4g} Hz is covered to {reached:.2f} Hz only"
+            return f"the window from {low:.4g} to {high:.4g} Hz is covered to {reached:.6g} Hz only"
     if abs(frequency[-1] - frequency[0]) < (high - low) / 2:
-        return f"the branch turned back and left the window where it had entered, at {frequency[-1]:.2f} Hz"
+        return f"the branch turned back and left the window where it had entered, at {frequency[-1]:.6g} Hz"
     response, size = curve.amplitudes(), np.abs(curve.receptance(point))
     top = int(size.argmax())
     if top in (0, len(size) - 1) or not low <= frequency[top] <= high:
@@ -51,7 +51,7 @@ def shortcoming(curve: ResponseCurve, window: tuple[float, float], limits: Compl
             continue
         if low <= ends.max() and ends.min() <= high:
             return (
-                f"the branch was not followed between {ends[0]:.2f} and {ends[1]:.2f} Hz, where the response changes "
+                f"the branch was not followed between {ends[0]:.6g} and {ends[1]:.6g} Hz, where the response changes "
                 f"by {change:.0%}"
             )
         outside = _left(low if ends.max() < low else high, (low, high))
@@ -61,7 +61,7 @@ def shortcoming(curve: ResponseCurve, window: tuple[float, float], limits: Compl
 def _largest_at_an_end(frequency: Floats, size: Floats, window: tuple[float, float]) -> str:
     """The resonance lies beyond that end; or it is another one's flank that stands there."""
     (low, high), at = window, frequency[size.argmax()]
-    said = f"the response is largest at {at:.2f} Hz, at or beyond the end of the window from {low:.4g} to {high:.4g} Hz"
+    said = f"the response is largest at {at:.6g} Hz, at or beyond the end of the window from {low:.4g} to {high:.4g} Hz"
     inner = 1 + np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:]))
     inner = inner[(low < frequency[inner]) & (frequency[inner] < high)]
     if not len(inner):
@@ -69,7 +69,7 @@ def _largest_at_an_end(frequency: Floats, size: Floats, window: tuple[float, flo
     within = frequency[inner[size[inner].argmax()]]
     remedy = f"{'raise the lower' if abs(at - low) < abs(at - high) else 'lower the upper'} end"
     return (
-        f"{said}, and has a maximum at {within:.2f} Hz within it: if that is the resonance meant, {remedy} of the "
+        f"{said}, and has a maximum at {within:.6g} Hz within it: if that is the resonance meant, {remedy} of the "
         "window until the flank of its neighbour is outside, else widen it"
     )
 

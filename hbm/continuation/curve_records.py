@@ -64,6 +64,8 @@ class CurveRequest:
     options: of its branches; assembly: of what is put together from them
     told: points whose peaks are told, the first observed one where none is named: a point is solved at the top of each,
         and whether the window holds the resonance is asked at the first
+
+    raises: ValueError for a window that does not rise from a positive frequency, a force that is not positive, no point
     """
 
     mode: str
@@ -74,6 +76,15 @@ class CurveRequest:
     options: ContinuationOptions = field(default_factory=ContinuationOptions)
     assembly: CurveOptions = field(default_factory=CurveOptions)
     told: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        (low, high), force = self.window, self.excitation.force
+        if not 0 < low < high < np.inf:
+            raise ValueError(f"window = {low:g} to {high:g} Hz: a lower and a higher frequency are needed, above 0")
+        if not 0 < force < np.inf:
+            raise ValueError(f"force = {force:g} N: a curve needs a positive one")
+        if not self.peaks_at:
+            raise ValueError("points: at least one is needed, at which the peak is told")
 
     @property
     def peaks_at(self) -> tuple[str, ...]:

@@ -48,7 +48,7 @@ class BranchSegment:
     def end_sentence(self) -> str:
         """Where and why it ended."""
         why = self.ended_by or "further points were not asked for (`CurveOptions.connecting`, `from_starts`)"
-        return f"at {self.last.frequency:.2f} Hz: {why}" if self.last is not None else why
+        return f"at {self.last.frequency:.6g} Hz: {why}" if self.last is not None else why
 
     def next_point(self) -> BranchPoint | None:
         """The next point, recorded; None where the segment has ended."""

@@ -59,7 +59,7 @@ class BranchStoppedError(RuntimeError):
     def __init__(self, frequency: float, error: float, status: Status, whose: str = "") -> None:
         self.frequency, self.error, self.status, self.whose = frequency, error, status, whose
         super().__init__(
-            f"{whose}{': ' if whose else ''}the branch stops at {frequency:.4f} Hz: {status.value}, residual "
+            f"{whose}{': ' if whose else ''}the branch stops at {frequency:.6g} Hz: {status.value}, residual "
             f"{error:.1e} of the displacement; {status.advice}"
         )
 

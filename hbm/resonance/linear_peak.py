@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from updamp.hbm.problem.small_amplitude import element_stiffness, modes_on, response_on
+from updamp.hbm.problem.small_amplitude import SmallAmplitude, element_stiffness, modes_on, response_on
 from updamp.hbm.resonance.resonance import ResonanceProblem, ResonanceState
 
 Complex = NDArray[np.complex128]
@@ -16,19 +16,13 @@ def linear_peak(
     """The linear response at its resonance in `window` [Hz]. Contacts that are open at rest stay so at small forces.
 
     mode_frequency: [Hz], the mode next to it is taken; by default the one that responds most
-    raises: ValueError where no mode lies in the window
+    raises: ValueError where no mode lies in the window, or the mode is not damped
     """
     system, n = problem.system, problem.system.free.n_relative
     near = float(np.mean(window))
     stiffness = element_stiffness(system.groups, n, near)
     modes = modes_on(system.free, stiffness, 2 * np.pi * near)
-    inside = np.flatnonzero((window[0] <= modes.frequencies) & (modes.frequencies <= window[1]))
-    if not len(inside):
-        lowest = ", ".join(f"{f:.4g}" for f in modes.frequencies[:6])
-        raise ValueError(
-            f"no mode between {window[0]:g} and {window[1]:g} Hz at forces so small that nothing slips or opens; the "
-            f"lowest are {lowest} Hz"
-        )
+    asked_for = _modes_asked_for(modes, window, mode_frequency)
 
     def response(w: float) -> Complex:
         return response_on(system.free, stiffness, w, problem.excited)
@@ -36,10 +30,7 @@ def linear_peak(
     def size(w: float) -> float:
         return float(abs(response(w)[problem.observed]))
 
-    if mode_frequency is None:
-        mode = max(inside.tolist(), key=lambda i: size(2 * np.pi * float(modes.frequencies[i])))
-    else:
-        mode = min(inside.tolist(), key=lambda i: abs(modes.frequencies[i] - mode_frequency))
+    mode = max(asked_for, key=lambda i: size(2 * np.pi * float(modes.frequencies[i])))
     middle = 2 * np.pi * float(modes.frequencies[mode])
     width = middle * max(modes.loss_factor(mode), 1e-6)  # between the half-power points
     bounds = (middle - 2 * width, middle + 2 * width)
@@ -48,3 +39,22 @@ def linear_peak(
     z = np.zeros((n, system.harmonics.n_coefficients))
     system.harmonics.set_amplitude(z, 1, at_peak[:n])
     return ResonanceState(z, w, log_force, float(np.angle(at_peak[problem.observed])))
+
+
+def _modes_asked_for(modes: SmallAmplitude, window: tuple[float, float], mode_frequency: float | None) -> list[int]:
+    """Numbers of the modes in the window, or of the one next to a frequency [Hz]."""
+    inside = np.flatnonzero((window[0] <= modes.frequencies) & (modes.frequencies <= window[1])).tolist()
+    if not inside:
+        lowest = ", ".join(f"{f:.4g}" for f in modes.frequencies[:6])
+        raise ValueError(
+            f"no mode between {window[0]:g} and {window[1]:g} Hz at forces so small that nothing slips or opens; the "
+            f"lowest are {lowest} Hz"
+        )
+    if mode_frequency is not None:
+        inside = [min(inside, key=lambda i: abs(modes.frequencies[i] - mode_frequency))]
+    for undamped in (i for i in inside if not modes.loss_factor(i) > np.finfo(float).eps):
+        raise ValueError(
+            f"the mode at {modes.frequencies[undamped]:.6g} Hz has no damping at forces so small that nothing slips or "
+            "opens: its resonance has no height to begin at; give the structure some"
+        )
+    return inside

@@ -69,7 +69,7 @@ class ResonanceStoppedError(Exception):
 
     def __init__(self, solution: ResonanceSolution, status: Status) -> None:
         self.force, self.frequency, self.status, self.error = solution.force, solution.frequency, status, solution.error
-        where = f"the resonance stops at {self.force:.4g} N, {self.frequency:.4f} Hz: {status.value}"
+        where = f"the resonance stops at {self.force:.4g} N, {self.frequency:.6g} Hz: {status.value}"
         solved = status is Status.NO_MAXIMUM  # the point is, and is not what is looked for
         super().__init__(
             f"{where}; {status.advice}"

@@ -212,13 +212,14 @@ def test_a_neighbours_flank_at_the_end_of_the_window_is_told_from_a_resonance_be
     system, request = linear_oscillator()
     *_, whole = trace(system, request)
     assert shortcoming(whole, WINDOW, CompletenessLimits(), "mass") == ""
-    top, at = np.abs(whole.receptance("mass")).max(), whole.peak("mass")[0]
+    size = np.abs(whole.receptance("mass"))
+    top, at = size.max(), whole.frequency[size.argmax()]
     end = whole.frequency.max() if mirrored else whole.frequency.min()
     flank = 2 * top * np.exp(-np.abs(whole.frequency - end) / (0.05 * np.ptp(WINDOW)))
     factor = 1 + flank / np.abs(whole.receptance("mass"))
     beside = replace(whole, response=whole.response * factor[:, np.newaxis, np.newaxis])
     said = shortcoming(beside, WINDOW, CompletenessLimits(), "mass")
-    assert f"a maximum at {at:.2f} Hz within it" in said
+    assert f"a maximum at {at:.6g} Hz within it" in said
     assert remedy in said
 
 
@@ -272,3 +273,31 @@ def test_half_width_does_not_depend_on_where_the_points_lie(offset):
     phase = np.union1d(np.arange(-1.4, 1.4, 0.2) + 0.2 * offset, 0.0)
     frequency = 1 + ratio * np.tan(phase)
     assert half_width(frequency, np.cos(phase)) == pytest.approx(ratio, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"window": WINDOW[::-1]}, "a lower and a higher frequency are needed"),
+        ({"window": (0.1, 0.1)}, "a lower and a higher frequency are needed"),
+        ({"window": (0.0, 0.1)}, "above 0"),
+        ({"window": (np.nan, 0.1)}, "window = nan to 0.1 Hz"),
+        ({"force": 0.0}, "force = 0 N"),
+        ({"force": -1.0}, "force = -1 N"),
+        ({"force": np.nan}, "force = nan N"),
+        ({"points": ()}, "points: at least one"),
+    ],
+)
+def test_what_no_curve_can_be_asked_for_is_refused(given, said):
+    _, request = linear_oscillator()
+    force = {"excitation": replace(request.excitation, force=given["force"])} if "force" in given else {}
+    with pytest.raises(ValueError, match=said):
+        replace(request, **({key: value for key, value in given.items() if key != "force"} | force))
+
+
+def test_a_low_frequency_is_told_with_its_digits():
+    """Of a slow structure two decimals say nothing."""
+    system, request = linear_oscillator()
+    *_, curve = trace(system, replace(request, window=(1e-3, 2e-3)))
+    assert "is largest at 0.002" in curve.stopped
+    assert "from 0.001 to 0.002 Hz" in curve.stopped

@@ -305,3 +305,10 @@ def test_a_resonance_begins_with_contacts_as_they_are_at_rest():
     assert at.frequency[:2] == pytest.approx(1 / 2 / np.pi, rel=1e-4), "amplitudes of 0.1 and 0.9 of the gap"
     assert np.abs(at.receptance[:2]) == pytest.approx(100, rel=1e-4), "1 / c"
     assert at.frequency[2] > 1.05 * at.frequency[0], "the contact closes"
+
+
+def test_a_mode_without_damping_has_no_resonance_to_begin_at():
+    group = ElementGroup(CubicSpring(), CubicParameters(np.ones(1)), np.array([[0]]))
+    request = ResonanceRequest("1", "mass", "mass", DUFFING_WINDOW, (0.1,), MaximumResonance())
+    with pytest.raises(ValueError, match="has no damping"):
+        whole_resonance(one_degree_of_freedom(0.0, group, (1, 3), 64), request)
