@@ -59,6 +59,9 @@ class UnilateralParameters(NamedTuple):
 
 @dataclass(frozen=True)
 class UnilateralSpring:
+    """Contact counts from the next sample on, as other codes have it: coefficients jump with the amplitude, and a curve
+    has dozens of small folds where a sample comes into contact. `stops.Stop` is the same spring without them."""
+
     parameters: ClassVar[type] = UnilateralParameters
     directions: ClassVar[int] = 1
     rate_dependent: ClassVar[bool] = False

@@ -1,9 +1,9 @@
 """Trace a response curve: continuation, with what is to be kept of every point.
 
-Most curves are one segment, from one end of the window to the other. Where that one stops, or winds for long, the
-curve is traced from the other end too, until the two meet; where they do not, from further starts between their ends,
-in both directions (hbm/continuation/pieces.py). What is found on the way and is no part of the branch is kept beside it
-(hbm/continuation/detached.py).
+Most curves are one segment, from one end of the window to the other. Where that one stops, or winds for long, or where
+another solution is at the other end, the curve is traced from there too, until the two meet; where they do not, from
+further starts between their ends, in both directions (hbm/continuation/pieces.py). What is found on the way and is no
+part of the branch is kept beside it (hbm/continuation/detached.py).
 """
 
 import time
@@ -11,15 +11,20 @@ from collections import deque
 from collections.abc import Iterator
 from dataclasses import replace
 
+import numpy as np
+
+from updamp.hbm.continuation.branch import point_at
 from updamp.hbm.continuation.completeness import shortcoming
 from updamp.hbm.continuation.curve_records import CurveRequest, put_together
 from updamp.hbm.continuation.detached import apart, middle, missing, within
 from updamp.hbm.continuation.extremes import with_extremes_solved
 from updamp.hbm.continuation.half_problem import HalfProblem
-from updamp.hbm.continuation.pieces import Pieces
+from updamp.hbm.continuation.pieces import BranchSegment, Pieces
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.continuation.segments import from_end, segment_from
 from updamp.hbm.continuation.starts import starts
+from updamp.hbm.newton.equation import linear_solution
+from updamp.hbm.newton.newton import solve
 from updamp.hbm.problem.system import NonlinearSystem
 
 __all__ = ["CurveRequest", "trace", "whole_curve"]
@@ -72,6 +77,8 @@ def _advances(system: NonlinearSystem, request: CurveRequest, pieces: Pieces, st
         if pieces.advance(pieces.first):
             yield
     yield from _from_both_ends(request, pieces)
+    if pieces.connected and pieces.second.active and not _is_other_end(system, request, pieces.first):
+        yield from _from_other_end(request, pieces)
     yield from _from_further_starts(system, request, pieces, started)
 
 
@@ -86,6 +93,29 @@ def _from_both_ends(request: CurveRequest, pieces: Pieces) -> Iterator[None]:
                 # points up to where a segment turns back are not counted: that is as far as a sweep goes
                 left -= segment.last is not segment.furthest and _covered(pieces)
                 yield
+
+
+def _is_other_end(system: NonlinearSystem, request: CurveRequest, segment: BranchSegment) -> bool:
+    """Whether the solution from which a curve would begin at the other end of the window is on this segment, which has
+    left there. The stuck response alone is tried: where none is found from it, it is not known."""
+    w = 2 * np.pi * request.window[1 if segment.sign > 0 else 0]
+    guess = linear_solution(system, w, request.excitation)
+    solution = solve(system, request.excitation, guess, w, request.options.persistent)
+    if not solution.converged or segment.traced is None:
+        return True
+    direction = (0 * solution.x, segment.sign)
+    point = point_at(solution, request.excitation, request.options.scale_w(request.window), direction, 0.0)
+    return segment.traced.chord_at(point, point.metric, np.inf) is not None
+
+
+def _from_other_end(request: CurveRequest, pieces: Pieces) -> Iterator[None]:
+    """The second segment, until it has ended: by another branch, or by one beyond the window, it comes in where the
+    first one has left."""
+    for _ in range(request.assembly.connecting):
+        if not pieces.second.active:
+            return
+        if pieces.advance(pieces.second):
+            yield
 
 
 def _covered(pieces: Pieces) -> bool:

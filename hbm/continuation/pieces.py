@@ -153,9 +153,13 @@ class Pieces:
 
     @property
     def connected(self) -> bool:
-        """Whether one chain leads from one end of the window to the other."""
-        last = self._chain(self.first)[-1]
-        return last.segment is self.second or last.segment.left_at == self.first.sign
+        """Whether one chain leads from one end of the window to the other, and nothing that comes in where it leaves
+        goes out there again: that may be the same branch."""
+        last = self._chain(self.first)[-1].segment
+        if last is self.second:
+            return True
+        comes_back = self.second.left_at == self.first.sign and self.second not in self._known
+        return last.left_at == self.first.sign and not comes_back
 
     def open_ends(self) -> Sequence[BranchSegment]:
         """The segments at which the chains from both ends of the window stop; none where they are one."""
