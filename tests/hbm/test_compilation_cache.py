@@ -28,7 +28,8 @@ p = FrictionParameters(one, one, one, one, np.zeros((2, 2)), 0 * one)
 x = np.random.default_rng(1).normal(size=(2, 3, 2))
 joint = IwanParameters(one, 0.5 * one, 0 * one)  # of the laws that numba compiles the one that takes least
 for law, of, motion in ((CoulombCircle(2), p, x), (IwanMicroslip(2), joint, 1e-5 * x[:, :1])):
-    print(force_only(ElementGroup(law, of, None), motion, 1.0, Harmonics((1,)), 16).tobytes().hex())
+    rows = np.arange(motion[..., 0].size).reshape(motion.shape[:2])
+    print(force_only(ElementGroup(law, of, rows), motion, 1.0, Harmonics((1,)), 16).tobytes().hex())
 print(len(hits), sum(iwan.force_with_tangent.stats.cache_hits.values()))
 """
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support.peers import one_degree_of_freedom, solved
 
-from updamp.hbm.contact.iwan import IwanMicroslip
+from updamp.hbm.contact.iwan import IwanMicroslip, IwanParameters
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
 from updamp.hbm.continuation.curve import CurveRequest, trace
 from updamp.hbm.continuation.sweeps import turning_points
@@ -83,7 +83,8 @@ def test_a_motion_that_too_few_harmonics_made_moves():
 
 def test_a_law_that_is_not_written_for_a_march_is_said_not_to_be_checked(hardening):
     system, excitation, curve = hardening
-    unknown = replace(system, groups=(ElementGroup(IwanMicroslip(), None, np.array([[0]])),))
+    joint = IwanParameters(np.ones(1), np.full(1, 0.5), np.zeros(1))
+    unknown = replace(system, groups=(ElementGroup(IwanMicroslip(), joint, np.array([[0]])),))
     found = marched_peak(unknown, excitation, curve, "mass")
     assert found.verdict == Verdict.NOT_CHECKED
     assert found.sentence == "not checked: the law IwanMicroslip is not written for marching in time"
