@@ -149,7 +149,8 @@ def test_an_element_at_a_point_that_sticks_is_a_spring(model):
 
 
 def test_entries_that_are_new_join_the_parameters_and_travel_between_processes(model):
-    changed = model.with_contacts(ViscousFilm.modify(model.contacts.law), viscosity=np.ones(36), mu=np.zeros(36))
+    n = len(model.contacts.rows)
+    changed = model.with_contacts(ViscousFilm.modify(model.contacts.law), viscosity=np.ones(n), mu=np.zeros(n))
     assert changed.contacts.parameters._fields[-1] == "viscosity"
     assert isinstance(changed.contacts.parameters, changed.contacts.law.parameters)
     np.testing.assert_array_equal(changed.contacts.parameters.mu, 0)
