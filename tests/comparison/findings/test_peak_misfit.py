@@ -56,8 +56,8 @@ def changed(plan: Plan, change: Callable[[Observations], np.ndarray]) -> Plan:
 
 @pytest.mark.parametrize("points", [7, 11, 21])
 def test_few_points_are_read_alike_wherever_they_lie_about_the_top(branches, points: int) -> None:
-    """Exact runs of the very model, half a point to three in a half-width: by points about its own top it was read 6 % off
-    them in height, and what the phase tells of the damping at some of the offsets alone."""
+    """Exact runs of the very model, half a point to three in a half-width: by points about its own top it was read 6 %
+    off them in height, and what the phase tells of the damping at some of the offsets alone."""
     for test, branch in enumerate(branches):
         step = float(np.ptp(WINDOW)) / (points - 1)
         for offset in np.linspace(-0.5, 0.5, 7) * step:
