@@ -149,7 +149,7 @@ def compare(
     out: File,
     mesh: str = "full",
     *,
-    finer: Sequence[str] = (),
+    finer: Sequence[str] | None = None,
     jobs: int = 1,
     quiet: bool = False,
 ) -> ComparisonResult:
@@ -157,7 +157,8 @@ def compare(
     fitted within its bounds, then every misfit beyond the scatter is told. Writes comparison.json and report.html.
 
     rig, measurement: files; out: folder for all that is written; that of a run, to use its stages
-    mesh: preset of the rig file; finer: presets with finer meshes: what they change counts as numerical error
+    mesh: preset of the rig file; finer: presets with finer meshes or more contact elements: what they change counts as
+        numerical error; by default the next finer ones of the rig file, () for none
     jobs: processes; with more than one, a script must call this under `if __name__ == "__main__":`
     quiet: no progress on the terminal
     raises: RigError, MeasurementError, ValueError: naming file, value and remedy
@@ -165,7 +166,7 @@ def compare(
     from updamp.workflow.compare_run import CompareFiles, run_compare
 
     files = CompareFiles(_path(rig, "rig"), _path(measurement, "measurement"), _path(out, "out"))
-    comparison, _ = run_compare(files, mesh, jobs, Console(quiet=quiet), tuple(finer))
+    comparison, _ = run_compare(files, mesh, jobs, Console(quiet=quiet), _presets(finer))
     return ComparisonResult(comparison, files.report)
 
 
@@ -176,7 +177,7 @@ def diagnose(
     out: File,
     mesh: str = "full",
     *,
-    finer: Sequence[str] = (),
+    finer: Sequence[str] | None = None,
     held_out: Sequence[str] | None = None,
     held_out_modes: Sequence[str] = (),
     own_effects: Sequence[File] = (),
@@ -203,7 +204,7 @@ def diagnose(
 
     files = CompareFiles(_path(rig, "rig"), _path(measurement, "measurement"), _path(out, "out"))
     options = DiagnoseOptions(
-        finer=tuple(finer), held_out=None if held_out is None else tuple(held_out),
+        finer=_presets(finer), held_out=None if held_out is None else tuple(held_out),
         held_out_modes=tuple(held_out_modes), own=tuple(_path(file, "own_effects") for file in own_effects),
         jobs=jobs, scheduler=scheduler, report=report, next_measurement=next_measurement,
         criteria=criteria or Criteria(),
@@ -244,6 +245,10 @@ def _path(value: Any, name: str) -> Path:
     if not isinstance(value, str | PathLike):
         raise ValueError(f"{name}: a {type(value).__name__} was given; give the path of a file or folder")
     return Path(value)
+
+
+def _presets(finer: Sequence[str] | None) -> tuple[str, ...] | None:
+    return None if finer is None else tuple(finer)
 
 
 def _window(model: Model, window: str | tuple[float, float]) -> tuple[str, tuple[float, float]]:

@@ -14,6 +14,7 @@ from updamp.commands.shared import (
     Mesh,
     OutOfRun,
     RigFile,
+    chosen_finer,
     chosen_jobs,
     chosen_mesh,
     clean_errors,
@@ -40,6 +41,7 @@ def compare(
     with clean_errors(debug), interruptible():
         one_thread()
         # On call: JAX takes seconds to load, and has to find the number of threads stated.
+        from updamp.comparison.comparison import MOVED_BY_NUMERICS
         from updamp.hbm.compilation_cache import keep_compiled
         from updamp.report.sections.calibration import far_calibrated
         from updamp.report.sections.outcome import verdict_sentence
@@ -48,8 +50,10 @@ def compare(
         keep_compiled()
         console = Console()
         files = CompareFiles(rig, measurement, out)
-        comparison, _ = run_compare(files, chosen_mesh(rig, mesh), chosen_jobs(jobs), console, tuple(finer or ()))
+        comparison, _ = run_compare(files, chosen_mesh(rig, mesh), chosen_jobs(jobs), console, chosen_finer(finer))
         console.print(Text.assemble(("verdict   ", "yellow"), verdict_sentence(comparison)), soft_wrap=True)
+        if moved := comparison.provenance.get(MOVED_BY_NUMERICS):
+            console.print(Text.assemble(("numerics  ", "yellow"), f"{MOVED_BY_NUMERICS}: {moved}"), soft_wrap=True)
         if far := far_calibrated(comparison):
             console.print(Text.assemble(("calibrated", "yellow"), f" {far}"), soft_wrap=True)
         for finding in comparison.findings:

@@ -14,6 +14,7 @@ from updamp.commands.shared import (
     Mesh,
     OutOfRun,
     RigFile,
+    chosen_finer,
     chosen_jobs,
     chosen_mesh,
     clean_errors,
@@ -87,7 +88,7 @@ def diagnose(
         held_out, modes = tuple(hold_out) if hold_out else None, tuple(hold_out_mode or ())
         own, workers = tuple(effect or ()), chosen_jobs(jobs)
         options = DiagnoseOptions(
-            tuple(finer or ()), held_out, modes, own, workers, scheduler, next_measurement=next_measurement
+            chosen_finer(finer), held_out, modes, own, workers, scheduler, next_measurement=next_measurement
         )
         files, console = CompareFiles(rig, measurement, out), Console()
         verdict = search_effects(files, chosen_mesh(rig, mesh), options, console)

@@ -3,7 +3,7 @@
 import errno
 import shlex
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
@@ -41,7 +41,11 @@ Jobs = Annotated[
 ]
 Finer = Annotated[
     list[str] | None,
-    typer.Option(help="Preset with a finer mesh: what it changes counts as numerical error. May be repeated."),
+    typer.Option(
+        help="Preset with a finer mesh or more contact elements: what it changes counts as numerical error. "
+        "May be repeated; `none` for none.",
+        show_default="the next finer ones of the rig file",
+    ),
 ]
 OutOfRun = Annotated[Path, out_option("Folder for all that is written; that of a run, to use its model.")]
 OutOfStudy = Annotated[Path | None, out_option("Folder for all that is written.", "`out` of the study file")]
@@ -64,6 +68,13 @@ def chosen_mesh(rig: Path, mesh: str | None) -> str:
 
     presets = getattr(load_any(rig), "mesh", {})
     return mesh if mesh is not None else next(iter(presets), "")
+
+
+def chosen_finer(finer: Sequence[str] | None) -> tuple[str, ...] | None:
+    """Presets that are asked for; None for the next finer ones of the rig file"""
+    if not finer:
+        return None
+    return tuple(name for name in finer if name != "none")
 
 
 def chosen_jobs(jobs: int | None) -> int:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from updamp.comparison.comparison import (
     LACK_OF_FIT,
+    MOVED_BY_NUMERICS,
     Calibrated,
     Comparison,
     FeatureComparison,
@@ -22,6 +23,7 @@ from updamp.comparison.findings.unlike_repeats import unlike_repeats
 from updamp.comparison.fit.calibration import calibration
 from updamp.comparison.fit.compared import compare_at, predict_branches
 from updamp.comparison.fit.fit import Fit
+from updamp.comparison.fit.moved_by_numerics import moved_frequencies
 from updamp.comparison.fit.noise_by_amplitude import with_noise_of_sensors
 from updamp.comparison.fit.numerical_gate import apply_numerical_gate, starting_at
 from updamp.comparison.fit.observations import Plan, plan_of
@@ -124,7 +126,7 @@ def comparison_of(
     names = {channel.point: channel.name for channel in measurement.channels}
     of_tests, of_model = measured_backbones(plan, names), model_backbones(plan, names, after)
     first_order = misfits(fitted, plan, [damping_share(b, loss_factor) for b in after])
-    repeats, by_chance = of_repeats(fitted, plan), lack_of_fit(fitted, plan)
+    repeats = of_repeats(fitted, plan)
     found = all_findings(fitted, plan, after, first_order, names, of_tests, of_model, repeats)
     return Comparison(
         title=measurement.title,
@@ -143,12 +145,18 @@ def comparison_of(
         parameters=len(fitted.u),
         contact_states=_states_of_tests(fitted, plan, after),
         assumptions=measurement.stated,
-        provenance={**(provenance or {}), "calibration": fitted.message, LACK_OF_FIT: f"{by_chance:.3g}"},
+        provenance={**(provenance or {}), **_provenance(fitted, plan)},
         level_unit=plan.conditions[0].unit,
         response_unit=measurement.units[0],
         force_unit=measurement.units[1],
         unlike_repeats=unlike_repeats(fitted.compared, repeats, plan),
     )
+
+
+def _provenance(fitted: Fit, plan: Plan) -> dict[str, str]:
+    moved = moved_frequencies(fitted.parametrisation.numerics, plan)
+    by_chance = {"calibration": fitted.message, LACK_OF_FIT: f"{lack_of_fit(fitted, plan):.3g}"}
+    return {**({MOVED_BY_NUMERICS: moved} if moved else {}), **by_chance}
 
 
 def _of_features(

@@ -5,6 +5,7 @@ The mean squared misfit is chi-square over the number of measured values: 1 is w
 
 from dataclasses import dataclass, field
 
+import numpy as np
 from scipy.stats import norm
 
 from updamp.comparison.fit.failing_model import Freedom
@@ -34,9 +35,9 @@ class SearchEffort:
 
 @dataclass(frozen=True)
 class Criteria:
-    """chance: probability with which a model that lacks nothing is as far off as one that is said to fail, and a
-        calibrated parameter, a drift or a gain as far from what is stated as one that is said to be in the way of a
-        verdict; one in 370, three deviations of a normal distribution
+    """chance: probability with which a model that lacks nothing is as far off as one that is said to fail, and any of
+        its calibrated parameters, drifts and gains as far from what is stated as one that is said to be in the way of
+        a verdict; one in 370, three deviations of a normal distribution
     doubtful: likewise, from where on more is looked for than what has been found
     visibility: share of an effect's signature that the nuisance parameters cannot imitate, below which it is not
         looked for
@@ -59,14 +60,16 @@ class Criteria:
     cosine: float = 0.9
     search: SearchEffort = field(default_factory=SearchEffort)
 
-    @property
-    def calibration(self) -> float:
-        """Prior deviations that are exceeded, to either side, with the probability `chance`."""
-        return float(norm.isf(self.chance / 2))
+    def calibration(self, values: int) -> float:
+        """Prior deviations that any of so many independent values exceeds, to either side, with the probability
+        `chance`: 3 of one, 3.9 of thirty (Z. Sidak, J. Am. Stat. Assoc. 62 (1967) 626)."""
+        of_each = -np.expm1(np.log1p(-self.chance) / values)
+        return float(norm.isf(of_each / 2))
 
-    def is_far_off(self, deviations: float) -> bool:
-        """Whether nobody would believe what is so many prior deviations from where it was stated to be."""
-        return abs(deviations) >= self.calibration
+    def is_far_off(self, deviations: float, values: int) -> bool:
+        """Whether nobody would believe that the farthest of so many values is so many prior deviations from where it
+        was stated to be."""
+        return abs(deviations) >= self.calibration(values)
 
     def fails(self, misfit: float, freedom: Freedom) -> bool:
         """Whether a mean squared misfit is no chance; never of no values (nan)."""

@@ -81,6 +81,7 @@ class Evidence:
     independent, unseen_independent: values that count of their own for what the model lacks, of the runs of the fit and
         of the rest; as_many: how many values count as one of these; noise_freedom: degrees of freedom of the sensors'
         noise, infinite where it is stated
+    stated: how many calibrated parameters, drifts and gains there are, of which one stands farthest
     if_runs_drift: where that describes the data and no single effect does
     """
 
@@ -99,6 +100,7 @@ class Evidence:
     unseen_independent: float = 0.0
     as_many: float = 1.0
     noise_freedom: float = float("inf")
+    stated: int = 1
     if_runs_drift: IfRunsDrift | None = None
 
     @property

@@ -1,5 +1,6 @@
 """How large a rig's problems are: unknowns, memory and time of each mesh preset, before anything is meshed."""
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from updamp.rig.rig import MeshDivisions, Rig
@@ -85,6 +86,24 @@ def size_of(rig: Rig, preset: str) -> Size:
         samples=balance.time_samples * balance.cycles,
         contacts=mesh.contact_elements,
     )
+
+
+def finer_presets(rig: Rig, preset: str) -> tuple[str, ...]:
+    """What tells the numerical error of a preset: of those of the rig file that are nowhere coarser the smallest with a
+    finer mesh and the smallest with more contact elements, which may be one; none where there are none."""
+
+    def smallest(wanted: Callable[[MeshDivisions], bool]) -> Iterator[str]:
+        found = [name for name, mesh in rig.mesh.items() if _nowhere_coarser(mesh, here) and wanted(mesh)]
+        yield from sorted(found, key=lambda name: (size_of(rig, name).unknowns, rig.mesh[name].contact_elements))[:1]
+
+    here = rig.mesh[preset]
+    of_mesh = smallest(lambda mesh: mesh.model_copy(update={"contact_elements": here.contact_elements}) != here)
+    of_contacts = smallest(lambda mesh: mesh.contact_elements > here.contact_elements)
+    return tuple(dict.fromkeys((*of_mesh, *of_contacts)))
+
+
+def _nowhere_coarser(mesh: MeshDivisions, than: MeshDivisions) -> bool:
+    return all(getattr(mesh, name) >= divisions for name, divisions in than.model_dump().items())
 
 
 def _blade_section(mesh: MeshDivisions) -> tuple[int, int]:

@@ -25,6 +25,7 @@ from updamp.report.markup import drawn_units
 from updamp.report.page import write_report
 from updamp.rig.questions import questions
 from updamp.rig.rig import Rig
+from updamp.rig.size import finer_presets
 from updamp.workflow import stages
 from updamp.workflow.history import record_comparison
 from updamp.workflow.measured_against_model import another_pull, measured_against_model, unknown_modes
@@ -34,6 +35,8 @@ from updamp.workflow.response_files import matlab_name
 from updamp.workflow.run import Run
 from updamp.workflow.run_options import RunOptions
 
+NUMERICAL_ERROR = "numerical error asked of"
+NO_FINER = "no finer preset: what a finer mesh and more contact elements would change counts as misfit"
 ASKED_FIRST = "answer this first: calibration and searches make up for it, and what they find may be nothing else"
 
 
@@ -59,13 +62,14 @@ def run_compare(
     preset: str,
     workers: int,
     console: Console,
-    finer: Sequence[str] = (),
+    finer: Sequence[str] | None = None,
     options: CompareOptions | None = None,
 ) -> tuple[Comparison, Fit | None]:
     """Build the model where it is not there yet, compare, write both files.
 
     workers: processes at most; the numbers do not depend on it
-    finer: presets of finer meshes; what each changes counts as numerical error
+    finer: presets of finer meshes; what each changes counts as numerical error; None for the next finer ones of the rig
+        file (`finer_presets`)
 
     raises: RigError, MeasurementError and what the stages raise, naming what to mend
     """
@@ -118,7 +122,7 @@ class ComparisonInputs:
 
 
 def comparison_inputs(
-    files: CompareFiles, preset: str, workers: int, display: Display, finer: Sequence[str]
+    files: CompareFiles, preset: str, workers: int, display: Display, finer: Sequence[str] | None = None
 ) -> ComparisonInputs:
     """The model, built where it is not there yet, and the measurement.
 
@@ -134,23 +138,37 @@ def comparison_inputs(
     return replace(inputs, measurement=replace(inputs.measurement, questions=asked)) if asked else inputs
 
 
-def _of_rig(files: CompareFiles, preset: str, workers: int, display: Display, finer: Sequence[str]) -> ComparisonInputs:
+def _of_rig(
+    files: CompareFiles, preset: str, workers: int, display: Display, finer: Sequence[str] | None
+) -> ComparisonInputs:
     rig = load_rig(files.rig)
     measurement = load_measurement(files.measurement, _points(), rig.name)
     about_runs = (*unknown_modes(measurement, tuple(rig.study.modes)), *another_pull(measurement, rig.load.pull))
     measurement = replace(measurement, questions=(*questions(rig), *about_runs))
     run = Run(rig, RunOptions(preset, files.out, workers, check=False, until=stages.STATIC_CONTACT), display)
     make_folder(files.out)
+    runs = _finer_runs(rig, preset, files.out, workers, display, finer) if measurement.runs else {}
     model, free_frequency = _model(run)
     features = _features(files, rig, measurement, preset, workers, display, free_frequency)
-    finer_models = {}
-    for name in dict.fromkeys(finer):
-        folder = files.out / name
-        again = Run(rig, RunOptions(name, folder, workers, check=False, until=stages.STATIC_CONTACT), display)
-        finer_models[name] = _model(again)[0]
+    finer_models = {name: _model(again)[0] for name, again in runs.items()}
     return ComparisonInputs(
         model, measurement, features, preset, rig.name, rig.state, finer_models, resolved(rig.effects)
     )
+
+
+def _finer_runs(
+    rig: Rig, preset: str, out: Path, workers: int, display: Display, finer: Sequence[str] | None
+) -> dict[str, Run]:
+    """By preset; raises: ValueError where memory does not hold one"""
+    if not (names := finer_presets(rig, preset) if finer is None else tuple(dict.fromkeys(finer))):
+        display.note("check", NO_FINER)
+    options = {n: RunOptions(n, out / n, workers, check=False, until=stages.STATIC_CONTACT) for n in names}
+    try:
+        return {name: Run(rig, each, display) for name, each in options.items()}
+    except ValueError as error:
+        if finer is not None:
+            raise
+        raise ValueError(f"{error}\nor, without what tells the numerical error: --finer none") from None
 
 
 def _of_modal_rig(files: CompareFiles) -> ComparisonInputs:
@@ -255,6 +273,7 @@ def provenance_of(files: CompareFiles, inputs: ComparisonInputs, preset: str) ->
         "rig file": str(files.rig),
         "measurement": str(files.measurement),
         **of_mesh,
+        **({NUMERICAL_ERROR: ", ".join(("more harmonics and time samples", *inputs.finer))} if inputs.mesh else {}),
         **effects,
         "updamp": version("updamp"),
         **hashes,

@@ -49,7 +49,8 @@ _RUNS = 6
 
 @dataclass(frozen=True)
 class DiagnoseOptions:
-    """finer: presets of finer meshes; held_out: names of runs that no fit sees, None for one level of each mode
+    """finer: presets of finer meshes, None for the next finer ones of the rig file
+    held_out: names of runs that no fit sees, None for one level of each mode
     held_out_modes: modes of which no fit sees a run; with any, only the levels in `held_out` are held out besides
     own: files of the user's own effects, looked for too
     jobs: processes; scheduler: address of a Dask scheduler whose workers trace branches and run fits, "" for this
@@ -58,7 +59,7 @@ class DiagnoseOptions:
         run that tells explanations apart, for the report
     """
 
-    finer: tuple[str, ...] = ()
+    finer: tuple[str, ...] | None = None
     held_out: tuple[str, ...] | None = None
     held_out_modes: tuple[str, ...] = ()
     own: tuple[Path, ...] = ()

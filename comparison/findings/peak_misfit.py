@@ -159,15 +159,14 @@ def _of_test(
 ) -> _Test:
     made = [o for o in runs if o is not None]
     swept = swept_branch(branch, made, sensors[0])
-    model = swept.tops(sensors)
     directions, rows = _statements(test, branch, sensors)
     logs, damping = np.full((len(runs), len(rows)), np.nan), np.full((len(runs), len(sensors)), np.nan)
     for i, o in enumerate(runs):
         if o is not None:
-            measured = tops_of_run(o, sensors)
+            measured, model = tops_of_run(o, sensors), swept.tops_as_measured(o, sensors)
             logs[i] = rows @ (model.value + swept.by_drive(o, sensors) - measured.value)
             damping[i] = np.log(model.loss_factor / measured.loss_factor)
-    half_width = swept.half_width(sensors[int(np.argmax(model.value[len(sensors) :]))])
+    half_width = swept.half_width(sensors[int(np.argmax(swept.tops(sensors)[len(sensors) :]))])
     common, by_parameter, own = _scatter(fit, swept, sensors, made, half_width)
     of_one = len(sensors) / max(len(sensors) - 1, 1)
     unit = {FREQUENCY: half_width / _STEEPEST, AMPLITUDE: 1.0, SENSOR: of_one}

@@ -1,8 +1,14 @@
 """Tops read off measured runs and off the model in the same way: frequency, height, damping where the phase
-shows it."""
+shows it.
+
+A parabola through five points that are a third of a half-width apart is off by several percent of the height, and by
+how much depends on where the points lie about the top. So the model is read at the frequencies of the run, shifted
+until its top lies among them where the run's does: what the reading is off by is then the same in both.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +17,14 @@ from updamp.comparison.findings.backbone import half_power_frequency, highest, r
 from updamp.comparison.fit.matching import by_drive
 from updamp.comparison.fit.observations import Observations
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
+from updamp.hbm.continuation.sweeps import sweep
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 _PLACES = 2000  # looked at along a branch
+_FEWEST = 5  # points that damping is read off
+_ROUNDS = 8  # of the shift, each of which leaves a fraction of what it was off by
 # Deviation of the top of a parabola through five points, in units of that of each point; and of its place, in their
 # spacing times the deviation over the curvature there.
 _OF_TOP, _OF_PLACE = 0.7, 0.32
@@ -32,12 +41,9 @@ class Tops:
 
 def tops_of_run(o: Observations, sensors: Sequence[int]) -> Tops:
     """Heights over the measured force, as a share of the condition's."""
-    tops, loss = [], []
-    for j in sensors:
-        log_size = o.observed[:, 1 + 2 * j] - o.log_force
-        height, at = summit(o.frequency, log_size, highest(log_size))
-        tops.append((np.log(at), height))
-        loss.append(_loss_factor(o.frequency, log_size + 1j * o.observed[:, 2 + 2 * j]))
+    of_sensor = [o.observed[:, 1 + 2 * j] - o.log_force + 1j * o.observed[:, 2 + 2 * j] for j in sensors]
+    tops = [_top(o.frequency, log_receptance) for log_receptance in of_sensor]
+    loss = [_loss_factor(o.frequency, log_receptance) for log_receptance in of_sensor]
     return Tops(np.array(tops).T.ravel(), np.array(loss))
 
 
@@ -63,7 +69,15 @@ def _top_and_step(o: Observations, sensor: int) -> tuple[int, float]:
     return min(i, len(o) - 1), float(np.ptp(around)) / max(len(around) - 1, 1)
 
 
+def _top(frequency: Floats, log_receptance: Complex) -> tuple[float, float]:
+    """Logarithms of its frequency and its height."""
+    height, at = summit(frequency, log_receptance.real, highest(log_receptance.real))
+    return float(np.log(at)), height
+
+
 def _loss_factor(frequency: Floats, log_receptance: Complex) -> float:
+    if len(frequency) < _FEWEST:
+        return float("nan")
     return read_resonance(frequency, np.exp(log_receptance), np.ones(len(frequency))).loss_factor
 
 
@@ -78,12 +92,55 @@ class SweptBranch:
     slopes: Floats
     step: float
 
-    def tops(self, sensors: Sequence[int]) -> Tops:
-        low, high = self.branch.condition.wider
-        inside = self.observed[(self.observed[:, 0] >= np.log(low)) & (self.observed[:, 0] <= np.log(high))]
-        f = np.exp(inside[:, 0])
-        loss = [_loss_factor(f, inside[:, 1 + 2 * j] + 1j * inside[:, 2 + 2 * j]) for j in sensors]
-        return Tops(self._values(sensors, self.observed), np.array(loss))
+    def tops(self, sensors: Sequence[int]) -> Floats:
+        """(2 s,) as `Tops.value`, by points about its own tops"""
+        return self._values(sensors, self.observed)
+
+    def tops_as_measured(self, o: Observations, sensors: Sequence[int]) -> Tops:
+        """At the frequencies of the run, shifted for each sensor until the top lies among them where the run's does; by
+        points about its own top where the sweep does not pass those."""
+        measured, of_model = tops_of_run(o, sensors).value, self.tops(sensors)
+        tops, loss = [], []
+        for k, j in enumerate(sensors):
+            i = highest(o.observed[:, 1 + 2 * j] - o.log_force)
+            near = o.frequency[max(i - 2, 0) : i + 3]
+            by_itself = (float(of_model[k]), float(of_model[len(sensors) + k]))
+            top = self._shifted_top(near, min(i, 2), j, float(measured[k]), by_itself)
+            tops.append(top)
+            loss.append(_loss_factor(*self._at(o.frequency * np.exp(top[0] - measured[k]), j)))
+        return Tops(np.array(tops).T.ravel(), np.array(loss))
+
+    def _shifted_top(
+        self, near: Floats, i: int, sensor: int, measured: float, by_itself: tuple[float, float]
+    ) -> tuple[float, float]:
+        """Logarithms of frequency and height, read off the run's points about its top, shifted by as much as the
+        model's top is then read off it: of the rounds the one that comes nearest.
+
+        near: frequencies of these points, of which the i-th is the highest; measured: log f of the run's top
+        """
+        shift, tried = by_itself[0] - measured, []
+        for _ in range(_ROUNDS):
+            f, log_receptance = self._at(near * np.exp(shift), sensor)
+            if len(f) < len(near):
+                break
+            height, at = summit(f, log_receptance.real, i)
+            tried.append((abs(np.log(at) - measured - shift), (float(np.log(at)), height)))
+            shift = float(np.log(at)) - measured
+        return min(tried, default=(0.0, by_itself))[1]
+
+    def _at(self, frequency: Floats, sensor: int) -> tuple[Floats, Complex]:
+        """Those of the frequencies (k,) [Hz] that the sweep passes, and the logarithm of the response there."""
+        log_f, (known, *values) = np.log(frequency), self._passed.T
+        passed = (log_f >= known[0]) & (log_f <= known[-1])
+        size, phase = values[2 * sensor], np.unwrap(values[1 + 2 * sensor])
+        response = np.interp(log_f[passed], known, size) + 1j * np.interp(log_f[passed], known, phase)
+        return frequency[passed], response
+
+    @cached_property
+    def _passed(self) -> Floats:
+        """(k, m) what the sweep passes, by rising frequency"""
+        visited = self.observed[sweep(np.exp(self.observed[:, 0]), self.branch.condition.upwards).visited]
+        return visited[np.argsort(visited[:, 0], kind="stable")]
 
     def places(self, sensors: Sequence[int]) -> Floats:
         """(s,) of the tops along the branch"""

@@ -43,6 +43,21 @@ def fit_within(parametrisation: Parametrisation, plan: Plan, about: Compared, lo
     return here
 
 
+def within_bounds(parametrisation: Parametrisation, u: Floats, columns: Floats, wanted: Floats) -> Floats:
+    """(n,) changes of the model's parameters from u that make up for a residual, as far as a fit may go.
+
+    columns: (r, n); wanted: (r,)
+    """
+    n = parametrisation.n_of_model
+    return _least_squares(columns, wanted, parametrisation.lower[:n] - u[:n], parametrisation.upper[:n] - u[:n])
+
+
+def _least_squares(columns: Floats, wanted: Floats, lower: Floats, upper: Floats) -> Floats:
+    """(p,) steps between bounds, of which 0 is no further out than round-off."""
+    room = np.minimum(lower, -_ROOM), np.maximum(upper, _ROOM)
+    return np.asarray(lsq_linear(columns, wanted, room, method="bvls").x)
+
+
 class _Linear:
     def __init__(self, parametrisation: Parametrisation, plan: Plan, about: Compared) -> None:
         self._parametrisation, self._plan, self._about = parametrisation, plan, about
@@ -56,7 +71,6 @@ class _Linear:
         residual, columns = here.equations()
         deviation = self._parametrisation.deviation
         rows = np.vstack([columns, -np.diag(1 / deviation)])
-        room = np.minimum(lower - here.u, -_ROOM), np.maximum(upper - here.u, _ROOM)
-        step = lsq_linear(rows, np.concatenate([residual, here.u / deviation]), room, method="bvls").x
+        step = _least_squares(rows, np.concatenate([residual, here.u / deviation]), lower - here.u, upper - here.u)
         for share in _SHARES:
             yield self.at(np.clip(here.u + share * step, lower, upper))

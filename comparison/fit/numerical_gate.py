@@ -2,7 +2,7 @@
 
 The model is solved with more harmonics and time samples, and on finer meshes. What that changes is added to the model,
 its uncertainty enters the fit as patterns (`numerical_error.py`). After a fit the same patterns say how far
-the parameters may have been moved by numerical error.
+the parameters may have been moved by numerical error (`moved_by_numerics.py`).
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.fit.compared import predict_branches
-from updamp.comparison.fit.fit import Fit
+from updamp.comparison.fit.linear_fit import within_bounds
 from updamp.comparison.fit.matching import across
 from updamp.comparison.fit.observations import Plan, noise_of
 from updamp.comparison.prediction.branch_tasks import Branches, BranchTask, in_turn
@@ -109,7 +109,7 @@ def with_numerical_error(
     """
     tasks = _finer_tasks(parametrisation, u, branches, finer)
     traced = branches_of([task for of_model in tasks.values() for task in of_model])
-    return _with_patterns(parametrisation, plan, branches, _by_model(tasks, traced))
+    return _with_patterns(parametrisation, u, plan, branches, _by_model(tasks, traced))
 
 
 def _finer_tasks(
@@ -158,6 +158,7 @@ def _by_model(
 
 def _with_patterns(
     parametrisation: Parametrisation,
+    u: Floats,
     plan: Plan,
     branches: Sequence[PredictedBranch],
     finer: Mapping[str, Mapping[str, PredictedBranch]],
@@ -172,7 +173,7 @@ def _with_patterns(
     compensation: list[Floats] = []
     for name, traced in finer.items():
         changes = none | {c: _change(coarse[c], b, conditions[c]) for c, b in traced.items()}
-        left, by_parameters = _beyond_calibration(parametrisation, plan, branches, changes)
+        left, by_parameters = _beyond_calibration(parametrisation, u, plan, branches, changes)
         compensation.append(by_parameters)
         names += _pattern_names(name, plan)
         for c in conditions:
@@ -229,10 +230,14 @@ def _change(observed: Floats, traced: PredictedBranch, condition: RunCondition) 
 
 
 def _beyond_calibration(
-    parametrisation: Parametrisation, plan: Plan, branches: Sequence[PredictedBranch], changes: Mapping[str, Floats]
+    parametrisation: Parametrisation,
+    u: Floats,
+    plan: Plan,
+    branches: Sequence[PredictedBranch],
+    changes: Mapping[str, Floats],
 ) -> tuple[dict[str, Floats], Floats]:
-    """Changes of all branches (n, m) less what the parameters make up for, within their prior deviations; and the
-    parameters' changes (p,) that do.
+    """Changes of all branches (n, m) less what the parameters make up for, within their bounds and as their priors have
+    it; and the parameters' changes (p,) that do.
 
     What calibration takes up is no error of the calibrated model, whatever it does to the parameters.
     """
@@ -246,7 +251,7 @@ def _beyond_calibration(
         basis = across(observed.along, np.broadcast_to(noise, observed.along.shape))
         columns.append(np.einsum("nrm,npm->nrp", basis, observed.slopes[:, :n]).reshape(-1, n))
         wanted.append(np.einsum("nrm,nm->nr", basis, changes[branch.condition.name]).ravel())
-    made_up_for = np.linalg.lstsq(np.concatenate(columns), np.concatenate(wanted), rcond=None)[0]
+    made_up_for = within_bounds(parametrisation, u, np.concatenate(columns), np.concatenate(wanted))
     return {name: change - made_up_for @ slopes[name] for name, change in changes.items()}, made_up_for
 
 
@@ -267,28 +272,3 @@ def with_unwrapped_phases(observed: Floats) -> Floats:
     smooth = observed.copy()
     smooth[:, 2::2] = np.unwrap(smooth[:, 2::2], axis=0)
     return smooth
-
-
-def moved_by_numerics(fitted: Fit) -> Floats:
-    """(p,) standard deviations of the model's parameters, effects among them, 0 for patterns of numerical error.
-
-    What a finer model changes is known to within half of its size. A fit with that half as a pattern of its own tells
-    it from the parameters by details of a thousand points, which are no surer than the pattern's shape; so here
-    parameters make up for all of it as far as they can.
-    """
-    p, n = fitted.parametrisation, fitted.parametrisation.n_of_model
-    _, columns = fitted.compared.equations()
-    prior = np.diag(1 / p.deviation[:n])
-    left = np.vstack([columns[:, :n], prior])
-    found = np.zeros(len(p))
-    for i, name in enumerate(p.names):
-        if name.startswith("numerics.") and _is_whole(name):
-            wanted = np.append(columns[:, i], np.zeros(n))
-            moved = np.linalg.lstsq(left, wanted, rcond=None)[0]
-            found[:n] = np.hypot(found[:n], moved)
-    return found
-
-
-def _is_whole(name: str) -> bool:
-    """Patterns of one mode or one test have its name after a blank."""
-    return " " not in name

@@ -123,6 +123,12 @@ def farthest_off(fitted: Fit) -> tuple[str, float]:
     return max(off.items(), key=lambda named: abs(named[1]))
 
 
+def stated_values(fitted: Fit) -> int:
+    """How many values `farthest_off` looks at."""
+    offsets = fitted.compared.offsets.values()
+    return len(fitted.parametrisation.nuisances) + sum(len(o.drift) + len(o.gain) for o in offsets)
+
+
 def calibrated_as(base: Fit, other: Fit) -> Floats:
     """(p,) parameters of `base`, calibrated as a fit that has effects besides"""
     n, u = len(base.parametrisation.nuisances), base.u.copy()

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from updamp.diagnosis.candidate_models.baseline import Baseline
+from updamp.diagnosis.candidate_models.baseline import Baseline, stated_values
 from updamp.diagnosis.candidate_models.fit_tasks import FitRunner, FitTask, FittedCandidate, OnFitted
 from updamp.diagnosis.candidate_models.refit import Refit
 from updamp.diagnosis.criteria import Criteria
@@ -55,7 +55,11 @@ class FitContext:
 
     def cannot_be_named(self, trial: Trial) -> bool:
         """Whether no verdict can rest on it: it fails, or asks for a calibration that nobody would believe."""
-        return self.fails(trial) or self.criteria.is_far_off(trial.deviations)
+        return self.fails(trial) or self.is_far_off(trial)
+
+    def is_far_off(self, trial: Trial) -> bool:
+        """Whether it asks for a calibration that nobody would believe."""
+        return self.criteria.is_far_off(trial.deviations, stated_values(self.start.fitted))
 
 
 def best_first(found: CandidateFits) -> list[FittedCandidate]:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from updamp.comparison.compare import calibrated_factors
 from updamp.comparison.fit.fit import Fit
-from updamp.comparison.fit.numerical_gate import moved_by_numerics
+from updamp.comparison.fit.moved_by_numerics import moved_by_numerics
 from updamp.comparison.fit.repeat_scatter import scatter_of_repeats
 from updamp.diagnosis.candidate_models.baseline import unseen
 from updamp.diagnosis.candidate_models.refit import Refit

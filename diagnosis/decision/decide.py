@@ -34,15 +34,15 @@ def decide(evidence: Evidence, criteria: Criteria) -> Decision:
     """A verdict that rests on a calibration, or on offsets of single runs, that nobody would believe is none."""
     decision = _by_misfit(evidence, criteria)
     rests_on = evidence if decision.trial is None else decision.trial
-    off = far_off(rests_on, criteria)
+    off = far_off(rests_on, evidence, criteria)
     if decision.outcome == "unknown" or not off:
         return decision
     return Decision("undecidable", (), (), decision.trial, f"calibration first: {off}")
 
 
-def far_off(fitted: Evidence | Trial, criteria: Criteria) -> str:
+def far_off(fitted: Evidence | Trial, evidence: Evidence, criteria: Criteria) -> str:
     """What a fit asks for that nobody would believe, "" if nothing."""
-    if not criteria.is_far_off(fitted.deviations):
+    if not criteria.is_far_off(fitted.deviations, evidence.stated):
         return ""
     return f"{fitted.farthest} {abs(fitted.deviations):.1f} deviations from what is stated"
 
@@ -52,20 +52,21 @@ def _by_misfit(evidence: Evidence, criteria: Criteria) -> Decision:
     single = min(accepted, key=lambda t: t.excess, default=None)
     several = _combined(evidence, criteria, single)
     if several:
-        return _named(max(several, key=lambda t: gain(t, evidence)), several, criteria)
+        return _named(max(several, key=lambda t: gain(t, evidence)), several, evidence, criteria)
     if single is None:
         failing = criteria.fails(evidence.excess, evidence.freedom)
         return Decision("unknown" if failing else "adequate", (), (), None)
     if still_fails(single, evidence, criteria):
         return Decision("unknown", (), (), single)
-    return _named(single, accepted, criteria)
+    return _named(single, accepted, evidence, criteria)
 
 
-def _named(best: Trial, accepted: Sequence[Trial], criteria: Criteria) -> Decision:
+def _named(best: Trial, accepted: Sequence[Trial], evidence: Evidence, criteria: Criteria) -> Decision:
     """The best, or that the data do not tell it from others of as many effects that leave as little by a calibration
     that can be believed; what all of these have is missing whichever it is."""
     as_many = [t for t in accepted if t is not best and len(t.effects) == len(best.effects)]
-    equals = [t for t in as_many if t.excess < (1 + criteria.as_good) * best.excess and not far_off(t, criteria)]
+    as_good = [t for t in as_many if t.excess < (1 + criteria.as_good) * best.excess]
+    equals = [t for t in as_good if not far_off(t, evidence, criteria)]
     if not equals:
         return Decision("identified", best.effects, (), best)
     alternatives = (best, *equals)
@@ -124,10 +125,10 @@ def _combined(evidence: Evidence, criteria: Criteria, single: Trial | None) -> l
         for p in evidence.combined
         if not reason_against(p, evidence, criteria) and not still_fails(p, evidence, criteria)
     ]
-    believable = [p for p in good if not far_off(p, criteria)]
+    believable = [p for p in good if not far_off(p, evidence, criteria)]
     if single is None:
         return believable or good
-    if far_off(single, criteria) and believable:
+    if far_off(single, evidence, criteria) and believable:
         return believable
     if not criteria.is_doubtful(single.excess, evidence.freedom):
         return []  # a second effect has to make up for a misfit that stands out, not for the last tenths of it

@@ -93,7 +93,7 @@ def _if_runs_drift(evidence: Evidence, words: Wording) -> str:
 
 
 def _in_the_way(trial: Trial, evidence: Evidence, criteria: Criteria) -> str:
-    off = far_off(trial, criteria)
+    off = far_off(trial, evidence, criteria)
     told = _leaves(trial) + (f" with {off}" if off else "")
     return told if still_fails(trial, evidence, criteria) else f"{told}, but {_why(trial, evidence, criteria)}"
 

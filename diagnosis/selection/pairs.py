@@ -20,7 +20,7 @@ def try_pairs(fits: FitContext, effects: Sequence[Effect], singles: CandidateFit
     if not effects or not settled or settled[0].drop <= 0 or not fits.may_lack_something(settled):
         return {}
     doubtful = criteria.is_doubtful(settled[0].mean_squared_misfit, start.freedom)
-    if not (doubtful or settled[0].at_bound or criteria.is_far_off(full[0].trial.deviations)):
+    if not (doubtful or settled[0].at_bound or fits.is_far_off(full[0].trial)):
         return {}
     found: CandidateFits = {}
     if start.fitted.parametrisation.base.contacts is None:

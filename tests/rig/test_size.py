@@ -8,7 +8,7 @@ from updamp.fem.quadratic_mesh import quadratic_mesh
 from updamp.geometry.build_mesh import build_mesh
 from updamp.model.rig_files import load_rig
 from updamp.rig.questions import questions
-from updamp.rig.size import size_of
+from updamp.rig.size import finer_presets, size_of
 from updamp.workflow.limits import check_size
 
 RIGS = Path(__file__).parents[2] / "rigs"
@@ -48,3 +48,17 @@ def test_what_fits_fits_and_one_more_does_not() -> None:
     with pytest.raises(ValueError, match=r"mesh\.full: .* 7\.6 GB .* at most 3\.7"):
         check_size(rig, "full", memory=0.99 * needed)
     check_size(rig, "full", meshed=True, memory=0.5 * needed)
+
+
+@pytest.mark.parametrize(
+    ("name", "preset", "finer"),
+    [
+        ("pesaresi2017.toml", "small", ("medium",)),  # both finer
+        ("pesaresi2017.toml", "medium", ("full",)),
+        ("pesaresi2017.toml", "full", ()),
+        ("virtual_rig.toml", "diagnosis", ("laboratory", "diagnosis_contacts")),  # mesh and contacts, each alone
+        ("virtual_rig.toml", "diagnosis_146", ("diagnosis_146_fine",)),
+    ],
+)
+def test_the_numerical_error_is_told_by_the_next_finer_presets(name: str, preset: str, finer: tuple[str, ...]) -> None:
+    assert finer_presets(load_rig(RIGS / name), preset) == finer

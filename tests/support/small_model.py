@@ -60,11 +60,11 @@ def synthetic_plan(
         assembly = Parametrisation(truth.model(u + b), ())  # nothing free: no derivatives are asked for
         for i, c in enumerate(conditions):
             branch = trace_branch(assembly, np.zeros(0), c)
-            runs.append(_sweep(branch, i, repeat, gain, noise, rng))
+            runs.append(swept_run(branch, i, repeat, gain, noise, rng))
     return Plan(conditions, tuple(runs)), np.array(drawn)
 
 
-def _sweep(branch, test, repeat, gain, noise, rng, points=40):
+def swept_run(branch, test, repeat, gain, noise, rng, points=40):
     """Stepped sine over the visited part."""
     place = np.linspace(branch.place[0], branch.place[-1], 4000)
     visited = np.interp(place, branch.place, branch.visited) > 0.99

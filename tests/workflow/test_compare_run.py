@@ -1,15 +1,22 @@
 """`updamp compare` as a person calls it: files it writes, sentences, errors."""
 
 import json
+from io import StringIO
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 from support.one_sweep import sweep_of_beam
 from typer.testing import CliRunner
 
+from updamp.commands.shared import chosen_finer
+from updamp.model.rig_files import load_rig
 from updamp.pipeline import app
+from updamp.workflow import compare_run, limits
+from updamp.workflow.progress import Display
 
-RIG = Path(__file__).parents[2] / "rigs" / "brake_reuss.toml"
+RIGS = Path(__file__).parents[2] / "rigs"
+RIG = RIGS / "brake_reuss.toml"
 
 
 @pytest.fixture
@@ -49,3 +56,30 @@ def test_a_measurement_of_another_rig_is_refused(measurement: Path, tmp_path: Pa
     result = compare(RIG, measurement, "--out", tmp_path / "out")
     assert result.exit_code == 2
     assert "other" in result.output
+
+
+def finer(mesh: str, wanted: list[str] | None, out: Path) -> tuple[list[str], str]:
+    """Presets that tell the numerical error, and what is said."""
+    said = StringIO()
+    with Display(Console(file=said, width=200)) as display:
+        rig = load_rig(RIGS / "pesaresi2017.toml")
+        return list(compare_run._finer_runs(rig, mesh, out, 1, display, chosen_finer(wanted))), said.getvalue()
+
+
+def test_the_numerical_error_is_asked_for_unless_one_says_no(tmp_path: Path) -> None:
+    assert finer("small", None, tmp_path) == (["medium"], "")
+    assert finer("small", ["full", "medium", "full"], tmp_path) == (["full", "medium"], "")
+    for mesh, wanted in (("full", None), ("small", ["none"])):
+        presets, said = finer(mesh, wanted, tmp_path)
+        assert presets == []
+        assert compare_run.NO_FINER in said
+
+
+def test_a_finer_preset_that_memory_does_not_hold_can_be_left_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(limits, "free_memory", lambda: 1.2e9)
+    with pytest.raises(ValueError, match=r"mesh\.medium: .* GB are free.*\n.*--finer none"):
+        finer("small", None, tmp_path)
+    with pytest.raises(ValueError, match=r"mesh\.full: .* GB are free.* take fewer$"):
+        finer("small", ["full"], tmp_path)

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from updamp.diagnosis.criteria import Criteria
@@ -152,6 +153,18 @@ def test_a_calibration_that_nobody_would_believe_is_said_first():
     assert outcome(trials=(), excess=1.1, **far) == ("undecidable", ())
     assert outcome(**far) == ("identified", ("right",))
     assert outcome(trials=(), **far) == ("unknown", ())
+
+
+def test_the_farthest_of_many_values_is_farther_off_by_chance():
+    """The farthest of thirty is beyond three deviations in 8 % of all tests."""
+    limits = [Criteria().calibration(values) for values in (1, 30)]
+    assert limits == pytest.approx([3.0, 3.92], abs=0.01)
+    farthest = np.abs(np.random.default_rng(5).standard_normal((100_000, 30))).max(axis=1)
+    assert np.mean(farthest > limits[1]) == pytest.approx(Criteria().chance, rel=0.15)
+    assert np.mean(farthest > limits[0]) == pytest.approx(0.078, abs=0.005)
+    far = {"farthest": "the resonance of run 'IP 8 N'", "deviations": 3.4}
+    assert outcome(trials=(replace(RIGHT, **far),), stated=30) == ("identified", ("right",))
+    assert outcome(trials=(replace(RIGHT, **far),)) == ("undecidable", ())
 
 
 def test_ablations_say_what_parts_of_the_method_would():
