@@ -5,12 +5,14 @@ This asks nothing of the curve but a top. It holds where contacts slip and the p
 does, where the misfit is too large for estimates to first order, and where calibration has ended in a poor compromise.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
+from scipy.stats import norm
+from scipy.stats import t as student
 
 from updamp.comparison.findings.findings import AMPLITUDE, DAMPING, FREQUENCY, SENSOR, Direction
 from updamp.comparison.findings.peak_reading import SweptBranch, reading_noise, swept_branch, tops_of_run
@@ -48,7 +50,7 @@ class _Test:
     directions: (k,); logs: (repeats, k) of model over measured, nan where a repeat is missing; damping: (repeats, s)
     common: (q, k) what scatter of assemblies (sensors' gains among it) by one deviation does, the same in all tests
     by_parameter: (p, k); own: (k, k) covariance of what this test alone scatters by
-    units: (k,) what a severity of 1 is
+    units: (k,) what a severity of 1 is; smooth: whether model and runs have tops, and do not jump from them
     """
 
     directions: tuple[Direction, ...]
@@ -58,6 +60,7 @@ class _Test:
     by_parameter: Floats
     own: Floats
     units: Floats
+    smooth: bool
 
 
 def peak_misfits(
@@ -67,7 +70,9 @@ def peak_misfits(
     peak height (likewise), the damping where the phase tells it, and of each sensor its height against the others'.
 
     Each is held against the scatter by itself and against the mean over the levels of its mode, which is known far
-    better: assemblies differ from each other in all levels alike. The larger significance counts.
+    better: assemblies differ from each other in all levels alike. The larger significance counts. Where a sweep jumps
+    from its top, or ends below it, how high it comes is where it happens to, in each assembly elsewhere: no linear
+    scatter tells how far, and such a test is held against what its repeats differ by alone.
 
     branches: calibrated, one a condition; those of `without_peak` are left out
     scatter: of assemblies, runs and sensors, the fit's own by default
@@ -85,10 +90,15 @@ def peak_misfits(
     directions = [d for t in tests for d in t.directions]
     logs, units = np.concatenate([t.logs for t in tests], axis=1), np.concatenate([t.units for t in tests])
     covariance = _covariance(fit, tests, len(plan.repeats))
+    jumps = {t.directions[0].test for t in tests if not t.smooth}
     found = []
     for i, direction in enumerate(directions):
         mean = float(np.nanmean(logs[:, i]))
-        significance = max(_significance(row, logs, covariance) for row in _held_against(i, directions, plan))
+        if direction.test in jumps:
+            significance = by_repeats(logs[:, i])
+        else:
+            held_against = _held_against(i, directions, plan, jumps)
+            significance = max(_significance(row, logs, covariance) for row in held_against)
         signed = float(np.copysign(significance, mean))
         found.append(PeakMisfit(direction, float(np.expm1(mean)), signed, abs(mean) / float(units[i])))
     return (*found, *(m for t in tests for m in _of_damping(t, directions, covariance)))
@@ -107,14 +117,14 @@ def without_peak(plan: Plan, branches: Sequence[PredictedBranch]) -> tuple[int, 
     return tuple(found)
 
 
-def _held_against(i: int, directions: Sequence[Direction], plan: Plan) -> list[Floats]:
-    """Combinations of all statements: one by itself, and less the mean over its mode's levels."""
+def _held_against(i: int, directions: Sequence[Direction], plan: Plan, without: Collection[int]) -> list[Floats]:
+    """Combinations of all statements: one by itself, and less the mean over its mode's levels, without some tests."""
     itself, one = np.zeros(len(directions)), directions[i]
     itself[i] = 1.0
     mode = plan.conditions[one.test].mode
-    levels = np.array(
-        [(d.quantity, d.sensor, plan.conditions[d.test].mode) == (one.quantity, one.sensor, mode) for d in directions]
-    )
+    alike = [(d.quantity, d.sensor, plan.conditions[d.test].mode) for d in directions]
+    wanted = (one.quantity, one.sensor, mode)
+    levels = np.array([a == wanted and d.test not in without for a, d in zip(alike, directions, strict=True)])
     return [itself, itself - levels / levels.sum()] if levels.sum() > 1 else [itself]
 
 
@@ -127,6 +137,17 @@ def _significance(row: Floats, logs: Floats, covariance: Floats) -> float:
     if len(each) == 0:
         return 0.0
     return abs(float(np.mean(each))) / max(float(np.sqrt(row @ covariance @ row)), _deviation_of_mean(each), 1e-12)
+
+
+def by_repeats(each: Floats) -> float:
+    """Size of a mean over its deviation as the repeats alone have it: as many deviations of a normal distribution as
+    are as likely by Student's t; 0 of one repeat."""
+    each = each[np.isfinite(each)]
+    if len(each) < 2:
+        return 0.0
+    deviation = max(_deviation_of_mean(each), np.finfo(float).tiny)
+    by_chance = float(student.sf(abs(float(np.mean(each))) / deviation, len(each) - 1))
+    return float(norm.isf(max(by_chance, np.finfo(float).tiny)))
 
 
 def _deviation_of_mean(each: Floats) -> float:
@@ -171,7 +192,9 @@ def _of_test(
     of_one = len(sensors) / max(len(sensors) - 1, 1)
     unit = {FREQUENCY: half_width / _STEEPEST, AMPLITUDE: 1.0, SENSOR: of_one}
     units = np.array([unit[d.quantity] for d in directions])
-    return _Test(directions, logs, damping, common @ rows.T, by_parameter @ rows.T, rows @ own @ rows.T, units)
+    matched = [m for m in fit.compared.matched if m.observations.test == test]
+    smooth = swept.is_smooth(sensors) and all(swept.has_smooth_run(m, sensors) for m in matched)
+    return _Test(directions, logs, damping, common @ rows.T, by_parameter @ rows.T, rows @ own @ rows.T, units, smooth)
 
 
 def _statements(test: int, branch: PredictedBranch, sensors: Sequence[int]) -> tuple[tuple[Direction, ...], Floats]:

@@ -8,22 +8,21 @@ until its top lies among them where the run's does: what the reading is off by i
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.findings.backbone import half_power_frequency, highest, read_resonance, summit
-from updamp.comparison.fit.matching import by_drive
+from updamp.comparison.fit.matching import Matched, by_drive
 from updamp.comparison.fit.observations import Observations
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
-from updamp.hbm.continuation.sweeps import sweep
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 _PLACES = 2000  # looked at along a branch
 _FEWEST = 5  # points that damping is read off
+_FIVE = np.arange(-2, 3)  # points about a top
 _ROUNDS = 8  # of the shift, each of which leaves a fraction of what it was off by
 # Deviation of the top of a parabola through five points, in units of that of each point; and of its place, in their
 # spacing times the deviation over the curvature there.
@@ -96,6 +95,24 @@ class SweptBranch:
         """(2 s,) as `Tops.value`, by points about its own tops"""
         return self._values(sensors, self.observed)
 
+    def is_smooth(self, sensors: Sequence[int]) -> bool:
+        """Whether the curve goes on beyond its top on both sides as far as a run's points that are read."""
+        tops = [self._highest(j, self.observed) for j in sensors]
+        return all(self._points_about(i, self.observed[:, 0]) is not None for i in tops)
+
+    def has_smooth_run(self, m: Matched, sensors: Sequence[int]) -> bool:
+        """Whether a run has a top among the points that are read, and all of these on one part of the branch: it does
+        not end on the way up, nor jump there."""
+        o, place = m.observations, self.branch.place
+        for j in sensors:
+            log_size = o.observed[:, 1 + 2 * j] - o.log_force
+            i = highest(log_size)
+            near = m.place[max(i - 2, 0) : i + 3]
+            between = (place[1:] > near.min()) & (place[:-1] < near.max())
+            if summit(o.frequency, log_size, i)[1] == o.frequency[i] or not self.branch.seen[between].all():
+                return False
+        return True
+
     def tops_as_measured(self, o: Observations, sensors: Sequence[int]) -> Tops:
         """At the frequencies of the run, shifted for each sensor until the top lies among them where the run's does; by
         points about its own top where the sweep does not pass those."""
@@ -129,18 +146,14 @@ class SweptBranch:
         return min(tried, default=(0.0, by_itself))[1]
 
     def _at(self, frequency: Floats, sensor: int) -> tuple[Floats, Complex]:
-        """Those of the frequencies (k,) [Hz] that the sweep passes, and the logarithm of the response there."""
-        log_f, (known, *values) = np.log(frequency), self._passed.T
+        """Those of the frequencies (k,) [Hz] that the sweep passes before it jumps, or afterwards, on the part with its
+        top, and the logarithm of the response there."""
+        part = self.observed[_about(self.observed[:, 0], self._highest(sensor, self.observed), np.inf)]
+        known, size, phase = part[np.argsort(part[:, 0])][:, [0, 1 + 2 * sensor, 2 + 2 * sensor]].T
+        log_f = np.log(frequency)
         passed = (log_f >= known[0]) & (log_f <= known[-1])
-        size, phase = values[2 * sensor], np.unwrap(values[1 + 2 * sensor])
-        response = np.interp(log_f[passed], known, size) + 1j * np.interp(log_f[passed], known, phase)
+        response = np.interp(log_f[passed], known, size) + 1j * np.interp(log_f[passed], known, np.unwrap(phase))
         return frequency[passed], response
-
-    @cached_property
-    def _passed(self) -> Floats:
-        """(k, m) what the sweep passes, by rising frequency"""
-        visited = self.observed[sweep(np.exp(self.observed[:, 0]), self.branch.condition.upwards).visited]
-        return visited[np.argsort(visited[:, 0], kind="stable")]
 
     def places(self, sensors: Sequence[int]) -> Floats:
         """(s,) of the tops along the branch"""
@@ -190,14 +203,19 @@ class SweptBranch:
         """Logarithms of frequency and height, by a parabola through five points as far apart as the measured ones."""
         i = self._highest(sensor, observed)
         log_f, log_size = observed[:, 0], observed[:, 1 + 2 * sensor]
-        near = _about(log_f, i, 3 * self.step)
-        order = np.argsort(log_f[near])
-        known, size = log_f[near][order], log_size[near][order]
-        f = log_f[i] + self.step * np.arange(-2, 3)
-        if f[0] < known[0] or f[-1] > known[-1]:
+        near = self._points_about(i, log_f)
+        if near is None:
             return float(log_f[i]), float(log_size[i])
-        height, at = summit(f, np.interp(f, known, size), 2)
+        order = np.argsort(log_f[near])
+        f = log_f[i] + self.step * _FIVE
+        height, at = summit(f, np.interp(f, log_f[near][order], log_size[near][order]), 2)
         return at, height
+
+    def _points_about(self, i: int, log_f: Floats) -> slice | None:
+        """The run of places about a top in which five points as far apart as the measured ones lie; None without."""
+        near = _about(log_f, i, 3 * self.step)
+        (low, high), (first, last) = (log_f[near].min(), log_f[near].max()), log_f[i] + self.step * _FIVE[[0, -1]]
+        return near if low <= first and last <= high else None
 
     def _highest(self, sensor: int, observed: Floats) -> int:
         """The highest top inside the measured window, at whose edges the curve may climb to another mode's; where it

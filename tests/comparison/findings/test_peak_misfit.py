@@ -10,7 +10,7 @@ from support.small_model import NUISANCES, condition, parametrisation, swept_run
 from updamp.comparison.findings.all_findings import all_findings
 from updamp.comparison.findings.backbone import read_resonance
 from updamp.comparison.findings.findings import AMPLITUDE, DAMPING, FREQUENCY, SENSOR
-from updamp.comparison.findings.peak_misfit import PeakMisfit, peak_misfits, without_peak
+from updamp.comparison.findings.peak_misfit import PeakMisfit, by_repeats, peak_misfits, without_peak
 from updamp.comparison.findings.peak_reading import swept_branch, tops_of_run
 from updamp.comparison.findings.peak_sentences import peak_findings, without_peak_findings
 from updamp.comparison.fit.compared import compare_at
@@ -118,6 +118,36 @@ def test_a_sensor_that_reads_high_in_all_runs_is_one_sentence(plans, branches) -
     assert said.text.startswith("first: a over b ")
     assert said.text.endswith("low at every force level")
     assert said.relative == pytest.approx(np.expm1(-0.1), abs=0.01)
+
+
+def test_runs_that_end_below_the_top_are_held_against_their_repeats_alone(plans, branches) -> None:
+    """Each assembly's sweep falls off the branch elsewhere on the way up: how high it came is no peak's height."""
+
+    def ended(o: Observations) -> Observations:
+        if o.test != 2:
+            return o
+        top = int(np.argmax(o.observed[:, 1]))
+        kept = slice(0, top - 3 - 2 * o.repeat)
+        return replace(o, observed=o.observed[kept], noise=o.noise[kept], log_force=o.log_force[kept])
+
+    plan = replace(plans[0], observations=tuple(ended(o) for o in plans[0].observations))
+    found = misfits(plan, branches)
+    (height,) = [m for m in of(found, AMPLITUDE) if m.direction.test == 2]
+    assert height.relative > 0.1
+    assert abs(height.significance) < 3.5
+    assert all(m.direction.test != 2 or abs(m.significance) < 3.5 for m in found)
+    assert peak_findings(found, plan, NAMES) == ()
+    # the other levels are held against each other as before
+    for quantity in (FREQUENCY, AMPLITUDE, SENSOR):
+        assert len(of(found, quantity)) == 3
+
+
+@pytest.mark.parametrize(("t", "deviations"), [(9.925, 2.576), (22.33, 3.090)])
+def test_a_mean_of_few_repeats_is_as_unlikely_as_students_t_has_it(t: float, deviations: float) -> None:
+    """Of three repeats: 1 in 200 and 1 in 1000 to one side (tables of Student's t with two degrees of freedom)."""
+    spread = np.sqrt(3) / t
+    assert by_repeats(1 + spread * np.array([-1.0, 0.0, 1.0])) == pytest.approx(deviations, abs=0.003)
+    assert by_repeats(np.array([0.5, np.nan])) == 0  # one tells nothing of its spread
 
 
 def test_force_as_measured_is_what_the_model_is_held_at(plans, branches) -> None:
