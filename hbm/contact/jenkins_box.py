@@ -38,6 +38,7 @@ class JenkinsBox:
     directions: ClassVar[int] = 3
     decoupled_directions: ClassVar[tuple[int, ...]] = (0, 1)
     rate_dependent: ClassVar[bool] = False
+    divides_by: ClassVar[tuple[str, ...]] = ("kn",)
 
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
         tangential = march_slider(displacement, parameters, self.cycles).tangential

@@ -33,6 +33,7 @@ class SampledJenkinsBox:
     directions: ClassVar[int] = 3
     decoupled_directions: ClassVar[tuple[int, ...]] = (0, 1)
     rate_dependent: ClassVar[bool] = False
+    divides_by: ClassVar[tuple[str, ...]] = ("kn",)
 
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
         return friction.dynamic_force(displacement, parameters, clip_each, self.cycles)

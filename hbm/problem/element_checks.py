@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-# Laws divide by stiffnesses: a box law without normal stiffness had never slipped. A small one holds a load that does
-# not vary.
-_POSITIVE, _NOT_NEGATIVE = ("kt", "kn"), ("mu", "limit")
+# Sliders divide by their stiffness; laws that divide by others name them (`divides_by`): a box without normal stiffness
+# had never slipped. A small one holds a load that does not vary.
+_SLIDERS, _NOT_NEGATIVE = ("kt",), ("kn", "mu", "limit")
 
 
 def refuse_impossible(law: Any, parameters: Any, rows: Any) -> None:
@@ -16,11 +16,12 @@ def refuse_impossible(law: Any, parameters: Any, rows: Any) -> None:
     raises: ValueError naming what is wrong
     """
     name, shape = type(law).__name__, np.shape(rows)
+    positive = (*_SLIDERS, *getattr(law, "divides_by", ()))
     if len(shape) != 2 or shape[1] != law.directions:
         raise ValueError(f"{name}: rows of shape {shape}; (n_elements, {law.directions}) is needed, one row an element")
     for entry, value in zip(type(parameters)._fields, parameters, strict=True):
         _refuse_entry(f"{name}: {entry}", np.asarray(value), shape[0])
-        if entry in _POSITIVE and not np.all(np.asarray(value) > 0):
+        if entry in positive and not np.all(np.asarray(value) > 0):
             raise ValueError(f"{name}: {entry} = {_told(value)} must be positive; it may be small")
         if entry in _NOT_NEGATIVE and not np.all(np.asarray(value) >= 0):
             raise ValueError(f"{name}: {entry} = {_told(value)} must not be negative")

@@ -40,7 +40,7 @@ def test_slipping_elements_have_forces_and_tangents_however_many_the_harmonics(l
 @pytest.mark.parametrize(
     ("entries", "said"),
     [
-        ({"kn": np.zeros(1)}, r"kn = \[0.\] must be positive"),
+        ({"kn": np.full(1, -1.0)}, r"kn = \[-1.\] must "),
         ({"kt": np.zeros(1)}, r"kt = \[0.\] must be positive"),
         ({"mu": np.full(1, -0.4)}, r"mu = \[-0.4\] must not be negative"),
         ({"n0": np.full(1, np.nan)}, "n0 = .*not a number"),
@@ -50,7 +50,6 @@ def test_slipping_elements_have_forces_and_tangents_however_many_the_harmonics(l
 )
 @pytest.mark.parametrize("law", [JenkinsBox(), SampledJenkinsBox(), CoulombCircle()])
 def test_parameters_that_cannot_be_are_refused(law: ContactLaw, entries: dict[str, object], said: str) -> None:
-    """Without normal stiffness a box had never slipped, at any force; kt is divided by too."""
     parameters = friction(1, 0.4, 1.0, 1.0, np.ones(1))._replace(**entries)
     with pytest.raises(ValueError, match=said):
         ElementGroup(law, parameters, np.arange(3)[None])
@@ -60,6 +59,23 @@ def test_parameters_that_cannot_be_are_refused(law: ContactLaw, entries: dict[st
 def test_rows_of_another_shape_are_refused(rows: np.ndarray) -> None:
     with pytest.raises(ValueError, match=r"\(n_elements, 3\) is needed"):
         ElementGroup(JenkinsBox(), friction(1, 0.4, 1.0, 1.0, np.ones(1)), rows)
+
+
+@pytest.mark.parametrize("law", [JenkinsBox(), SampledJenkinsBox()])
+def test_a_box_needs_normal_stiffness(law: ContactLaw) -> None:
+    """Without it had never slipped, at any force."""
+    with pytest.raises(ValueError, match=r"kn = \[0.\] must be positive; it may be small"):
+        ElementGroup(law, friction(1, 0.4, 1.0, 0.0, np.ones(1)), np.arange(3)[None])
+
+
+def test_a_circle_under_a_constant_load_is_a_jenkins_element() -> None:
+    """In one direction; without normal stiffness at all, where the box may have 1e-12 of kt (below)."""
+    harmonics, x = Harmonics((0, 1, 2, 3)), 2 * np.random.default_rng(0).normal(size=(1, 3, 7))
+    x[:, 1] = 0
+    circle = ElementGroup(CoulombCircle(), friction(1, 0.4, 1.0, 0.0, np.ones(1)), np.arange(3)[None])
+    one = ElementGroup(Jenkins(), JenkinsParameters(np.ones(1), np.full(1, 0.4)), np.zeros((1, 1), dtype=np.int64))
+    wanted = force_only(one, x[:, :1], 1.0, harmonics, 128)
+    np.testing.assert_allclose(force_only(circle, x, 1.0, harmonics, 128)[:, :1], wanted, atol=1e-12)
 
 
 def test_a_load_that_hardly_varies_is_a_constant_one() -> None:
