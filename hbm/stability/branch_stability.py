@@ -4,9 +4,9 @@ Not every point is computed. Where nothing slips or separates the response is th
 fall into parts, without gap or turning point inside. Between two turning points an odd number of real exponents grows:
 where the determinant at a point in the middle says so too, the whole part is unstable. Of the other parts the middle
 and the ends are computed, and points halfway between computed ones, the longest pieces first and those with ends that
-differ before others, until the curve's share of points, or of the time that tracing it took, is used up. The rest is
-taken to be as the two computed points around it. So what is assumed is that stability does not change twice between two
-computed points that agree, and that no branch crosses between two turning points.
+differ before others, until the curve's share of points is used up: a number and no time, or what is known would depend
+on the machine. The rest is taken to be as the two computed points around it. So what is assumed is that stability does
+not change twice between two computed points that agree, and that no branch crosses between two turning points.
 """
 
 import time
@@ -27,7 +27,6 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 SHARE = 6  # at most one of so many of the curve's points is computed,
-COST = 1 / 3  # and none once so much of the time that the curve took is spent,
 LEAST = 8  # but so many in any case
 NOT_COMPUTED = "not computed: the curve's share of points was used up elsewhere"
 DIFFERENT = "between two points that differ, with none computed between them"
@@ -149,7 +148,6 @@ def branch_stability(
     """
     options, parts = options or StabilityOptions(), parts_of(curve)
     most, began = max(LEAST, len(curve) // SHARE), time.perf_counter()
-    counted_from = began
     known: dict[int, Judgement] = {}
     stuck = np.flatnonzero(curve.active == 0)
     if len(stuck):
@@ -158,13 +156,11 @@ def branch_stability(
     peak = int(np.abs(curve.receptance(point)).argmax()) if len(curve) else None
     computed = {int(i) for i in stuck}
     for done, (part, place) in enumerate(_next_places(parts, known, peak)):
-        if done >= most or (done >= LEAST and time.perf_counter() - counted_from > COST * curve.seconds):
+        if done >= most:
             break
         report(done / most)
         known[place] = point_stability(system, curve, place, part.against, options)
         computed.add(place)
-        if not done:
-            counted_from = time.perf_counter()  # the first one may have waited for laws to be compiled
     judged = [_judged(i, parts, known) for i in range(len(curve))]
     return _collected(curve, judged, computed, time.perf_counter() - began)
 

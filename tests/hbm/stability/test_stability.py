@@ -74,7 +74,7 @@ def test_the_determinant_tells_the_same_as_turning_points(duffing):
 def test_a_branch_is_judged_from_some_of_its_points_as_from_all(duffing):
     system, curve, _ = duffing
     shares = []
-    found = branch_stability(system, replace(curve, seconds=np.inf), "mass", report=shares.append)
+    found = branch_stability(system, curve, "mass", report=shares.append)
     turns, against = turning_points(curve.frequency), between_turning_points(curve.frequency)
     assert found.computed.sum() < len(curve)
     assert shares == sorted(shares)
@@ -93,7 +93,7 @@ def test_what_cannot_be_computed_is_unknown_with_the_reason(duffing, monkeypatch
         raise ValueError("no exponents today")
 
     monkeypatch.setattr("updamp.hbm.stability.branch_stability.stability", broken)
-    found = branch_stability(system, replace(curve, seconds=np.inf), "mass")
+    found = branch_stability(system, curve, "mass")
     assert (found.state == State.UNKNOWN).all()
     reasons = [found.reasons[i] for i in found.why]
     assert {reason for reason, here in zip(reasons, found.computed, strict=True) if here} == {
