@@ -161,9 +161,16 @@ def _follow(
     for _ in range(options.max_points - 1):
         point, step = steps.next_point(followed, step)
         solution, last = point.solution, followed[-1].state
-        for log_force in log_forces_passed(log_forces, last.log_force, solution.state.log_force):
-            ends = followed[-1].solution, solution
-            at_log_force = _at_log_force(problem, condition, ends, log_force, metric, options)
+        ends = followed[-1].solution, solution
+        passed = log_forces_passed(log_forces, last.log_force, solution.state.log_force)
+        try:
+            met = [_at_log_force(problem, condition, ends, each, metric, options) for each in passed]
+        except ResonanceStoppedError:
+            if point.step <= options.smallest_step:
+                raise
+            step = options.shortened(point.step)  # between points that are closer it is nearer to their chord
+            continue
+        for log_force, at_log_force in zip(passed, met, strict=True):
             yield ResonancePoint(at_log_force, metric.distance(last, at_log_force.state), False, True)
             if log_force == log_forces[-1]:
                 return
