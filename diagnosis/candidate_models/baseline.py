@@ -61,6 +61,12 @@ class Baseline:
         return Freedom(self.train_plan.independent, self.plan.noise_freedom)
 
     @property
+    def stated(self) -> int:
+        """How many values `farthest_off` looks at."""
+        offsets = self.fitted.compared.offsets.values()
+        return len(self.fitted.parametrisation.nuisances) + sum(len(o.drift) + len(o.gain) for o in offsets)
+
+    @property
     def unseen_freedom(self) -> Freedom:
         """Of a misfit of the runs that are held out."""
         return Freedom(self.held_out_plan.independent, self.plan.noise_freedom)
@@ -121,12 +127,6 @@ def farthest_off(fitted: Fit) -> tuple[str, float]:
         for name, b in (drifts | gains).items():
             off[name] = max(off.get(name, 0.0), b, key=abs)
     return max(off.items(), key=lambda named: abs(named[1]))
-
-
-def stated_values(fitted: Fit) -> int:
-    """How many values `farthest_off` looks at."""
-    offsets = fitted.compared.offsets.values()
-    return len(fitted.parametrisation.nuisances) + sum(len(o.drift) + len(o.gain) for o in offsets)
 
 
 def calibrated_as(base: Fit, other: Fit) -> Floats:

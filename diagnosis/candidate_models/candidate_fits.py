@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from updamp.diagnosis.candidate_models.baseline import Baseline, stated_values
+from updamp.diagnosis.candidate_models.baseline import Baseline
 from updamp.diagnosis.candidate_models.fit_tasks import FitRunner, FitTask, FittedCandidate, OnFitted
 from updamp.diagnosis.candidate_models.refit import Refit
 from updamp.diagnosis.criteria import Criteria
@@ -59,7 +59,7 @@ class FitContext:
 
     def is_far_off(self, trial: Trial) -> bool:
         """Whether it asks for a calibration that nobody would believe."""
-        return self.criteria.is_far_off(trial.deviations, stated_values(self.start.fitted))
+        return self.criteria.is_far_off(trial.deviations, self.start.stated)
 
 
 def best_first(found: CandidateFits) -> list[FittedCandidate]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from updamp.comparison.fit.failing_model import independent
 from updamp.comparison.fit.prediction_error import PredictionError, prediction_error
 from updamp.comparison.prediction.branch_tasks import BranchesBy
-from updamp.diagnosis.candidate_models.baseline import Baseline, farthest_off, stated_values
+from updamp.diagnosis.candidate_models.baseline import Baseline, farthest_off
 from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext, Progress
 from updamp.diagnosis.candidate_models.fit_tasks import FitRunner, fit_here, with_branches
 from updamp.diagnosis.candidate_models.if_repeatable import if_repeatable
@@ -130,7 +130,7 @@ def _evidence(
         independent(held_out.values, base.compared.as_many),
         base.compared.as_many,
         start.plan.noise_freedom,
-        stated_values(base),
+        start.stated,
         free,
     )
 

@@ -31,7 +31,7 @@ def test_few_values_tell_less() -> None:
 
 
 def test_three_deviations_of_a_calibration_are_as_unlikely() -> None:
-    assert Criteria().calibration == pytest.approx(3.0, abs=1e-3)
+    assert Criteria().calibration(1) == pytest.approx(3.0, abs=1e-3)
 
 
 def test_nothing_held_out_never_fails() -> None:

@@ -75,7 +75,7 @@ def test_a_branch_without_a_beginning_says_whose_it_is_and_survives_the_way_betw
     stop = BranchStoppedError(440.0, 1e-3, Status.STALLED).of("IP 5 N")
     again = pickle.loads(pickle.dumps(stop))
     assert str(again) == str(stop)
-    assert str(again).startswith("IP 5 N: the branch stops at 440.0000 Hz")
+    assert str(again).startswith("IP 5 N: the branch stops at 440 Hz")
 
 
 def test_a_worker_that_the_system_ends_is_told():

@@ -30,7 +30,7 @@ def candidate(names, excess, held_out=None, gain=None, deviations=0.0):
 def context(contacts=None):
     base = SimpleNamespace(contacts=contacts)
     fitted = SimpleNamespace(parametrisation=SimpleNamespace(base=base))
-    start = SimpleNamespace(fitted=fitted, freedom=Freedom(INDEPENDENT))
+    start = SimpleNamespace(fitted=fitted, freedom=Freedom(INDEPENDENT), stated=1)
     return FitContext(start, Criteria(), lambda _: None, fit_here)
 
 

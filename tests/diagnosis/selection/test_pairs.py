@@ -102,6 +102,7 @@ def test_when_a_second_effect_is_looked_for(monkeypatch, misfit, at_bound, devia
     alone = singles(replace(refit(ONE, drop=900.0), fitted=fitted, at_bound=at_bound))
     (one,) = alone.values()
     alone = {("one",): replace(one, trial=replace(one.trial, deviations=deviations))}
-    context = FitContext(SimpleNamespace(fitted=fitted, freedom=Freedom(64.0)), Criteria(), lambda _: None, fit_here)
+    start = SimpleNamespace(fitted=fitted, freedom=Freedom(64.0), stated=1)
+    context = FitContext(start, Criteria(), lambda _: None, fit_here)
     pairs.try_pairs(context, (ONE, THREE), alone)
     assert bool(calls) == tried
