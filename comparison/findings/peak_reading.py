@@ -148,7 +148,7 @@ class SweptBranch:
     def _at(self, frequency: Floats, sensor: int) -> tuple[Floats, Complex]:
         """Those of the frequencies (k,) [Hz] that the sweep passes before it jumps, or afterwards, on the part with its
         top, and the logarithm of the response there."""
-        part = self.observed[_about(self.observed[:, 0], self._highest(sensor, self.observed), np.inf)]
+        part = self.observed[self._about(self.observed[:, 0], self._highest(sensor, self.observed), np.inf)]
         known, size, phase = part[np.argsort(part[:, 0])][:, [0, 1 + 2 * sensor, 2 + 2 * sensor]].T
         log_f = np.log(frequency)
         passed = (log_f >= known[0]) & (log_f <= known[-1])
@@ -211,9 +211,22 @@ class SweptBranch:
         height, at = summit(f, np.interp(f, log_f[near][order], log_size[near][order]), 2)
         return at, height
 
+    def _about(self, log_f: Floats, i: int, reach: float) -> slice:
+        """The run of neighbours of a place as far as the frequency goes one way and is within reach, up to where the
+        sweep jumps."""
+        direction, far = np.sign(np.gradient(log_f)), np.abs(log_f - log_f[i]) >= reach
+        one_way = direction == direction[i]
+        goes_on = np.diff(self.place) < 1.5 * np.diff(self.place).min()  # places were evenly spaced
+        low, high, last = i, i, len(log_f) - 1
+        while low > 0 and goes_on[low - 1] and one_way[low - 1] and not far[low]:
+            low -= 1
+        while high < last and goes_on[high] and one_way[high + 1] and not far[high]:
+            high += 1
+        return slice(low, high + 1)
+
     def _points_about(self, i: int, log_f: Floats) -> slice | None:
         """The run of places about a top in which five points as far apart as the measured ones lie; None without."""
-        near = _about(log_f, i, 3 * self.step)
+        near = self._about(log_f, i, 3 * self.step)
         (low, high), (first, last) = (log_f[near].min(), log_f[near].max()), log_f[i] + self.step * _FIVE[[0, -1]]
         return near if low <= first and last <= high else None
 
@@ -239,13 +252,3 @@ def swept_branch(branch: PredictedBranch, runs: Sequence[Observations], sensor: 
     observed = branch.at(place)
     step = float(np.median([_top_and_step(o, sensor)[1] for o in runs]))
     return SweptBranch(branch, place, observed.value, observed.slopes[:, :-1], step)
-
-
-def _about(log_f: Floats, i: int, reach: float) -> slice:
-    """The run of neighbours of a place as far as the frequency goes one way and is within reach."""
-    direction, low, high = np.sign(np.gradient(log_f)), i, i
-    while low > 0 and direction[low - 1] == direction[i] and abs(log_f[low] - log_f[i]) < reach:
-        low -= 1
-    while high < len(log_f) - 1 and direction[high + 1] == direction[i] and abs(log_f[high] - log_f[i]) < reach:
-        high += 1
-    return slice(low, high + 1)
