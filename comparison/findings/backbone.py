@@ -20,6 +20,7 @@ from updamp.comparison.prediction.predicted_branch import PredictedBranch
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
+FIVE = 5  # points that a top is read off
 # Points whose phase is within this of that at the peak tell the damping [rad].
 _NEAR = np.pi / 4
 # Logarithm of the ratio of both loss factors, by phase and by width, up to which the phase turns as an oscillator's.
@@ -68,12 +69,17 @@ def half_power_frequency(f: Floats, size: Floats, i: int, side: int) -> float:
     return float("nan")
 
 
+def five_about(i: int) -> slice:
+    """Places of the points that a top is read off, fewer beside an end."""
+    return slice(max(i - FIVE // 2, 0), i + FIVE // 2 + 1)
+
+
 def summit(f: Floats, log_size: Floats, i: int) -> tuple[float, float]:
     """Top and its place of the parabola through the largest value and its neighbours."""
-    near = slice(max(i - 2, 0), i + 3)
+    near = five_about(i)
     x, y = f[near] - f[i], log_size[near]
     width = np.ptp(x)
-    if len(x) < 5 or width <= 0 or len(np.unique(x)) < 5:
+    if len(x) < FIVE or width <= 0 or len(np.unique(x)) < FIVE:
         return float(log_size[i]), float(f[i])
     c = np.polyfit(x / width, y, 2)
     at = -c[1] / (2 * c[0]) if c[0] < 0 else np.inf

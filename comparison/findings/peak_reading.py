@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.findings.backbone import half_power_frequency, highest, read_resonance, summit
+from updamp.comparison.findings.backbone import FIVE, five_about, half_power_frequency, highest, read_resonance, summit
 from updamp.comparison.fit.matching import Matched, by_drive
 from updamp.comparison.fit.observations import Observations
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
@@ -21,8 +21,7 @@ Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 _PLACES = 2000  # looked at along a branch
-_FEWEST = 5  # points that damping is read off
-_FIVE = np.arange(-2, 3)  # points about a top
+_STEPS = np.arange(FIVE) - FIVE // 2
 _ROUNDS = 8  # of the shift, each of which leaves a fraction of what it was off by
 # Deviation of the top of a parabola through five points, in units of that of each point; and of its place, in their
 # spacing times the deviation over the curvature there.
@@ -40,7 +39,7 @@ class Tops:
 
 def tops_of_run(o: Observations, sensors: Sequence[int]) -> Tops:
     """Heights over the measured force, as a share of the condition's."""
-    of_sensor = [o.observed[:, 1 + 2 * j] - o.log_force + 1j * o.observed[:, 2 + 2 * j] for j in sensors]
+    of_sensor = [_log_size(o, j) + 1j * o.observed[:, 2 + 2 * j] for j in sensors]
     tops = [_top(o.frequency, log_receptance) for log_receptance in of_sensor]
     loss = [_loss_factor(o.frequency, log_receptance) for log_receptance in of_sensor]
     return Tops(np.array(tops).T.ravel(), np.array(loss))
@@ -50,9 +49,9 @@ def reading_noise(o: Observations, sensors: Sequence[int]) -> Floats:
     """(2 s,) deviations of a run's tops by the sensors' stated noise."""
     frequency, height = [], []
     for j in sensors:
-        log_size = o.observed[:, 1 + 2 * j] - o.log_force
+        log_size = _log_size(o, j)
         i, step = _top_and_step(o, j)
-        around = slice(max(i - 2, 0), i + 3)
+        around = five_about(i)
         x, noise = o.observed[around, 0] - o.observed[i, 0], float(o.noise[i, 1 + 2 * j])
         bend = abs(float(np.polyfit(x / step, log_size[around], 2)[0])) if step > 0 and len(x) > 2 else 0.0
         height.append(_OF_TOP * noise)
@@ -62,10 +61,15 @@ def reading_noise(o: Observations, sensors: Sequence[int]) -> Floats:
 
 def _top_and_step(o: Observations, sensor: int) -> tuple[int, float]:
     """Place of the largest point (two off the ends at least), and the spacing of log f there."""
-    top = highest(o.observed[:, 1 + 2 * sensor] - o.log_force)
+    top = highest(_log_size(o, sensor))
     i = int(np.clip(top, 2, max(len(o) - 3, 2)))
     around = o.observed[max(i - 2, 0) : i + 3, 0]
     return min(i, len(o) - 1), float(np.ptp(around)) / max(len(around) - 1, 1)
+
+
+def _log_size(o: Observations, sensor: int) -> Floats:
+    """Over the measured force, as a share of the condition's."""
+    return np.asarray(o.observed[:, 1 + 2 * sensor] - o.log_force)
 
 
 def _top(frequency: Floats, log_receptance: Complex) -> tuple[float, float]:
@@ -75,7 +79,7 @@ def _top(frequency: Floats, log_receptance: Complex) -> tuple[float, float]:
 
 
 def _loss_factor(frequency: Floats, log_receptance: Complex) -> float:
-    if len(frequency) < _FEWEST:
+    if len(frequency) < FIVE:
         return float("nan")
     return read_resonance(frequency, np.exp(log_receptance), np.ones(len(frequency))).loss_factor
 
@@ -105,9 +109,9 @@ class SweptBranch:
         not end on the way up, nor jump there."""
         o, place = m.observations, self.branch.place
         for j in sensors:
-            log_size = o.observed[:, 1 + 2 * j] - o.log_force
+            log_size = _log_size(o, j)
             i = highest(log_size)
-            near = m.place[max(i - 2, 0) : i + 3]
+            near = m.place[five_about(i)]
             between = (place[1:] > near.min()) & (place[:-1] < near.max())
             if summit(o.frequency, log_size, i)[1] == o.frequency[i] or not self.branch.seen[between].all():
                 return False
@@ -119,41 +123,18 @@ class SweptBranch:
         measured, of_model = tops_of_run(o, sensors).value, self.tops(sensors)
         tops, loss = [], []
         for k, j in enumerate(sensors):
-            i = highest(o.observed[:, 1 + 2 * j] - o.log_force)
-            near = o.frequency[max(i - 2, 0) : i + 3]
+            i, part = highest(_log_size(o, j)), self._part(j)
             by_itself = (float(of_model[k]), float(of_model[len(sensors) + k]))
-            top = self._shifted_top(near, min(i, 2), j, float(measured[k]), by_itself)
+            top = _shifted_top(part, o.frequency[five_about(i)], min(i, FIVE // 2), float(measured[k]), by_itself)
             tops.append(top)
-            loss.append(_loss_factor(*self._at(o.frequency * np.exp(top[0] - measured[k]), j)))
+            loss.append(_loss_factor(*part.at(o.frequency * np.exp(top[0] - measured[k]))))
         return Tops(np.array(tops).T.ravel(), np.array(loss))
 
-    def _shifted_top(
-        self, near: Floats, i: int, sensor: int, measured: float, by_itself: tuple[float, float]
-    ) -> tuple[float, float]:
-        """Logarithms of frequency and height, read off the run's points about its top, shifted by as much as the
-        model's top is then read off it: of the rounds the one that comes nearest.
-
-        near: frequencies of these points, of which the i-th is the highest; measured: log f of the run's top
-        """
-        shift, tried = by_itself[0] - measured, []
-        for _ in range(_ROUNDS):
-            f, log_receptance = self._at(near * np.exp(shift), sensor)
-            if len(f) < len(near):
-                break
-            height, at = summit(f, log_receptance.real, i)
-            tried.append((abs(np.log(at) - measured - shift), (float(np.log(at)), height)))
-            shift = float(np.log(at)) - measured
-        return min(tried, default=(0.0, by_itself))[1]
-
-    def _at(self, frequency: Floats, sensor: int) -> tuple[Floats, Complex]:
-        """Those of the frequencies (k,) [Hz] that the sweep passes before it jumps, or afterwards, on the part with its
-        top, and the logarithm of the response there."""
+    def _part(self, sensor: int) -> "_Part":
+        """The part with the top: what the sweep passes before it jumps, or afterwards."""
         part = self.observed[self._about(self.observed[:, 0], self._highest(sensor, self.observed), np.inf)]
-        known, size, phase = part[np.argsort(part[:, 0])][:, [0, 1 + 2 * sensor, 2 + 2 * sensor]].T
-        log_f = np.log(frequency)
-        passed = (log_f >= known[0]) & (log_f <= known[-1])
-        response = np.interp(log_f[passed], known, size) + 1j * np.interp(log_f[passed], known, np.unwrap(phase))
-        return frequency[passed], response
+        log_f, log_size, phase = part[np.argsort(part[:, 0])][:, [0, 1 + 2 * sensor, 2 + 2 * sensor]].T
+        return _Part(log_f, log_size, np.unwrap(phase))
 
     def places(self, sensors: Sequence[int]) -> Floats:
         """(s,) of the tops along the branch"""
@@ -172,7 +153,7 @@ class SweptBranch:
         slopes = self.branch.at(self.places(sensors)).slopes
         frequency, height = [], []
         for j, of_place in zip(sensors, slopes, strict=True):
-            i = highest(o.observed[:, 1 + 2 * j] - o.log_force)
+            i = highest(_log_size(o, j))
             change = by_drive(o, of_place[None])[i]
             frequency.append(change[0])
             height.append(change[1 + 2 * j] - o.log_force[i])
@@ -207,7 +188,7 @@ class SweptBranch:
         if near is None:
             return float(log_f[i]), float(log_size[i])
         order = np.argsort(log_f[near])
-        f = log_f[i] + self.step * _FIVE
+        f = log_f[i] + self.step * _STEPS
         height, at = summit(f, np.interp(f, log_f[near][order], log_size[near][order]), 2)
         return at, height
 
@@ -216,7 +197,7 @@ class SweptBranch:
         sweep jumps."""
         direction, far = np.sign(np.gradient(log_f)), np.abs(log_f - log_f[i]) >= reach
         one_way = direction == direction[i]
-        goes_on = np.diff(self.place) < 1.5 * np.diff(self.place).min()  # places were evenly spaced
+        goes_on = np.diff(self.place) < 1.5 * np.diff(self.place).min()  # evenly spaced; a gap is two steps and more
         low, high, last = i, i, len(log_f) - 1
         while low > 0 and goes_on[low - 1] and one_way[low - 1] and not far[low]:
             low -= 1
@@ -227,7 +208,7 @@ class SweptBranch:
     def _points_about(self, i: int, log_f: Floats) -> slice | None:
         """The run of places about a top in which five points as far apart as the measured ones lie; None without."""
         near = self._about(log_f, i, 3 * self.step)
-        (low, high), (first, last) = (log_f[near].min(), log_f[near].max()), log_f[i] + self.step * _FIVE[[0, -1]]
+        (low, high), (first, last) = (log_f[near].min(), log_f[near].max()), log_f[i] + self.step * _STEPS[[0, -1]]
         return near if low <= first and last <= high else None
 
     def _highest(self, sensor: int, observed: Floats) -> int:
@@ -252,3 +233,38 @@ def swept_branch(branch: PredictedBranch, runs: Sequence[Observations], sensor: 
     observed = branch.at(place)
     step = float(np.median([_top_and_step(o, sensor)[1] for o in runs]))
     return SweptBranch(branch, place, observed.value, observed.slopes[:, :-1], step)
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """Of one sensor, by rising frequency: logarithms of frequency and size, phase [rad]; each (k,)"""
+
+    log_f: Floats
+    log_size: Floats
+    phase: Floats
+
+    def at(self, frequency: Floats) -> tuple[Floats, Complex]:
+        """Those of the frequencies [Hz] that lie on it, and the logarithm of the response there."""
+        log_f = np.log(frequency)
+        on = (log_f >= self.log_f[0]) & (log_f <= self.log_f[-1])
+        size, phase = (np.interp(log_f[on], self.log_f, values) for values in (self.log_size, self.phase))
+        return frequency[on], size + 1j * phase
+
+
+def _shifted_top(
+    part: _Part, near: Floats, i: int, measured: float, by_itself: tuple[float, float]
+) -> tuple[float, float]:
+    """Logarithms of frequency and height, read off the run's points about its top, shifted by as much as the model's
+    top is then read off it: of the rounds the one that comes nearest; `by_itself` where they do not lie on the part.
+
+    near: frequencies of these points, of which the i-th is the highest; measured: log f of the run's top
+    """
+    shift, tried = by_itself[0] - measured, []
+    for _ in range(_ROUNDS):
+        f, log_receptance = part.at(near * np.exp(shift))
+        if len(f) < len(near):
+            break
+        height, at = summit(f, log_receptance.real, i)
+        tried.append((abs(np.log(at) - measured - shift), (float(np.log(at)), height)))
+        shift = float(np.log(at)) - measured
+    return min(tried, default=(0.0, by_itself))[1]

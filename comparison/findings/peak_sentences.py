@@ -50,15 +50,10 @@ def peak_findings(
             groups = [same]
         for group in groups:
             sentences += _of_group(group, limit, plan, names, damping)
-    sentences = [s for s in sentences if not _said_beside_heights(s, sentences)]
+    beside_heights = frozenset[int]().union(*(s.with_damping for s in sentences))
+    sentences = [s for s in sentences if s.finding.quantity != DAMPING or not s.tests <= beside_heights]
     sentences.sort(key=lambda s: -s.severity)
     return tuple(s.finding for s in sentences)
-
-
-def _said_beside_heights(sentence: _Sentence, sentences: Sequence[_Sentence]) -> bool:
-    """Whether one on the damping says what the aside of one on the heights does."""
-    said = frozenset[int]().union(*(s.with_damping for s in sentences))
-    return sentence.finding.quantity == DAMPING and sentence.tests <= said
 
 
 def without_peak_findings(tests: Sequence[int], plan: Plan) -> tuple[Finding, ...]:

@@ -6,7 +6,7 @@ So a fit that explains most of a misfit, and still leaves more than the scatter,
 with the effect in the model (`with_own_numerics`).
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -63,8 +63,7 @@ class Baseline:
     @property
     def stated(self) -> int:
         """How many values `farthest_off` looks at."""
-        offsets = self.fitted.compared.offsets.values()
-        return len(self.fitted.parametrisation.nuisances) + sum(len(o.drift) + len(o.gain) for o in offsets)
+        return sum(1 for _ in _stated_values(self.fitted))
 
     @property
     def unseen_freedom(self) -> Freedom:
@@ -119,14 +118,17 @@ def _held_out(plan: Plan, names: Sequence[str] | None) -> tuple[int, ...]:
 def farthest_off(fitted: Fit) -> tuple[str, float]:
     """What stands farthest from where it was stated to be, in prior deviations, and by how many: a nuisance parameter,
     or the drift of a run or the gain of a sensor in one of the assemblies."""
+    return max(_stated_values(fitted), key=lambda named: abs(named[1]))
+
+
+def _stated_values(fitted: Fit) -> Iterator[tuple[str, float]]:
+    """Each by name, in prior deviations from where it was stated to be."""
     p, scatter = fitted.parametrisation, fitted.compared.scatter
-    off = {n.name: float(u / n.deviation) for n, u in zip(p.nuisances, fitted.u, strict=False)}
+    for n, u in zip(p.nuisances, fitted.u, strict=False):
+        yield n.name, float(u / n.deviation)
     for offsets in fitted.compared.offsets.values():
-        drifts = {f"the resonance of run '{run}'": b / scatter.drift for run, b in offsets.drift.items()}
-        gains = {f"the gain of the sensor at {point}": b / scatter.gain for (point, _), b in offsets.gain.items()}
-        for name, b in (drifts | gains).items():
-            off[name] = max(off.get(name, 0.0), b, key=abs)
-    return max(off.items(), key=lambda named: abs(named[1]))
+        yield from ((f"the resonance of run '{run}'", b / scatter.drift) for run, b in offsets.drift.items())
+        yield from ((f"the gain of the sensor at {point}", b / scatter.gain) for (point, _), b in offsets.gain.items())
 
 
 def calibrated_as(base: Fit, other: Fit) -> Floats:

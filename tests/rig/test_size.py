@@ -56,7 +56,7 @@ def test_what_fits_fits_and_one_more_does_not() -> None:
         ("pesaresi2017.toml", "small", ("medium",)),  # both finer
         ("pesaresi2017.toml", "medium", ("full",)),
         ("pesaresi2017.toml", "full", ()),
-        ("virtual_rig.toml", "diagnosis", ("laboratory", "diagnosis_contacts")),  # mesh and contacts, each alone
+        ("virtual_rig.toml", "diagnosis", ("laboratory", "diagnosis_contacts")),  # mesh, contacts
         ("virtual_rig.toml", "diagnosis_146", ("diagnosis_146_fine",)),
     ],
 )
