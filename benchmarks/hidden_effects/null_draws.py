@@ -1,7 +1,7 @@
 """Measurements with nothing hidden: is the model at the true parameters within the scatter, do intervals hold the
 truth, does the comparison say that nothing is amiss? Resumable.
 
-.venv/bin/python benchmarks/hidden_effects/null_draws.py [--out FOLDER] [--draws 40] [--jobs 2] [--first-seed N]
+.venv/bin/python benchmarks/hidden_effects/null_draws.py [--test scarce] [--out FOLDER] [--draws 40] [--first-seed N]
 """
 
 from updamp.parallel.resources import one_thread
@@ -21,11 +21,13 @@ from rich.console import Console
 
 from updamp.benchmarks.hidden_effects.fitted_model import FINER
 from updamp.benchmarks.hidden_effects.in_turn import in_turn
+from updamp.benchmarks.hidden_effects.kinds_of_test import EASY, KINDS_OF_TEST, KindOfTest
 from updamp.benchmarks.hidden_effects.layout import read, write_whole
-from updamp.benchmarks.virtual_rig.measurement import RIG, make_measurement
+from updamp.benchmarks.virtual_rig.measurement import make_measurement
 from updamp.comparison.compare import CalibrationResult, calibrate, comparison_of
 from updamp.comparison.fit.compared import Compared, compare_at
 from updamp.comparison.fit.scatter import Scatter, learn
+from updamp.model.rig_files import load_rig
 from updamp.workflow.code_version import SEARCH, code_version
 from updamp.workflow.compare_run import CompareFiles, comparison_inputs
 from updamp.workflow.progress import Display
@@ -40,11 +42,18 @@ _ROUNDS = 5
 
 @dataclass(frozen=True)
 class Draw:
-    """measurement: its file; seed: to make it with where it is not there"""
+    """measurement: its file; seed: to make it with where it is not there; test: what is measured, and of which rig"""
 
     name: str
     measurement: Path
     seed: int
+    test: KindOfTest = EASY
+
+    def make(self) -> None:
+        """Where it is not there."""
+        if not self.measurement.is_file():
+            plan, noise, rig = self.test.plan, self.test.noise, load_rig(self.test.rig)
+            make_measurement(self.measurement.parent, plan, seed=self.seed, noise=noise, rig=rig)
 
 
 @dataclass(frozen=True)
@@ -58,10 +67,10 @@ def compare_draw(draw: Draw, models: Path, code: str, results: Path) -> Result:
     """Compare one measurement as `updamp compare` does and store what is found. models: folder of the stages' files"""
     started = time.perf_counter()
     results.mkdir(parents=True, exist_ok=True)
-    if not draw.measurement.is_file():
-        make_measurement(draw.measurement.parent, seed=draw.seed)
+    draw.make()
     with Display(Console(quiet=True)) as display:
-        inputs = comparison_inputs(CompareFiles(RIG, draw.measurement, models), FITTED, 1, display, FINER[FITTED])
+        files = CompareFiles(draw.test.rig, draw.measurement, models)
+        inputs = comparison_inputs(files, FITTED, 1, display, FINER[FITTED])
     calibrated = calibrate(
         inputs.before_effects, inputs.measurement, finer=inputs.finer, rig_effects=inputs.rig_effects
     )
@@ -156,9 +165,14 @@ def main(
     known: Annotated[
         Path | None, typer.Option(help="folder of the blind benchmark, for its cases without hidden effects")
     ] = None,
+    test: Annotated[str, typer.Option(help=f"kind of test: {', '.join(KINDS_OF_TEST)}")] = EASY.name,
 ) -> None:
     """Compare them all and print the tables."""
-    wanted, models, results = _draws(out, draws, known, first_seed), out / "models", out / "results"
+    if test not in KINDS_OF_TEST:
+        raise typer.BadParameter(f"'{test}': one of {', '.join(KINDS_OF_TEST)}", param_hint="--test")
+    out = out if test == EASY.name else out / test
+    wanted = _draws(out, draws, known, first_seed, KINDS_OF_TEST[test])
+    models, results = out / "models", out / "results"
     code = code_version(*CODE)
     _make_models(wanted[0], models)
     left = [d for d in wanted if not _is_done(results / f"{d.name}.json", code)]
@@ -170,10 +184,9 @@ def main(
 
 def _make_models(first: Draw, models: Path) -> None:
     """Once, before several processes look for them."""
-    if not first.measurement.is_file():
-        make_measurement(first.measurement.parent, seed=first.seed)
+    first.make()
     with Display() as display:
-        comparison_inputs(CompareFiles(RIG, first.measurement, models), FITTED, 1, display, FINER[FITTED])
+        comparison_inputs(CompareFiles(first.test.rig, first.measurement, models), FITTED, 1, display, FINER[FITTED])
 
 
 def _is_done(result: Path, code: str) -> bool:
@@ -183,14 +196,14 @@ def _is_done(result: Path, code: str) -> bool:
     return known is not None and known.get("code") == code
 
 
-def _draws(out: Path, n: int, known: Path | None, first_seed: int) -> list[Draw]:
+def _draws(out: Path, n: int, known: Path | None, first_seed: int, test: KindOfTest) -> list[Draw]:
     found = []
     for path in sorted((known / "truth").glob("*.json")) if known is not None else ():
         truth = read(path) or {}
-        if truth["kind"] == "none":
-            found.append(Draw(path.stem, known / "data" / path.stem / "measurement.toml", truth["seed"]))
+        if truth["kind"] == "none" and truth.get("test", EASY.name) == test.name:
+            found.append(Draw(path.stem, known / "data" / path.stem / "measurement.toml", truth["seed"], test))
     more = range(first_seed, first_seed + max(0, n - len(found)))
-    found += [Draw(f"seed_{seed}", out / "data" / f"seed_{seed}" / "measurement.toml", seed) for seed in more]
+    found += [Draw(f"seed_{seed}", out / "data" / f"seed_{seed}" / "measurement.toml", seed, test) for seed in more]
     return found[:n]
 
 
