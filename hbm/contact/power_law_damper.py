@@ -8,6 +8,9 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.hbm.contact.memoryless import Sampled
+
+Floats = NDArray[np.float64]
 # Share of the reference velocity below which a velocity is rounded off: so small that no force changes by it, so large
 # that a damper at rest has a derivative whatever its exponent.
 _AT_REST = 1e-12
@@ -40,6 +43,14 @@ class PowerLawDamper:
         relative = velocity / self.reference
         size = jnp.sqrt(relative**2 + _AT_REST**2)
         return parameters.force * relative * size ** (parameters.exponent - 1)
+
+    def sampled(self, displacement: Floats, velocity: Floats, parameters: Any) -> Sampled:
+        relative, further = velocity / self.reference, parameters.exponent - 1
+        squared = relative**2 + _AT_REST**2
+        power = squared ** (further / 2)
+        # of relative power(relative)
+        slope = power * (1 + further * relative**2 / squared)
+        return Sampled(parameters.force * relative * power, by_velocity=parameters.force * slope / self.reference)
 
     def reference_stiffness(self, parameters: PowerLawParameters) -> jax.Array:
         return jnp.zeros(1)

@@ -1,12 +1,16 @@
 """Nonlinear springs without history: of the second, third and fifth power, and unilateral with a gap."""
 
 from dataclasses import dataclass
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
+
+from updamp.hbm.contact.memoryless import Sampled
+
+Floats = NDArray[np.float64]
 
 
 class CubicParameters(NamedTuple):
@@ -23,6 +27,10 @@ class CubicSpring:
 
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: CubicParameters) -> jax.Array:
         return parameters.coefficient * displacement**3
+
+    def sampled(self, displacement: Floats, velocity: Floats, parameters: Any) -> Sampled:
+        k, u = parameters.coefficient, displacement
+        return Sampled(k * u**3, 3 * k * u**2)
 
     def reference_stiffness(self, parameters: CubicParameters) -> jax.Array:
         return jnp.zeros(1)
@@ -41,6 +49,10 @@ class SquareSpring(CubicSpring):
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: CubicParameters) -> jax.Array:
         return parameters.coefficient * jnp.abs(displacement) * displacement
 
+    def sampled(self, displacement: Floats, velocity: Floats, parameters: Any) -> Sampled:
+        k, size = parameters.coefficient, np.abs(displacement)
+        return Sampled(k * size * displacement, 2 * k * size)
+
 
 @dataclass(frozen=True)
 class QuinticSpring(CubicSpring):
@@ -48,6 +60,10 @@ class QuinticSpring(CubicSpring):
 
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: CubicParameters) -> jax.Array:
         return parameters.coefficient * displacement**5
+
+    def sampled(self, displacement: Floats, velocity: Floats, parameters: Any) -> Sampled:
+        k, squared = parameters.coefficient, displacement**2
+        return Sampled(k * squared**2 * displacement, 5 * k * squared**2)
 
 
 class UnilateralParameters(NamedTuple):
@@ -68,6 +84,10 @@ class UnilateralSpring:
 
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: UnilateralParameters) -> jax.Array:
         return parameters.stiffness * jnp.maximum(displacement - parameters.gap, 0.0)
+
+    def sampled(self, displacement: Floats, velocity: Floats, parameters: Any) -> Sampled:
+        k, beyond = parameters.stiffness, np.maximum(displacement - parameters.gap, 0.0)
+        return Sampled(k * beyond, k * (beyond > 0))
 
     def reference_stiffness(self, parameters: UnilateralParameters) -> jax.Array:
         return jnp.zeros(1)

@@ -8,6 +8,10 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.hbm.contact.memoryless import Sampled
+
+Floats = NDArray[np.float64]
+
 
 class ThresholdDamperParameters(NamedTuple):
     """dashpot: force over velocity far beyond the threshold [N s/m]; threshold: displacement below which there is none,
@@ -33,6 +37,13 @@ class ThresholdDamper:
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: ThresholdDamperParameters) -> jax.Array:
         beyond = jnp.maximum(jnp.abs(displacement), parameters.threshold)
         return parameters.dashpot * velocity * (1 - parameters.threshold / beyond)
+
+    def sampled(self, displacement: Floats, velocity: Floats, parameters: Any) -> Sampled:
+        size, a = np.abs(displacement), parameters.threshold
+        beyond = np.maximum(size, a)
+        acting = parameters.dashpot * (1 - a / beyond)
+        by_displacement = parameters.dashpot * velocity * np.where(size > a, a * np.sign(displacement) / beyond**2, 0.0)
+        return Sampled(acting * velocity, by_displacement, acting)
 
     def reference_stiffness(self, parameters: ThresholdDamperParameters) -> jax.Array:
         return jnp.zeros(1)

@@ -21,6 +21,7 @@ from updamp.hbm.contact.law import (
     decoupled_directions_of,
     force_for_analysis,
 )
+from updamp.hbm.contact.memoryless import MemorylessForces, MemorylessLaw
 from updamp.hbm.contact.sticking import overshoot_between_samples
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.problem.element_checks import refuse_impossible
@@ -107,7 +108,10 @@ def compiled_forces(law: ContactLaw, harmonics: Harmonics, n_time: int) -> Compi
 
 @lru_cache(maxsize=32)
 def compiled_rate_forces(law: ContactLaw, harmonics: Harmonics, n_time: int) -> CompiledRateForces | None:
-    """None where the law does not depend on the rate, or is in JAX alone."""
+    """Of laws that depend on the rate, or on nothing but the motion at the same instant; None where the law is in JAX
+    alone."""
+    if isinstance(law, MemorylessLaw):
+        return MemorylessForces(law, harmonics, n_time)
     return law.compiled_rate(harmonics, n_time) if isinstance(law, CompiledRateLaw) else None
 
 
@@ -151,23 +155,23 @@ def departures(group: ElementGroup, displacement: Floats, w: float, harmonics: H
     active, stiffness = group.may_slip_or_separate(displacement, harmonics, n_time), group.stiffness_of_one
     force = np.zeros_like(displacement)
     tangent = np.zeros((*displacement.shape, *displacement.shape[1:]))
-    rate = np.zeros_like(force) if group.law.rate_dependent else None
+    rate = np.zeros_like(force)
     compiled = compiled_forces(group.law, harmonics, n_time)
     if compiled is not None:
         compiled.write_with_tangents(active, displacement, group.values, force, tangent)
-    elif rate is not None and (at_rate := compiled_rate_forces(group.law, harmonics, n_time)) is not None:
+    elif (at_rate := compiled_rate_forces(group.law, harmonics, n_time)) is not None:
         at_rate.write_with_tangents(active, displacement, w, group.values, force, tangent, rate)
     else:
         evaluate = _compiled(group.law, harmonics, n_time)
         for some in _batches(active, elements_a_batch(_n_seeds(group.law, harmonics)), len(displacement)):
             found = evaluate(displacement[some], w, _parameters_of(group, some))
             force[some], tangent[some] = found[:2]
-            if rate is not None:
+            if group.law.rate_dependent:
                 rate[some] = found[2]
     force[active] -= stiffness[active][..., None] * displacement[active]
     _diagonal(tangent)[active] -= stiffness[active][..., None]
-    rate = None if rate is None else group.of_all_copies(rate)
-    return ElementForces(group.of_all_copies(force), group.of_all_copies(tangent), rate)
+    by_frequency = group.of_all_copies(rate) if group.law.rate_dependent else None
+    return ElementForces(group.of_all_copies(force), group.of_all_copies(tangent), by_frequency)
 
 
 def _sum_of(parts: Sequence[ElementForces]) -> ElementForces:
