@@ -194,7 +194,7 @@ class _Here:
     def by_frequency(self) -> Floats:
         """(n_rows, n_coefficients) of the motion at held relative displacements."""
         receptance = self.receptance
-        rate = receptance.excitation_rate(self.excitation, _ALL) - receptance.apply_rate(self.departure, _ALL)
+        rate = receptance.motion_rate(self.excitation, self.departure, _ALL)
         return rate - receptance.apply(self.departure_rate, _ALL) if self.departure_rate.any() else rate
 
     @property

@@ -66,11 +66,9 @@ class Equation:
         applied = excitation.at(self.w)[1]
         rate = np.zeros_like(self.x)
         if w_rate:
-            rate += w_rate * (
-                receptance.apply_rate(self.departure.value)
-                + receptance.apply(self.departure.frequency_derivative)
-                - receptance.excitation_rate(applied)
-            )
+            rate -= w_rate * receptance.motion_rate(applied, self.departure.value)
+            if self.departure.frequency_derivative.any():
+                rate += w_rate * receptance.apply(self.departure.frequency_derivative)
         if force_rate:
             rate -= receptance.excitation(Excitation(applied.row, force_rate))
         return rate
@@ -89,7 +87,7 @@ def evaluate(system: NonlinearSystem, excitation: Forcing, x: Floats, w: float) 
     frequency, applied = excitation.at(w)
     receptance = Receptance(system, frequency)
     departure = system.departure(x, frequency)
-    residual = x - receptance.excitation(applied) + receptance.apply(departure.value)
+    residual = x - receptance.motion(applied, departure.value)
     return Equation(x, w, receptance, departure, residual, applied.force)
 
 
@@ -97,7 +95,7 @@ def residual_alone(system: NonlinearSystem, excitation: Forcing, x: Floats, w: f
     """(n_relative, n_coefficients) [m], without the tangents, which are most of the cost of `evaluate`."""
     frequency, applied = excitation.at(w)
     receptance = Receptance(system, frequency)
-    return x - receptance.excitation(applied) + receptance.apply(system.departure_value(x, frequency))
+    return x - receptance.motion(applied, system.departure_value(x, frequency))
 
 
 def linear_solution(system: NonlinearSystem, w: float, excitation: Excitation) -> Floats:

@@ -23,6 +23,7 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 # Largest change of the logarithm of the force in one step.
 _LARGEST = 1.0
+_ALL = slice(None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +74,8 @@ def solve_held(
     for _ in range(options.iterations + 1):
         excitation = Excitation(held.excited, float(np.exp(log_force)))
         equation = evaluate(system, excitation, x, w)
-        off, by_x, by_log_force = _condition(equation, excitation, held)
+        lift = equation.receptance.excitation(excitation, _ALL)
+        off, by_log_force, by_x = _condition(equation, lift[held.row], held)
         errors.append(max(equation.error, abs(off)))
         if not np.isfinite(errors[-1]):
             status = Status.DIVERGED
@@ -86,9 +88,9 @@ def solve_held(
         except scipy.linalg.LinAlgError:
             status = Status.DIVERGED
             break
-        dx = -jacobian.solve(equation.residual)
-        with_force = jacobian.solve(equation.receptance.excitation(excitation))
-        step = -(off + by_x(dx)) / (by_log_force + by_x(with_force))
+        dx, with_force = -jacobian.solve(equation.residual), jacobian.solve(lift[: len(x)])
+        by_dx, by_force = by_x(np.stack([dx, with_force], axis=2))
+        step = -(off + by_dx) / (by_log_force + by_force)
         step = float(np.clip(step, -_LARGEST, _LARGEST))
         x, log_force = x + dx + with_force * step, log_force + step
     solution = Solution(x, w, status, len(errors) - 1, tuple(errors), equation, jacobian)
@@ -96,21 +98,23 @@ def solve_held(
 
 
 def _condition(
-    equation: Equation, excitation: Excitation, held: HeldAmplitude
-) -> tuple[float, Callable[[Floats], float], float]:
-    """By how much the logarithm of the amplitude is off, its derivative by x as a function of dx, and that by the
-    logarithm of the force with x held."""
+    equation: Equation, direct: Floats, held: HeldAmplitude
+) -> tuple[float, float, Callable[[Floats], Floats]]:
+    """By how much the logarithm of the amplitude is off, its derivative by the logarithm of the force with x held, and
+    those along changes of x (n_relative, n_coefficients, n) as a function of them.
+
+    direct: (n_coefficients,) motion of the row held under the excitation alone
+    """
     receptance, departure = equation.receptance, equation.departure
     rows, harmonics = np.array([held.row]), receptance.system.harmonics
-    direct = receptance.excitation(excitation, rows)[0]
     amplitude = complex(harmonics.amplitude(direct - receptance.apply(departure.value, rows)[0], 1))
 
-    def relative(change: Floats) -> float:
-        return float((complex(harmonics.amplitude(change, 1)) / amplitude).real)
+    def relative(change: Floats) -> Floats:
+        return np.asarray((harmonics.amplitude(change, 1) / amplitude).real)
 
-    def by_x(dx: Floats) -> float:
-        loads = Loads.none(receptance, 1)
-        loads.forces[: len(dx)] = -apply_tangent(receptance.system, departure, dx[..., None])
-        return relative(respond(receptance, loads).at(rows)[0, :, 0])
+    def by_x(dx: Floats) -> Floats:
+        loads = Loads.none(receptance, dx.shape[2])
+        loads.forces[: len(dx)] = -apply_tangent(receptance.system, departure, dx)
+        return relative(respond(receptance, loads).at(rows)[0].T)
 
-    return float(np.log(abs(amplitude) / held.amplitude)), by_x, relative(direct)
+    return float(np.log(abs(amplitude) / held.amplitude)), float(relative(direct)), by_x

@@ -35,11 +35,6 @@ class Receptance:
         by_modes = stuck.phi[rows] @ self.through_modes(stuck.phi[:n].T @ forces)
         return by_modes + thin_product(stuck.residual[rows, :n], forces) if stuck.has_residual else by_modes
 
-    def apply_rate(self, forces: Floats, rows: slice | Integers | None = None) -> Floats:
-        """dG/dw forces, on `rows` as in `apply`; the residual flexibility does not depend on w."""
-        stuck, n = self.system.stuck, self.system.stuck.n_relative
-        return stuck.phi[slice(n) if rows is None else rows] @ self.rate_through_modes(stuck.phi[:n].T @ forces)
-
     def through_modes(self, loads: Floats) -> Floats:
         """Modal coordinates (m, n_coefficients, ...) under modal loads like them."""
         response = np.empty_like(loads)
@@ -74,11 +69,11 @@ class Receptance:
             response -= thin_product(stuck.residual[rows, :n], forces)
         return np.asarray(response)
 
-    def excitation_rate(self, excitation: Excitation, rows: slice | Integers | None = None) -> Floats:
-        """d/dw of `excitation`."""
-        stuck = self.system.stuck
-        rows = slice(stuck.n_relative) if rows is None else rows
-        return np.asarray(stuck.phi[rows] @ self.rate_through_modes(self._modal_load(excitation)))
+    def motion_rate(self, excitation: Excitation, forces: Floats, rows: slice | Integers | None = None) -> Floats:
+        """d/dw of `motion` under forces held constant."""
+        stuck, n = self.system.stuck, self.system.stuck.n_relative
+        loads = self._modal_load(excitation) - stuck.phi[:n].T @ forces
+        return np.asarray(stuck.phi[slice(n) if rows is None else rows] @ self.rate_through_modes(loads))
 
     def block(self, k: int, rows: Integers, columns: Integers) -> Complex:
         """G_k between some of the relative rows, by products of real matrices, which cost half of mixed ones."""
