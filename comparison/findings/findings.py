@@ -194,8 +194,7 @@ def _columns(fit: Fit, plan: Plan, repeat: int, directions: Sequence[Direction])
 
 def lack_of_fit(fit: Fit, plan: Plan) -> float:
     """Probability of a chi2 as large by chance, the noise known as well as it is."""
-    free = fit.compared.values - len(fit.u)
-    return float(Freedom(free, plan.noise_freedom).by_chance.sf(fit.compared.chi2 / free))
+    return float(Freedom(fit.freedom, plan.noise_freedom).by_chance.sf(fit.compared.chi2 / fit.freedom))
 
 
 def findings(fit: Fit, plan: Plan, found: Sequence[Misfit]) -> tuple[Finding, ...]:
@@ -280,7 +279,7 @@ def _of_all(fit: Fit, plan: Plan) -> Finding:
 
 def _deviations(fit: Fit) -> float:
     """How many standard deviations chi2 is too large by (E. B. Wilson and M. M. Hilferty, PNAS 17 (1931) 684)."""
-    k = fit.compared.values - len(fit.u)
+    k = fit.freedom
     return float((np.cbrt(fit.compared.chi2 / k) - (1 - 2 / (9 * k))) / np.sqrt(2 / (9 * k)))
 
 

@@ -72,6 +72,14 @@ class Fit:
         return np.sqrt(np.diag(self.covariance))
 
     @property
+    def freedom(self) -> float:
+        """Degrees of freedom of chi-square: the values less the parameters as far as these data tell them, since one
+        that is known beforehand takes nothing off (D. J. C. MacKay, Neural Comput. 4 (1992) 415: well-determined
+        parameters)."""
+        told = 1 - (self.deviations / self.parametrisation.deviation) ** 2
+        return self.compared.values - float(np.sum(told))
+
+    @property
     def given_numerics(self) -> Floats:
         """(p,) deviations with the numerical error taken as it was found, 0 for that error itself"""
         n, found = self.parametrisation.n_of_model, np.zeros(len(self.u))
