@@ -173,7 +173,7 @@ PEAKS = Stage(
     part_of=(RESONANCE,),
 )
 
-STABILITY = Stage(name="stability", version=4, sections=(), after=(CURVE,), choices=("force",))
+STABILITY = Stage(name="stability", version=5, sections=(), after=(CURVE,), choices=("force",))
 
 # Branches at the curve's force that are no part of it; the resonance followed in force may lead to some.
 DETACHED = Stage(name="detached", version=1, sections=(), after=(CURVE,), choices=("force",))

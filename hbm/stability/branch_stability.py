@@ -6,7 +6,8 @@ where the determinant at a point in the middle says so too, the whole part is un
 and the ends are computed, and points halfway between computed ones, the longest pieces first and those with ends that
 differ before others, until the curve's share of points is used up: a number and no time, or what is known would depend
 on the machine. The rest is taken to be as the two computed points around it. So what is assumed is that stability does
-not change twice between two computed points that agree, and that no branch crosses between two turning points.
+not change twice between two computed points that agree, and that no branch crosses between two turning points. Of a
+small system all points of these parts are computed: a Duffing oscillator's stability may change from one to the next.
 """
 
 import time
@@ -27,7 +28,8 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 SHARE = 6  # at most one of so many of the curve's points is computed,
-LEAST = 8  # but so many in any case
+LEAST = 8  # but so many in any case, and all of a system
+WHOLE = 100  # with so many modes times coefficients at most, where a point takes 5 to 20 ms
 NOT_COMPUTED = "not computed: the curve's share of points was used up elsewhere"
 DIFFERENT = "between two points that differ, with none computed between them"
 
@@ -147,7 +149,7 @@ def branch_stability(
     raises: whatever `report` does
     """
     options, parts = options or StabilityOptions(), parts_of(curve)
-    most, began = max(LEAST, len(curve) // SHARE), time.perf_counter()
+    most, began = most_computed(system, curve), time.perf_counter()
     known: dict[int, Judgement] = {}
     stuck = np.flatnonzero(curve.active == 0)
     if len(stuck):
@@ -163,6 +165,12 @@ def branch_stability(
         computed.add(place)
     judged = [_judged(i, parts, known) for i in range(len(curve))]
     return _collected(curve, judged, computed, time.perf_counter() - began)
+
+
+def most_computed(system: NonlinearSystem, curve: ResponseCurve) -> int:
+    """Points at most, without those at which nothing slips or separates."""
+    small = len(system.free.omega_squared) * system.harmonics.n_coefficients <= WHOLE
+    return len(curve) if small else max(LEAST, len(curve) // SHARE)
 
 
 def _next_places(parts: tuple[Part, ...], known: dict[int, Judgement], peak: int | None) -> Iterator[tuple[Part, int]]:

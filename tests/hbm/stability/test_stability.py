@@ -71,7 +71,18 @@ def test_the_determinant_tells_the_same_as_turning_points(duffing):
         assert (problem.determinant_sign < 0) == against[i]
 
 
-def test_a_branch_is_judged_from_some_of_its_points_as_from_all(duffing):
+def test_of_a_small_system_every_point_is_computed_but_between_turning_points(duffing):
+    system, curve, _ = duffing
+    found, against = branch_stability(system, curve, "mass"), between_turning_points(curve.frequency)
+    assert found.computed[~against].all()
+    assert 0 < found.computed[against].sum() < against.sum()
+    for i in np.flatnonzero(found.computed):
+        point = stability(system, curve.displacement[i], 2 * np.pi * curve.frequency[i], against=bool(against[i]))
+        assert found.growth[i] == point.decisive.real
+
+
+def test_a_branch_is_judged_from_some_of_its_points_as_from_all(duffing, monkeypatch):
+    monkeypatch.setattr("updamp.hbm.stability.branch_stability.WHOLE", 0)
     system, curve, _ = duffing
     shares = []
     found = branch_stability(system, curve, "mass", report=shares.append)
