@@ -243,7 +243,20 @@ def decoupled_directions_of(law: ContactLaw) -> tuple[int, ...]:
 
 def compiled_forces_of(law: ContactLaw, harmonics: Harmonics, n_time: int) -> CompiledForces | None:
     """None where the law is in JAX alone."""
-    return law.compiled(harmonics, n_time) if isinstance(law, CompiledLaw) else None
+    return (
+        law.compiled(harmonics, n_time) if isinstance(law, CompiledLaw) and is_of_its_force(law, "compiled") else None
+    )
+
+
+def is_of_its_force(law: ContactLaw, written_out: str) -> bool:
+    """Whether the method by which a law is written out a second time belongs to its force: one that is inherited by a
+    law with a force of its own is another law's."""
+    classes = type(law).__mro__
+
+    def first_with(name: str) -> int:
+        return next((i for i, one in enumerate(classes) if name in vars(one)), len(classes))
+
+    return first_with(written_out) <= min(first_with("force"), first_with("averaged_force"))
 
 
 def force_for_analysis(law: ContactLaw) -> Callable[[jax.Array, jax.Array, Any], jax.Array]:

@@ -20,6 +20,7 @@ from updamp.hbm.contact.law import (
     compiled_forces_of,
     decoupled_directions_of,
     force_for_analysis,
+    is_of_its_force,
 )
 from updamp.hbm.contact.memoryless import MemorylessForces, MemorylessLaw
 from updamp.hbm.contact.sticking import overshoot_between_samples
@@ -110,9 +111,11 @@ def compiled_forces(law: ContactLaw, harmonics: Harmonics, n_time: int) -> Compi
 def compiled_rate_forces(law: ContactLaw, harmonics: Harmonics, n_time: int) -> CompiledRateForces | None:
     """Of laws that depend on the rate, or on nothing but the motion at the same instant; None where the law is in JAX
     alone."""
-    if isinstance(law, MemorylessLaw):
+    if isinstance(law, MemorylessLaw) and is_of_its_force(law, "sampled"):
         return MemorylessForces(law, harmonics, n_time)
-    return law.compiled_rate(harmonics, n_time) if isinstance(law, CompiledRateLaw) else None
+    if isinstance(law, CompiledRateLaw) and is_of_its_force(law, "compiled_rate"):
+        return law.compiled_rate(harmonics, n_time)
+    return None
 
 
 @lru_cache(maxsize=32)

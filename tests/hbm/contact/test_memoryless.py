@@ -1,12 +1,15 @@
 """Springs and dampers as written out in NumPy against their definitions in JAX: coefficients and tangents."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from updamp.hbm.contact.iwan import IwanMicroslip, IwanParameters
 from updamp.hbm.contact.law import ContactLaw, force_for_analysis
 from updamp.hbm.contact.memoryless import MemorylessForces, MemorylessLaw
 from updamp.hbm.contact.power_law_damper import PowerLawDamper, PowerLawParameters
@@ -87,3 +90,30 @@ def test_elements_of_some_numbers_are_written_alone(law: MemorylessLaw, paramete
     assert np.array_equal(found.tangent[1::2], whole.tangent[1::2])
     assert not found.force[::2].any()
     assert not found.tangent[::2].any()
+
+
+@dataclass(frozen=True)
+class Saturating(CubicSpring):
+    """A user's law that takes all but the force from another one."""
+
+    def force(self, displacement: jax.Array, velocity: jax.Array, parameters: CubicParameters) -> jax.Array:
+        return parameters.coefficient * jnp.tanh(displacement)
+
+
+@dataclass(frozen=True)
+class Doubled(IwanMicroslip):
+    def force(self, displacement: jax.Array, velocity: jax.Array, parameters: IwanParameters) -> jax.Array:
+        return 2 * super().force(displacement, velocity, parameters)
+
+
+def test_a_law_with_a_force_of_its_own_does_not_take_what_is_written_out_for_the_one_it_is_made_of() -> None:
+    x, every = RNG.normal(size=(ELEMENTS, 1, HARMONICS.n_coefficients)), np.arange(ELEMENTS)[:, None]
+    found = departures(ElementGroup(Saturating(), CubicParameters(SIZES), every), x, W, HARMONICS, N_TIME)
+    defined = by_definition(Saturating(), CubicParameters(SIZES))(x[:, 0], W)
+    assert np.abs(found.force[:, 0] - defined).max() < 1e-13
+    sliders = IwanParameters(SIZES, 0.5 * GAPS, 0 * GAPS)
+    once, twice = (
+        departures(ElementGroup(law, sliders, every), 1e-4 * x, W, HARMONICS, N_TIME)
+        for law in (IwanMicroslip(), Doubled())
+    )
+    assert np.abs(twice.force - 2 * once.force).max() < 1e-12 * np.abs(once.force).max()
