@@ -97,7 +97,7 @@ class Saturating(CubicSpring):
     """A user's law that takes all but the force from another one."""
 
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: CubicParameters) -> jax.Array:
-        return parameters.coefficient * jnp.tanh(displacement)
+        return parameters.coefficient * jnp.tanh(displacement + 0 * velocity)
 
 
 @dataclass(frozen=True)
