@@ -4,10 +4,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
+from updamp.hbm.problem.linear_model import LinearModel
 from updamp.hbm.problem.small_amplitude import SmallAmplitude, element_stiffness, modes_on, response_on
 from updamp.hbm.resonance.resonance import ResonanceProblem, ResonanceState
 
 Complex = NDArray[np.complex128]
+# Share of the largest entry up to which a matrix is symmetric but for round-off.
+_SYMMETRIC = 1e-8
 
 
 def linear_peak(
@@ -16,8 +19,9 @@ def linear_peak(
     """The linear response at its resonance in `window` [Hz]. Contacts that are open at rest stay so at small forces.
 
     mode_frequency: [Hz], the mode next to it is taken; by default the one that responds most
-    raises: ValueError where no mode lies in the window, or the mode is not damped
+    raises: ValueError where no mode lies in the window, the mode is not damped, or damping is not symmetric
     """
+    _refuse_gyroscopic(problem.system.free)
     system, n = problem.system, problem.system.free.n_relative
     near = float(np.mean(window))
     stiffness = element_stiffness(system.groups, n, near)
@@ -39,6 +43,17 @@ def linear_peak(
     z = np.zeros((n, system.harmonics.n_coefficients))
     system.harmonics.set_amplitude(z, 1, at_peak[:n])
     return ResonanceState(z, w, log_force, float(np.angle(at_peak[problem.observed])))
+
+
+def _refuse_gyroscopic(free: LinearModel) -> None:
+    """What is followed rests on an undamped motion that all parts go through in phase, and that symmetric damping alone
+    hardly changes."""
+    for matrix in (free.viscous, free.hysteretic):
+        if np.abs(matrix - matrix.T).max() > _SYMMETRIC * np.abs(matrix).max():
+            raise ValueError(
+                "the damping matrix is not symmetric (gyroscopic terms): a resonance cannot be followed in the force; "
+                "trace the response curve at each force, which can be"
+            )
 
 
 def _modes_asked_for(modes: SmallAmplitude, window: tuple[float, float], mode_frequency: float | None) -> list[int]:

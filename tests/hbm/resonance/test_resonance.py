@@ -312,3 +312,14 @@ def test_a_mode_without_damping_has_no_resonance_to_begin_at():
     request = ResonanceRequest("1", "mass", "mass", DUFFING_WINDOW, (0.1,), MaximumResonance())
     with pytest.raises(ValueError, match="has no damping"):
         whole_resonance(one_degree_of_freedom(0.0, group, (1, 3), 64), request)
+
+
+def test_gyroscopic_terms_are_refused_with_what_can_be_done():
+    """Two masses, coupled by their velocities; curves of them are traced."""
+    C = 0.02 * np.eye(2) + 0.3 * np.array([[0.0, 1.0], [-1.0, 0.0]])
+    linear = from_matrices(np.eye(2), C, np.eye(2), np.array([[1.0, 0.0]]), {"mass": np.array([1.0, 0.0])})
+    group = ElementGroup(CubicSpring(), CubicParameters(np.ones(1)), np.array([[0]]))
+    system = NonlinearSystem(linear, (group,), Harmonics((1, 3)), 64)
+    request = ResonanceRequest("1", "mass", "mass", (0.1, 0.3), (0.01,), MaximumResonance())
+    with pytest.raises(ValueError, match=r"not symmetric .*trace the response curve"):
+        whole_resonance(system, request)
