@@ -105,7 +105,11 @@ class ResponseCurve:
     def peak(self, point: str) -> tuple[float, float]:
         """Frequency [Hz] and receptance [m/N] at the largest first harmonic: the top of a cubic spline through the
         points around it, over the length of the branch, so that overhanging peaks are met as well.
+
+        raises: ValueError where the curve has no points, saying why it stopped
         """
+        if not len(self):
+            raise ValueError(f"{self.mode} {self.force:g} N: the curve has no points, so no peak; {self.stopped}")
         size = np.abs(self.receptance(point))
         i = int(np.argmax(size))
         top = self.extreme(size, i, point)

@@ -48,6 +48,13 @@ def test_duffing_peak_beyond_the_fold(duffing):
     assert 2 * np.pi * f == pytest.approx(w, rel=1e-3)
 
 
+def test_a_curve_without_points_says_why_it_has_no_peak(duffing):
+    _, _, curve = duffing
+    none = replace(curve, frequency=curve.frequency[:0], response=curve.response[:0], stopped="no first point at 2 Hz")
+    with pytest.raises(ValueError, match="no points, so no peak; no first point at 2 Hz"):
+        none.peak("mass")
+
+
 def test_sweeps_jump_where_the_branch_turns(duffing):
     _, _, curve = duffing
     fold_high, fold_low = curve.frequency[turning_points(curve.frequency)]
