@@ -80,13 +80,16 @@ def _as_in(pair: FittedCandidate, effect: Effect) -> FitTask:
 
 
 def alone(fits: FitContext, singles: CandidateFits, pairs: CandidateFits) -> CandidateFits:
-    """Second effects that have not been tried alone, where one explains the data together with a first: it may be all
-    that is missing, and the first one a wrong guess that has become small beside it."""
+    """Second effects that have not been fitted in full alone, where one explains the data together with a first: it may
+    be all that is missing, and the first one a wrong guess that has become small beside it. A short fit from elsewhere
+    may have ended where the effect is absent."""
     best = _best(pairs)
     if best is None or fits.fails(best.trial):
         return {}
     second = best.refit.effects[1]
-    if (second.name,) in singles:
+    known = singles.get((second.name,))
+    if known is not None and known.trial.full:
         return {}
-    found = fits.results([_as_in(best, second)])
+    tried = fits.results([_as_in(best, second)])
+    found = {names: r for names, r in tried.items() if known is None or r.refit.drop > known.refit.drop}
     return found | refits_with_own_numerics(fits, found)

@@ -106,3 +106,27 @@ def test_when_a_second_effect_is_looked_for(monkeypatch, misfit, at_bound, devia
     context = FitContext(start, Criteria(), lambda _: None, fit_here)
     pairs.try_pairs(context, (ONE, THREE), alone)
     assert bool(calls) == tried
+
+
+@pytest.mark.parametrize(("full", "drop", "kept"), [(False, 3990.0, True), (False, 100.0, False), (True, 3990.0, None)])
+def test_a_second_effect_that_explains_with_a_first_is_fitted_alone_from_its_size_there(monkeypatch, full, drop, kept):
+    """Its short fit had ended where it is absent (case 035 of the draw 86180929: a zero harmonic beside a gap of a
+    fifth of what the gap alone had come to)."""
+    columns = {"one": slice(0, 1), "two": slice(1, 2)}
+    fitted = SimpleNamespace(u=[0.06, 2.8], parametrisation=SimpleNamespace(columns=columns.__getitem__))
+    two, tasks = effect("two", 1), []
+    alone = singles(refit(ONE, drop=2000.0), refit(two, drop=1000.0))
+    alone["two",] = replace(alone["two",], trial=replace(alone["two",].trial, full=full))
+    (pair,) = singles(replace(refit(ONE, two, drop=4000.0), fitted=fitted)).values()
+
+    def runner(_, __, wanted, ___):
+        tasks.extend(wanted)
+        return list(singles(refit(two, drop=drop)).values())
+
+    monkeypatch.setattr(pairs, "refits_with_own_numerics", lambda *_: {})
+    monkeypatch.setattr(FitContext, "fails", lambda *_: False)
+    context = FitContext(None, Criteria(), lambda _: None, runner)
+    found = pairs.alone(context, alone, {("one", "two"): pair})
+    assert [t.effects for t in tasks] == ([] if kept is None else [(two,)])
+    assert all(t.starts == ([2.8],) and t.as_given == ([2.8],) and t.full for t in tasks)
+    assert bool(found) == bool(kept)
