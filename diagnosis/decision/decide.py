@@ -62,10 +62,21 @@ def _by_misfit(evidence: Evidence, criteria: Criteria) -> Decision:
 
 
 def _named(best: Trial, accepted: Sequence[Trial], evidence: Evidence, criteria: Criteria) -> Decision:
-    """The best, or that the data do not tell it from others of as many effects that leave as little by a calibration
-    that can be believed; what all of these have is missing whichever it is."""
-    as_many = [t for t in accepted if t is not best and len(t.effects) == len(best.effects)]
-    as_good = [t for t in as_many if t.excess < (1 + criteria.as_good) * best.excess]
+    """The best, or that the data do not tell it from others of as many effects by a calibration that can be believed;
+    what all of these have is missing whichever it is.
+
+    Neither what they leave tells them apart, nor the information criterion, of those that explain the data. Whether it
+    asks for all of a rival's effects does not matter there: one of them may do most of it, and still not suffice.
+    """
+    as_many = [
+        t for t in (*evidence.trials, *evidence.combined) if len(t.effects) == len(best.effects) and t is not best
+    ]
+    as_good = [
+        t
+        for t in as_many
+        if (t in accepted and t.excess < (1 + criteria.as_good) * best.excess)
+        or (_explains(t, evidence, criteria) and gain(best, evidence) - gain(t, evidence) < criteria.delta_bic)
+    ]
     equals = [t for t in as_good if not far_off(t, evidence, criteria)]
     if not equals:
         return Decision("identified", best.effects, (), best)
@@ -90,6 +101,18 @@ def reason_against(trial: Trial, evidence: Evidence, criteria: Criteria) -> str:
             return f"{name} is {not_identifiable(tested.visibility)}"
     if trial.delta_bic < criteria.delta_bic:
         return "the data do not ask for it"
+    return _against_the_fit(trial, evidence, criteria)
+
+
+def _explains(trial: Trial, evidence: Evidence, criteria: Criteria) -> bool:
+    """Whether a fit explains the data, on held-out runs too, by effects that can be seen."""
+    tested = [evidence.test_of(name) for name in trial.effects]
+    seen = all(one is None or one.visibility >= criteria.visibility for one in tested)
+    return seen and not _against_the_fit(trial, evidence, criteria) and not still_fails(trial, evidence, criteria)
+
+
+def _against_the_fit(trial: Trial, evidence: Evidence, criteria: Criteria) -> str:
+    """Why a fit is no explanation, "" if it may be one."""
     if not trial.full:
         return "others explain more"
     if trial.at_bound:

@@ -178,3 +178,25 @@ def test_ablations_say_what_parts_of_the_method_would():
 def test_evidence_is_kept_to_the_last_digit(tmp_path):
     EVIDENCE_JSON.write(tmp_path / "evidence.json", EVIDENCE)
     assert EVIDENCE_JSON.read(tmp_path / "evidence.json") == EVIDENCE
+
+
+# Of the clamped beam that others measured (docs/measured_resonators.md): eight values that count, most by one effect.
+SQUARE = Trial(("square",), 3.30, 220.0, 21.9, 1.6, "", True, unseen=2.0)
+CLEARANCE = Trial(("clearance", "slip"), 0.36, 330.0, 12.0, 0.4, "", True, unseen=0.1, parameters=2)
+FEW = {"tested": (), "trials": (SQUARE,), "independent": 8.0, "unseen_independent": 4.0, "as_many": 10.0}
+
+
+@pytest.mark.parametrize(("drop", "group"), [(325.0, ("clearance", "square")), (200.0, ())])
+def test_rivals_that_explain_the_data_and_are_about_as_likely_are_not_told_apart(drop, group):
+    """Though the criterion asks for one over its better half and not for the other, whose half is better."""
+    square = replace(CLEARANCE, effects=("square", "slip"), excess=0.67, drop=drop, delta_bic=7.7)
+    decision = decide(replace(EVIDENCE, **FEW, combined=(CLEARANCE, square)), Criteria())
+    assert decision.outcome == ("inseparable" if group else "identified")
+    assert (decision.effects, decision.group) == (("clearance", "slip"), group)
+    assert reason_against(square, EVIDENCE, Criteria()) == "the data do not ask for it"
+
+
+def test_a_rival_that_is_as_likely_and_fails_is_none():
+    square = replace(CLEARANCE, effects=("square", "slip"), excess=6.0, drop=325.0, delta_bic=7.7)
+    decision = decide(replace(EVIDENCE, **FEW, combined=(CLEARANCE, square)), Criteria())
+    assert (decision.outcome, decision.effects) == ("identified", ("clearance", "slip"))
