@@ -63,7 +63,7 @@ def _top_and_step(o: Observations, sensor: int) -> tuple[int, float]:
     """Place of the largest point (two off the ends at least), and the spacing of log f there."""
     top = highest(_log_size(o, sensor))
     i = int(np.clip(top, 2, max(len(o) - 3, 2)))
-    around = o.observed[max(i - 2, 0) : i + 3, 0]
+    around = o.observed[five_about(i), 0]
     return min(i, len(o) - 1), float(np.ptp(around)) / max(len(around) - 1, 1)
 
 

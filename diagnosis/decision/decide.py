@@ -95,10 +95,8 @@ def reason_against(trial: Trial, evidence: Evidence, criteria: Criteria) -> str:
     """Why an effect is not accepted as the explanation, "" if it is."""
     if within_scatter(evidence):
         return "the model explains the data without it"
-    for name in trial.effects:
-        tested = evidence.test_of(name)
-        if tested is not None and tested.visibility < criteria.visibility:
-            return f"{name} is {not_identifiable(tested.visibility)}"
+    if hidden := _not_seen(trial, evidence, criteria):
+        return hidden
     if trial.delta_bic < criteria.delta_bic:
         return "the data do not ask for it"
     return _against_the_fit(trial, evidence, criteria)
@@ -106,9 +104,17 @@ def reason_against(trial: Trial, evidence: Evidence, criteria: Criteria) -> str:
 
 def _explains(trial: Trial, evidence: Evidence, criteria: Criteria) -> bool:
     """Whether a fit explains the data, on held-out runs too, by effects that can be seen."""
-    tested = [evidence.test_of(name) for name in trial.effects]
-    seen = all(one is None or one.visibility >= criteria.visibility for one in tested)
-    return seen and not _against_the_fit(trial, evidence, criteria) and not still_fails(trial, evidence, criteria)
+    against = _not_seen(trial, evidence, criteria) or _against_the_fit(trial, evidence, criteria)
+    return not against and not still_fails(trial, evidence, criteria)
+
+
+def _not_seen(trial: Trial, evidence: Evidence, criteria: Criteria) -> str:
+    """Which of a fit's effects these data cannot show, "" if none."""
+    for name in trial.effects:
+        tested = evidence.test_of(name)
+        if tested is not None and tested.visibility < criteria.visibility:
+            return f"{name} is {not_identifiable(tested.visibility)}"
+    return ""
 
 
 def _against_the_fit(trial: Trial, evidence: Evidence, criteria: Criteria) -> str:

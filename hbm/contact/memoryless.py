@@ -71,7 +71,7 @@ class MemorylessForces:
 
     def write_forces(self, numbers: Integers, displacement: Floats, w: float, parameters: Any, force: Floats) -> None:
         x = displacement[numbers, 0]
-        force[numbers, 0] = self._sampled(numbers, x, w, parameters).force @ self._analysis.T
+        force[numbers, 0] = self._sampled(numbers, x, w * (x @ self._rate.T), parameters).force @ self._analysis.T
 
     def write_with_tangents(
         self,
@@ -83,8 +83,9 @@ class MemorylessForces:
         tangent: Floats,
         by_frequency: Floats,
     ) -> None:
-        x = displacement[numbers, 0]
-        found, analysis, motion = self._sampled(numbers, x, w, parameters), self._analysis, self._synthesis
+        x, analysis, motion = displacement[numbers, 0], self._analysis, self._synthesis
+        speed = x @ self._rate.T
+        found = self._sampled(numbers, x, w * speed, parameters)
         force[numbers, 0] = found.force @ analysis.T
         total = np.zeros((len(numbers), len(analysis), len(analysis)))
         parts = [(found.by_displacement, motion), (found.by_last, self._last), (found.by_next, self._next)]
@@ -93,12 +94,12 @@ class MemorylessForces:
                 total += (slope[:, None] * analysis) @ samples
         tangent[numbers, 0, :, 0] = total
         if found.by_velocity is not None:
-            by_frequency[numbers, 0] = (found.by_velocity * (x @ self._rate.T)) @ analysis.T
+            by_frequency[numbers, 0] = (found.by_velocity * speed) @ analysis.T
 
-    def _sampled(self, numbers: Integers, x: Floats, w: float, parameters: Any) -> Sampled:
-        """x: (n, n_coefficients) of the elements of these numbers"""
+    def _sampled(self, numbers: Integers, x: Floats, velocity: Floats, parameters: Any) -> Sampled:
+        """x: (n, n_coefficients), velocity: (n, n_time), of the elements of these numbers"""
         each = type(parameters)(*(np.asarray(value)[numbers, None] for value in parameters))
-        return self.law.sampled(x @ self._synthesis.T, w * (x @ self._rate.T), each)
+        return self.law.sampled(x @ self._synthesis.T, velocity, each)
 
     @cached_property
     def _synthesis(self) -> Floats:

@@ -69,12 +69,13 @@ def solve_held(
     """
     options = options or NewtonOptions()
     x, log_force = start[0], float(np.log(start[1]))
+    unit = Receptance(system, w).excitation(Excitation(held.excited, 1.0), _ALL)
     errors: list[float] = []
     status, jacobian = Status.TOO_MANY_ITERATIONS, None
     for _ in range(options.iterations + 1):
         excitation = Excitation(held.excited, float(np.exp(log_force)))
         equation = evaluate(system, excitation, x, w)
-        lift = equation.receptance.excitation(excitation, _ALL)
+        lift = excitation.force * unit
         off, by_log_force, by_x = _condition(equation, lift[held.row], held)
         errors.append(max(equation.error, abs(off)))
         if not np.isfinite(errors[-1]):

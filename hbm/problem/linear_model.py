@@ -139,6 +139,11 @@ def from_matrices(
     )
 
 
+def is_symmetric(matrix: Floats) -> bool:
+    """But for round-off"""
+    return bool(np.abs(matrix - matrix.T).max() <= np.sqrt(np.finfo(float).eps) * np.abs(matrix).max())
+
+
 def _refuse_matrix(name: str, matrix: Floats, shape: tuple[int, ...], symmetric: bool) -> None:
     """Of a matrix that is not symmetric half would be taken for the whole; what round-off leaves is less than half of
     the digits."""
@@ -146,5 +151,5 @@ def _refuse_matrix(name: str, matrix: Floats, shape: tuple[int, ...], symmetric:
         raise ValueError(f"{name} has shape {matrix.shape}: {shape} is needed")
     if not np.isfinite(matrix).all():
         raise ValueError(f"{name} has entries that are not finite")
-    if symmetric and np.abs(matrix - matrix.T).max() > np.sqrt(np.finfo(float).eps) * np.abs(matrix).max():
+    if symmetric and not is_symmetric(matrix):
         raise ValueError(f"{name} is not symmetric")

@@ -4,13 +4,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from updamp.hbm.problem.linear_model import LinearModel
+from updamp.hbm.problem.linear_model import LinearModel, is_symmetric
 from updamp.hbm.problem.small_amplitude import SmallAmplitude, element_stiffness, modes_on, response_on
 from updamp.hbm.resonance.resonance import ResonanceProblem, ResonanceState
 
 Complex = NDArray[np.complex128]
-# Share of the largest entry up to which a matrix is symmetric but for round-off.
-_SYMMETRIC = 1e-8
 
 
 def linear_peak(
@@ -48,12 +46,11 @@ def linear_peak(
 def _refuse_gyroscopic(free: LinearModel) -> None:
     """What is followed rests on an undamped motion that all parts go through in phase, and that symmetric damping alone
     hardly changes."""
-    for matrix in (free.viscous, free.hysteretic):
-        if np.abs(matrix - matrix.T).max() > _SYMMETRIC * np.abs(matrix).max():
-            raise ValueError(
-                "the damping matrix is not symmetric (gyroscopic terms): a resonance cannot be followed in the force; "
-                "trace the response curve at each force, which can be"
-            )
+    if not (is_symmetric(free.viscous) and is_symmetric(free.hysteretic)):
+        raise ValueError(
+            "the damping matrix is not symmetric (gyroscopic terms): a resonance cannot be followed in the force; "
+            "trace the response curve at each force, which can be"
+        )
 
 
 def _modes_asked_for(modes: SmallAmplitude, window: tuple[float, float], mode_frequency: float | None) -> list[int]:
