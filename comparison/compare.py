@@ -29,6 +29,7 @@ from updamp.comparison.fit.numerical_gate import apply_numerical_gate, starting_
 from updamp.comparison.fit.observations import Plan, plan_of
 from updamp.comparison.fit.repeat_scatter import of_repeats
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
+from updamp.comparison.prediction.model_at import ModelAt
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch, at_sizes
 from updamp.effects.chosen import ChosenEffect
@@ -219,7 +220,7 @@ def _states_of_tests(
 def _states(parametrisation: Parametrisation, u: Floats, branch: PredictedBranch) -> tuple[float, float, float, float]:
     """Shares of the contacts that stick, slip, separate or stay open, at the highest point of the first sensor."""
     point = branch.points[int(np.argmax(np.abs(branch.amplitude[:, 0])))]
-    system = parametrisation.model(u).system
-    states = contact_states(system, point.x, point.w)
+    there = ModelAt(parametrisation, u)
+    states = contact_states(there.model.system, there.whole(point.x), point.w)
     stuck, slipping, separating, never = (float(np.mean(states == kind)) for kind in ContactState)
     return stuck, slipping, separating, never

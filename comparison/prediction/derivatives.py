@@ -91,17 +91,16 @@ def moves(point: BranchPoint, excitation: Excitation, changes: Sequence[Change],
     jacobian = equation.factorised()
     system = receptance.system
     here = _Here(receptance, equation.departure.value, equation.departure.frequency_derivative, excitation, rows)
-    differences = [here.difference(change, x) for change in changes]
     n, by_w = len(x), here.by_frequency()
-    dr = np.stack([*(d[0] for d in differences), -here.lift[:n], -by_w[:n], 0 * x], axis=2)
+    residual, observed = here.differences(changes, x)
+    dr = np.concatenate([residual, np.stack([-here.lift[:n], -by_w[:n], 0 * x], axis=2)], axis=2)
     dx = np.zeros_like(dr)
     dx[..., :-1] = solve_many(jacobian, equation.departure, -dr[..., :-1], _TOLERANCE)
     dx[..., -1] = point.tangent_x
     forces = Loads.none(receptance, dx.shape[2])
     forces.forces[:n] = -apply_tangent(system, equation.departure, dx)
     dy = respond(receptance, forces).at(rows)
-    for j, difference in enumerate(differences):
-        dy[..., j] += difference[1]
+    dy[..., : len(changes)] += observed
     dy[..., -3] += here.lift[rows]
     dy[..., -2] += by_w[rows]
     dy[..., -1] += by_w[rows] * point.tangent_w
@@ -162,21 +161,36 @@ class _Here:
         """(n_rows, n_coefficients) of all rows; of the relative ones as the structure answers the elements' forces"""
         return self.lift - self.receptance.apply(self.departure, _ALL)
 
-    def difference(self, change: Change, x: Floats) -> tuple[Floats, Floats]:
-        """Of the residual and of the observed motion at the same x, over the step."""
-        if change.contacts_alone:
-            return self._of_contacts(change.system, x, change.step)
+    def differences(self, changes: Sequence[Change], x: Floats) -> tuple[Floats, Floats]:
+        """Of the residual (n_relative, n_coefficients, n_changes) and of the observed motion (n_rows, ...) at the same
+        x, over the steps."""
+        of_contacts = [j for j, change in enumerate(changes) if change.contacts_alone]
+        residual = np.zeros((*x.shape, len(changes)))
+        observed = np.zeros((len(self.rows), x.shape[1], len(changes)))
+        if of_contacts:
+            residual[..., of_contacts], observed[..., of_contacts] = self._of_contacts(
+                [changes[j] for j in of_contacts], x
+            )
+        for j, change in enumerate(changes):
+            if not change.contacts_alone:
+                residual[..., j], observed[..., j] = self._of_structure(change, x)
+        return residual, observed
+
+    def _of_contacts(self, changes: Sequence[Change], x: Floats) -> tuple[Floats, Floats]:
+        """The residual as the point's own system has it: with its springs the structure stays the same."""
+        loads = Loads.none(self.receptance, len(changes))
+        for j, change in enumerate(changes):
+            stiffer = change.system.reference_stiffness - self.receptance.system.reference_stiffness
+            g = change.system.departure_value(x, self.receptance.w, self._known)
+            loads.forces[: len(x), :, j] = (g - self.departure + stiffer[:, None] * x) / change.step
+        moved = respond(self.receptance, loads)
+        return moved.at(slice(len(x))), -moved.at(self.rows)
+
+    def _of_structure(self, change: Change, x: Floats) -> tuple[Floats, Floats]:
         if change.opposite is None:
             return self._to_one_side(change.system, change, x)
         ahead, behind = (self._to_one_side(system, change, x) for system in (change.system, change.opposite))
         return (ahead[0] - behind[0]) / 2, (ahead[1] - behind[1]) / 2
-
-    def _of_contacts(self, system: NonlinearSystem, x: Floats, step: float) -> tuple[Floats, Floats]:
-        """The residual as the point's own system has it: with its springs the structure stays the same."""
-        stiffer = system.reference_stiffness - self.receptance.system.reference_stiffness
-        g = system.departure_value(x, self.receptance.w, self._known)
-        moved = self.receptance.apply((g - self.departure + stiffer[:, None] * x) / step, _ALL)
-        return moved[: len(x)], -moved[self.rows]
 
     def _to_one_side(self, system: NonlinearSystem, change: Change, x: Floats) -> tuple[Floats, Floats]:
         n, rows, further = len(x), self.rows, len(change.added)

@@ -49,7 +49,7 @@ def trace_held(there: ModelAt, condition: RunCondition) -> tuple[list[HeldPoint]
     assert condition.control is not None, "asked for where the response was held"
     points: list[HeldPoint] = []
     try:
-        for point in _points(there.model.system, there.model.excitation, condition, condition.control):
+        for point in _points(there.system, there.model.excitation, condition, condition.control):
             points.append(point)
     except BranchStoppedError as stop:
         if len(points) < 4:
@@ -125,7 +125,7 @@ class HeldState:
 def held_state(there: ModelAt, condition: RunCondition, point: HeldPoint, further: Sequence[Change]) -> HeldState:
     """raises: RuntimeError where the Jacobian is singular and no correction helps"""
     assert condition.control is not None, "asked for where the response was held"
-    system, w = there.model.system, point.w
+    system, w = there.system, point.w
     excitation = Excitation(system.free.row(there.model.excitation), point.force)
     rows = np.array([system.free.row(p) for p, _ in (*condition.sensors, (condition.control.point, 1))])
     orders = [*(k for _, k in condition.sensors), 1]

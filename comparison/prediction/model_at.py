@@ -7,12 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.prediction.derivatives import Change
-from updamp.comparison.prediction.parameters import Parametrisation
+from updamp.comparison.prediction.parameters import Parametrisation, is_driven_symmetrically
 from updamp.effects.effect import Effect, EffectParameter
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.problem.elements import ElementGroup
 from updamp.hbm.problem.linear_model import LinearModel
-from updamp.hbm.problem.system import NonlinearSystem
+from updamp.hbm.problem.mirror import Mirror, half_groups, half_structure
+from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 Floats = NDArray[np.float64]
 
@@ -32,15 +33,37 @@ class ModelAt:
         return self.parametrisation.model(self.u)
 
     @cached_property
+    def mirror(self) -> Mirror | None:
+        """Of which half is solved; None where the whole is."""
+        return self.model.system.mirror if self.parametrisation.mirrored else None
+
+    @cached_property
+    def system(self) -> NonlinearSystem:
+        """What is solved: the half of a model that is its own mirror image whatever its parameters are."""
+        return _half(self.model) if self.mirror is not None else self.model.system
+
+    def excited_by(self, force: float) -> Excitation:
+        """force: amplitude [N]"""
+        return Excitation(self.system.free.row(self.model.excitation), force)
+
+    def whole(self, x: Floats) -> Floats:
+        """Relative displacements (n_relative, n_coefficients) of the whole model from what was solved."""
+        return x if self.mirror is None else self.mirror.whole(x)
+
+    def keeps_symmetry(self, changed: RigModel) -> bool:
+        """Whether a changed model can be solved as this one is."""
+        return self.mirror is None or is_driven_symmetrically(changed)
+
+    @cached_property
     def changes(self) -> tuple[Change, ...]:
         """A difference for every parameter of the model: for contacts, whose forces have kinks, upwards unless a bound
         is near; for the structure to both sides unless a bound is."""
         found = []
         for j in range(self.parametrisation.n_of_model):
             step = _STEP if self.u[j] + _STEP <= self.parametrisation.upper[j] else -_STEP
-            change = change_to(self.model, self._moved(j, step), step)
+            change = change_to(self, self._moved(j, step), step)
             if not change.contacts_alone and self.u[j] - _STEP >= self.parametrisation.lower[j] and step > 0:
-                change = replace(change, opposite=_system_of(self._moved(j, -step), self.model))
+                change = replace(change, opposite=_system_of(self, self._moved(j, -step)))
             found.append(change)
         return tuple(found)
 
@@ -61,31 +84,45 @@ def _cached_model_at(parametrisation: Parametrisation, u: bytes) -> ModelAt:
     return ModelAt(parametrisation, np.frombuffer(u))
 
 
-def change_to(model: RigModel, changed: RigModel, step: float) -> Change:
+def change_to(there: ModelAt, changed: RigModel, step: float) -> Change:
     """step: of the parameter between the two; the changed one may have further elements, after those of the model"""
-    points = tuple(point for e in changed.elements[len(model.elements) :] for point in e.points)
-    if not _same_structure(model, changed):
-        return Change(_system_of(changed, model), step, added=points, reading=changed.reading)
-    # the same object: what was worked out for it holds
-    system = NonlinearSystem(model.system.free, _groups(changed, model), changed.harmonics, changed.time_samples)
-    return Change(system, step, contacts_alone=True, reading=changed.reading)
+    points = tuple(point for e in changed.elements[len(there.model.elements) :] for point in e.points)
+    alone = _same_structure(there.model, changed)
+    added = () if alone else points
+    return Change(_system_of(there, changed, alone), step, contacts_alone=alone, added=added, reading=changed.reading)
 
 
-def _system_of(changed: RigModel, model: RigModel) -> NonlinearSystem:
-    return NonlinearSystem(changed.free, _groups(changed, model), changed.harmonics, changed.time_samples)
+def _system_of(there: ModelAt, changed: RigModel, contacts_alone: bool = False) -> NonlinearSystem:
+    """The changed model's, as this one's is solved. What does not change is the same object: what was worked out for it
+    holds."""
+    free = there.system.free if contacts_alone else _free(there, changed)
+    groups = changed.groups if there.mirror is None else half_groups(changed.groups, _mirror_of(changed))
+    own = (*there.system.groups, *groups[len(there.system.groups) :])
+    kept = tuple(a if _equal_groups(a, b) else b for a, b in zip(own, groups, strict=True))
+    return NonlinearSystem(free, kept, changed.harmonics, changed.time_samples)
 
 
-def _groups(changed: RigModel, model: RigModel) -> tuple[ElementGroup, ...]:
-    """The model's own groups of elements where they have not changed: what was evaluated for them holds."""
-    own = (*model.groups, *changed.groups[len(model.groups) :])
-    return tuple(a if _equal_groups(a, b) else b for a, b in zip(own, changed.groups, strict=True))
+def _free(there: ModelAt, changed: RigModel) -> LinearModel:
+    return changed.free if there.mirror is None else half_structure(changed.free, _mirror_of(changed))
 
 
-def change_of_effect(model: RigModel, effect: Effect, parameter: EffectParameter) -> Change:
+def _half(model: RigModel) -> NonlinearSystem:
+    mirror = _mirror_of(model)
+    free, groups = half_structure(model.free, mirror), half_groups(model.groups, mirror)
+    return replace(model.system, free=free, groups=groups, mirror=None)
+
+
+def _mirror_of(model: RigModel) -> Mirror:
+    mirror = model.system.mirror
+    assert mirror is not None, "asked for of models that are their own mirror image"
+    return mirror
+
+
+def change_of_effect(there: ModelAt, effect: Effect, parameter: EffectParameter) -> Change:
     """By one parameter of an effect that the model does not have yet, scaled as in a `Parametrisation`."""
     step = _STEP_OF_EFFECT
     value = parameter.null + step * (parameter.typical - parameter.null)
-    return change_to(model, effect.apply(model, {**effect.at_null(), parameter.name: value}), step)
+    return change_to(there, effect.apply(there.model, {**effect.at_null(), parameter.name: value}), step)
 
 
 def _same_structure(a: RigModel, b: RigModel) -> bool:

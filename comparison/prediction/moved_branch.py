@@ -54,9 +54,9 @@ def move_sweeps(
     if condition.control is not None:
         return None
     there = model_at(parametrisation, u)
-    system, excitation = there.model.system, there.model.excited_by(condition.force)
+    system, excitation = there.system, there.excited_by(condition.force)
     if before.points[0].x.shape != (system.free.n_relative, system.harmonics.n_coefficients):
-        return None  # an effect has brought elements or harmonics of its own
+        return None  # an effect has brought elements or harmonics of its own, or taken a symmetry
     moved = _moved(there, before, excitation)
     if len(moved) < (1 - _LOST) * len(before.points):
         return None
@@ -86,7 +86,7 @@ def _moved(there: ModelAt, before: PredictedBranch, excitation: Excitation) -> l
         du = there.u[:known] - before.u[:known]
         x = point.x + np.tensordot(du, before.x_by_parameter[i], axes=1)
         w = point.w + float(before.w_by_parameter[i] @ du)
-        solution = solve(there.model.system, excitation, x, w, NEWTON, Arc(x, w, point.tangent, point.metric))
+        solution = solve(there.system, excitation, x, w, NEWTON, Arc(x, w, point.tangent, point.metric))
         gap = gap or point.after_gap
         if not solution.converged:
             continue

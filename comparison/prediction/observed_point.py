@@ -17,7 +17,6 @@ from updamp.comparison.prediction.derivatives import Change, Derivatives, deriva
 from updamp.comparison.prediction.held_branch import force_at, pairs
 from updamp.comparison.prediction.model_at import ModelAt
 from updamp.comparison.prediction.run_condition import RunCondition
-from updamp.effects.rig_model import RigModel
 from updamp.hbm.continuation.branch import BranchPoint
 from updamp.hbm.newton.equation import evaluate
 from updamp.hbm.problem.system import Excitation
@@ -33,11 +32,11 @@ def light(points: Sequence[BranchPoint]) -> tuple[BranchPoint, ...]:
     )
 
 
-def with_matrices(model: RigModel, condition: RunCondition, points: Sequence[BranchPoint]) -> tuple[BranchPoint, ...]:
-    """With the equation at each point, without its factors; model: that they were solved for."""
+def with_matrices(there: ModelAt, condition: RunCondition, points: Sequence[BranchPoint]) -> tuple[BranchPoint, ...]:
+    """With the equation at each point, without its factors; there: what they were solved for."""
     found = []
     for point in points:
-        equation = evaluate(model.system, model.excited_by(force_at(point, condition)), point.x, point.w)
+        equation = evaluate(there.system, there.excited_by(force_at(point, condition)), point.x, point.w)
         found.append(replace(point, solution=replace(point.solution, equation=equation)))
     return tuple(found)
 
@@ -93,15 +92,15 @@ class Observer:
 
     @cached_property
     def _excitation(self) -> Excitation:
-        return self.there.model.excited_by(self.condition.force)
+        return self.there.excited_by(self.condition.force)
 
     @cached_property
     def _rows(self) -> NDArray[np.int64]:
-        return np.array([self.there.model.system.free.row(point) for point, _ in self.condition.sensors])
+        return np.array([self.there.system.free.row(point) for point, _ in self.condition.sensors])
 
     def _state(self, d: Derivatives, w: float) -> tuple[Floats, Floats, Floats]:
         """State, its derivative along the branch, and by the parameters and the force."""
-        harmonics, orders = self.there.model.system.harmonics, [k for _, k in self.condition.sensors]
+        harmonics, orders = self.there.system.harmonics, [k for _, k in self.condition.sensors]
 
         def amplitudes(values: Floats) -> Floats:
             each = [harmonics.amplitude(values[..., i, :], k) for i, k in enumerate(orders)]

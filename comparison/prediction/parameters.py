@@ -1,6 +1,7 @@
 """The parameters of a fit: nuisance parameters, which every comparison has to settle first, and those of effects."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,6 +77,14 @@ class Parametrisation:
                 found.append((min(ends) or absent, max(ends) or 0.0 - absent))
         return found
 
+    @cached_property
+    def mirrored(self) -> bool:
+        """Whether the model is its own mirror image whatever its parameters are: with all effects at their typical
+        values it is. No nuisance tells one side of a rig from its image."""
+        u = np.zeros(len(self))
+        u[len(self.nuisances) : self.n_of_model] = 1.0
+        return is_driven_symmetrically(self.model(u))
+
     def columns(self, effect: str) -> slice:
         """Where the parameters of one of the effects stand in u.
 
@@ -114,3 +123,9 @@ class Parametrisation:
         for effect in self.effects:
             model = effect.apply(model, values[effect.name])
         return model
+
+
+def is_driven_symmetrically(model: RigModel) -> bool:
+    """Whether a model and its excitation are their own mirror image (hbm/problem/mirror.py)."""
+    system = model.system
+    return system.half_driven_at(system.free.row(model.excitation)) is not None

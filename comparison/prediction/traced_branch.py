@@ -49,7 +49,7 @@ def trace_sweeps(
     there, condition = model_at(parametrisation, u), solved_in(parametrisation, conditions)
     if condition.control is not None:
         return (observe(there, conditions[0], *trace_held(there, condition)),)
-    system, excitation = there.model.system, there.model.excited_by(condition.force)
+    system, excitation = there.system, there.excited_by(condition.force)
     low, high = condition.wider
 
     def follow(upwards: bool) -> Iterable[BranchPoint]:
@@ -100,7 +100,7 @@ def _half_way(
     there: ModelAt, condition: RunCondition, look: Observer
 ) -> Callable[[ObservedPoint, ObservedPoint], ObservedPoint | None]:
     """What is solved, and seen, between two points."""
-    system, excitation = there.model.system, there.model.excited_by(condition.force)
+    system, excitation = there.system, there.excited_by(condition.force)
 
     def between(a: ObservedPoint, b: ObservedPoint) -> ObservedPoint | None:
         point = point_between(system, excitation, a.point, b.point)

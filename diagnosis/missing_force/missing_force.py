@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from updamp.comparison.fit.compared import Compared, compare_at
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.scatter import assembly, whitened
+from updamp.comparison.prediction.model_at import ModelAt
 from updamp.comparison.prediction.observed_point import with_matrices
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
@@ -81,7 +82,7 @@ def _by_sensors_noise(compared: Compared, parametrisation: Parametrisation, plan
 
 
 def _with_matrices(branch: PredictedBranch, parametrisation: Parametrisation) -> PredictedBranch:
-    points = with_matrices(parametrisation.model(branch.u), branch.condition, branch.points)
+    points = with_matrices(ModelAt(parametrisation, branch.u), branch.condition, branch.points)
     return replace(branch, points=points)
 
 

@@ -70,7 +70,7 @@ def _by_step_of(there: ModelAt, step: _FiniteStep) -> Floats:
         values = {q.name: q.null + share * (q.typical - q.null) for q in effect.parameters}
         try:
             changed = effect.apply(there.model, values)
-            if share == 1 and _leaves_as_it_is(there.model, changed, step.motions):
+            if share == 1 and _leaves_as_it_is(there, changed, step.motions):
                 break
             change = change_of_branch(changed, step.condition, observed, numerics, step.options) / share
         except BranchStoppedError:
@@ -80,15 +80,16 @@ def _by_step_of(there: ModelAt, step: _FiniteStep) -> Floats:
     return np.zeros((len(observed), len(effect.parameters), observed.shape[1]))
 
 
-def _leaves_as_it_is(model: RigModel, changed: RigModel, motions: Sequence[tuple[Floats, float]]) -> bool:
+def _leaves_as_it_is(there: ModelAt, changed: RigModel, motions: Sequence[tuple[Floats, float]]) -> bool:
     """Whether the motions solve the changed model's equations too: it has the same structure, and its elements the same
     forces, as contacts that stick in both. What a trace of it would show then is how branches are interpolated."""
+    model = there.model
     structure = changed.components is model.components and changed.attachments == model.attachments
     if not (structure and changed.elements == model.elements):
         return False
     if not set(model.harmonics.orders) <= set(changed.harmonics.orders):
         return False
-    return all(_same_forces(model.system, changed.system, x, w) for x, w in motions)
+    return all(_same_forces(model.system, changed.system, there.whole(x), w) for x, w in motions)
 
 
 def _same_forces(system: NonlinearSystem, changed: NonlinearSystem, x: Floats, w: float) -> bool:

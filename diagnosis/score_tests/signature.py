@@ -69,7 +69,7 @@ def extend(
     known, refused = _with_a_place(there, effects)
     by_step = [e for e in known if _needs_step(there, e)]
     by_derivative = [e for e in known if e not in by_step]
-    changes = [change_of_effect(there.model, e, q) for e in by_derivative for q in e.parameters]
+    changes = [change_of_effect(there, e, q) for e in by_derivative for q in e.parameters]
     progress(f"signatures of {len(known)} effects")
     solved = _solved_at(fitted, plan, BranchesBy(workers))
     steps = steps_along(there, solved, by_step, coarse_enough(fitted), progress, workers)
@@ -108,8 +108,10 @@ def _with_a_place(there: ModelAt, effects: Sequence[Effect]) -> tuple[list[Effec
 
 
 def _needs_step(there: ModelAt, effect: Effect) -> bool:
-    """Whether it has no derivative at its null value, or other harmonics beside it."""
-    return effect.finite_step or effect.apply(there.model, effect.at_typical()).harmonics != there.model.harmonics
+    """Whether it has no derivative at its null value, other harmonics beside it, or takes a symmetry that half of the
+    model was solved for."""
+    changed = effect.apply(there.model, effect.at_typical())
+    return effect.finite_step or changed.harmonics != there.model.harmonics or not there.keeps_symmetry(changed)
 
 
 def _differentiated(shared: tuple[ModelAt, Sequence[Change]], branch: PredictedBranch) -> PredictedBranch:
@@ -120,7 +122,7 @@ def _differentiated(shared: tuple[ModelAt, Sequence[Change]], branch: PredictedB
     """
     there, changes = shared
     some = branch.spread_out()
-    points = with_matrices(there.model, branch.condition, [branch.points[i] for i in some])
+    points = with_matrices(there, branch.condition, [branch.points[i] for i in some])
     seen = observe(there, branch.condition, points, branch.stopped, changes)
     n = there.parametrisation.n_of_model
     columns = interp1d(branch.place[some], seen.slopes[:, n : n + len(changes)], axis=0)(branch.place)

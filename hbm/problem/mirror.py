@@ -8,7 +8,7 @@ symmetry of their own accord; where the symmetric one is unstable, its exponents
 (hbm/stability/stability.py).
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -21,6 +21,7 @@ from updamp.hbm.problem.linear_model import LinearModel
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
+Booleans = NDArray[np.bool_]
 
 # Mirror images agree to this, relative. Those of finite elements differ by 1e-8 at most, eigenvectors of other modes
 # and contacts that were changed by the order of one.
@@ -64,30 +65,41 @@ class Mirror:
         return sign[:, None] * half[..., number[source], :]
 
 
-def half_structure(free: LinearModel, mirror: Mirror, parity: float = 1.0) -> LinearModel | None:
-    """The symmetric motions of a structure (parity 1), or those that are the opposite of their image (-1), on the kept
-    rows; None where it is not its own image.
-
-    A force on a kept row stands for itself and its image.
-    """
-    n, kept = free.n_relative, mirror.kept
-    relative = free.phi[:n]
-    size = np.linalg.norm(relative, axis=0)
-    even, odd = (
-        np.linalg.norm(relative - sign * mirror.of(relative), axis=0) <= AGREEMENT * size + AGREEMENT**2 * size.max()
-        for sign in (1.0, -1.0)
-    )
+def is_own_image(free: LinearModel, groups: Sequence[ElementGroup], mirror: Mirror) -> bool:
+    """Whether a structure with its elements is its own mirror image."""
+    n = free.n_relative
+    even, odd = (_of_parity(free, mirror, parity) for parity in (1.0, -1.0))
     residual = free.residual[:n, :n]
     image = mirror.of(mirror.of(residual).T).T
     coupled = any(not _negligible(damping[np.ix_(even, ~even)], damping) for damping in (free.hysteretic, free.viscous))
     if not (even | odd).all() or not _negligible(image - residual, residual) or coupled:
-        return None
-    rows, chosen = np.concatenate([kept, np.arange(n, free.n_rows)]), even if parity > 0 else odd
+        return False
+    images = [_images(group, mirror) for group in groups]
+    return all(i is not None and _same_parameters(g.values, i) for g, i in zip(groups, images, strict=True))
+
+
+def _of_parity(free: LinearModel, mirror: Mirror, parity: float) -> Booleans:
+    """(m,) whether each mode's relative displacements are their own image (1), or its opposite (-1)"""
+    relative = free.phi[: free.n_relative]
+    size = np.linalg.norm(relative, axis=0)
+    apart = np.linalg.norm(relative - parity * mirror.of(relative), axis=0)
+    return np.asarray(apart <= AGREEMENT * size + AGREEMENT**2 * size.max())
+
+
+def half_structure(free: LinearModel, mirror: Mirror, parity: float = 1.0) -> LinearModel:
+    """The symmetric motions (parity 1) of a structure that is its own image, or those that are the opposite of their
+    image (-1), on the kept rows.
+
+    A force on a kept row stands for itself and its image.
+    """
+    n, kept = free.n_relative, mirror.kept
+    rows = np.concatenate([kept, np.arange(n, free.n_rows)])
+    chosen = _of_parity(free, mirror, parity) | ~_of_parity(free, mirror, -parity)
     reflected = free.residual.copy()
     reflected[:, :n] = (free.residual[:, :n] + parity * mirror.of(free.residual[:, :n].T).T) / 2
     reflected[:n] = (reflected[:n] + parity * mirror.of(reflected[:n])) / 2
     phi = free.phi.copy()
-    phi[:n] = (relative + parity * mirror.of(relative)) / 2
+    phi[:n] = (phi[:n] + parity * mirror.of(phi[:n])) / 2
     return replace(
         free,
         omega_squared=free.omega_squared[chosen],
@@ -107,18 +119,17 @@ def acts_symmetrically(free: LinearModel, mirror: Mirror, row: int) -> bool:
     return row >= free.n_relative and _negligible(moved - mirror.of(moved), moved)
 
 
-def half_groups(groups: Iterable[ElementGroup], mirror: Mirror) -> tuple[ElementGroup, ...] | None:
-    """The elements on the kept rows, each for itself and its image; None where an element differs from its image."""
+def half_groups(groups: Iterable[ElementGroup], mirror: Mirror) -> tuple[ElementGroup, ...]:
+    """The elements on the kept rows, each for itself and its image; of a problem that is its own image."""
     number = {int(row): i for i, row in enumerate(mirror.kept)}
     halves = []
     for group in groups:
         image = _images(group, mirror)
-        if image is None or not _same_parameters(group.values, image):
-            return None
+        assert image is not None, "asked for where each element has an image"
         kept = np.flatnonzero(image >= np.arange(len(image)))
         rows = np.vectorize(number.get, otypes=[np.int64])(group.rows[kept])
         copies = np.where(image[kept] > kept, 2.0, 1.0)
-        parameters = type(group.parameters)(*(value[kept] for value in group.parameters))
+        parameters = type(group.values)(*(value[kept] for value in group.values))
         halves.append(replace(group, parameters=parameters, rows=rows, copies=copies))
     return tuple(halves)
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.problem.elements import ElementGroup, departure_only, departures
 from updamp.hbm.problem.linear_model import LinearModel, stuck_on
-from updamp.hbm.problem.mirror import Mirror, acts_symmetrically, half_groups, half_structure
+from updamp.hbm.problem.mirror import Mirror, acts_symmetrically, half_groups, half_structure, is_own_image
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -145,18 +145,17 @@ class NonlinearSystem:
     @cached_property
     def half(self) -> "NonlinearSystem | None":
         """The symmetric motions alone (hbm/problem/mirror.py); None where the problem is not its own mirror image."""
-        if self.mirror is None:
+        if self.mirror is None or not is_own_image(self.free, self.groups, self.mirror):
             return None
         free, groups = half_structure(self.free, self.mirror), half_groups(self.groups, self.mirror)
-        return None if free is None or groups is None else replace(self, free=free, groups=groups, mirror=None)
+        return replace(self, free=free, groups=groups, mirror=None)
 
     @cached_property
     def other_half(self) -> "NonlinearSystem | None":
         """Changes that are the opposite of their image, about a symmetric motion on the same rows as `half`."""
         if self.half is None or self.mirror is None:
             return None
-        free = half_structure(self.free, self.mirror, -1.0)
-        return None if free is None else replace(self.half, free=free)
+        return replace(self.half, free=half_structure(self.free, self.mirror, -1.0))
 
     def half_driven_at(self, row: int) -> "tuple[NonlinearSystem, Mirror] | None":
         """`half`, where a force on this row is its own mirror image too, and what leads back to the whole."""

@@ -3,13 +3,9 @@
 from pathlib import Path
 
 import pytest
-from support.plain_rig import plain_reduced_model
+from support.plain_rig import plain_model
 
 from updamp.effects.rig_model import RigModel
-from updamp.fem.static_contact.static_contact import static_contact
-from updamp.geometry.build_mesh import build_mesh
-from updamp.model.build import rig_model
-from updamp.model.rig_files import load_rig
 
 RIG_FILE = Path(__file__).parents[1] / "data" / "short_faces.toml"
 # The law that takes its events at the samples compiles ten times as fast; low friction, so that contacts slip.
@@ -23,6 +19,4 @@ CHANGES = {
 
 @pytest.fixture(scope="session")
 def model() -> RigModel:
-    rig = load_rig(RIG_FILE, CHANGES)
-    reduced = plain_reduced_model(rig, build_mesh(rig, "small").contacts)
-    return rig_model(reduced, static_contact(reduced, rig), rig)
+    return plain_model(RIG_FILE, CHANGES)

@@ -3,10 +3,12 @@
 For tests of what comes after the finite elements, without running them. Masses and frequencies are of the right size.
 """
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
+from updamp.effects.rig_model import RigModel
 from updamp.fem.finite_element_model import ComponentModel, FiniteElementResult
 from updamp.fem.reduced_model import ReducedComponent, ReducedModel
 from updamp.fem.rig_components import RigComponents
@@ -50,6 +52,13 @@ def plain_reduced_model(rig: Rig, contacts: ContactElements) -> ReducedModel:
         _blade("blade_left", rig, contacts, LEFT), _blade("blade_right", rig, contacts, RIGHT),
         _damper(rig, contacts), contacts, 1e-12,
     )  # fmt: skip
+
+
+def plain_model(path: Path, changes: Mapping[str, object]) -> RigModel:
+    """With patches of the real size, as effects and comparisons take it; changes: of the rig file."""
+    rig = load_rig(path, changes)
+    reduced = plain_reduced_model(rig, build_mesh(rig, "small").contacts)
+    return rig_model(reduced, static_contact(reduced, rig), rig)
 
 
 def curve_jobs(path: Path, forces: tuple[float, ...], folder: Path) -> tuple[CurveJob, ...]:

@@ -31,7 +31,7 @@ def test_branches_keep_no_matrices_and_are_differentiated_the_same_with_them_aga
     (branch,) = pickle.loads(pickle.dumps(fitted)).compared.branches
     assert all(point.solution.equation is None for point in branch.points)
     there = ModelAt(fitted.parametrisation, U)
-    points = with_matrices(there.model, branch.condition, branch.points)
+    points = with_matrices(there, branch.condition, branch.points)
     again = observe(there, branch.condition, points, branch.stopped)
     np.testing.assert_array_equal(again.slopes, branch.slopes)
     np.testing.assert_array_equal(again.state, branch.state)

@@ -49,9 +49,9 @@ def request_for(system, force=0.3):
 
 @pytest.fixture(scope="module")
 def curves():
+    """The problem and the curve of its half."""
     system = a_system()
-    whole = replace(system, mirror=None)
-    return system, [list(trace(one, request_for(one)))[-1] for one in (system, whole)]
+    return system, list(trace(system, request_for(system)))[-1]
 
 
 def test_half_of_the_contacts_and_the_symmetric_modes_are_left(curves):
@@ -63,7 +63,10 @@ def test_half_of_the_contacts_and_the_symmetric_modes_are_left(curves):
 
 
 def test_the_curve_is_that_of_the_whole(curves):
-    _system, (half, whole) = curves
+    """At a force at which no motion leaves the symmetry: at 0.3 the whole problem passes places where that begins, and
+    whether it is followed across them depends on round-off."""
+    system, _ = curves
+    half, whole = (list(trace(one, request_for(one, 0.2)))[-1] for one in (system, replace(system, mirror=None)))
     assert half.complete
     assert whole.complete
     assert half.active.max() > 0, "contacts slip"
@@ -71,7 +74,7 @@ def test_the_curve_is_that_of_the_whole(curves):
 
 
 def test_its_points_solve_the_whole_problem_and_keep_its_energy_balance(curves):
-    system, (half, _) = curves
+    system, half = curves
     assert half.displacement.shape[1:] == (9, 7)
     excitation = request_for(system).excitation
     for i in range(0, len(half), 5):
@@ -106,7 +109,7 @@ def test_so_is_what_is_driven_from_one_side():
 
 def test_stability_of_both_halves_is_that_of_the_whole(curves):
     """Exponents of both halves are those of the whole."""
-    system, (curve, _) = curves
+    system, curve = curves
     whole = replace(system, mirror=None)
     assert system.other_half is not None
     assert len(system.half.free.omega_squared) + len(system.other_half.free.omega_squared) == 9
@@ -123,7 +126,7 @@ def test_stability_of_both_halves_is_that_of_the_whole(curves):
 
 
 def test_a_motion_that_is_not_symmetric_is_judged_in_the_whole_problem(curves):
-    system, (curve, _) = curves
+    system, curve = curves
     i = int(curve.active.argmax())
     x = curve.displacement[i].copy()
     assert system.mirror.keeps(x)
