@@ -5,7 +5,7 @@ tangents nor iterations; the Jacobian that solved the point turns their differen
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 from updamp.effects.reading import Reading
 from updamp.hbm.continuation.branch import BranchPoint
 from updamp.hbm.newton.many_right_sides import solve_many
-from updamp.hbm.newton.structure_response import Loads, respond
 from updamp.hbm.newton.tangent import apply_tangent
-from updamp.hbm.problem.receptance import Receptance
+from updamp.hbm.problem.receptance_along import ReceptanceAlong
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 Floats = NDArray[np.float64]
@@ -83,33 +82,45 @@ class Moves:
     dx: Floats
 
 
-def moves(point: BranchPoint, excitation: Excitation, changes: Sequence[Change], rows: Integers) -> Moves:
-    """raises: RuntimeError where the Jacobian is singular and no correction helps"""
-    equation = point.solution.equation
-    receptance, x = equation.receptance, point.x
-    # That of the solution carries the state before the last Newton step, in which a contact may have been stuck.
-    jacobian = equation.factorised()
-    system = receptance.system
-    here = _Here(receptance, equation.departure.value, equation.departure.frequency_derivative, excitation, rows)
-    n, by_w = len(x), here.by_frequency()
-    residual, observed = here.differences(changes, x)
-    dr = np.concatenate([residual, np.stack([-here.lift[:n], -by_w[:n], 0 * x], axis=2)], axis=2)
-    dx = np.zeros_like(dr)
-    dx[..., :-1] = solve_many(jacobian, equation.departure, -dr[..., :-1], _TOLERANCE)
-    dx[..., -1] = point.tangent_x
-    forces = Loads.none(receptance, dx.shape[2])
-    forces.forces[:n] = -apply_tangent(system, equation.departure, dx)
-    dy = respond(receptance, forces).at(rows)
+def moves(
+    points: Sequence[BranchPoint], row: int, forces: Floats, changes: Sequence[Change], rows: Integers
+) -> list[Moves]:
+    """At solved points of one system, all together: most of it takes hardly longer for many than for one.
+
+    row, forces: of the excitation, (n_points,) [N]; rows: observed
+    raises: RuntimeError where the Jacobian is singular and no correction helps
+    """
+    here = _Points.of(points, row, forces, rows)
+    n, by_w = here.x.shape[0], here.by_frequency()
+    residual, observed = here.differences(changes)
+    of_force, of_w = -here.lift[:n, ..., None], -by_w[:n, ..., None]
+    dr = np.concatenate([residual, of_force, of_w, 0 * of_w], axis=3)
+    dx, acting = np.zeros_like(dr), np.zeros_like(dr)
+    for i, point in enumerate(points):
+        equation = point.solution.equation
+        # That of the solution carries the state before the last Newton step, in which a contact may have been stuck.
+        dx[:, :, i, :-1] = solve_many(equation.factorised(), equation.departure, -dr[:, :, i, :-1], _TOLERANCE)
+        dx[:, :, i, -1] = point.tangent_x
+        acting[:, :, i] = apply_tangent(here.receptance.system, equation.departure, dx[:, :, i])
+    dy = -here.receptance.apply(acting, rows)
     dy[..., : len(changes)] += observed
     dy[..., -3] += here.lift[rows]
     dy[..., -2] += by_w[rows]
-    dy[..., -1] += by_w[rows] * point.tangent_w
-    return Moves(here.motion[rows], dy, dx)
+    dy[..., -1] += by_w[rows] * np.array([point.tangent_w for point in points])
+    value = here.motion[rows]
+    return [Moves(value[:, :, i], dy[:, :, i], dx[:, :, i]) for i in range(len(points))]
 
 
-def derivatives(point: BranchPoint, excitation: Excitation, changes: Sequence[Change], rows: Integers) -> Derivatives:
-    """raises: RuntimeError where the Jacobian is singular and no correction helps"""
-    found = moves(point, excitation, changes, rows)
+def derivatives(
+    points: Sequence[BranchPoint], excitation: Excitation, changes: Sequence[Change], rows: Integers
+) -> list[Derivatives]:
+    """At solved points of one system; raises as `moves`"""
+    forces = np.full(len(points), excitation.force)
+    found = moves(points, excitation.row, forces, changes, rows)
+    return [_with_place_held(point, of_point) for point, of_point in zip(points, found, strict=True)]
+
+
+def _with_place_held(point: BranchPoint, found: Moves) -> Derivatives:
     dx, dy = found.dx, found.dy
     dw = _held(found.value, dy, point.tangent_w, point.w)
     total = dy[..., :-2] + dy[..., -2:-1] * dw
@@ -141,75 +152,86 @@ def _held(observed: Floats, dy: Floats, w_along: float, w: float) -> Floats:
 
 
 @dataclass(frozen=True, eq=False)
-class _Here:
-    """A solved point; departure: of its elements (n_relative, n_coefficients), departure_rate: its derivative by the
-    angular frequency; rows: observed"""
+class _Points:
+    """Solved points, along the third axis of all arrays.
 
-    receptance: Receptance
+    x: (n_relative, n_coefficients, n_points); departure: of their elements, like x; departure_rate: its derivative by
+        the angular frequency; row, forces: of the excitation; rows: observed
+    """
+
+    receptance: ReceptanceAlong
+    x: Floats
     departure: Floats
     departure_rate: Floats
-    excitation: Excitation
+    row: int
+    forces: Floats
     rows: Integers
+
+    @staticmethod
+    def of(points: Sequence[BranchPoint], row: int, forces: Floats, rows: Integers) -> "_Points":
+        equations = [point.solution.equation for point in points]
+        receptance = ReceptanceAlong(equations[0].receptance.system, np.array([e.receptance.w for e in equations]))
+        x = np.stack([point.x for point in points], axis=2)
+        departure = np.stack([e.departure.value for e in equations], axis=2)
+        rate = np.stack([e.departure.frequency_derivative for e in equations], axis=2)
+        return _Points(receptance, x, departure, rate, row, forces, rows)
 
     @cached_property
     def lift(self) -> Floats:
-        """(n_rows, n_coefficients) motion of all rows under the excitation alone, all elements stuck"""
-        return self.receptance.excitation(self.excitation, _ALL)
+        """(n_rows, n_coefficients, n_points) motion of all rows under the excitation alone, all elements stuck"""
+        return self.receptance.excitation(self.row, self.forces, _ALL)
 
     @cached_property
     def motion(self) -> Floats:
-        """(n_rows, n_coefficients) of all rows; of the relative ones as the structure answers the elements' forces"""
+        """Likewise, as the structure answers the elements' forces"""
         return self.lift - self.receptance.apply(self.departure, _ALL)
 
-    def differences(self, changes: Sequence[Change], x: Floats) -> tuple[Floats, Floats]:
-        """Of the residual (n_relative, n_coefficients, n_changes) and of the observed motion (n_rows, ...) at the same
-        x, over the steps."""
+    def by_frequency(self) -> Floats:
+        """Likewise, of the motion at held relative displacements"""
+        rate = self.receptance.motion_rate(self.row, self.forces, self.departure, _ALL)
+        return rate - self.receptance.apply(self.departure_rate, _ALL) if self.departure_rate.any() else rate
+
+    def differences(self, changes: Sequence[Change]) -> tuple[Floats, Floats]:
+        """Of the residual (n_relative, n_coefficients, n_points, n_changes) and of the observed motion (n_rows, ...) at
+        the same x, over the steps"""
         of_contacts = [j for j, change in enumerate(changes) if change.contacts_alone]
-        residual = np.zeros((*x.shape, len(changes)))
-        observed = np.zeros((len(self.rows), x.shape[1], len(changes)))
+        residual = np.zeros((*self.x.shape, len(changes)))
+        observed = np.zeros((len(self.rows), *residual.shape[1:]))
         if of_contacts:
-            residual[..., of_contacts], observed[..., of_contacts] = self._of_contacts(
-                [changes[j] for j in of_contacts], x
-            )
+            found = self._of_contacts([changes[j] for j in of_contacts])
+            residual[..., of_contacts], observed[..., of_contacts] = found
         for j, change in enumerate(changes):
             if not change.contacts_alone:
-                residual[..., j], observed[..., j] = self._of_structure(change, x)
+                residual[..., j], observed[..., j] = self._of_structure(change)
         return residual, observed
 
-    def _of_contacts(self, changes: Sequence[Change], x: Floats) -> tuple[Floats, Floats]:
-        """The residual as the point's own system has it: with its springs the structure stays the same."""
-        loads = Loads.none(self.receptance, len(changes))
+    def _of_contacts(self, changes: Sequence[Change]) -> tuple[Floats, Floats]:
+        """The residual as the points' own system has it: with its springs the structure stays the same."""
+        forces = np.empty((*self.x.shape, len(changes)))
         for j, change in enumerate(changes):
             stiffer = change.system.reference_stiffness - self.receptance.system.reference_stiffness
-            g = change.system.departure_value(x, self.receptance.w, self._known)
-            loads.forces[: len(x), :, j] = (g - self.departure + stiffer[:, None] * x) / change.step
-        moved = respond(self.receptance, loads)
-        return moved.at(slice(len(x))), -moved.at(self.rows)
+            g = change.system.departure_values(self.x, self.receptance.w, self._known)
+            forces[..., j] = (g - self.departure + stiffer[:, None, None] * self.x) / change.step
+        moved = self.receptance.apply(forces, _ALL)
+        return moved[: len(self.x)], -moved[self.rows]
 
-    def _of_structure(self, change: Change, x: Floats) -> tuple[Floats, Floats]:
+    def _of_structure(self, change: Change) -> tuple[Floats, Floats]:
         if change.opposite is None:
-            return self._to_one_side(change.system, change, x)
-        ahead, behind = (self._to_one_side(system, change, x) for system in (change.system, change.opposite))
+            return self._to_one_side(change.system, change)
+        ahead, behind = (self._to_one_side(system, change) for system in (change.system, change.opposite))
         return (ahead[0] - behind[0]) / 2, (ahead[1] - behind[1]) / 2
 
-    def _to_one_side(self, system: NonlinearSystem, change: Change, x: Floats) -> tuple[Floats, Floats]:
-        n, rows, further = len(x), self.rows, len(change.added)
-        receptance = Receptance(system, self.receptance.w)
-        all_x = np.concatenate([x, self._motion_of(change.added)]) if change.added else x
-        g = system.departure_value(all_x, receptance.w, self._known)
-        excitation = replace(self.excitation, row=self.excitation.row + further) if further else self.excitation
-        motion = receptance.motion(excitation, g, _ALL)
+    def _to_one_side(self, system: NonlinearSystem, change: Change) -> tuple[Floats, Floats]:
+        n, rows, further = len(self.x), self.rows, len(change.added)
+        receptance = ReceptanceAlong(system, self.receptance.w)
+        x = np.concatenate([self.x, self._motion_of(change.added)]) if further else self.x
+        g = system.departure_values(x, receptance.w, self._known)
+        motion = receptance.motion(self.row + further, self.forces, g, _ALL)
         return (self.motion[:n] - motion[:n]) / change.step, (motion[rows + further] - self.motion[rows]) / change.step
 
     def _motion_of(self, points: Sequence[str]) -> Floats:
-        """(n_points, n_coefficients)"""
+        """(n, n_coefficients, n_points) of named points"""
         return self.motion[[self.receptance.system.free.row(point) for point in points]]
-
-    def by_frequency(self) -> Floats:
-        """(n_rows, n_coefficients) of the motion at held relative displacements."""
-        receptance = self.receptance
-        rate = receptance.motion_rate(self.excitation, self.departure, _ALL)
-        return rate - receptance.apply(self.departure_rate, _ALL) if self.departure_rate.any() else rate
 
     @property
     def _known(self) -> tuple[NonlinearSystem, Floats]:

@@ -11,11 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.prediction.derivatives import Change, moves
+from updamp.comparison.prediction.derivatives import Change, Moves, moves
 from updamp.comparison.prediction.model_at import ModelAt
 from updamp.comparison.prediction.run_condition import HeldResponse, RunCondition
 from updamp.hbm.continuation.branch import BranchPoint, point_at
 from updamp.hbm.continuation.continuation import BranchStoppedError
+from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.newton.held_response import HeldAmplitude, HeldSolution, linear_start, solve_held
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
@@ -122,15 +123,25 @@ class HeldState:
     slopes: Floats
 
 
-def held_state(there: ModelAt, condition: RunCondition, point: HeldPoint, further: Sequence[Change]) -> HeldState:
-    """raises: RuntimeError where the Jacobian is singular and no correction helps"""
+def held_states(
+    there: ModelAt, condition: RunCondition, points: Sequence[HeldPoint], further: Sequence[Change]
+) -> list[HeldState]:
+    """raises: RuntimeError where a Jacobian is singular and no correction helps"""
     assert condition.control is not None, "asked for where the response was held"
-    system, w = there.system, point.w
-    excitation = Excitation(system.free.row(there.model.excitation), point.force)
+    system = there.system
     rows = np.array([system.free.row(p) for p, _ in (*condition.sensors, (condition.control.point, 1))])
-    orders = [*(k for _, k in condition.sensors), 1]
-    found = moves(point, excitation, (*there.changes, *further), rows)
-    harmonics = system.harmonics
+    excited, forces = system.free.row(there.model.excitation), np.array([point.force for point in points])
+    found = moves(points, excited, forces, (*there.changes, *further), rows)
+    return [
+        _held_state(system.harmonics, condition, condition.control, point, of_point)
+        for point, of_point in zip(points, found, strict=True)
+    ]
+
+
+def _held_state(
+    harmonics: Harmonics, condition: RunCondition, control: HeldResponse, point: HeldPoint, found: Moves
+) -> HeldState:
+    w, orders = point.w, [*(k for _, k in condition.sensors), 1]
     value: Complex = np.array([harmonics.amplitude(found.value[i], k) for i, k in enumerate(orders)], dtype=complex)
     # by the parameters, the logarithm of the force and the angular frequency; that along at held force is not wanted
     moved = [harmonics.amplitude(found.dy[i].T, k) for i, k in enumerate(orders)]
@@ -138,7 +149,7 @@ def held_state(there: ModelAt, condition: RunCondition, point: HeldPoint, furthe
     of_held = (by[-1] / value[-1]).real
     # what the force has to do for the level to be held
     wanted = np.zeros(by.shape[1])
-    wanted[-1] = -condition.control.derivatives / w
+    wanted[-1] = -control.derivatives / w
     log_force = (wanted - of_held) / of_held[-2]
     log_force[-2] = 1 / of_held[-2]
     change = by + by[:, -2:-1] * log_force

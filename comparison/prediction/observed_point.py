@@ -69,9 +69,13 @@ def turned_round(points: Sequence[ObservedPoint]) -> list[ObservedPoint]:
     return [o.turned(step, gap) for o, (step, gap) in zip(reversed(points), steps, strict=True)]
 
 
+# Points that are differentiated together: beyond it nothing is saved, and each keeps its matrices until then.
+TOGETHER = 32
+
+
 @dataclass(frozen=True, eq=False)
 class Observer:
-    """What the sensors of a run show at a solved point.
+    """What the sensors of a run show at solved points.
 
     further: changes by parameters that the model does not have yet, after its own
     """
@@ -80,9 +84,17 @@ class Observer:
     condition: RunCondition
     further: Sequence[Change] = ()
 
-    def __call__(self, point: BranchPoint) -> ObservedPoint:
+    def __call__(self, points: Sequence[BranchPoint]) -> list[ObservedPoint]:
         """raises: RuntimeError where the Jacobian is singular and no correction helps"""
-        d = derivatives(point, self._excitation, (*self.there.changes, *self.further), self._rows)
+        parts = [points[start : start + TOGETHER] for start in range(0, len(points), TOGETHER)]
+        return [seen for part in parts for seen in self._together(part)]
+
+    def _together(self, points: Sequence[BranchPoint]) -> list[ObservedPoint]:
+        changes = (*self.there.changes, *self.further)
+        found = derivatives(points, self._excitation, changes, self._rows)
+        return [self._seen(point, d) for point, d in zip(points, found, strict=True)]
+
+    def _seen(self, point: BranchPoint, d: Derivatives) -> ObservedPoint:
         state, along, slopes = self._state(d, point.w)
         # laid out as after a way between processes: sums over arrays laid out otherwise have other last digits
         kept = replace(

@@ -6,8 +6,8 @@ between its neighbours would have been off: where that is too much, points are p
 cubic has them. So what is compared does not depend on where a branch happens to have its points.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,8 @@ from updamp.hbm.newton.newton import Arc, NewtonOptions, solve
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 Floats = NDArray[np.float64]
-Between = Callable[[ObservedPoint, ObservedPoint], ObservedPoint | None]
+# From pairs of points to the solved one half way between each two, None where there is none
+Between = Callable[[Sequence[tuple[ObservedPoint, ObservedPoint]]], Sequence[ObservedPoint | None]]
 
 # Derivatives of a fit need no more.
 NEWTON = NewtonOptions(tolerance=1e-7, iterations=10, patience=4)
@@ -53,18 +54,52 @@ def refined(
     between: Between,
     options: InterpolationOptions | None = None,
 ) -> list[ObservedPoint]:
-    """The same points and those put between them; as they are where the condition does not know of any noise.
-
-    between: the solved point half way from one point to the next, None where there is none
-    """
+    """The same points and those put between them; as they are where the condition does not know of any noise."""
     options = options or InterpolationOptions()
     if not condition.noise or len(points) < 3:
         return list(points)
     expected = options.left * _beside(points, condition)
-    found = [points[0]]
-    for a, b, error in zip(points[:-1], points[1:], expected, strict=True):
-        found += _bisected(a, b, error, condition, between, options)
-    return found
+    pieces = [_Piece(a, b, float(e)) for a, b, e in zip(points[:-1], points[1:], expected, strict=True)]
+    for _ in range(options.halvings):
+        wide = [piece for piece in pieces if piece.error > options.error]
+        if not wide:
+            break
+        middles = between([(piece.start, piece.end) for piece in wide])
+        halves = dict(zip(map(id, wide), _halved(wide, middles, condition, options), strict=True))
+        pieces = [half for piece in pieces for half in halves.get(id(piece), (piece,))]
+    return [points[0], *(piece.end for piece in pieces)]
+
+
+@dataclass(frozen=True, eq=False)
+class _Piece:
+    """Of a branch between two points; error: expected of the cubic between them"""
+
+    start: ObservedPoint
+    end: ObservedPoint
+    error: float
+
+
+def _halved(
+    wide: Sequence[_Piece],
+    middles: Sequence[ObservedPoint | None],
+    condition: RunCondition,
+    options: InterpolationOptions,
+) -> list[tuple[_Piece, ...]]:
+    """Each by the point half way, or as it is, and right, where there is none."""
+    split = [(piece, middle) for piece, middle in zip(wide, middles, strict=True) if middle is not None]
+    found: Iterator[float] = iter(())
+    if split:
+        starts, given, ends = zip(*((piece.start, middle, piece.end) for piece, middle in split), strict=True)
+        found = iter(deviation(starts, given, ends, condition).tolist())
+    halves: list[tuple[_Piece, ...]] = []
+    for piece, middle in zip(wide, middles, strict=True):
+        if middle is None:
+            halves.append((replace(piece, error=0.0),))
+            continue
+        # a cubic may happen to be right half way: what is expected falls to a quarter at most by one such look
+        left = options.left * max(next(found), options.left * piece.error)
+        halves.append((_Piece(piece.start, middle, left), _Piece(middle, piece.end, left)))
+    return halves
 
 
 def _beside(points: Sequence[ObservedPoint], condition: RunCondition) -> Floats:
@@ -85,31 +120,6 @@ def _unmeasured(points: Sequence[ObservedPoint], condition: RunCondition) -> NDA
     frequency = np.array([o.point.frequency for o in points])
     low, high = (frequency < condition.window[0]), (frequency > condition.window[1])
     return np.asarray((low[:-1] & low[1:]) | (high[:-1] & high[1:]))
-
-
-def _bisected(
-    a: ObservedPoint,
-    b: ObservedPoint,
-    error: float,
-    condition: RunCondition,
-    between: Between,
-    options: InterpolationOptions,
-    halvings: int = 0,
-) -> list[ObservedPoint]:
-    """Points from behind a to b; error: expected of the cubic between them."""
-    if error <= options.error or halvings == options.halvings:
-        return [b]
-    middle = between(a, b)
-    if middle is None:
-        return [b]
-    # a cubic may happen to be right half way: what is expected falls to a quarter at most by one such look
-    found = float(deviation([a], [middle], [b], condition)[0])
-    left = options.left * max(found, options.left * error)
-    return [
-        point
-        for one, other in ((a, middle), (middle, b))
-        for point in _bisected(one, other, left, condition, between, options, halvings + 1)
-    ]
 
 
 def deviation(

@@ -14,7 +14,7 @@ one that the rest of the window belongs to. With more of them, one within anothe
 which only the whole branch would show.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -25,8 +25,12 @@ from updamp.comparison.prediction.observed_point import ObservedPoint, turned_ro
 from updamp.hbm.continuation.branch import BranchPoint
 from updamp.hbm.continuation.continuation import BranchStoppedError
 
+Observe = Callable[[Sequence[BranchPoint]], list[ObservedPoint]]
 # Points kept on either side of what is left out: parameters move folds along the branch.
 MARGIN = 4
+# Points followed before what the first of them shows is asked for: together they take less time, and those that a sweep
+# jumps from are for nothing.
+_AHEAD = 8
 # Share of the window that a branch has to come back behind a fold for it to be more than a corner that some contact's
 # onset of slip makes.
 _FAR = 0.01
@@ -78,7 +82,7 @@ class BranchAfterJump:
     """The part of the branch that a sweep is on after a jump, followed from the far end of the window to where it turns
     back.
 
-    observe: what is kept of a point
+    observe: what is kept of points
     margin: points kept before a fold's frequency, or from where the part turns back on
     """
 
@@ -86,7 +90,7 @@ class BranchAfterJump:
         self,
         far_end: BranchFromFarEnd,
         sign: float,
-        observe: Callable[[BranchPoint], ObservedPoint],
+        observe: Observe,
         margin: int,
     ) -> None:
         self.far, self._sign, self._margin = far_end.far, sign, margin
@@ -123,11 +127,12 @@ class BranchAfterJump:
         found: list[ObservedPoint] = []
         behind_fold = DistanceBehindFold(-self._sign)
         with suppress(BranchStoppedError):
-            for point in self._end.points():
-                behind_fold.advance_to(point.w)
-                found.append(self._observe(point))
-                if behind_fold.is_far(self.far):
-                    break
+            for points in _some_at_a_time(self._end.points()):
+                for seen in self._observe(points):
+                    behind_fold.advance_to(seen.point.w)
+                    found.append(seen)
+                    if behind_fold.is_far(self.far):
+                        return found
         return found
 
 
@@ -138,12 +143,12 @@ _FEWEST = 4
 def swept_points(
     branch: Iterable[BranchPoint],
     upwards: bool,
-    observe: Callable[[BranchPoint], ObservedPoint],
+    observe: Observe,
     far_end: BranchFromFarEnd | None = None,
 ) -> tuple[list[ObservedPoint], str]:
     """In the order of the sweep, and why they end inside the window ("" where they do not).
 
-    branch: its points, from where the sweep begins; observe: what is kept of a point
+    branch: its points, from where the sweep begins; observe: what is kept of points
     far_end: the branch from the end of the window that the sweep runs to
 
     raises: BranchStoppedError where not even the first few are found
@@ -152,8 +157,8 @@ def swept_points(
     kept = _SweptPoints(sign, observe)
     ahead = BranchAfterJump(far_end, sign, observe, MARGIN) if far_end is not None else None
     try:
-        for point in branch:
-            kept.add(point)
+        for passed in _passed(branch, sign, observe):
+            kept.add(passed)
             if (
                 ahead is not None
                 and kept.behind_fold.is_far(ahead.far)
@@ -173,14 +178,11 @@ def swept_points(
 class _SweptPoints:
     """What sweeps in the direction `sign` may see, and the margins of what they do not; followed: how many points."""
 
-    def __init__(self, sign: float, observe: Callable[[BranchPoint], ObservedPoint]) -> None:
+    def __init__(self, sign: float, observe: Observe) -> None:
         self._observe, self.followed, self.behind_fold = observe, 0, DistanceBehindFold(sign)
         self._points: list[ObservedPoint] = []
         self._lately: list[_Passed] = []
         self.jumped = False
-
-    def add(self, point: BranchPoint) -> None:
-        self._add(_Passed(point))
 
     def jump_to(self, points: Sequence[ObservedPoint]) -> bool:
         """Go on with these, of another part of the branch, if there are any; behind the fold the margin is kept."""
@@ -191,7 +193,7 @@ class _SweptPoints:
         self.behind_fold.points = min(self.behind_fold.points, MARGIN)
         for i, seen in enumerate(points):
             there = seen if i else seen.after_gap()
-            self._add(_Passed(there.point, there))
+            self.add(_Passed(there.point, there))
         return True
 
     def add_beside(self, points: Sequence[ObservedPoint]) -> None:
@@ -200,7 +202,7 @@ class _SweptPoints:
         self._lately.clear()
         self.behind_fold.points = 0
 
-    def _add(self, passed: "_Passed") -> None:
+    def add(self, passed: "_Passed") -> None:
         self.followed += 1
         if self.behind_fold.is_ahead(passed.point.w):
             self._points = [*self.whole(), passed.seen_by(self._observe)]
@@ -240,5 +242,36 @@ class _Passed:
     point: BranchPoint
     seen: ObservedPoint | None = None
 
-    def seen_by(self, observe: Callable[[BranchPoint], ObservedPoint]) -> ObservedPoint:
-        return observe(self.point) if self.seen is None else self.seen
+    def seen_by(self, observe: Observe) -> ObservedPoint:
+        return observe([self.point])[0] if self.seen is None else self.seen
+
+
+def _passed(branch: Iterable[BranchPoint], sign: float, observe: Observe) -> Iterator[_Passed]:
+    """Its points. Those that run ahead with the sweep are observed, some at a time; of a branch that is there already,
+    which was kept as what a sweep may see, all."""
+    if isinstance(branch, Sequence):
+        yield from (_Passed(seen.point, seen) for seen in observe(branch))
+        return
+    furthest = -np.inf
+    for points in _some_at_a_time(branch):
+        ahead = [sign * p.w > max([furthest, *(sign * q.w for q in points[:i])]) for i, p in enumerate(points)]
+        seen = iter(observe([p for p, is_ahead in zip(points, ahead, strict=True) if is_ahead]))
+        yield from (_Passed(p, next(seen) if is_ahead else None) for p, is_ahead in zip(points, ahead, strict=True))
+        furthest = max([furthest, *(sign * p.w for p in points)])
+
+
+def _some_at_a_time(branch: Iterable[BranchPoint]) -> Iterator[list[BranchPoint]]:
+    """raises: BranchStoppedError as the branch does, after the points before"""
+    some: list[BranchPoint] = []
+    try:
+        for point in branch:
+            some.append(point)
+            if len(some) == _AHEAD:
+                yield some
+                some = []
+    except BranchStoppedError:
+        if some:
+            yield some
+        raise
+    if some:
+        yield some

@@ -1,19 +1,19 @@
 """Solved points of one test as a branch in what is observed: followed by continuation, or given."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.prediction.derivatives import Change
-from updamp.comparison.prediction.held_branch import HeldPoint, held_state, trace_held
+from updamp.comparison.prediction.held_branch import HeldPoint, held_states, trace_held
 from updamp.comparison.prediction.model_at import ModelAt, model_at
 from updamp.comparison.prediction.observed_point import ObservedPoint, Observer, light, turned_round
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch, length_of, with_patterns
 from updamp.comparison.prediction.readings import as_read
-from updamp.comparison.prediction.refined import point_between, refined
+from updamp.comparison.prediction.refined import Between, point_between, refined
 from updamp.comparison.prediction.run_condition import RunCondition
 from updamp.comparison.prediction.swept_points import BranchFromFarEnd, swept_points
 from updamp.hbm.continuation.branch import BranchPoint
@@ -96,15 +96,14 @@ def observe_sweeps(
     )
 
 
-def _half_way(
-    there: ModelAt, condition: RunCondition, look: Observer
-) -> Callable[[ObservedPoint, ObservedPoint], ObservedPoint | None]:
-    """What is solved, and seen, between two points."""
+def _half_way(there: ModelAt, condition: RunCondition, look: Observer) -> Between:
+    """What is solved, and seen, between two points each."""
     system, excitation = there.system, there.excited_by(condition.force)
 
-    def between(a: ObservedPoint, b: ObservedPoint) -> ObservedPoint | None:
-        point = point_between(system, excitation, a.point, b.point)
-        return None if point is None else look(point)
+    def between(pairs: Sequence[tuple[ObservedPoint, ObservedPoint]]) -> list[ObservedPoint | None]:
+        points = [point_between(system, excitation, a.point, b.point) for a, b in pairs]
+        seen = iter(look([point for point in points if point is not None]))
+        return [None if point is None else next(seen) for point in points]
 
     return between
 
@@ -116,7 +115,7 @@ def observe(
     if condition.control is not None:
         return _observe_held(there, condition, points, stopped, further)
     look = Observer(there, condition, further)
-    return _of_observed(there, condition, [look(point) for point in points], stopped, further)
+    return _of_observed(there, condition, look(points), stopped, further)
 
 
 def _of_observed(
@@ -136,7 +135,7 @@ def _of_observed(
 def _observe_held(
     there: ModelAt, condition: RunCondition, points: Sequence[BranchPoint], stopped: str, further: Sequence[Change]
 ) -> PredictedBranch:
-    each = [held_state(there, condition, p, further) for p in points if isinstance(p, HeldPoint)]
+    each = held_states(there, condition, [p for p in points if isinstance(p, HeldPoint)], further)
     direction = 1.0 if condition.upwards else -1.0
     state, slopes = np.array([s.state for s in each]), np.array([s.slopes for s in each])
     along = direction * np.array([s.along for s in each])

@@ -69,9 +69,12 @@ class MemorylessForces:
     harmonics: Harmonics
     n_time: int
 
-    def write_forces(self, numbers: Integers, displacement: Floats, w: float, parameters: Any, force: Floats) -> None:
-        x = displacement[numbers, 0]
-        force[numbers, 0] = self._sampled(numbers, x, w * (x @ self._rate.T), parameters).force @ self._analysis.T
+    def write_forces(
+        self, numbers: Integers, displacement: Floats, w: float | Floats, parameters: Any, force: Floats
+    ) -> None:
+        """w: one for all elements, or (n_elements,)"""
+        x, of = displacement[numbers, 0], w if np.ndim(w) == 0 else np.asarray(w)[numbers, None]
+        force[numbers, 0] = self._sampled(numbers, x, of * (x @ self._rate.T), parameters).force @ self._analysis.T
 
     def write_with_tangents(
         self,

@@ -85,14 +85,20 @@ class ElementGroup:
 
     def may_slip_or_separate(self, displacement: Floats, harmonics: Harmonics, n_time: int) -> Integers:
         """Numbers of the elements that do not surely stick; displacement: (n_elements, directions, n_coefficients)"""
-        law = _as_sticking_law(self.law)
-        if law is None:
-            return np.arange(len(displacement))
-        overshoot = overshoot_between_samples(harmonics.orders[-1], n_time)
-        motion = (displacement.reshape(-1, displacement.shape[2]) @ _synthesis(harmonics, n_time)).reshape(
-            *displacement.shape[:2], n_time
-        )
-        return np.flatnonzero(~law.surely_sticks(motion, self.values, overshoot))
+        return _may_slip_or_separate(self.law, self.values, displacement, harmonics, n_time)
+
+
+def _may_slip_or_separate(
+    of_law: ContactLaw, values: Any, displacement: Floats, harmonics: Harmonics, n_time: int
+) -> Integers:
+    law = _as_sticking_law(of_law)
+    if law is None:
+        return np.arange(len(displacement))
+    overshoot = overshoot_between_samples(harmonics.orders[-1], n_time)
+    motion = (displacement.reshape(-1, displacement.shape[2]) @ _synthesis(harmonics, n_time)).reshape(
+        *displacement.shape[:2], n_time
+    )
+    return np.flatnonzero(~law.surely_sticks(motion, values, overshoot))
 
 
 @lru_cache(maxsize=64)
@@ -216,6 +222,34 @@ def departure_only(group: ElementGroup, displacement: Floats, w: float, harmonic
             force[some] = evaluate(displacement[some], w, _parameters_of(group, some))
     force[active] -= stiffness[active][..., None] * displacement[active]
     return group.of_all_copies(force)
+
+
+def departures_along(group: ElementGroup, displacement: Floats, w: Floats, harmonics: Harmonics, n_time: int) -> Floats:
+    """As `departure_only`, of n motions at once: (n, n_elements, directions, n_coefficients), w: (n,)
+
+    Where a law is compiled, or written out, it is called once for all of them.
+    """
+    if group.parts:
+        each = [departures_along(part, displacement, w, harmonics, n_time) for part in group.parts]
+        return np.asarray(np.sum(each, axis=0))
+    compiled = compiled_forces(group.law, harmonics, n_time)
+    at_rate = None if compiled is not None else compiled_rate_forces(group.law, harmonics, n_time)
+    if compiled is None and not isinstance(at_rate, MemorylessForces):
+        return np.array(
+            [departure_only(group, x, float(of), harmonics, n_time) for x, of in zip(displacement, w, strict=True)]
+        )
+    n, n_elements = displacement.shape[:2]
+    motions = displacement.reshape(n * n_elements, *displacement.shape[2:])
+    values = type(group.values)(*(np.concatenate([value] * n) for value in group.values))
+    active = _may_slip_or_separate(group.law, values, motions, harmonics, n_time)
+    force = np.zeros_like(motions)
+    if compiled is not None:
+        compiled.write_forces(active, motions, values, force)
+    elif isinstance(at_rate, MemorylessForces):
+        at_rate.write_forces(active, motions, np.repeat(w, n_elements), values, force)
+    force[active] -= np.concatenate([group.stiffness_of_one] * n)[active][..., None] * motions[active]
+    copies = 1.0 if group.copies is None else group.copies[:, None, None]
+    return np.asarray(copies * force.reshape(displacement.shape))
 
 
 def elements_a_batch(derivatives_an_element: int) -> int:

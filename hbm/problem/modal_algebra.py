@@ -30,10 +30,11 @@ _ORTHOGONAL = 1e-10
 
 
 class ModalResponse(Protocol):
-    """Inverses of the modes' dynamic stiffness at n multiples of one frequency."""
+    """Inverses of the modes' dynamic stiffness at n multiples of one frequency, or of each of several."""
 
     def times(self, loads: Complex) -> Complex:
-        """(m, n, ...) amplitudes of modal loads, of one multiple after the other -> the modes' amplitudes"""
+        """(m, n, ...) amplitudes of modal loads, of one multiple after the other, of several frequencies (m, n,
+        n_frequencies, ...) -> the modes' amplitudes"""
         ...
 
     def rate_times(self, loads: Complex) -> Complex:
@@ -41,15 +42,15 @@ class ModalResponse(Protocol):
         ...
 
     def matrix(self, number: int) -> Complex:
-        """(m, m) at one of the multiples"""
+        """(m, m) at one of the multiples of the one frequency"""
         ...
 
 
 class ModalInverse(Protocol):
     """Of the modes' dynamic stiffness at any frequency."""
 
-    def at(self, w: float, orders: Sequence[int]) -> ModalResponse:
-        """At orders, all above 0, times the angular frequency w > 0 [rad/s]."""
+    def at(self, w: float | Floats, orders: Sequence[int]) -> ModalResponse:
+        """At orders, all above 0, times the angular frequency w > 0 [rad/s], one or (n_frequencies,)."""
         ...
 
 
@@ -60,15 +61,17 @@ class DecomposedInverse:
     modes: Complex
     mu: Complex
 
-    def at(self, w: float, orders: Sequence[int]) -> ModalResponse:
+    def at(self, w: float | Floats, orders: Sequence[int]) -> ModalResponse:
         k = np.asarray(orders, dtype=float)
-        gains = 1 / (1 - np.outer(self.mu, (k * w) ** 2))
-        return DecomposedResponse(self.modes, gains, 2 * w * np.outer(self.mu, k**2) * gains**2)
+        gains = 1 / (1 - np.multiply.outer(self.mu, np.multiply.outer(k, w) ** 2))
+        rates = 2 * np.multiply.outer(self.mu, np.multiply.outer(k**2, w)) * gains**2
+        return DecomposedResponse(self.modes, gains, rates)
 
 
 @dataclass(frozen=True, eq=False)
 class DecomposedResponse:
-    """modes: (m, m); gains, rates: (m, n) 1 / (1 - (k w)^2 mu) and its derivative by w"""
+    """modes: (m, m); gains, rates: (m, n) 1 / (1 - (k w)^2 mu) and its derivative by w; (m, n, n_frequencies) of
+    several frequencies"""
 
     modes: Complex
     gains: Complex
@@ -85,7 +88,7 @@ class DecomposedResponse:
 
     def _scaled(self, loads: Complex, factors: Complex) -> Complex:
         decoupled = (self.modes.T @ loads.reshape(len(loads), -1)).reshape(loads.shape)
-        decoupled *= factors.reshape(*factors.shape, *(1 for _ in loads.shape[2:]))
+        decoupled *= factors.reshape(*factors.shape, *(1 for _ in loads.shape[factors.ndim :]))
         return np.asarray(self.modes @ decoupled.reshape(len(loads), -1)).reshape(loads.shape)
 
 
@@ -97,7 +100,7 @@ class DirectInverse:
     hysteretic: Floats
     viscous: Floats
 
-    def at(self, w: float, orders: Sequence[int]) -> ModalResponse:
+    def at(self, w: float | Floats, orders: Sequence[int]) -> ModalResponse:
         return DirectResponse(self, w, tuple(orders))
 
 
@@ -106,32 +109,34 @@ class DirectResponse:
     """inverse: of which this is the response at orders times w"""
 
     inverse: DirectInverse
-    w: float
+    w: float | Floats
     orders: tuple[int, ...]
 
     def times(self, loads: Complex) -> Complex:
         return _one_by_one(self._matrices, loads)
 
     def rate_times(self, loads: Complex) -> Complex:
-        k = np.asarray(self.orders)[:, None, None]
-        stiffness_rate = 1j * k * self.inverse.viscous - 2 * k**2 * self.w * np.eye(len(loads))
-        return _one_by_one(-self._matrices, _one_by_one(stiffness_rate, self.times(loads)))
+        k = np.asarray(self.orders, dtype=float)
+        kw = np.multiply.outer(k**2, self.w)[..., None, None]
+        viscous = k.reshape(-1, *(1 for _ in kw.shape[1:])) * self.inverse.viscous
+        return _one_by_one(-self._matrices, _one_by_one(1j * viscous - 2 * kw * np.eye(len(loads)), self.times(loads)))
 
     def matrix(self, number: int) -> Complex:
         return np.asarray(self._matrices[number])
 
     @cached_property
     def _matrices(self) -> Complex:
-        """(n, m, m)"""
+        """(n, m, m), or (n, n_frequencies, m, m)"""
         i = self.inverse
-        stiffness = [dynamic_stiffness(i.omega_squared, i.hysteretic, i.viscous, k * self.w) for k in self.orders]
-        return np.stack([scipy.linalg.inv(each) for each in stiffness])
+        frequencies = np.multiply.outer(np.asarray(self.orders, dtype=float), self.w)
+        stiffness = [dynamic_stiffness(i.omega_squared, i.hysteretic, i.viscous, kw) for kw in frequencies.ravel()]
+        return np.stack([scipy.linalg.inv(each) for each in stiffness]).reshape(*frequencies.shape, *i.viscous.shape)
 
 
 def _one_by_one(matrices: Complex, loads: Complex) -> Complex:
-    """(n, m, m) times the n parts of loads (m, n, ...)"""
-    columns = loads.reshape(*loads.shape[:2], -1).transpose(1, 0, 2)
-    return (matrices @ columns).transpose(1, 0, 2).reshape(loads.shape)
+    """(..., m, m) times the parts of loads (m, ..., n_columns) or (m, ...)"""
+    columns = loads.reshape(len(loads), *matrices.shape[:-2], -1)
+    return np.asarray(np.moveaxis(matrices @ np.moveaxis(columns, 0, -2), -2, 0)).reshape(loads.shape)
 
 
 def dynamic_stiffness(omega_squared: Floats, hysteretic: Floats, viscous: Floats, w: float) -> Complex:

@@ -40,13 +40,13 @@ class Receptance:
         response = np.empty_like(loads)
         if 0 in self._orders:
             response[:, 0] = (loads[:, 0].T / self.system.stuck.omega_squared).T
-        self._set_moving(response, self.moving.times(self._moving_part(loads)))
+        set_moving(response, self.moving.times(moving_part(loads, len(self.moving_orders))))
         return response
 
     def rate_through_modes(self, loads: Floats) -> Floats:
         """d/dw of `through_modes` under loads held constant"""
         response = np.zeros_like(loads)
-        self._set_moving(response, self.moving.rate_times(self._moving_part(loads)))
+        set_moving(response, self.moving.rate_times(moving_part(loads, len(self.moving_orders))))
         return response
 
     def excitation(self, excitation: Excitation, rows: slice | Integers | None = None) -> Floats:
@@ -102,16 +102,18 @@ class Receptance:
         load[:, harmonics.slices[1].start] = excitation.force * shape
         return load
 
-    def _moving_part(self, loads: Floats) -> Complex:
-        """(m, n_moving, ...) complex amplitudes of (m, n_coefficients, ...)"""
-        moving = loads[:, loads.shape[1] - 2 * len(self.moving_orders) :]
-        pairs = moving.reshape(len(loads), -1, 2, *loads.shape[2:])
-        return np.asarray(pairs[:, :, 0] - 1j * pairs[:, :, 1])
 
-    def _set_moving(self, response: Floats, amplitudes: Complex) -> None:
-        """Writes the coefficients of `amplitudes` into (m, n_coefficients, ...)."""
-        start = response.shape[1] - 2 * amplitudes.shape[1]
-        response[:, start::2], response[:, start + 1 :: 2] = amplitudes.real, -amplitudes.imag
+def moving_part(loads: Floats, n_moving: int) -> Complex:
+    """(m, n_moving, ...) complex amplitudes of (m, n_coefficients, ...), without the mean"""
+    moving = loads[:, loads.shape[1] - 2 * n_moving :]
+    pairs = moving.reshape(len(loads), -1, 2, *loads.shape[2:])
+    return np.asarray(pairs[:, :, 0] - 1j * pairs[:, :, 1])
+
+
+def set_moving(response: Floats, amplitudes: Complex) -> None:
+    """Writes the coefficients of `amplitudes` into (m, n_coefficients, ...)."""
+    start = response.shape[1] - 2 * amplitudes.shape[1]
+    response[:, start::2], response[:, start + 1 :: 2] = amplitudes.real, -amplitudes.imag
 
 
 # Up to a million multiplications OpenBLAS multiplies matrices as they lie in memory. Larger ones it rearranges first,

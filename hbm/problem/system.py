@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.problem.elements import ElementGroup, departure_only, departures
+from updamp.hbm.problem.elements import ElementGroup, departure_only, departures, departures_along
 from updamp.hbm.problem.linear_model import LinearModel, stuck_on
 from updamp.hbm.problem.mirror import Mirror, acts_symmetrically, half_groups, half_structure, is_own_image
 
@@ -133,6 +133,21 @@ class NonlinearSystem:
                 value[group.rows] = found[group.rows]
                 continue
             value[group.rows] = departure_only(group, x[group.rows], w, self.harmonics, self.time_samples)
+        return value
+
+    def departure_values(self, x: Floats, w: Floats, known: "tuple[NonlinearSystem, Floats] | None" = None) -> Floats:
+        """g of several motions at once: x (n_relative, n_coefficients, n) at w (n,), and g like it; known: as in
+        `departure_value`"""
+        value = np.empty_like(x)
+        other, found = known or (None, x)
+        alike = other is not None and (other.harmonics, other.time_samples) == (self.harmonics, self.time_samples)
+        for group in self.groups:
+            if other is not None and alike and any(group is one for one in other.groups):
+                value[group.rows] = found[group.rows]
+                continue
+            motions = np.ascontiguousarray(np.moveaxis(x[group.rows], -1, 0))
+            forces = departures_along(group, motions, w, self.harmonics, self.time_samples)
+            value[group.rows] = np.moveaxis(forces, 0, -1)
         return value
 
     def element_forces(self, x: Floats, w: float) -> Floats:

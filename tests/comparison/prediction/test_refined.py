@@ -41,8 +41,7 @@ def solved():
     there = model_at(p, MOVED)
     options = ContinuationOptions(first_step=0.02, largest_step=0.04)
     points = continue_branch(there.model.system, there.model.excited_by(FORCE), condition(FORCE).wider, options)
-    look = Observer(there, condition(FORCE))
-    return [look(point) for point in points]
+    return Observer(there, condition(FORCE))(list(points))
 
 
 def off(branch, solved):
@@ -89,7 +88,7 @@ def test_a_point_beside_a_cubic_is_as_far_off_as_it_lies_beside_it(solved):
 def test_nothing_is_put_into_a_gap_or_where_nothing_is_asked_for(solved):
     points = [solved[25], solved[40].after_gap(), solved[55]]
 
-    def between(_a, _b):
+    def between(_pairs):
         raise AssertionError("asked for a point between")
 
     assert refined(points, condition(FORCE), between) == points
@@ -100,8 +99,9 @@ def test_where_no_point_is_found_between_two_they_stay_as_they_are(solved):
     points = solved[:100:12]
     asked = []
 
-    def between(a, b):
-        asked.append((a, b))
+    def between(pairs):
+        asked.extend(pairs)
+        return [None for _ in pairs]
 
     assert refined(points, condition(FORCE), between) == points
     assert asked

@@ -42,8 +42,9 @@ def test_what_is_seen_are_the_same_points_as_of_the_whole_branch(softening, cond
     assert not (left_out & runs_with_the_sweep(full)).any()
     assert np.sum(~runs_with_the_sweep(short)) == 2 * MARGIN - 1
     assert sum(point.after_gap for point in short.points) == 1
-    for name in ("state", "slopes", "w_by_parameter"):
-        np.testing.assert_array_equal(getattr(short, name)[short.visited], getattr(full, name)[full.visited])
+    for name in ("state", "slopes", "w_by_parameter"):  # others beside them leave other last digits
+        alike = getattr(short, name)[short.visited], getattr(full, name)[full.visited]
+        np.testing.assert_allclose(*alike, rtol=1e-9, atol=1e-9 * np.abs(alike[1]).max())
 
 
 def runs_with_the_sweep(branch: PredictedBranch) -> np.ndarray:
@@ -110,6 +111,10 @@ class Kept:
         return Kept(SimpleNamespace(w=self.point.w, after_gap=after_gap, step=0.1))
 
 
+def kept(points):
+    return [Kept(point) for point in points]
+
+
 class Point(SimpleNamespace):
     def distance(self, other: "Point") -> float:
         return abs(self.w - other.w)
@@ -119,21 +124,21 @@ def points(*frequencies: float):
     return iter([Point(w=w, after_gap=False, step=0.1) for w in frequencies])
 
 
-def of(kept: list[Kept]) -> list[tuple[float, bool]]:
-    return [(k.point.w, k.point.after_gap) for k in kept]
+def of(found: list[Kept]) -> list[tuple[float, bool]]:
+    return [(k.point.w, k.point.after_gap) for k in found]
 
 
 BACK = [9 - 0.1 * i for i in range(1, 40)]
 
 
 def test_a_short_way_back_is_kept_whole():
-    found, stopped = swept_points(points(8, 9, *BACK[:7], 10, 11), True, Kept)
+    found, stopped = swept_points(points(8, 9, *BACK[:7], 10, 11), True, kept)
     assert of(found) == [(w, False) for w in (8, 9, *BACK[:7], 10, 11)]
     assert stopped == ""
 
 
 def test_of_a_long_way_back_the_ends_are_kept():
-    found, _ = swept_points(points(8, 9, *BACK, 9.5, 12), True, Kept)
+    found, _ = swept_points(points(8, 9, *BACK, 9.5, 12), True, kept)
     assert of(found) == [
         (8, False), (9, False), *((w, False) for w in BACK[:4]),
         (BACK[-4], True), *((w, False) for w in BACK[-3:]), (9.5, False), (12, False),
@@ -141,11 +146,11 @@ def test_of_a_long_way_back_the_ends_are_kept():
 
 
 def test_a_branch_that_stops_says_so_and_one_of_three_points_is_none():
-    found, stopped = swept_points(stopping(6, 7, 8, 9), True, Kept)
+    found, stopped = swept_points(stopping(6, 7, 8, 9), True, kept)
     assert len(found) == 4
     assert "stops" in stopped
     with pytest.raises(BranchStoppedError):
-        swept_points(stopping(6, 7, 8), True, Kept)
+        swept_points(stopping(6, 7, 8), True, kept)
 
 
 def stopping(*frequencies: float):
@@ -155,7 +160,7 @@ def stopping(*frequencies: float):
 
 def test_a_way_back_that_stops_ends_at_what_is_found_from_the_other_end():
     other = BranchFromFarEnd(lambda: points(12, 11, 10, 9.5, 8.9, 8.8, 8.7, 8.6, 8.5), 10.0)
-    found, stopped = swept_points(stopping(6, 7, 8, 9, *BACK[:6]), True, Kept, other)
+    found, stopped = swept_points(stopping(6, 7, 8, 9, *BACK[:6]), True, kept, other)
     assert stopped == ""
     ahead = [(8.5, True), *((w, False) for w in (8.6, 8.7, 8.8, 8.9, 9.5, 10, 11, 12))]
     assert of(found) == [*((w, False) for w in (6, 7, 8, 9, *BACK[:4])), *ahead]
@@ -164,7 +169,7 @@ def test_a_way_back_that_stops_ends_at_what_is_found_from_the_other_end():
 def test_a_way_back_in_long_steps_is_left_for_what_is_found_from_the_other_end():
     """However few points it has: here it leads on, by another resonance, to where no sweep goes."""
     other = BranchFromFarEnd(lambda: points(12, 11, 10, 9.5, 8.9, 8.8, 8.7, 8.6, 8.5), 10.0)
-    found, _ = swept_points(points(8, 9, 8.8, 8.6, 8.4, 8.2, 14, 12.5), True, Kept, other)
+    found, _ = swept_points(points(8, 9, 8.8, 8.6, 8.4, 8.2, 14, 12.5), True, kept, other)
     assert of(found)[:7] == [*((w, False) for w in (8, 9, 8.8, 8.6, 8.4, 8.2)), (8.5, True)]
     assert [w for w, _ in of(found)][-3:] == [10, 11, 12]
 
@@ -172,15 +177,15 @@ def test_a_way_back_in_long_steps_is_left_for_what_is_found_from_the_other_end()
 def test_an_other_end_that_turns_back_or_stops_leaves_the_way_back():
     turning = BranchFromFarEnd(lambda: points(12, 11, *(11 + 0.05 * i for i in range(1, 30))), 10.0)
     for other in (turning, BranchFromFarEnd(lambda: stopping(12, 11, 10), 10.0)):
-        found = swept_points(points(8, 9, *BACK, 9.5, 12), True, Kept, other)
-        assert of(found[0]) == of(swept_points(points(8, 9, *BACK, 9.5, 12), True, Kept)[0])
+        found = swept_points(points(8, 9, *BACK, 9.5, 12), True, kept, other)
+        assert of(found[0]) == of(swept_points(points(8, 9, *BACK, 9.5, 12), True, kept)[0])
         assert found[1] == ""
 
 
 def test_a_branch_that_ends_behind_a_fold_keeps_the_other_end_beside_it():
     turning = BranchFromFarEnd(lambda: points(12, 11, *(11 + 0.05 * i for i in range(1, 30))), 10.0)
-    alone = of(swept_points(points(8, 9, *BACK), True, Kept)[0])
-    found, _ = swept_points(points(8, 9, *BACK), True, Kept, turning)
+    alone = of(swept_points(points(8, 9, *BACK), True, kept)[0])
+    found, _ = swept_points(points(8, 9, *BACK), True, kept, turning)
     assert of(found)[: len(alone)] == alone
     ahead = [w for w, _ in of(found)[len(alone) :]]
     assert ahead[-2:] == [11, 12]
@@ -194,7 +199,7 @@ def test_a_second_fold_may_be_reached_though_the_first_was_not():
     other = BranchFromFarEnd(
         lambda: points(16, 15, 14, 12.5, 12, 11.5, 11, *(11 + 0.05 * i for i in range(1, 30))), 10.0
     )
-    found, _ = swept_points(first_fold, True, Kept, other)
+    found, _ = swept_points(first_fold, True, kept, other)
     assert [k.point.w for k in found[-7:]] == [11, 11.5, 12, 12.5, 14, 15, 16]
     assert 9.5 in [k.point.w for k in found]  # the first way back was followed
 
@@ -203,7 +208,7 @@ def test_behind_a_fold_the_stretch_that_leads_on_is_kept_whole():
     """The branch comes back from 9 to 5.1, with a turn at 7.1 that leads nowhere, and goes on from there."""
     nowhere = (7.2, 7.3, *BACK[19:])
     on = [5.2 + 0.1 * i for i in range(60)]
-    found, _ = swept_points(points(8, 9, *BACK[:19], *nowhere, *on), True, Kept)
+    found, _ = swept_points(points(8, 9, *BACK[:19], *nowhere, *on), True, kept)
     assert of(found) == [
         (8, False), (9, False), *((w, False) for w in BACK[:4]),
         (BACK[-4], True), *((w, False) for w in BACK[-3:]), *((w, False) for w in on),
@@ -214,10 +219,10 @@ def test_the_part_found_from_the_other_end_is_kept_whole():
     """It turns back at 5.5."""
     there = [12 - 0.25 * i for i in range(27)]
     other = BranchFromFarEnd(lambda: points(*there, *(5.5 + 0.05 * i for i in range(1, 30))), 10.0)
-    found, _ = swept_points(points(8, 9, *BACK), True, Kept, other)
-    kept = [w for w, _ in of(found)[6:]]
-    assert kept[MARGIN - 1 :] == there[::-1]
-    assert kept[: MARGIN - 1] == pytest.approx([5.65, 5.6, 5.55])
+    found, _ = swept_points(points(8, 9, *BACK), True, kept, other)
+    beyond = [w for w, _ in of(found)[6:]]
+    assert beyond[MARGIN - 1 :] == there[::-1]
+    assert beyond[: MARGIN - 1] == pytest.approx([5.65, 5.6, 5.55])
     assert [gap for _, gap in of(found)].count(True) == 1
 
 
