@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 from updamp.comparison.prediction.model_at import ModelAt, model_at
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
-from updamp.comparison.prediction.refined import NEWTON, point_between
+from updamp.comparison.prediction.refined import NEWTON, points_between
 from updamp.comparison.prediction.run_condition import RunCondition
 from updamp.comparison.prediction.traced_branch import observe_sweeps, solved_in
 from updamp.hbm.continuation.branch import BranchPoint, other_way_round, point_at
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions, continue_branch
-from updamp.hbm.newton.newton import Arc, Solution, solve
+from updamp.hbm.newton.newton import Arc, Solution, solve_together
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 Floats = NDArray[np.float64]
@@ -81,12 +81,8 @@ def _moved(there: ModelAt, before: PredictedBranch, excitation: Excitation) -> l
     of where a contact begins to slip move by different amounts."""
     moved: list[BranchPoint] = []
     last, gap = before.points[0], False
-    for i, point in enumerate(before.points):
-        known = len(before.w_by_parameter[i])
-        du = there.u[:known] - before.u[:known]
-        x = point.x + np.tensordot(du, before.x_by_parameter[i], axes=1)
-        w = point.w + float(before.w_by_parameter[i] @ du)
-        solution = solve(there.system, excitation, x, w, NEWTON, Arc(x, w, point.tangent, point.metric))
+    solutions = solve_together(there.system, excitation, _predicted(there, before), NEWTON)
+    for point, solution in zip(before.points, solutions, strict=True):
         gap = gap or point.after_gap
         if not solution.converged:
             continue
@@ -95,6 +91,17 @@ def _moved(there: ModelAt, before: PredictedBranch, excitation: Excitation) -> l
         moved.append(point_at(solution, excitation, point.metric.scale_w, point.tangent, point.step, gap))
         last, gap = point, False
     return moved
+
+
+def _predicted(there: ModelAt, before: PredictedBranch) -> list[Arc]:
+    """Across the branch, from where each point's derivatives put it"""
+    arcs = []
+    for i, point in enumerate(before.points):
+        known = len(before.w_by_parameter[i])
+        du = there.u[:known] - before.u[:known]
+        x = point.x + np.tensordot(du, before.x_by_parameter[i], axes=1)
+        arcs.append(Arc(x, point.w + float(before.w_by_parameter[i] @ du), point.tangent, point.metric))
+    return arcs
 
 
 def _ahead(point: BranchPoint, other: BranchPoint | Solution) -> bool:
@@ -113,7 +120,7 @@ def _filled(
             if following.after_gap or last.distance(following) <= longest:
                 filled.append(waiting.pop())
                 continue
-            middle = point_between(system, excitation, last, following)
+            (middle,) = points_between(system, excitation, [(last, following)])
             if middle is None:
                 return None
             waiting.append(middle)

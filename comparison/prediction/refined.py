@@ -17,8 +17,7 @@ from updamp.comparison.prediction.observed_point import ObservedPoint
 from updamp.comparison.prediction.predicted_branch import length_of, logarithms
 from updamp.comparison.prediction.run_condition import RunCondition
 from updamp.hbm.continuation.branch import BranchPoint, point_after
-from updamp.hbm.newton.metric import Move
-from updamp.hbm.newton.newton import Arc, NewtonOptions, solve
+from updamp.hbm.newton.newton import Arc, NewtonOptions, solve_together
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 Floats = NDArray[np.float64]
@@ -171,18 +170,22 @@ def _cubic(start: Floats, end: Floats, at_start: Floats, at_end: Floats, share: 
     return start[:, None] + s * (first + s * (bend + s * turn)), first + s * (2 * bend + 3 * s * turn)
 
 
-def point_between(
-    system: NonlinearSystem, excitation: Excitation, a: BranchPoint, b: BranchPoint
-) -> BranchPoint | None:
-    """A solved point half way from a to b; None where there is none nearer to both than they are to each other."""
-    dx, dw = a.move_to(b)
-    length = a.distance(b)
-    # Hermite's cubic through both, half way
+def points_between(
+    system: NonlinearSystem, excitation: Excitation, pairs: Sequence[tuple[BranchPoint, BranchPoint]]
+) -> list[BranchPoint | None]:
+    """Of each pair a solved point half way; None where there is none nearer to both than they are to each other."""
+    solutions = solve_together(system, excitation, [_half_way(a, b) for a, b in pairs], NEWTON)
+    found: list[BranchPoint | None] = []
+    for (a, b), solution in zip(pairs, solutions, strict=True):
+        point = point_after(a, solution, excitation) if solution.converged else None
+        near = point is not None and max(point.step, point.distance(b)) < _BETWEEN * a.distance(b)
+        found.append(point if near else None)
+    return found
+
+
+def _half_way(a: BranchPoint, b: BranchPoint) -> Arc:
+    """Across the chord, from Hermite's cubic through both"""
+    (dx, dw), length = a.move_to(b), a.distance(b)
     x = (a.x + b.x) / 2 + length / 8 * (a.tangent_x - b.tangent_x)
     w = (a.w + b.w) / 2 + length / 8 * (a.tangent_w - b.tangent_w)
-    direction: Move = (dx / length, dw / length)
-    solution = solve(system, excitation, x, w, NEWTON, Arc(x, w, direction, a.metric))
-    if not solution.converged:
-        return None
-    point = point_after(a, solution, excitation)
-    return point if max(point.step, point.distance(b)) < _BETWEEN * length else None
+    return Arc(x, w, (dx / length, dw / length), a.metric)

@@ -13,7 +13,7 @@ from updamp.comparison.prediction.observed_point import ObservedPoint, Observer,
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch, length_of, with_patterns
 from updamp.comparison.prediction.readings import as_read
-from updamp.comparison.prediction.refined import Between, point_between, refined
+from updamp.comparison.prediction.refined import Between, points_between, refined
 from updamp.comparison.prediction.run_condition import RunCondition
 from updamp.comparison.prediction.swept_points import BranchFromFarEnd, swept_points
 from updamp.hbm.continuation.branch import BranchPoint
@@ -101,7 +101,7 @@ def _half_way(there: ModelAt, condition: RunCondition, look: Observer) -> Betwee
     system, excitation = there.system, there.excited_by(condition.force)
 
     def between(pairs: Sequence[tuple[ObservedPoint, ObservedPoint]]) -> list[ObservedPoint | None]:
-        points = [point_between(system, excitation, a.point, b.point) for a, b in pairs]
+        points = points_between(system, excitation, [(a.point, b.point) for a, b in pairs])
         seen = iter(look([point for point in points if point is not None]))
         return [None if point is None else next(seen) for point in points]
 

@@ -73,26 +73,28 @@ class MemorylessForces:
         self, numbers: Integers, displacement: Floats, w: float | Floats, parameters: Any, force: Floats
     ) -> None:
         """w: one for all elements, or (n_elements,)"""
-        x, of = displacement[numbers, 0], w if np.ndim(w) == 0 else np.asarray(w)[numbers, None]
+        x, of = displacement[numbers, 0], _of_each(w, numbers)
         force[numbers, 0] = self._sampled(numbers, x, of * (x @ self._rate.T), parameters).force @ self._analysis.T
 
     def write_with_tangents(
         self,
         numbers: Integers,
         displacement: Floats,
-        w: float,
+        w: float | Floats,
         parameters: Any,
         force: Floats,
         tangent: Floats,
         by_frequency: Floats,
     ) -> None:
+        """w: one for all elements, or (n_elements,)"""
         x, analysis, motion = displacement[numbers, 0], self._analysis, self._synthesis
-        speed = x @ self._rate.T
-        found = self._sampled(numbers, x, w * speed, parameters)
+        speed, of = x @ self._rate.T, _of_each(w, numbers)
+        found = self._sampled(numbers, x, of * speed, parameters)
         force[numbers, 0] = found.force @ analysis.T
         total = np.zeros((len(numbers), len(analysis), len(analysis)))
         parts = [(found.by_displacement, motion), (found.by_last, self._last), (found.by_next, self._next)]
-        for slope, samples in (*parts, (found.by_velocity, w * self._rate)):
+        by_velocity = None if found.by_velocity is None else of * found.by_velocity
+        for slope, samples in (*parts, (by_velocity, self._rate)):
             if slope is not None:
                 total += (slope[:, None] * analysis) @ samples
         tangent[numbers, 0, :, 0] = total
@@ -127,3 +129,9 @@ class MemorylessForces:
     def _analysis(self) -> Floats:
         """(n_coefficients, n_time)"""
         return np.asarray(self.harmonics.analysis(self.n_time))
+
+
+def _of_each(w: float | Floats, numbers: Integers) -> Floats:
+    """(n or 1, 1)"""
+    each = np.asarray(w, dtype=float).reshape(-1, 1)
+    return each[numbers] if len(each) > 1 else each

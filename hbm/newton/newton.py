@@ -1,15 +1,16 @@
 """Newton's method on the harmonic balance residual, at fixed frequency or along an arc."""
 
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
+from typing import cast
 
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
 from updamp.hbm.newton.active_forces import DirectForces
-from updamp.hbm.newton.equation import Equation, evaluate, residual_alone
+from updamp.hbm.newton.equation import Equation, evaluate, evaluate_together, residual_alone
 from updamp.hbm.newton.jacobian import Jacobian
 from updamp.hbm.newton.metric import Metric, Move
 from updamp.hbm.problem.system import Forcing, NonlinearSystem
@@ -131,14 +132,51 @@ def solve(
 
     raises: nothing for want of convergence; the status tells
     """
-    options = options or NewtonOptions()
-    equation = evaluate(system, excitation, x, w)
+    iterates = _iterates(system, excitation, (x, w), options or NewtonOptions(), arc, near)
+    place = next(iterates)
+    while True:
+        try:
+            place = iterates.send(evaluate(system, excitation, *place))
+        except StopIteration as end:
+            return cast(Solution, end.value)
+
+
+def solve_together(
+    system: NonlinearSystem, excitation: Forcing, arcs: Sequence[Arc], options: NewtonOptions | None = None
+) -> list[Solution]:
+    """As `solve`, from where each of the arcs begins: they advance in step, so that all are evaluated together."""
+    each = [_iterates(system, excitation, (a.x0, a.w0), options or NewtonOptions(), a, None) for a in arcs]
+    places, solved = {i: next(iterates) for i, iterates in enumerate(each)}, dict[int, Solution]()
+    while places:
+        equations = evaluate_together(system, excitation, tuple(places.values()))
+        for i, equation in zip(tuple(places), equations, strict=True):
+            try:
+                places[i] = each[i].send(equation)
+            except StopIteration as end:
+                solved[i] = end.value
+                del places[i]
+    return [solved[i] for i in range(len(each))]
+
+
+# Asks for the equation at one place (x, w) after the other.
+_Iterates = Generator[tuple[Floats, float], Equation, Solution]
+
+
+def _iterates(
+    system: NonlinearSystem,
+    excitation: Forcing,
+    place: tuple[Floats, float],
+    options: NewtonOptions,
+    arc: Arc | None,
+    near: DirectForces | None,
+) -> _Iterates:
+    equation = yield place
     errors, sizes = [equation.error], [float(np.linalg.norm(equation.residual))]
     step: _Step | None = None
     status = Status.TOO_MANY_ITERATIONS
     while len(errors) <= options.iterations and not (errors[-1] < options.tolerance and step is not None):
         bound = max(sizes[-options.memory :]) if options.damped else np.inf
-        advanced = _advance(system, excitation, equation, options, arc, step, near, bound)
+        advanced = yield from _advance(system, excitation, equation, options, arc, step, near, bound)
         if isinstance(advanced, Status):
             status = advanced
             break
@@ -152,8 +190,7 @@ def solve(
     if errors[-1] < options.tolerance and step is not None:
         status = Status.CONVERGED
     jacobian, slope = (None, None) if step is None else (step.jacobian, step.by_frequency)
-    place = (equation.x, equation.w)
-    return Solution(*place, status, len(errors) - 1, tuple(errors), equation, jacobian, slope)
+    return Solution(equation.x, equation.w, status, len(errors) - 1, tuple(errors), equation, jacobian, slope)
 
 
 def _advance(
@@ -165,7 +202,7 @@ def _advance(
     before: "_Step | None",
     near: DirectForces | None,
     bound: float,
-) -> "tuple[Equation, _Step] | Status":
+) -> "Generator[tuple[Floats, float], Equation, tuple[Equation, _Step] | Status]":
     """The next iterate and the step that led to it, or why there is none."""
     if not np.isfinite(equation.error):
         return Status.DIVERGED
@@ -173,7 +210,7 @@ def _advance(
         step = _step(equation, equation.factorised(near), excitation, arc, before)
     except scipy.linalg.LinAlgError:
         return Status.DIVERGED
-    found = _damped(system, excitation, equation, (step.dx, step.dw), options, bound)
+    found = yield from _damped(system, excitation, equation, (step.dx, step.dw), options, bound)
     return Status.STALLED if found is None else (found, step)
 
 
@@ -207,7 +244,7 @@ def _damped(
     step: tuple[Floats, float],
     options: NewtonOptions,
     bound: float,
-) -> Equation | None:
+) -> "Generator[tuple[Floats, float], Equation, Equation | None]":
     """The first of the full, half, ... step whose residual stays below the bound; None where none does.
 
     The bound is the largest of the last residuals, not the last one (Grippo, Lampariello and Lucidi 1986): where a
@@ -223,7 +260,7 @@ def _damped(
         x, w = equation.x + damping * step[0], equation.w + damping * step[1]
         # The full step is mostly taken, and then its tangents are needed; of the others only the last one's are.
         if damping == 1.0 or falls(residual_alone(system, excitation, x, w)):
-            candidate = evaluate(system, excitation, x, w)
+            candidate = yield x, w
             if falls(candidate.residual):
                 return candidate
         damping /= 2

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import Any, cast
 
 import jax
 import jax.numpy as jnp
@@ -85,20 +85,23 @@ class ElementGroup:
 
     def may_slip_or_separate(self, displacement: Floats, harmonics: Harmonics, n_time: int) -> Integers:
         """Numbers of the elements that do not surely stick; displacement: (n_elements, directions, n_coefficients)"""
-        return _may_slip_or_separate(self.law, self.values, displacement, harmonics, n_time)
+        law = _as_sticking_law(self.law)
+        if law is None:
+            return np.arange(len(displacement))
+        overshoot = overshoot_between_samples(harmonics.orders[-1], n_time)
+        motion = (displacement.reshape(-1, displacement.shape[2]) @ _synthesis(harmonics, n_time)).reshape(
+            *displacement.shape[:2], n_time
+        )
+        return np.flatnonzero(~law.surely_sticks(motion, self.values, overshoot))
 
-
-def _may_slip_or_separate(
-    of_law: ContactLaw, values: Any, displacement: Floats, harmonics: Harmonics, n_time: int
-) -> Integers:
-    law = _as_sticking_law(of_law)
-    if law is None:
-        return np.arange(len(displacement))
-    overshoot = overshoot_between_samples(harmonics.orders[-1], n_time)
-    motion = (displacement.reshape(-1, displacement.shape[2]) @ _synthesis(harmonics, n_time)).reshape(
-        *displacement.shape[:2], n_time
-    )
-    return np.flatnonzero(~law.surely_sticks(motion, values, overshoot))
+    def repeated(self, n: int) -> "ElementGroup":
+        """The same elements n times over, as in n motions of theirs. For forces alone: no rows are theirs twice."""
+        parameters = type(self.values)(*(np.concatenate([value] * n) for value in self.values))
+        copies = None if self.copies is None else np.concatenate([self.copies] * n)
+        again = replace(self, parameters=parameters, rows=np.concatenate([self.rows] * n), copies=copies)
+        # what is known of one element is known of all that are the same
+        again.__dict__["stiffness_of_one"] = np.concatenate([self.stiffness_of_one] * n)
+        return again
 
 
 @lru_cache(maxsize=64)
@@ -156,9 +159,14 @@ def element_forces(
     return ElementForces(found.force + stiffness[..., None] * displacement, found.tangent, found.frequency_derivative)
 
 
-def departures(group: ElementGroup, displacement: Floats, w: float, harmonics: Harmonics, n_time: int) -> ElementForces:
+def departures(
+    group: ElementGroup, displacement: Floats, w: float | Floats, harmonics: Harmonics, n_time: int
+) -> ElementForces:
     """As `element_forces`, less the forces of the reference springs: elements that surely stick are not evaluated, and
-    have none."""
+    have none.
+
+    w: one, or (n_elements,) of laws that take several (`elements_together.py`)
+    """
     if group.parts:
         return _sum_of([departures(part, displacement, w, harmonics, n_time) for part in group.parts])
     active, stiffness = group.may_slip_or_separate(displacement, harmonics, n_time), group.stiffness_of_one
@@ -169,7 +177,7 @@ def departures(group: ElementGroup, displacement: Floats, w: float, harmonics: H
     if compiled is not None:
         compiled.write_with_tangents(active, displacement, group.values, force, tangent)
     elif (at_rate := compiled_rate_forces(group.law, harmonics, n_time)) is not None:
-        at_rate.write_with_tangents(active, displacement, w, group.values, force, tangent, rate)
+        at_rate.write_with_tangents(active, displacement, cast(float, w), group.values, force, tangent, rate)
     else:
         evaluate = _compiled(group.law, harmonics, n_time)
         for some in _batches(active, elements_a_batch(_n_seeds(group.law, harmonics)), len(displacement)):
@@ -204,7 +212,9 @@ def force_only(group: ElementGroup, displacement: Floats, w: float, harmonics: H
     return departure_only(group, displacement, w, harmonics, n_time) + stiffness * displacement
 
 
-def departure_only(group: ElementGroup, displacement: Floats, w: float, harmonics: Harmonics, n_time: int) -> Floats:
+def departure_only(
+    group: ElementGroup, displacement: Floats, w: float | Floats, harmonics: Harmonics, n_time: int
+) -> Floats:
     """As `departures`, without the tangent"""
     if group.parts:
         each = [departure_only(part, displacement, w, harmonics, n_time) for part in group.parts]
@@ -215,41 +225,13 @@ def departure_only(group: ElementGroup, displacement: Floats, w: float, harmonic
     if compiled is not None:
         compiled.write_forces(active, displacement, group.values, force)
     elif (at_rate := compiled_rate_forces(group.law, harmonics, n_time)) is not None:
-        at_rate.write_forces(active, displacement, w, group.values, force)
+        at_rate.write_forces(active, displacement, cast(float, w), group.values, force)
     else:
         evaluate = _compiled_force(group.law, harmonics, n_time)
         for some in _batches(active, FORCES_A_BATCH, len(displacement)):
             force[some] = evaluate(displacement[some], w, _parameters_of(group, some))
     force[active] -= stiffness[active][..., None] * displacement[active]
     return group.of_all_copies(force)
-
-
-def departures_along(group: ElementGroup, displacement: Floats, w: Floats, harmonics: Harmonics, n_time: int) -> Floats:
-    """As `departure_only`, of n motions at once: (n, n_elements, directions, n_coefficients), w: (n,)
-
-    Where a law is compiled, or written out, it is called once for all of them.
-    """
-    if group.parts:
-        each = [departures_along(part, displacement, w, harmonics, n_time) for part in group.parts]
-        return np.asarray(np.sum(each, axis=0))
-    compiled = compiled_forces(group.law, harmonics, n_time)
-    at_rate = None if compiled is not None else compiled_rate_forces(group.law, harmonics, n_time)
-    if compiled is None and not isinstance(at_rate, MemorylessForces):
-        return np.array(
-            [departure_only(group, x, float(of), harmonics, n_time) for x, of in zip(displacement, w, strict=True)]
-        )
-    n, n_elements = displacement.shape[:2]
-    motions = displacement.reshape(n * n_elements, *displacement.shape[2:])
-    values = type(group.values)(*(np.concatenate([value] * n) for value in group.values))
-    active = _may_slip_or_separate(group.law, values, motions, harmonics, n_time)
-    force = np.zeros_like(motions)
-    if compiled is not None:
-        compiled.write_forces(active, motions, values, force)
-    elif isinstance(at_rate, MemorylessForces):
-        at_rate.write_forces(active, motions, np.repeat(w, n_elements), values, force)
-    force[active] -= np.concatenate([group.stiffness_of_one] * n)[active][..., None] * motions[active]
-    copies = 1.0 if group.copies is None else group.copies[:, None, None]
-    return np.asarray(copies * force.reshape(displacement.shape))
 
 
 def elements_a_batch(derivatives_an_element: int) -> int:

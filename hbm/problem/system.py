@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.problem.elements import ElementGroup, departure_only, departures, departures_along
+from updamp.hbm.problem.elements import ElementGroup, departure_only, departures
+from updamp.hbm.problem.elements_together import departures_only_together, departures_together
 from updamp.hbm.problem.linear_model import LinearModel, stuck_on
 from updamp.hbm.problem.mirror import Mirror, acts_symmetrically, half_groups, half_structure, is_own_image
 
@@ -120,6 +121,22 @@ class NonlinearSystem:
                 rate[group.rows] = found.frequency_derivative
         return Departure(value, tuple(tangents), rate)
 
+    def departures(self, x: Floats, w: Floats) -> list[Departure]:
+        """As `departure`, of each of several motions: x (n_relative, n_coefficients, n) at w (n,)"""
+        value, rate = np.empty_like(x), np.zeros_like(x)
+        tangents: list[list[Floats]] = [[] for _ in w]
+        for group in self.groups:
+            found = departures_together(group, _one_by_one(x[group.rows]), w, self.harmonics, self.time_samples)
+            for i, of_motion in enumerate(found):
+                value[group.rows, :, i] = of_motion.force
+                tangents[i].append(of_motion.tangent)
+                if of_motion.frequency_derivative is not None:
+                    rate[group.rows, :, i] = of_motion.frequency_derivative
+        return [
+            Departure(np.ascontiguousarray(value[..., i]), tuple(each), np.ascontiguousarray(rate[..., i]))
+            for i, each in enumerate(tangents)
+        ]
+
     def departure_value(self, x: Floats, w: float, known: "tuple[NonlinearSystem, Floats] | None" = None) -> Floats:
         """g alone.
 
@@ -145,8 +162,8 @@ class NonlinearSystem:
             if other is not None and alike and any(group is one for one in other.groups):
                 value[group.rows] = found[group.rows]
                 continue
-            motions = np.ascontiguousarray(np.moveaxis(x[group.rows], -1, 0))
-            forces = departures_along(group, motions, w, self.harmonics, self.time_samples)
+            motions = _one_by_one(x[group.rows])
+            forces = departures_only_together(group, motions, w, self.harmonics, self.time_samples)
             value[group.rows] = np.moveaxis(forces, 0, -1)
         return value
 
@@ -177,3 +194,8 @@ class NonlinearSystem:
         if self.half is None or self.mirror is None or not acts_symmetrically(self.free, self.mirror, row):
             return None
         return self.half, self.mirror
+
+
+def _one_by_one(motions: Floats) -> Floats:
+    """With the last axis first"""
+    return np.ascontiguousarray(np.moveaxis(motions, -1, 0))
