@@ -86,8 +86,9 @@ def test_elements_of_some_numbers_are_written_alone(law: MemorylessLaw, paramete
     some[0][::2] = 0.0
     found = departures(ElementGroup(law, some, np.arange(ELEMENTS)[:, None]), x, W, HARMONICS, N_TIME)
     whole = departures(ElementGroup(law, parameters, np.arange(ELEMENTS)[:, None]), x, W, HARMONICS, N_TIME)
-    assert np.array_equal(found.force[1::2], whole.force[1::2])
-    assert np.array_equal(found.tangent[1::2], whole.tangent[1::2])
+    # but for the last digits: products of matrices sum in another order where these have other sizes
+    for part, expected in ((found.force, whole.force), (found.tangent, whole.tangent)):
+        np.testing.assert_allclose(part[1::2], expected[1::2], rtol=0, atol=1e-13 * np.abs(expected).max())
     assert not found.force[::2].any()
     assert not found.tangent[::2].any()
 
