@@ -4,9 +4,9 @@ Finite elements give the model at two values of a dimension, on meshes of the sa
 side by side (`mode_alignment.py`). What is positive grows by the same factor for each step that multiplies the
 dimension by one: contact stiffness, preload, and modal stiffness, as K(t) = K^1/2 exp(t L) K^1/2, where exp(L) is the
 other stiffness in units of the first (the geodesic of positive definite matrices: Bhatia, Positive Definite Matrices,
-2007). So powers of the dimension are met exactly, as the stiffness of a beam goes with the square of its thickness. Mode
-shapes, residual flexibility and gaps are linear in the steps. All is exact at both ends, and off by the square of the
-change elsewhere.
+2007). So powers of the dimension are met exactly, as the stiffness of a beam goes with the square of its thickness.
+Mode shapes, residual flexibility and gaps are linear in the steps. All is exact at both ends, and off by the square of
+the change elsewhere.
 
 Factors that a calibration has put on the model before act on what the dimension changes too.
 """

@@ -3,16 +3,12 @@
 What a rig has taken up is applied in one order everywhere: calibration first, then effects, as a fit applies them.
 """
 
-from collections.abc import Mapping
-from dataclasses import replace
-
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
 from updamp.effects.chosen import resolved, with_effects
 from updamp.effects.rig_model import PointElement, RigModel
-from updamp.effects.varied_dimension import VariedDimension
 from updamp.fem.lumped_damper import DAMPER_MODELS
 from updamp.fem.reduced_model import ReducedModel
 from updamp.fem.static_contact.rest_state import StaticContact
@@ -42,15 +38,12 @@ def rig_model(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> RigModel:
     return with_effects(rig_before_effects(reduced, rest, rig), resolved(rig.effects))
 
 
-def rig_before_effects(
-    reduced: ReducedModel, rest: StaticContact, rig: Rig, dimensions: Mapping[str, VariedDimension] | None = None
-) -> RigModel:
+def rig_before_effects(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> RigModel:
     """The rig with the calibration of its file: the base of a `Parametrisation`, which applies the effects itself.
 
-    dimensions: that may be other than the file says, by the effect's name
     raises: ValueError naming a factor that the rig has no place for
     """
-    return calibrated(replace(as_built(reduced, rest, rig), dimensions=dict(dimensions or {})), rig.calibration)
+    return calibrated(as_built(reduced, rest, rig), rig.calibration)
 
 
 def modal_model(rig: ModalRig) -> RigModel:
