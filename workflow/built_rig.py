@@ -85,7 +85,7 @@ class BuiltRig:
             rig = DIMENSIONS[name].changed(self.run.rig, step)
             if self._can_be_compared(rig):
                 try:
-                    yield varied_dimension(self.model, BuiltRig(self._beside(rig, name)).model, step)
+                    yield varied_dimension(self.model, BuiltRig(self._beside(rig, f"{name}{step:+g}")).model, step)
                 except ModesDifferError:
                     continue
 
@@ -96,7 +96,7 @@ class BuiltRig:
         )
 
     def _beside(self, rig: Rig, name: str) -> Run:
-        """In a folder of its own, with the component that the dimension leaves alone."""
+        """In a folder of this name, with the component that the dimension leaves alone."""
         options = replace(self.run.options, folder=self.run.options.folder / FOLDER / name)
         beside = Run(rig, options, self.run.display, self.run.functions)
         for stage in (stages.BLADE, stages.DAMPER):

@@ -44,11 +44,11 @@ def built() -> Built:
 
 @pytest.fixture(scope="module")
 def model(built: Built) -> RigModel:
-    return with_dimensions(built, STEP)
+    return replace(built(), dimensions={n: varied_dimension(built(), built(n, STEP), STEP) for n in DIMENSIONS})
 
 
-def with_dimensions(built: Built, step: float) -> RigModel:
-    return replace(built(), dimensions={n: varied_dimension(built(), built(n, step), step) for n in DIMENSIONS})
+def with_dimension(built: Built, name: str, step: float) -> RigModel:
+    return replace(built(), dimensions={name: varied_dimension(built(), built(name, step), step)})
 
 
 def changed(model: RigModel, name: str, change: float) -> RigModel:
@@ -80,12 +80,14 @@ def test_it_is_the_model_itself_at_null_and_the_rebuilt_one_after_a_step(name, b
 
 @pytest.mark.parametrize("name", DIMENSIONS)
 def test_between_it_errs_by_the_square_of_the_step(name, built, model):
-    """Half a step away from both ends: an error of a quarter for half the step."""
-    long = error(changed(model, name, STEP / 2), built(name, STEP / 2))
-    shorter = replace(built(), dimensions={name: varied_dimension(built(), built(name, STEP / 2), STEP / 2)})
-    short = error(changed(shorter, name, STEP / 4), built(name, STEP / 4))
-    assert long < 0.05 * error(built(name, STEP / 2), model)
-    assert np.log2(long / short) == pytest.approx(2.0, abs=0.3)
+    """Half a step away from both ends: a quarter of the error for half the step. The steps are short: two modes that
+    repel each other turn faster than by their square before."""
+    assert error(changed(model, name, STEP / 2), built(name, STEP / 2)) < 0.05 * error(built(name, STEP / 2), model)
+    long, short = (
+        error(changed(with_dimension(built, name, step), name, step / 2), built(name, step / 2))
+        for step in (STEP / 4, STEP / 8)
+    )
+    assert np.log2(long / short) == pytest.approx(2.0, abs=0.2)
 
 
 @pytest.mark.parametrize("name", DIMENSIONS)
@@ -126,7 +128,7 @@ def test_other_changes_of_the_structure_may_come_before_or_after(model):
     before = changed(clamps.apply(model, softer), "platform_height", 0.01)
     after = clamps.apply(changed(model, "platform_height", 0.01), softer)
     alone = min(error(one, model) for one in (clamps.apply(model, softer), changed(model, "platform_height", 0.01)))
-    assert error(before, after) < 0.05 * alone
+    assert error(before, after) < 0.1 * alone
     one, other = (
         changed(changed(model, first, 0.01), second, 0.01)
         for first, second in (("face_length", "blade_thickness"), ("blade_thickness", "face_length"))
