@@ -34,11 +34,11 @@ EFFECTS = (
         partial(rebuilt, "face_length"),
     ),
     HiddenEffect(
-        "platform_height", "the platforms are higher than stated", strengths("change", 0.01, 0.02, 0.04),
+        "platform_height", "the platforms are higher than stated", strengths("change", 0.005, 0.01, 0.02),
         partial(rebuilt, "platform_height"),
     ),
     HiddenEffect(
-        "blade_thickness", "the blades are thicker than stated", strengths("change", 0.01, 0.02, 0.04),
+        "blade_thickness", "the blades are thicker than stated", strengths("change", 0.005, 0.01, 0.02),
         partial(rebuilt, "blade_thickness"),
     ),
     HiddenEffect(
