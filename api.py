@@ -166,7 +166,7 @@ def compare(
     from updamp.workflow.compare_run import CompareFiles, run_compare
 
     files = CompareFiles(_path(rig, "rig"), _path(measurement, "measurement"), _path(out, "out"))
-    comparison, _ = run_compare(files, mesh, jobs, Console(quiet=quiet), _presets(finer))
+    comparison, _ = run_compare(files, mesh, jobs, Console(quiet=quiet), _names(finer))
     return ComparisonResult(comparison, files.report)
 
 
@@ -185,6 +185,7 @@ def diagnose(
     scheduler: str = "",
     report: bool = True,
     next_measurement: bool = True,
+    dimensions: Sequence[str] | None = None,
     criteria: Criteria | None = None,
     quiet: bool = False,
 ) -> DiagnosisResult:
@@ -195,6 +196,8 @@ def diagnose(
     held_out: names of runs that no fit sees, None for one level of each mode; held_out_modes: all runs of these modes
     own_effects: files of your own effects; scheduler: address of a Dask scheduler whose workers replace `jobs`
     report: whether to write report.html; next_measurement: whether to look for the run that tells apart what is left
+    dimensions: of the rig that may be other than stated, by the effects' names, for which the model is built once more
+        each; by default all that updamp knows, () for none
     criteria: what is decided by
     raises: RigError, MeasurementError, ValueError: naming file, value and remedy
     """
@@ -204,7 +207,7 @@ def diagnose(
 
     files = CompareFiles(_path(rig, "rig"), _path(measurement, "measurement"), _path(out, "out"))
     options = DiagnoseOptions(
-        finer=_presets(finer), held_out=None if held_out is None else tuple(held_out),
+        finer=_names(finer), dimensions=_names(dimensions), held_out=None if held_out is None else tuple(held_out),
         held_out_modes=tuple(held_out_modes), own=tuple(_path(file, "own_effects") for file in own_effects),
         jobs=jobs, scheduler=scheduler, report=report, next_measurement=next_measurement,
         criteria=criteria or Criteria(),
@@ -247,8 +250,8 @@ def _path(value: Any, name: str) -> Path:
     return Path(value)
 
 
-def _presets(finer: Sequence[str] | None) -> tuple[str, ...] | None:
-    return None if finer is None else tuple(finer)
+def _names(names: Sequence[str] | None) -> tuple[str, ...] | None:
+    return None if names is None else tuple(names)
 
 
 def _window(model: Model, window: str | tuple[float, float]) -> tuple[str, tuple[float, float]]:

@@ -23,7 +23,7 @@ os.environ.update(thread_limits(1))
 import typer
 from rich.console import Console
 
-from updamp.benchmarks.hidden_effects.fitted_model import FINER, build, place
+from updamp.benchmarks.hidden_effects.fitted_model import FINER, build, build_dimensions, place
 from updamp.benchmarks.virtual_rig.laboratory import hidden
 from updamp.benchmarks.virtual_rig.measurement import RIG, make_measurement
 from updamp.benchmarks.virtual_rig.plan import NoiseLevels, PlannedRun, TestPlan
@@ -71,6 +71,7 @@ def plan(curves: int) -> TestPlan:
 def diagnose(out: Path, jobs: int, clock: Clock) -> Verdict:
     for preset in (FITTED, *FINER[FITTED]):
         build(RIG, preset, out / "models")
+    build_dimensions(RIG, FITTED, out / "models")
     place(out / "models" / FITTED, out / "diagnosis", FINER[FITTED])
     keep_compiled()
     files = CompareFiles(RIG, out / "data" / "measurement.toml", out / "diagnosis")

@@ -14,9 +14,9 @@ from updamp.commands.shared import (
     Mesh,
     OutOfRun,
     RigFile,
-    chosen_finer,
     chosen_jobs,
     chosen_mesh,
+    chosen_names,
     clean_errors,
     interruptible,
 )
@@ -50,7 +50,7 @@ def compare(
         keep_compiled()
         console = Console()
         files = CompareFiles(rig, measurement, out)
-        comparison, _ = run_compare(files, chosen_mesh(rig, mesh), chosen_jobs(jobs), console, chosen_finer(finer))
+        comparison, _ = run_compare(files, chosen_mesh(rig, mesh), chosen_jobs(jobs), console, chosen_names(finer))
         console.print(Text.assemble(("verdict   ", "yellow"), verdict_sentence(comparison)), soft_wrap=True)
         if moved := comparison.provenance.get(MOVED_BY_NUMERICS):
             console.print(Text.assemble(("numerics  ", "yellow"), f"{MOVED_BY_NUMERICS}: {moved}"), soft_wrap=True)

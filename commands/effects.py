@@ -14,9 +14,9 @@ from updamp.commands.shared import (
     Mesh,
     OutOfRun,
     RigFile,
-    chosen_finer,
     chosen_jobs,
     chosen_mesh,
+    chosen_names,
     clean_errors,
     interruptible,
     out_option,
@@ -50,6 +50,14 @@ HoldOutMode = Annotated[
 OwnEffect = Annotated[
     list[Path] | None, typer.Option(help="Python file of an effect of your own to look for; may be repeated.")
 ]
+Dimensions = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="Dimension of the rig to look at whether it is other than stated, such as face_length: the model is built "
+        "once more for each. May be repeated; `none` for none.",
+        show_default="all that updamp knows",
+    ),
+]
 Scheduler = Annotated[
     str, typer.Option(metavar="ADDRESS", help="Of a Dask scheduler whose workers trace branches and run fits.")
 ]
@@ -67,6 +75,7 @@ def diagnose(
     hold_out: HoldOut = None,
     hold_out_mode: HoldOutMode = None,
     effect: OwnEffect = None,
+    dimensions: Dimensions = None,
     jobs: Jobs = None,
     scheduler: Scheduler = "",
     next_measurement: NextMeasurement = True,
@@ -88,8 +97,9 @@ def diagnose(
         held_out, modes = tuple(hold_out) if hold_out else None, tuple(hold_out_mode or ())
         own, workers = tuple(effect or ()), chosen_jobs(jobs)
         options = DiagnoseOptions(
-            chosen_finer(finer), held_out, modes, own, workers, scheduler, next_measurement=next_measurement
-        )
+            chosen_names(finer), held_out, modes, own, workers, scheduler, next_measurement=next_measurement,
+            dimensions=chosen_names(dimensions),
+        )  # fmt: skip
         files, console = CompareFiles(rig, measurement, out), Console()
         verdict = search_effects(files, chosen_mesh(rig, mesh), options, console)
         console.print(Text.assemble((f"{verdict.verdict}   ", "yellow"), verdict.sentence), soft_wrap=True)

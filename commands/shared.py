@@ -70,11 +70,11 @@ def chosen_mesh(rig: Path, mesh: str | None) -> str:
     return mesh if mesh is not None else next(iter(presets), "")
 
 
-def chosen_finer(finer: Sequence[str] | None) -> tuple[str, ...] | None:
-    """Presets that are asked for; None for the next finer ones of the rig file"""
-    if not finer:
+def chosen_names(names: Sequence[str] | None) -> tuple[str, ...] | None:
+    """Those that are asked for, "none" for none; None, for the usual ones, where nothing is said"""
+    if not names:
         return None
-    return tuple(name for name in finer if name != "none")
+    return tuple(name for name in names if name != "none")
 
 
 def chosen_jobs(jobs: int | None) -> int:

@@ -10,9 +10,12 @@ from updamp.effects import (
     blade_cubic_stiffness,
     blade_mistuning,
     blade_stop,
+    blade_thickness,
     clamp_flexibility,
     contact_viscosity,
     edge_gap,
+    face_angle,
+    face_length,
     feed_through,
     friction_by_face,
     friction_gradient,
@@ -28,6 +31,7 @@ from updamp.effects import (
     material_damping,
     phase_lag,
     platform_friction,
+    platform_height,
     power_law_damping,
     pressure_crown,
     pressure_dependent_stiffness,
@@ -51,6 +55,10 @@ CATALOGUE: Mapping[str, Effect] = MappingProxyType(
     {
         effect.name: effect
         for effect in (
+            face_length.EFFECT,
+            platform_height.EFFECT,
+            blade_thickness.EFFECT,
+            face_angle.EFFECT,
             clamp_flexibility.EFFECT,
             blade_mistuning.EFFECT,
             shaker_attachment.EFFECT,

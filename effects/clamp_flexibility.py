@@ -21,9 +21,8 @@ from numpy.typing import NDArray
 from updamp.effects.contact_faces import patches_of
 from updamp.effects.effect import Effect, EffectParameter, Values
 from updamp.effects.rig_model import RigModel
-from updamp.effects.structure import BLADES, modes_of, with_block_stiffness
+from updamp.effects.structure import BLADES, modes_of, with_modal_stiffness
 from updamp.geometry.contact_elements import LEFT, RIGHT
-from updamp.hbm.problem.linear_model import LinearModel
 
 Floats = NDArray[np.float64]
 
@@ -32,24 +31,24 @@ def apply(model: RigModel, values: Values) -> RigModel:
     """raises: ValueError where the model has no clamped blades, or does not say where they are"""
     if values["compliance"] == 0:
         return model
-    components = model.components
     for blade in BLADES:
-        components = _softened(replace(model, components=components), blade, values["compliance"])
-    return replace(model, components=components)
+        model = _softened(model, blade, values["compliance"])
+    return model
 
 
-def _softened(model: RigModel, blade: str, compliance: float) -> LinearModel:
+def _softened(model: RigModel, blade: str, compliance: float) -> RigModel:
     components, modes = model.components, modes_of(model, blade)
     rotation = rigid_rotation(model, blade)
     gamma = participation(model, blade, rotation)
     moment = components.omega_squared[modes] * gamma
     turning = compliance / (1 + compliance * moment @ gamma)
-    stiffness = np.diag(components.omega_squared[modes]) - turning * np.outer(moment, moment)
+    stiffness = np.diag(components.omega_squared)
+    stiffness[np.ix_(modes, modes)] -= turning * np.outer(moment, moment)
     phi = components.phi.copy()
     left = rotation - phi[:, modes] @ gamma
     phi[:, modes] += turning * np.outer(left, moment)
     residual = components.residual + turning * np.outer(left, left)
-    return with_block_stiffness(replace(components, phi=phi, residual=residual), modes, stiffness)
+    return with_modal_stiffness(replace(model, components=replace(components, phi=phi, residual=residual)), stiffness)
 
 
 def participation(model: RigModel, blade: str, rotation: Floats) -> Floats:

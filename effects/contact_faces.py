@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.effects.rig_model import RigModel
-from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements
+from updamp.geometry.contact_elements import LEFT, RIGHT, SAME_PLACE, ContactElements
 from updamp.hbm.contact.modified.modified_law import ModifiedLaw
 
 Floats = NDArray[np.float64]
@@ -39,6 +39,13 @@ def places_up_the_face(patches: ContactElements, places: Floats) -> Floats:
         return np.einsum("ecx,ex->ec", patches.triangle[on], t1), np.einsum("ekx,ex->ek", places[on], t1)
 
     return _on_face(patches, coordinates)
+
+
+def laid_out_alike(one: ContactElements, other: ContactElements) -> bool:
+    """Whether two sets of patches lie at the same places of their faces, however large these are."""
+    if not np.array_equal(one.face, other.face):
+        return False
+    return all(np.allclose(of(one), of(other), rtol=0.0, atol=SAME_PLACE) for of in (along_damper, up_the_face))
 
 
 def _on_face(patches: ContactElements, coordinates: Callable[[NDArray[np.bool_]], tuple[Floats, Floats]]) -> Floats:

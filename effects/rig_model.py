@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.effects.reading import Reading
+from updamp.effects.varied_dimension import VariedDimension
 from updamp.geometry.contact_elements import ContactElements, across_mid_width
 from updamp.hbm.contact.law import ContactLaw
 from updamp.hbm.contact.modified.modified_law import with_entries
@@ -56,6 +57,9 @@ class RigModel:
     stated_pressure: mean over the contacts at rest, as the rig file has it, whatever calibration and effects do to it
         [Pa]; None where that is not known
     reading: what is read of the motion, in comparisons with measurements
+    dimensions: of the rig, by the effect that says one is wrong, with what another value of it changes; none where the
+        model was built without
+    turned: (m_as_built, m) the modes of `components` in those that the model was built with; None where these are they
     """
 
     components: LinearModel
@@ -75,6 +79,8 @@ class RigModel:
     reading: Reading = field(default_factory=Reading)
     by_pull: tuple[str, ...] = ()
     joint: str = ""
+    dimensions: Mapping[str, VariedDimension] = field(default_factory=dict)
+    turned: Floats | None = None
 
     @cached_property
     def system(self) -> NonlinearSystem:
@@ -95,6 +101,11 @@ class RigModel:
         further = np.arange(3 * len(self.patches), self.free.n_relative)  # of elements at points
         rows = np.concatenate([(3 * image[:, None] + np.arange(3)).ravel(), further])
         return Mirror(rows, np.concatenate([sign.ravel(), np.ones(len(further))]))
+
+    @property
+    def rotation(self) -> Floats:
+        """(m_as_built, m) `turned`, whether or not they are"""
+        return np.eye(len(self.components.omega_squared)) if self.turned is None else self.turned
 
     @cached_property
     def free(self) -> LinearModel:

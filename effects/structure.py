@@ -11,7 +11,7 @@ what happens across their gap. Changes of one component's modes are made within 
 of all components side by side: the other components and the order of owners stay.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -19,11 +19,12 @@ import jax.numpy as jnp
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
 
 from updamp.effects.rig_model import PointElement, RigModel
 from updamp.hbm.contact.between_points import BetweenPoints
 from updamp.hbm.contact.law import ContactLaw
-from updamp.hbm.problem.linear_model import LinearModel
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -106,16 +107,35 @@ def modes_of(model: RigModel, component: str) -> Integers:
     return modes
 
 
-def with_block_stiffness(components: LinearModel, modes: Integers, stiffness: Floats) -> LinearModel:
-    """The model with the modal stiffness of these modes (k, k) [rad^2/s^2] brought back to modes of their own."""
-    values, X = scipy.linalg.eigh(stiffness)
-    omega_squared, T = components.omega_squared.copy(), np.eye(len(components.omega_squared))
-    omega_squared[modes] = values
-    T[np.ix_(modes, modes)] = X
-    return replace(
-        components,
+def with_modal_stiffness(model: RigModel, stiffness: Floats) -> RigModel:
+    """The model with another modal stiffness (m, m) [rad^2/s^2], brought back to modes of its own.
+
+    Modes that it does not couple stay as they are, whatever their frequencies: symmetries are kept.
+    """
+    omega_squared, X = np.diag(stiffness).copy(), np.eye(len(stiffness))
+    for coupled in _coupled(stiffness):
+        omega_squared[coupled], X[np.ix_(coupled, coupled)] = scipy.linalg.eigh(stiffness[np.ix_(coupled, coupled)])
+    c = model.components
+    changed = replace(
+        c,
         omega_squared=omega_squared,
-        phi=components.phi @ T,
-        hysteretic=T.T @ components.hysteretic @ T,
-        viscous=T.T @ components.viscous @ T,
+        phi=c.phi @ X,
+        hysteretic=X.T @ c.hysteretic @ X,
+        viscous=X.T @ c.viscous @ X,
     )
+    return replace(model, components=changed, turned=model.rotation @ X)
+
+
+def function_of(function: Callable[[Floats], Floats], matrix: Floats) -> Floats:
+    """Of a symmetric matrix (m, m), that of each eigenvalue; what the matrix does not couple the result does not."""
+    result = np.diag(function(np.diag(matrix)))
+    for coupled in _coupled(matrix):
+        values, X = scipy.linalg.eigh(matrix[np.ix_(coupled, coupled)])
+        result[np.ix_(coupled, coupled)] = X * function(values) @ X.T
+    return result
+
+
+def _coupled(matrix: Floats) -> Iterator[Integers]:
+    """Groups of more than one row that a symmetric matrix couples."""
+    _, label = connected_components(csr_array(matrix), directed=False)
+    yield from (np.flatnonzero(label == group) for group in np.flatnonzero(np.bincount(label) > 1))

@@ -44,7 +44,7 @@ class ContactElements:
 
 
 # Of the width: mirrored centroids this close are the same.
-_SAME_PLACE = 1e-6
+SAME_PLACE = 1e-6
 
 
 def across_mid_width(patches: ContactElements) -> tuple[Integers, Floats] | None:
@@ -57,7 +57,7 @@ def across_mid_width(patches: ContactElements) -> tuple[Integers, Floats] | None
     apart = np.linalg.norm(mirrored[:, None] - patches.centroid, axis=2)
     image = apart.argmin(axis=1)
     sign = np.einsum("ndx,ndx->nd", patches.axes * reflection, patches.axes[image])
-    far = apart.min(axis=1).max() > _SAME_PLACE * max(float(np.ptp(z)), np.finfo(float).tiny)
-    if far or not np.allclose(np.abs(sign), 1.0, atol=_SAME_PLACE) or (image[image] != np.arange(len(image))).any():
+    far = apart.min(axis=1).max() > SAME_PLACE * max(float(np.ptp(z)), np.finfo(float).tiny)
+    if far or not np.allclose(np.abs(sign), 1.0, atol=SAME_PLACE) or (image[image] != np.arange(len(image))).any():
         return None
     return image, np.round(sign)

@@ -43,7 +43,7 @@ def rig_before_effects(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> 
 
     raises: ValueError naming a factor that the rig has no place for
     """
-    return calibrated(_as_built(reduced, rest, rig), rig.calibration)
+    return calibrated(as_built(reduced, rest, rig), rig.calibration)
 
 
 def modal_model(rig: ModalRig) -> RigModel:
@@ -59,8 +59,11 @@ def modal_before_effects(rig: ModalRig) -> RigModel:
     return calibrated(_as_identified(rig), rig.calibration)
 
 
-def _as_built(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> RigModel:
-    """Only the study's damper model is applied; harmonics, samples and law are those of the rig file."""
+def as_built(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> RigModel:
+    """Before calibration and effects.
+
+    Only the study's damper model is applied; harmonics, samples and law are those of the rig file.
+    """
     reduced, rest = DAMPER_MODELS[rig.damper_model].apply(reduced, rest)
     return RigModel(
         components=from_reduced(reduced, rig.material.loss_factor),

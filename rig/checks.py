@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from itertools import islice
 from math import radians, tan
 
+from updamp.rig.dimensions import DIMENSIONS
 from updamp.rig.pressure import FePressure
 from updamp.rig.rig import Rig
 
@@ -12,7 +13,9 @@ FLATTEST = tan(radians(15))  # underside that a rig file may state
 
 def buildable(rig: Rig) -> list[str]:
     """Problems of the geometry, empty if it can be built; without the platform's arm nothing else can be judged."""
-    return list(islice(_platform(rig), 1)) or [*_heights(rig), *_faces(rig), *_apex(rig), *_base(rig), *_rounding(rig)]
+    problems = list(islice(_platform(rig), 1))
+    problems = problems or [*_heights(rig), *_faces(rig), *_apex(rig), *_base(rig), *_rounding(rig)]
+    return [*problems, *_dimensions_as_effects(rig)]
 
 
 def _mm(length: float) -> str:
@@ -121,3 +124,15 @@ def _rounding(rig: Rig) -> Iterator[str]:
             f"contact.pressure.profile.edge_rounding = {_mm(profile.edge_rounding)}: at most half the face, "
             f"{_mm(rig.damper.face_length / 2)}"
         )
+
+
+def _dimensions_as_effects(rig: Rig) -> Iterator[str]:
+    """A dimension that a diagnosis found to be other than stated: the whole rig follows from where it is stated."""
+    for effect in rig.effects:
+        change = effect.values.get("change", 0.0)
+        if effect.name in DIMENSIONS and change:
+            dimension = DIMENSIONS[effect.name]
+            yield (
+                f"effects: {effect.name} with change = {change:.4g}: a dimension is stated where it stands, not as an "
+                f"effect: take this one out and write {dimension.text(rig, change)} in place of {dimension.text(rig)}"
+            )

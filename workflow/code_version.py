@@ -19,6 +19,7 @@ PACKAGE = "updamp"
 SEARCH = (
     "rig", "geometry", "fem", "hbm", "effects", "model", "parallel", "measurement", "comparison", "diagnosis",
     "workflow/compare_run.py", "workflow/diagnose_run.py", "workflow/stages.py",
+    "workflow/built_rig.py",
 )  # fmt: skip
 
 # Their results enter the last digits, their arrays the pickles.

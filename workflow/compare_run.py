@@ -18,15 +18,14 @@ from updamp.effects.chosen import ChosenEffect, resolved, with_effects
 from updamp.effects.rig_model import RigModel
 from updamp.measurement.load import load_measurement
 from updamp.measurement.measurement import Measurement
-from updamp.model.build import modal_before_effects, rig_before_effects
+from updamp.model.build import modal_before_effects
 from updamp.model.rig_files import is_modal, load_modal, load_rig
 from updamp.pictures.curves import comparison_picture
 from updamp.report.markup import drawn_units
 from updamp.report.page import write_report
 from updamp.rig.questions import questions
 from updamp.rig.rig import Rig
-from updamp.rig.size import finer_presets
-from updamp.workflow import stages
+from updamp.workflow.built_rig import built_rig, finer_rigs
 from updamp.workflow.history import record_comparison
 from updamp.workflow.measured_against_model import another_pull, measured_against_model, unknown_modes
 from updamp.workflow.output_folder import STATE, check_folder, make_folder
@@ -36,7 +35,6 @@ from updamp.workflow.run import Run
 from updamp.workflow.run_options import RunOptions
 
 NUMERICAL_ERROR = "numerical error asked of"
-NO_FINER = "no finer preset: what a finer mesh and more contact elements would change counts as misfit"
 ASKED_FIRST = "answer this first: calibration and searches make up for it, and what they find may be nothing else"
 
 
@@ -122,13 +120,20 @@ class ComparisonInputs:
 
 
 def comparison_inputs(
-    files: CompareFiles, preset: str, workers: int, display: Display, finer: Sequence[str] | None = None
+    files: CompareFiles,
+    preset: str,
+    workers: int,
+    display: Display,
+    finer: Sequence[str] | None = None,
+    dimensions: Sequence[str] = (),
 ) -> ComparisonInputs:
     """The model, built where it is not there yet, and the measurement.
 
+    dimensions: of which the models know what another value changes; of stated frequencies alone, none
     raises: RigError, MeasurementError and what the stages raise, naming what to mend
     """
-    inputs = _of_modal_rig(files) if is_modal(files.rig) else _of_rig(files, preset, workers, display, finer)
+    modal = is_modal(files.rig)
+    inputs = _of_modal_rig(files) if modal else _of_rig(files, preset, workers, display, finer, dimensions)
     model = with_effects(inputs.before_effects, inputs.rig_effects)
     asked = (*inputs.measurement.questions, *measured_against_model(model, inputs.measurement))
     for question in asked:
@@ -139,36 +144,27 @@ def comparison_inputs(
 
 
 def _of_rig(
-    files: CompareFiles, preset: str, workers: int, display: Display, finer: Sequence[str] | None
+    files: CompareFiles,
+    preset: str,
+    workers: int,
+    display: Display,
+    finer: Sequence[str] | None,
+    dimensions: Sequence[str],
 ) -> ComparisonInputs:
     rig = load_rig(files.rig)
     measurement = load_measurement(files.measurement, _points(), rig.name)
     about_runs = (*unknown_modes(measurement, tuple(rig.study.modes)), *another_pull(measurement, rig.load.pull))
     measurement = replace(measurement, questions=(*questions(rig), *about_runs))
-    run = Run(rig, RunOptions(preset, files.out, workers, check=False, until=stages.STATIC_CONTACT), display)
+    built = built_rig(rig, preset, files.out, workers, display)
     make_folder(files.out)
-    runs = _finer_runs(rig, preset, files.out, workers, display, finer) if measurement.runs else {}
-    model, free_frequency = _model(run)
-    features = _features(files, rig, measurement, preset, workers, display, free_frequency)
-    finer_models = {name: _model(again)[0] for name, again in runs.items()}
+    finer_ones = finer_rigs(rig, preset, files.out, workers, display, finer) if measurement.runs else {}
+    varied = built.varied(dimensions if measurement.runs else ())
+    model = built.before_effects(varied)
+    features = _features(files, rig, measurement, preset, workers, display, _free_frequency(model, rig))
+    finer_models = {name: one.before_effects(one.varied_as(built, varied)) for name, one in finer_ones.items()}
     return ComparisonInputs(
         model, measurement, features, preset, rig.name, rig.state, finer_models, resolved(rig.effects)
     )
-
-
-def _finer_runs(
-    rig: Rig, preset: str, out: Path, workers: int, display: Display, finer: Sequence[str] | None
-) -> dict[str, Run]:
-    """By preset; raises: ValueError where memory does not hold one"""
-    if not (names := finer_presets(rig, preset) if finer is None else tuple(dict.fromkeys(finer))):
-        display.note("check", NO_FINER)
-    options = {n: RunOptions(n, out / n, workers, check=False, until=stages.STATIC_CONTACT) for n in names}
-    try:
-        return {name: Run(rig, each, display) for name, each in options.items()}
-    except ValueError as error:
-        if finer is not None:
-            raise
-        raise ValueError(f"{error}\nor, without what tells the numerical error: --finer none") from None
 
 
 def _of_modal_rig(files: CompareFiles) -> ComparisonInputs:
@@ -218,15 +214,11 @@ def _points() -> tuple[str, ...]:
     return (*blades, *(f"damper.{point}" for point in of_damper))
 
 
-def _model(run: Run) -> tuple[RigModel, float]:
-    """The model before effects, and the excited blade's first frequency without damper with them [Hz]."""
-    done = run.products()
-    assert done.finite_elements is not None, "the run goes as far as static contact"
-    assert done.static_contact is not None, "the run goes as far as static contact"
-    model = rig_before_effects(done.finite_elements.product.reduced, done.static_contact.product, run.rig)
-    whole = with_effects(model, resolved(run.rig.effects))
-    of_blade = np.array(whole.owner) == f"blade_{run.rig.excitation.blade}"
-    return model, float(whole.components.frequencies[of_blade].min())
+def _free_frequency(model: RigModel, rig: Rig) -> float:
+    """Of the excited blade's first mode without damper, with the rig's effects [Hz]; model: before them"""
+    whole = with_effects(model, resolved(rig.effects))
+    of_blade = np.array(whole.owner) == f"blade_{rig.excitation.blade}"
+    return float(whole.components.frequencies[of_blade].min())
 
 
 def _features(

@@ -35,6 +35,7 @@ from updamp.model.rig_files import is_modal, load_any, load_rig
 from updamp.parallel.processes import chosen_workers
 from updamp.parallel.workers import Workers
 from updamp.report.page import write_report
+from updamp.workflow.built_rig import chosen_dimensions
 from updamp.workflow.code_version import SEARCH, code_version
 from updamp.workflow.compare_run import CompareFiles, ComparisonInputs, comparison_inputs, pictures_of, provenance_of
 from updamp.workflow.diagnose_stated import diagnose_stated, tables
@@ -50,6 +51,7 @@ _RUNS = 6
 @dataclass(frozen=True)
 class DiagnoseOptions:
     """finer: presets of finer meshes, None for the next finer ones of the rig file
+    dimensions: of the rig that may be other than its file says, by the effects' names; None for all
     held_out: names of runs that no fit sees, None for one level of each mode
     held_out_modes: modes of which no fit sees a run; with any, only the levels in `held_out` are held out besides
     own: files of the user's own effects, looked for too
@@ -67,6 +69,7 @@ class DiagnoseOptions:
     scheduler: str = ""
     report: bool = True
     next_measurement: bool = True
+    dimensions: tuple[str, ...] | None = None
     criteria: Criteria = field(default_factory=Criteria)
 
 
@@ -78,7 +81,8 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
         nor usable stated values, or a run to hold out was not measured
     """
     with Display(console) as display:
-        inputs = comparison_inputs(files, preset, options.jobs, display, options.finer)
+        dimensions = chosen_dimensions(options.dimensions)
+        inputs = comparison_inputs(files, preset, options.jobs, display, options.finer, dimensions)
         provenance = {**provenance_of(files, inputs, preset), "date": date.today().isoformat()}
         if not inputs.measurement.runs:
             return _of_stated(files, options, inputs, provenance, display, console)

@@ -10,6 +10,8 @@ from updamp.diagnosis.verdict import Verdict
 from updamp.hbm.compilation_cache import keep_compiled
 from updamp.model.rig_files import load_rig
 from updamp.workflow import stages
+from updamp.workflow.built_rig import FOLDER as DIMENSIONS
+from updamp.workflow.built_rig import built_rig, chosen_dimensions
 from updamp.workflow.compare_run import CompareFiles
 from updamp.workflow.diagnose_run import DiagnoseOptions, diagnose
 from updamp.workflow.progress import Display
@@ -44,8 +46,20 @@ def build(rig: Path, preset: str, folder: Path) -> Path:
     return own
 
 
+def build_dimensions(rig: Path, preset: str, folder: Path) -> None:
+    """The rig once more for each dimension that may be other than stated, beside the models of this preset and of the
+    finer ones."""
+    loaded = load_rig(rig)
+    with Display() as display:
+        own = built_rig(loaded, preset, folder / preset, 1, display)
+        varied = own.varied(chosen_dimensions(None))
+        for finer in FINER.get(preset, ()):
+            built_rig(loaded, finer, folder / finer, 1, display).varied_as(own, varied)
+
+
 def place(model: Path, out: Path, finer: Sequence[str] = ()) -> None:
     """Copies, since a diagnosis may write into its stages. finer: presets, built beside the model"""
-    shutil.copytree(model / STAGES, out / STAGES, dirs_exist_ok=True)
-    for preset in finer:
-        shutil.copytree(model.parent / preset / STAGES, out / preset / STAGES, dirs_exist_ok=True)
+    for source, target in ((model, out), *((model.parent / preset, out / preset) for preset in finer)):
+        for part in (STAGES, DIMENSIONS):
+            if part == STAGES or (source / part).is_dir():
+                shutil.copytree(source / part, target / part, dirs_exist_ok=True)

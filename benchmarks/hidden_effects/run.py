@@ -21,7 +21,7 @@ import typer
 
 from updamp.benchmarks.harmonic_balance.results import commit_of_code
 from updamp.benchmarks.hidden_effects.cases import Case
-from updamp.benchmarks.hidden_effects.fitted_model import FINER, build, diagnose_case, place
+from updamp.benchmarks.hidden_effects.fitted_model import FINER, build, build_dimensions, diagnose_case, place
 from updamp.benchmarks.hidden_effects.in_turn import in_turn
 from updamp.benchmarks.hidden_effects.layout import Layout, read, write_whole
 from updamp.benchmarks.hidden_effects.version_2 import Draw, Only, chosen_cases
@@ -118,6 +118,7 @@ def main(
     for rig, preset in dict.fromkeys((task.rig, task.preset) for task in left):
         for one in (preset, *FINER[preset]):
             build(rig, one, layout.models(rig))
+        build_dimensions(rig, preset, layout.models(rig))
     try:
         in_turn(diagnose, left, jobs, "diagnosing", lambda ran: f"{ran.verdict}, {ran.seconds:.0f} s")
     except RuntimeError as error:

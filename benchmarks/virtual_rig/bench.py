@@ -73,6 +73,7 @@ class Bench:
     force_drop: what the shaker's force loses unrecorded, see `stepped_sine.py`
     loose_gain: of the channel "tip_left", see `sensors.py`
     viscous_at: [rad/s] where viscous damping in place of the hysteretic is equal to it, None for hysteretic damping
+    changes: relative, of dimensions that are other than the rig file says, by name; None for none
     """
 
     bodies: Bodies
@@ -88,6 +89,7 @@ class Bench:
     force_drop: float = 0.0
     loose_gain: float = 0.0
     viscous_at: float | None = None
+    changes: Mapping[str, float] | None = None
 
     def with_patches(self, **entries: Floats | float) -> "Bench":
         return replace(self, patches=replace(self.patches, **entries))
@@ -97,6 +99,12 @@ class Bench:
 
     def with_element(self, *more: BenchElement) -> "Bench":
         return replace(self, elements=(*self.elements, *more))
+
+    def standing_on(
+        self, bodies: Bodies, attachments: tuple[BenchAttachment, ...], changes: Mapping[str, float]
+    ) -> "Bench":
+        """Other bodies and wires, of a rig with changed dimensions."""
+        return replace(self, bodies=bodies, attachments=attachments, changes=changes)
 
     def tuned(self, **factors: float) -> "Bench":
         """Factors on top of those that are there."""

@@ -47,6 +47,7 @@ class Bodies:
     face: (n,) 0 left, 1 right; area: (n,) [m^2]
     along, up: (n, 3) places of the patch's corners along the damper (z) and up the face (t1), -1 to 1 at the edges
     blade_points, damper_points: names of the rows after those of the contacts
+    mesh: () name of its preset
     """
 
     blade_omega: Floats
@@ -64,6 +65,11 @@ class Bodies:
     up: Floats
     blade_points: NDArray[np.str_]
     damper_points: NDArray[np.str_]
+    mesh: NDArray[np.str_]
+
+    @property
+    def preset(self) -> str:
+        return str(self.mesh)
 
     def mirrored(self, rows: Floats) -> Floats:
         """Rows of the right-hand blade for the left one: contact axes are mirrored with it, x of the points is not."""
@@ -134,6 +140,7 @@ def computed(rig: Rig, preset: str) -> Bodies:
         up=up_the_face(contacts),
         blade_points=np.array(right.points),
         damper_points=np.array(loose.points),
+        mesh=np.array(preset),
     )
 
 

@@ -7,7 +7,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.benchmarks.virtual_rig import hidden_in_contact, hidden_in_structure, hidden_outside
+from updamp.benchmarks.virtual_rig import hidden_in_contact, hidden_in_dimensions, hidden_in_structure, hidden_outside
 from updamp.benchmarks.virtual_rig.assembled import Assembled, assembled
 from updamp.benchmarks.virtual_rig.bench import BODIES, Bench, Hidden, HiddenEffect
 from updamp.benchmarks.virtual_rig.periodic import NotSolvedError, SolverOptions
@@ -19,7 +19,11 @@ from updamp.rig.rig import Rig
 # All effects that can be hidden, by name.
 
 HIDDEN: Mapping[str, HiddenEffect] = MappingProxyType(
-    {e.name: e for e in (*hidden_in_structure.EFFECTS, *hidden_in_contact.EFFECTS, *hidden_outside.EFFECTS)}
+    {
+        effect.name: effect
+        for module in (hidden_in_dimensions, hidden_in_structure, hidden_in_contact, hidden_outside)
+        for effect in module.EFFECTS
+    }
 )
 
 

@@ -4,7 +4,9 @@ Both solve the same mesh with the same harmonics and samples, each by its own co
 log(receptance) that an effect makes.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +20,10 @@ from updamp.benchmarks.virtual_rig.laboratory import HIDDEN, hidden, with_hidden
 from updamp.benchmarks.virtual_rig.periodic import SolverOptions
 from updamp.benchmarks.virtual_rig.stepped_sine import StepMotor
 from updamp.effects.catalogue import CATALOGUE
+from updamp.effects.dimension_blend import varied_dimension
+from updamp.effects.mode_alignment import ModesDifferError
 from updamp.effects.rig_model import RigModel
+from updamp.effects.varied_dimension import VariedDimension
 from updamp.fem.finite_element_model import finite_element_model
 from updamp.fem.static_contact.static_contact import static_contact
 from updamp.geometry.build_mesh import build_mesh
@@ -27,13 +32,15 @@ from updamp.hbm.newton.equation import linear_solution
 from updamp.hbm.newton.newton import solve
 from updamp.model.build import rig_model
 from updamp.model.rig_files import load_rig
+from updamp.rig.dimensions import DIMENSIONS
 from updamp.rig.rig import Rig
+from updamp.workflow.built_rig import STEPS
 
 RIG = Path(__file__).parents[2] / "rigs" / "virtual_rig.toml"
 # The law that takes its events at the samples, as the laboratory does.
 CHANGES = {"mesh.tiny": TINY, "contact.law": "jenkins_box_sampled", "harmonic_balance.time_samples": 256}
 OPTIONS = SolverOptions(3, 256, 1e-9)
-STRUCTURAL = ("clamp_flexibility", "blade_mistuning", "shaker_attachment", "wire_stiffness")
+STRUCTURAL = (*DIMENSIONS, "clamp_flexibility", "blade_mistuning", "shaker_attachment", "wire_stiffness")
 # Newton's method does not come from the motion without the effect to that with more of it.
 WEAK = (*STRUCTURAL, "quadratic_damping")
 SIDES = ("left", "right")
@@ -56,6 +63,11 @@ APPROXIMATE = {
     "velocity_dependent_friction": 0.03,
     # loss of a blade by its amplitude there, by its motion at every instant here
     "material_damping": 0.02,
+    # the bench is built with it, the catalogue goes there from a step of 2 %
+    "face_length": 0.02,
+    "platform_height": 0.08,
+    "blade_thickness": 0.02,
+    "face_angle": 0.02,
 }
 
 
@@ -69,10 +81,31 @@ def bench(rig: Rig, tmp_path_factory: pytest.TempPathFactory) -> Bench:
     return bench_of(rig, bodies_of(rig, "tiny", tmp_path_factory.mktemp("bodies")))
 
 
-@pytest.fixture(scope="module")
-def model(rig: Rig) -> RigModel:
+@pytest.fixture(scope="module", autouse=True)
+def kept_elsewhere(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """The laboratory's own store is left alone."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(bodies_of, "__defaults__", (tmp_path_factory.mktemp("kept"),))
+        yield
+
+
+def built(rig: Rig) -> RigModel:
     reduced = finite_element_model(build_mesh(rig, "tiny"), rig).reduced
     return rig_model(reduced, static_contact(reduced, rig), rig)
+
+
+@pytest.fixture(scope="module")
+def model(rig: Rig) -> RigModel:
+    plain = built(rig)
+    return replace(plain, dimensions={name: varied(plain, rig, name) for name in DIMENSIONS})
+
+
+def varied(plain: RigModel, rig: Rig, name: str) -> VariedDimension:
+    """By the first step that modes can be told after: on this mesh the last one that is kept changes on some ways."""
+    for step in STEPS:
+        with suppress(ModesDifferError):
+            return varied_dimension(plain, built(DIMENSIONS[name].changed(rig, step)), step)
+    raise AssertionError(name)
 
 
 def places(bench: Bench, name: str) -> tuple[tuple[float, float], ...]:

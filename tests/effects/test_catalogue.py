@@ -19,7 +19,8 @@ NAMES = (
     "static_dynamic_coupling", "wire_stiffness", "shaker_attachment", "clamp_flexibility", "blade_mistuning",
     "material_damping", "contact_viscosity", "velocity_dependent_friction", "sub_patch_microslip",
     "friction_gradient", "edge_gap", "blade_cubic_stiffness", "power_law_damping", "tip_friction",
-    "platform_friction", "friction_by_face", "threshold_damping", "blade_stop",
+    "platform_friction", "friction_by_face", "threshold_damping", "blade_stop", "face_length", "platform_height",
+    "blade_thickness", "face_angle",
 )  # fmt: skip
 # What does nothing by itself: it says how another parameter's effect grows.
 WITHOUT_SIZE = {(e.name, p.name) for e in CATALOGUE.values() for p in e.parameters if p.shape}

@@ -17,6 +17,7 @@ from updamp.geometry.build_mesh import build_mesh
 from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements
 from updamp.model.build import rig_model
 from updamp.model.rig_files import load_rig
+from updamp.rig.dimensions import DIMENSIONS
 from updamp.rig.rig import Rig
 from updamp.workflow import store
 from updamp.workflow.curve_jobs import CurveJob
@@ -54,9 +55,11 @@ def plain_reduced_model(rig: Rig, contacts: ContactElements) -> ReducedModel:
     )  # fmt: skip
 
 
-def plain_model(path: Path, changes: Mapping[str, object]) -> RigModel:
-    """With patches of the real size, as effects and comparisons take it; changes: of the rig file."""
+def plain_model(path: Path, changes: Mapping[str, object], varied: tuple[str, float] | None = None) -> RigModel:
+    """With patches of the real size, as effects and comparisons take it; changes: of the rig file; varied: dimension,
+    and its relative change."""
     rig = load_rig(path, changes)
+    rig = DIMENSIONS[varied[0]].changed(rig, varied[1]) if varied else rig
     reduced = plain_reduced_model(rig, build_mesh(rig, "small").contacts)
     return rig_model(reduced, static_contact(reduced, rig), rig)
 

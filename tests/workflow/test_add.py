@@ -136,6 +136,15 @@ def test_without_names_those_that_were_identified_are_added(rig, diagnosed):
         add(rig, (), diagnosed)
 
 
+def test_a_wrong_dimension_is_no_effect_of_a_file_but_stated_where_it_stands(rig, diagnosed):
+    longer = (candidate("face_length", 0.5, change=0.021),)
+    VERDICT_JSON.write(diagnosed / "diagnosis.json", verdict(("face_length",), candidates=longer))
+    result = updamp("add", rig, "--from", diagnosed)
+    assert result.exit_code == 2
+    assert 'write damper.face_length = "4.084 mm" in place of damper.face_length = "4 mm"' in result.output
+    assert not rig.with_name("rig+face_length.toml").exists()
+
+
 def test_of_a_group_none_is_added_unless_it_is_named(rig, diagnosed):
     apart = replace(verdict(), verdict="inseparable", group=("shaker_attachment", "blade_mistuning"))
     VERDICT_JSON.write(diagnosed / "diagnosis.json", apart)

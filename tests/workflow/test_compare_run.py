@@ -9,10 +9,11 @@ from rich.console import Console
 from support.one_sweep import sweep_of_beam
 from typer.testing import CliRunner
 
-from updamp.commands.shared import chosen_finer
+from updamp.commands.shared import chosen_names
 from updamp.model.rig_files import load_rig
 from updamp.pipeline import app
-from updamp.workflow import compare_run, limits
+from updamp.workflow import limits
+from updamp.workflow.built_rig import NO_FINER, finer_rigs
 from updamp.workflow.progress import Display
 
 RIGS = Path(__file__).parents[2] / "rigs"
@@ -63,7 +64,7 @@ def finer(mesh: str, wanted: list[str] | None, out: Path) -> tuple[list[str], st
     said = StringIO()
     with Display(Console(file=said, width=200)) as display:
         rig = load_rig(RIGS / "pesaresi2017.toml")
-        return list(compare_run._finer_runs(rig, mesh, out, 1, display, chosen_finer(wanted))), said.getvalue()
+        return list(finer_rigs(rig, mesh, out, 1, display, chosen_names(wanted))), said.getvalue()
 
 
 def test_the_numerical_error_is_asked_for_unless_one_says_no(tmp_path: Path) -> None:
@@ -72,7 +73,7 @@ def test_the_numerical_error_is_asked_for_unless_one_says_no(tmp_path: Path) -> 
     for mesh, wanted in (("full", None), ("small", ["none"])):
         presets, said = finer(mesh, wanted, tmp_path)
         assert presets == []
-        assert compare_run.NO_FINER in said
+        assert NO_FINER in said
 
 
 def test_a_finer_preset_that_memory_does_not_hold_can_be_left_out(
