@@ -10,11 +10,14 @@ from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.evidence import Evidence, Trial
 from updamp.diagnosis.verdict import Outcome
 
+_CHECK = "Check it, and what the files state of it, before anything is named"
+_FIT_ALL = "What is missing shows in these: hold out other runs (--hold-out), so that the fit sees it"
+
 
 @dataclass(frozen=True)
 class Decision:
     """effects: those missing; group: effects of which one is, and the data do not tell which; trial: that rests on
-    reason: why nothing is said though the misfit would allow it, "" otherwise
+    reason: why nothing is said though the misfit would allow it, "" otherwise; advice: what to do about it
     alternatives: fits that explain the data as well, that one first; none where it is the only one"""
 
     outcome: Outcome
@@ -22,6 +25,7 @@ class Decision:
     group: tuple[str, ...]
     trial: Trial | None
     reason: str = ""
+    advice: str = ""
     alternatives: tuple[Trial, ...] = ()
 
     @property
@@ -37,7 +41,7 @@ def decide(evidence: Evidence, criteria: Criteria) -> Decision:
     off = far_off(rests_on, evidence, criteria)
     if decision.outcome == "unknown" or not off:
         return decision
-    return Decision("undecidable", (), (), decision.trial, f"calibration first: {off}")
+    return Decision("undecidable", (), (), decision.trial, f"calibration first: {off}", _CHECK)
 
 
 def far_off(fitted: Evidence | Trial, evidence: Evidence, criteria: Criteria) -> str:
@@ -54,11 +58,22 @@ def _by_misfit(evidence: Evidence, criteria: Criteria) -> Decision:
     if several:
         return _named(max(several, key=lambda t: gain(t, evidence)), several, evidence, criteria)
     if single is None:
-        failing = criteria.fails(evidence.excess, evidence.freedom)
-        return Decision("unknown" if failing else "adequate", (), (), None)
+        return _without_effects(evidence, criteria)
     if still_fails(single, evidence, criteria):
         return Decision("unknown", (), (), single)
     return _named(single, accepted, evidence, criteria)
+
+
+def _without_effects(evidence: Evidence, criteria: Criteria) -> Decision:
+    """None is accepted. What a calibration makes up for in the runs of the fit shows in the others, where it does not
+    hold, and no effect was looked for there."""
+    if criteria.fails(evidence.excess, evidence.freedom):
+        return Decision("unknown", (), (), None)
+    if criteria.fails(evidence.unseen, evidence.unseen_freedom):
+        return Decision(
+            "undecidable", (), (), None, "the calibrated model explains the runs of the fit alone", _FIT_ALL
+        )
+    return Decision("adequate", (), (), None)
 
 
 def _named(best: Trial, accepted: Sequence[Trial], evidence: Evidence, criteria: Criteria) -> Decision:

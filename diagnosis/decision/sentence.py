@@ -33,8 +33,7 @@ def sentence(decision: Decision, evidence: Evidence, criteria: Criteria, words: 
     if decision.outcome == "unknown":
         return _of_unknown(evidence, criteria, words)
     if decision.outcome == "undecidable":
-        found_so = "" if trial is None else f"; {' and '.join(trial.effects)} would explain the data with it"
-        return f"{decision.reason}{found_so}. Check it, and what the files state of it, before anything is named"
+        return _of_undecidable(decision, evidence, criteria, words)
     assert trial is not None, "an effect has been chosen by its fit"
     fall = f"the error falls from {before:.1f} to {trial.excess**0.5:.2f} times {words.scatter}"
     if np.isfinite(trial.held_out):
@@ -42,6 +41,15 @@ def sentence(decision: Decision, evidence: Evidence, criteria: Criteria, words: 
     if decision.outcome == "inseparable":
         return f"{_apart(decision, words)}, and these data do not tell which: {fall}"
     return f"{_told(decision.effects, words)}: {fall}"
+
+
+def _of_undecidable(decision: Decision, evidence: Evidence, criteria: Criteria, words: Wording) -> str:
+    found_so = (
+        "" if decision.trial is None else f"; {' and '.join(decision.trial.effects)} would explain the data with it"
+    )
+    if decision.trial is None and criteria.fails(evidence.unseen, evidence.unseen_freedom):
+        found_so = f"; it is off by {evidence.excess**0.5:.2f} times {words.scatter}{_held_out(evidence, words)}"
+    return f"{decision.reason}{found_so}. {decision.advice}"
 
 
 def _told(effects: Sequence[str], words: Wording) -> str:

@@ -59,6 +59,14 @@ def test_an_adequate_model_is_told_without_a_word_on_effects_that_predict_better
     )
 
 
+def test_what_the_runs_of_the_fit_do_not_show_is_told_with_what_to_do() -> None:
+    assert said(excess=0.93, held_out=3.2, unseen=5.3, trials=()) == (
+        "the calibrated model explains the runs of the fit alone; it is off by 0.96 times the scatter, on runs that "
+        "the fit never saw by 3.20. What is missing shows in these: hold out other runs (--hold-out), so that the fit "
+        "sees it"
+    )
+
+
 def test_an_adequate_model_is_told_with_what_the_data_ask_for_and_why_it_is_not_named() -> None:
     found = said(excess=1.2, held_out=0.9, unseen=0.8, trials=(replace(SLIP, at_bound="slip.size"),))
     why = "slip.size would have to be beyond what is physical"
