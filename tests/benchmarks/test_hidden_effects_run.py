@@ -77,6 +77,7 @@ def test_verdicts_of_another_version_are_named(
 ) -> None:
     monkeypatch.setattr(run, "diagnose_case", lambda *_: ADEQUATE)
     monkeypatch.setattr(run, "build", lambda *_: None)
+    monkeypatch.setattr(run, "build_dimensions", lambda *_: None)
     run.main(layout.folder, only=["resolution"])
     run.main(layout.folder, only=["resolution"])
     assert "another version" not in capsys.readouterr().err
@@ -95,6 +96,7 @@ def test_a_failed_diagnosis_leaves_no_result(layout: Layout, monkeypatch: pytest
 
     monkeypatch.setattr(run, "diagnose_case", failing)
     monkeypatch.setattr(run, "build", lambda *_: None)
+    monkeypatch.setattr(run, "build_dimensions", lambda *_: None)
     with pytest.raises(typer.Exit):
         run.main(layout.folder, only=["resolution"])
     assert not list((layout.folder / "verdicts").rglob("run.json"))
