@@ -11,6 +11,7 @@ from updamp.effects import (
     blade_mistuning,
     blade_stop,
     blade_thickness,
+    breathing_crack,
     clamp_flexibility,
     contact_viscosity,
     edge_gap,
@@ -80,6 +81,7 @@ CATALOGUE: Mapping[str, Effect] = MappingProxyType(
             platform_friction.EFFECT,
             blade_cubic_stiffness.EFFECT,
             blade_stop.EFFECT,
+            breathing_crack.EFFECT,
             static_dynamic_coupling.EFFECT,
         )
     }

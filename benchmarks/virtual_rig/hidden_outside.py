@@ -102,6 +102,12 @@ def tip_stop(bench: Bench, values: Values, _rig: Rig) -> Bench:
     return bench.with_element(BenchElement("tip_stop", {TIPS[1]: 1.0}, stop(values["stiffness"], values["gap"])))
 
 
+def cracked_blade(bench: Bench, values: Values, _rig: Rig) -> Bench:
+    """The left blade loses stiffness once its tip has bent by the opening"""
+    lost = stop(-values["stiffness"], values["opening"])
+    return bench.with_element(BenchElement("crack", {TIPS[0]: 1.0}, lost))
+
+
 def in_displacement(on_velocity: PointForce) -> PointForce:
     """The same law in the displacement that another one has in the velocity."""
 
@@ -140,6 +146,10 @@ def right_tip(values: Values) -> Values:
     return {"left": 0.0, "right": values["stiffness"], "gap": values["gap"]}
 
 
+def left_blade(values: Values) -> Values:
+    return {"left": values["stiffness"], "right": 0.0, "opening": values["opening"]}
+
+
 EFFECTS = tuple(
     replace(effect, in_catalogue=False)
     for effect in (
@@ -172,6 +182,14 @@ EFFECTS = tuple(
                 "medium": {"stiffness": 3e3, "gap": 7e-6},
                 "strong": {"stiffness": 1e4, "gap": 5e-6},
             }, tip_stop, renamed=Renamed("blade_stop", right_tip),
+        ),
+        HiddenEffect(
+            "cracked_blade", "a crack in the left blade opens",
+            {
+                "weak": {"stiffness": 1e3, "opening": 1e-5},
+                "medium": {"stiffness": 3e3, "opening": 7e-6},
+                "strong": {"stiffness": 1e4, "opening": 5e-6},
+            }, cracked_blade, renamed=Renamed("breathing_crack", left_blade),
         ),
         HiddenEffect(
             "saturating_spring", "a spring that holds only so much",

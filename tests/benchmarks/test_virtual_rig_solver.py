@@ -100,6 +100,7 @@ def test_derivatives_of_the_patches_forces(law: str) -> None:
 
 POINT_FORCES = (
     "blade_cubic_stiffness", "quadratic_damping", "second_damper_contact", "rubbing_cable", "platform_rub", "tip_stop",
+    "cracked_blade",
     "saturating_spring", "quadratic_stiffness", "threshold_damping",
 )  # fmt: skip
 
