@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from updamp.effects.contact_faces import patches_of
 from updamp.effects.dimension_blend import blended
 from updamp.effects.effect import Effect, EffectParameter, Values
 from updamp.effects.rig_model import RigModel
@@ -18,10 +19,11 @@ class WrongDimension:
     name: str
 
     def __call__(self, model: RigModel, values: Values) -> RigModel:
-        """raises: ValueError where the model was built without another value of the dimension"""
+        """raises: ValueError where the model has no contacts, or was built without another value of the dimension"""
         change = values["change"]
         if change == 0:
             return model
+        patches_of(model)
         if self.name not in model.dimensions:
             raise ValueError(
                 f"this model was built for one value of {DIMENSIONS[self.name].key} alone; `updamp diagnose` builds "
