@@ -44,14 +44,18 @@ def window_of_mode(design: SolvedDesign, mode: str) -> tuple[float, float]:
 
 
 def _at_small_amplitude(design: SolvedDesign, reference: ModeReference, near: float) -> float:
-    """Frequency [Hz] of the mode most like the reference at the blades' points, and close to `near`."""
+    """Frequency [Hz] of the mode most like the reference at the blades' points, and close to `near`.
+
+    near: of the stuck mode. It is no higher: contacts that are open at rest only take stiffness away (Courant-Fischer).
+    """
     found = small_amplitude(design.model, near)
     shape = np.array(list(reference.shape.values()))
     shapes = found.shapes[[found.free.row(point) for point in reference.shape]]
     sizes = (shape @ shape) * np.sum(np.abs(shapes) ** 2, axis=0)
     like = np.abs(shape @ shapes) ** 2 / np.maximum(sizes, np.finfo(float).tiny)
     apart = np.abs(np.log(np.maximum(found.frequencies, 1e-9) / near))
-    return float(found.frequencies[np.argmax(like * np.exp(-apart))])
+    softer = found.frequencies <= near * (1 + SAME)
+    return float(found.frequencies[np.argmax(np.where(softer, like * np.exp(-apart), -1.0))])
 
 
 def peak_of_mode(curve: ResponseCurve, point: str, reference: ModeReference) -> Peak:
