@@ -40,7 +40,7 @@ class ModelAt:
     @cached_property
     def system(self) -> NonlinearSystem:
         """What is solved: the half of a model that is its own mirror image whatever its parameters are."""
-        return _half(self.model) if self.mirror is not None else self.model.system
+        return self.model.system if self.mirror is None else self.model.system.halved(self.mirror)
 
     def excited_by(self, force: float) -> Excitation:
         """force: amplitude [N]"""
@@ -104,12 +104,6 @@ def _system_of(there: ModelAt, changed: RigModel, contacts_alone: bool = False) 
 
 def _free(there: ModelAt, changed: RigModel) -> LinearModel:
     return changed.free if there.mirror is None else half_structure(changed.free, _mirror_of(changed))
-
-
-def _half(model: RigModel) -> NonlinearSystem:
-    mirror = _mirror_of(model)
-    free, groups = half_structure(model.free, mirror), half_groups(model.groups, mirror)
-    return replace(model.system, free=free, groups=groups, mirror=None)
 
 
 def _mirror_of(model: RigModel) -> Mirror:

@@ -69,7 +69,7 @@ def turned_round(points: Sequence[ObservedPoint]) -> list[ObservedPoint]:
     return [o.turned(step, gap) for o, (step, gap) in zip(reversed(points), steps, strict=True)]
 
 
-# Points that are differentiated together: beyond it nothing is saved, and each keeps its matrices until then.
+# Points that are differentiated together, at most: arrays of so many points by all parameters take some 10 MB.
 TOGETHER = 32
 
 

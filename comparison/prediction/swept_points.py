@@ -252,12 +252,14 @@ def _passed(branch: Iterable[BranchPoint], sign: float, observe: Observe) -> Ite
     if isinstance(branch, Sequence):
         yield from (_Passed(seen.point, seen) for seen in observe(branch))
         return
-    furthest = -np.inf
+    fold = DistanceBehindFold(sign)
     for points in _some_at_a_time(branch):
-        ahead = [sign * p.w > max([furthest, *(sign * q.w for q in points[:i])]) for i, p in enumerate(points)]
+        ahead = []
+        for point in points:
+            ahead.append(fold.is_ahead(point.w))
+            fold.advance_to(point.w)
         seen = iter(observe([p for p, is_ahead in zip(points, ahead, strict=True) if is_ahead]))
         yield from (_Passed(p, next(seen) if is_ahead else None) for p, is_ahead in zip(points, ahead, strict=True))
-        furthest = max([furthest, *(sign * p.w for p in points)])
 
 
 def _some_at_a_time(branch: Iterable[BranchPoint]) -> Iterator[list[BranchPoint]]:

@@ -137,24 +137,18 @@ class NonlinearSystem:
             for i, each in enumerate(tangents)
         ]
 
-    def departure_value(self, x: Floats, w: float, known: "tuple[NonlinearSystem, Floats] | None" = None) -> Floats:
-        """g alone.
-
-        known: another system and its g at the same x and w; groups that are in both are not evaluated again
-        """
+    def departure_value(self, x: Floats, w: float) -> Floats:
+        """g alone."""
         value = np.empty_like(x)
-        other, found = known or (None, x)
-        alike = other is not None and (other.harmonics, other.time_samples) == (self.harmonics, self.time_samples)
         for group in self.groups:
-            if other is not None and alike and any(group is one for one in other.groups):
-                value[group.rows] = found[group.rows]
-                continue
             value[group.rows] = departure_only(group, x[group.rows], w, self.harmonics, self.time_samples)
         return value
 
     def departure_values(self, x: Floats, w: Floats, known: "tuple[NonlinearSystem, Floats] | None" = None) -> Floats:
-        """g of several motions at once: x (n_relative, n_coefficients, n) at w (n,), and g like it; known: as in
-        `departure_value`"""
+        """g of several motions at once: x (n_relative, n_coefficients, n) at w (n,), and g like it
+
+        known: another system and its g at the same x and w; groups that are in both are not evaluated again
+        """
         value = np.empty_like(x)
         other, found = known or (None, x)
         alike = other is not None and (other.harmonics, other.time_samples) == (self.harmonics, self.time_samples)
@@ -179,7 +173,11 @@ class NonlinearSystem:
         """The symmetric motions alone (hbm/problem/mirror.py); None where the problem is not its own mirror image."""
         if self.mirror is None or not is_own_image(self.free, self.groups, self.mirror):
             return None
-        free, groups = half_structure(self.free, self.mirror), half_groups(self.groups, self.mirror)
+        return self.halved(self.mirror)
+
+    def halved(self, mirror: Mirror) -> "NonlinearSystem":
+        """The symmetric motions alone, of a problem that is its own mirror image."""
+        free, groups = half_structure(self.free, mirror), half_groups(self.groups, mirror)
         return replace(self, free=free, groups=groups, mirror=None)
 
     @cached_property
