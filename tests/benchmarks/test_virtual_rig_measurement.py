@@ -128,10 +128,10 @@ def test_noise_is_as_large_as_stated(rig: Rig, tmp_path: Path) -> None:
     assert np.mean(sizes) == pytest.approx(1, abs=0.07)
 
 
-def test_all_of_the_catalogue_can_be_hidden_and_eleven_more() -> None:
+def test_all_of_the_catalogue_can_be_hidden_and_six_kinds_that_are_not_in_it() -> None:
     assert {name for name, effect in HIDDEN.items() if effect.in_catalogue} <= set(CATALOGUE)
     assert {e.catalogue_name for e in HIDDEN.values() if e.in_catalogue or e.renamed} == set(CATALOGUE)
-    assert sum(not effect.in_catalogue for effect in HIDDEN.values()) == 11
+    assert sum(not (effect.in_catalogue or effect.renamed) for effect in HIDDEN.values()) >= 6
 
 
 @pytest.mark.parametrize("name", HIDDEN)

@@ -202,7 +202,9 @@ def found(*trials):
 
 def of(outcome, group=(), *trials):
     equals = tuple(t for name in group for t in trials if t.effects == (name,))
-    return surviving_explanations(found(*trials), Decision(outcome, group[:1], group, None, "", equals), Criteria())
+    return surviving_explanations(
+        found(*trials), Decision(outcome, group[:1], group, None, alternatives=equals), Criteria()
+    )
 
 
 def test_a_group_is_told_apart_and_nobody_else():
