@@ -220,7 +220,7 @@ def _states_of_tests(
 def _states(parametrisation: Parametrisation, u: Floats, branch: PredictedBranch) -> tuple[float, float, float, float]:
     """Shares of the contacts that stick, slip, separate or stay open, at the highest point of the first sensor."""
     point = branch.points[int(np.argmax(np.abs(branch.amplitude[:, 0])))]
-    there = ModelAt(parametrisation, u)
+    there = ModelAt(parametrisation, u).at(branch.condition)
     states = contact_states(there.model.system, there.whole(point.x), point.w)
     stuck, slipping, separating, never = (float(np.mean(states == kind)) for kind in ContactState)
     return stuck, slipping, separating, never

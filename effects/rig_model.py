@@ -60,6 +60,7 @@ class RigModel:
     dimensions: of the rig, by the effect that says one is wrong, with what another value of it changes; none where the
         model was built without
     turned: (m_as_built, m) the modes of `components` in those that the model was built with; None where these are they
+    running_in: growth of the logarithm of the contacts' friction from the first run of an assembly to the last
     """
 
     components: LinearModel
@@ -81,6 +82,7 @@ class RigModel:
     joint: str = ""
     dimensions: Mapping[str, VariedDimension] = field(default_factory=dict)
     turned: Floats | None = None
+    running_in: float = 0.0
 
     @cached_property
     def system(self) -> NonlinearSystem:
@@ -138,6 +140,14 @@ class RigModel:
             raise ValueError("this model has no contacts whose parameters could change")
         parameters = with_entries(self.contacts.parameters, **entries)
         return replace(self, contacts=replace(self.contacts, law=law or self.contacts.law, parameters=parameters))
+
+    def in_run(self, place: float) -> "RigModel":
+        """As it was in one of an assembly's runs. place: from -1/2 for the first to 1/2 for the last, 0 for the mean of
+        them; the friction of the model is that in the mean"""
+        if self.running_in == 0 or self.contacts is None:
+            return self
+        friction = self.contacts.parameters.mu * np.exp(self.running_in * place)
+        return replace(self.with_contacts(mu=friction), running_in=0.0)
 
     def with_pull(self, factor: float) -> "RigModel":
         """Under another pull, times the present one: the preload of the contacts, and what the tension gives the wires

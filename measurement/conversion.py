@@ -72,6 +72,7 @@ def measured_run(
         level_unit=unit,
         held_channel=run.held_channel or "",
         without_phase=tuple(name for name in names if file.channels[name].phase == "none"),
+        taken=run.taken or 0,
     )
     return measured, [*notes, *level_notes]
 

@@ -39,6 +39,7 @@ class MeasuredRun:
     held: what the controller held constant, "force", "response" or "nothing"; level: at which amplitude, in
         level_unit, SI: "N", or that of the channel whose response was held; held_channel: its name, "" if not stated
     repeat: number of the assembly: runs of one number were made without taking the damper out in between
+    taken: its number in the order in which these were made, 0 where that is not stated
     channels: names, in the order of `response`
     harmonics: in the order of `response`; 1 is among them
     frequency: (n,) [Hz]; force: (n,) measured amplitude at the excitation [N]
@@ -63,6 +64,7 @@ class MeasuredRun:
     level_unit: str = "N"
     held_channel: str = ""
     without_phase: tuple[str, ...] = ()
+    taken: int = 0
 
     def __len__(self) -> int:
         return len(self.frequency)

@@ -107,6 +107,7 @@ class RunTable(InputTable):
     """One sweep, or all its repeats where one file holds them. Level: peak amplitude of what was held, with its unit.
 
     run: label of the run in the file, where that is not the name; repeat: number of the assembly
+    taken: number of the run in the order in which those of an assembly were made
     channels: those that this run has, where it lacks some; held_channel: whose amplitude was held, for "response"
     """
 
@@ -118,6 +119,7 @@ class RunTable(InputTable):
     held_channel: Annotated[Text, Field(examples=["tip_right"])] | None = None
     sweep: Literal["up", "down"] | None = None
     repeat: Annotated[int, Field(strict=True, ge=0, examples=[1])] | None = None
+    taken: Annotated[int, Field(strict=True, ge=1, examples=[1])] | None = None
     run: Annotated[Text, Field(examples=["OOP 17 N"])] | None = None
     reader: Annotated[Text, Field(examples=["uff"])] | None = None
     channels: Annotated[tuple[Text, ...], Field(min_length=1, examples=[["tip_right"]])] | None = None
@@ -169,7 +171,7 @@ class MeasurementFile(InputTable):
     def _fits_together(self) -> Self:
         problems = [*_force_problems(self), *_convention_problems(self)]
         if any(channel.quantity == "force" for channel in self.channels.values()):  # whose level the runs state
-            problems += _run_problems(self)
+            problems += [*_run_problems(self), *_order_problems(self)]
         if problems:
             raise ValueError("\n".join(problems))
         return self
@@ -218,6 +220,21 @@ def _convention_problems(file: MeasurementFile) -> list[str]:
     labels = [file.label(name) for name in file.channels]
     for label in sorted({label for label in labels if labels.count(label) > 1}):
         lines.append(f'channels: more than one has label = "{label}"; every channel needs its own')
+    return lines
+
+
+def _order_problems(file: MeasurementFile) -> list[str]:
+    """Of all runs or of none, and each of an assembly at its own place."""
+    if all(run.taken is None for run in file.runs):
+        return []
+    lines = []
+    for i, run in enumerate(file.runs):
+        if run.taken is None:
+            lines.append(f"runs[{i}].taken: missing, and others have it; number all runs as they were made, or none")
+            continue
+        for j, other in enumerate(file.runs[:i]):
+            if run.taken == other.taken and (run.repeat == other.repeat or None in (run.repeat, other.repeat)):
+                lines.append(f"runs[{i}].taken = {run.taken}: so has runs[{j}] of the same assembly; number them anew")
     return lines
 
 

@@ -117,7 +117,7 @@ def log_receptance(
     found = np.full((len(plan.runs), len(plan.channels), plan.points), np.nan, dtype=complex)
     rig = assembled(bench)
     for r, (run, grid_of_run) in enumerate(zip(plan.runs, frequencies, strict=True)):
-        motor = StepMotor(rig, options)
+        motor = StepMotor(assembled(bench.in_run(plan.place(run))) if bench.running_in else rig, options)
         for i in range(plan.points)[:: 1 if run.upwards else -1]:
             try:
                 motion = motor.step(float(grid_of_run[i]), run.force)

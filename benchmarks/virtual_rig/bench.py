@@ -73,6 +73,7 @@ class Bench:
     force_drop: what the shaker's force loses unrecorded, see `stepped_sine.py`
     loose_gain: of the channel "tip_left", see `sensors.py`
     viscous_at: [rad/s] where viscous damping in place of the hysteretic is equal to it, None for hysteretic damping
+    running_in: growth of the logarithm of friction from an assembly's first run to its last
     changes: relative, of dimensions that are other than the rig file says, by name; None for none
     """
 
@@ -90,6 +91,13 @@ class Bench:
     loose_gain: float = 0.0
     viscous_at: float | None = None
     changes: Mapping[str, float] | None = None
+    running_in: float = 0.0
+
+    def in_run(self, place: float) -> "Bench":
+        """As it is in one of an assembly's runs. place: from -1/2 for the first to 1/2 for the last"""
+        if self.running_in == 0:
+            return self
+        return replace(self.with_patches(mu=self.patches.mu * np.exp(self.running_in * place)), running_in=0.0)
 
     def with_patches(self, **entries: Floats | float) -> "Bench":
         return replace(self, patches=replace(self.patches, **entries))

@@ -60,9 +60,9 @@ def write_description(path: Path, rig: Rig, plan: TestPlan, data: str) -> None:
     runs = [
         {
             "name": run.name, "mode": run.mode, "file": data, "held": "force", "level": f"{run.force:g} N",
-            "sweep": "up" if run.upwards else "down",
+            "sweep": "up" if run.upwards else "down", "taken": number,
         }
-        for run in plan.runs
+        for number, run in enumerate(plan.runs, 1)
     ]  # fmt: skip
     table = {
         "title": f"Virtual laboratory: {rig.name}, {plan.assemblies} assemblies",

@@ -70,6 +70,11 @@ def friction_by_face(bench: Bench, values: Values, _rig: Rig) -> Bench:
     return bench.with_patches(mu=bench.patches.mu * np.where(bench.bodies.face == 0, 1 - d, 1 + d))
 
 
+def friction_running_in(bench: Bench, values: Values, _rig: Rig) -> Bench:
+    """mu exp(growth s), s from -1/2 in an assembly's first run to 1/2 in its last"""
+    return replace(bench, running_in=values["growth"])
+
+
 def edge_gap(bench: Bench, values: Values, _rig: Rig) -> Bench:
     """Upper and lower edges are rounded: a gap of depth ((|s| - 1/2) / (1/2))^2 beyond |s| = 1/2, s up the face. Each
     face is pressed on until it carries what it carried before."""
@@ -116,4 +121,6 @@ EFFECTS = (
     HiddenEffect("edge_gap", "edges of the faces are rounded", strengths("depth", 5e-8, 1e-7, 2e-7), edge_gap),
     HiddenEffect("friction_by_face", "one face rubs more than the other", strengths("difference", 0.15, 0.3, 0.6),
                  friction_by_face),
+    HiddenEffect("friction_running_in", "friction changes from run to run", strengths("growth", 0.15, 0.3, 0.6),
+                 friction_running_in),
 )  # fmt: skip

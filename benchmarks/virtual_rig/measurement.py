@@ -53,7 +53,8 @@ class _Campaign:
                 step = noise.drift * rng.standard_normal()
                 path = (drift, drift + noise.ramp * step)
                 drift += step
-                sweep, record = measured(bench, run, repeat, path, draw, plan, noise, rng, self.options)
+                there = bench.in_run(plan.place(run))
+                sweep, record = measured(there, run, repeat, path, draw, plan, noise, rng, self.options)
                 sweeps.append(sweep)
                 records.append(record)
         return draws, sweeps, records

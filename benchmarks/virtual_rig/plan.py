@@ -50,6 +50,10 @@ class TestPlan:
         if not self.runs or len({run.name for run in self.runs}) < len(self.runs):
             raise ValueError("TestPlan.runs: at least one is needed, each of its own mode, force and direction")
 
+    def place(self, run: PlannedRun) -> float:
+        """Among the runs of an assembly, which are made in this order: from -1/2 for the first to 1/2 for the last."""
+        return self.runs.index(run) / max(len(self.runs) - 1, 1) - 0.5
+
     @property
     def channels(self) -> dict[str, str]:
         return TIPS | (CORNERS if self.corners else {})

@@ -125,10 +125,12 @@ def plan_of(measurement: Measurement, harmonics: Sequence[int] = (1,)) -> Plan:
     harmonics: those to compare, where they were measured
     """
     conditions: list[RunCondition] = []
+    places = _places(measurement.runs)
     observations: list[Observations] = []
     for name in dict.fromkeys(run.name for run in measurement.runs):
         runs = [run for run in measurement.runs if run.name == name]
         condition = _condition(measurement, runs, harmonics)
+        condition = replace(condition, place=_mean_at_level(places, runs[0]))
         observations += [_observations(run, len(conditions), condition, measurement) for run in runs]
         conditions.append(condition)
     noise_read = all(run.noise is None for run in measurement.runs)
@@ -141,6 +143,23 @@ def plan_of(measurement: Measurement, harmonics: Sequence[int] = (1,)) -> Plan:
     stated = measurement.drift, measurement.gain, measurement.repeatability
     read_alone = noise_read and not measurement.repeatability
     return Plan(tuple(conditions), tuple(observations), *stated, noise_read=read_alone)
+
+
+def _places(runs: Sequence[MeasuredRun]) -> list[tuple[MeasuredRun, float]]:
+    """Where each is in the order in which those of its assembly were made: from -1/2 to 1/2, 0 where that is not known
+    or it is the only one."""
+    found = []
+    for repeat in dict.fromkeys(run.repeat for run in runs):
+        own = sorted((run for run in runs if run.repeat == repeat), key=lambda run: run.taken)
+        known = len(own) > 1 and all(run.taken for run in own)
+        found += [(run, i / (len(own) - 1) - 0.5 if known else 0.0) for i, run in enumerate(own)]
+    return found
+
+
+def _mean_at_level(places: Sequence[tuple[MeasuredRun, float]], run: MeasuredRun) -> float:
+    """Of all runs at its level, so that sweeps of one branch are at one place."""
+    at_level = [place for other, place in places if other is run or other.name == run.name or _at_one_level(other, run)]
+    return float(np.mean(at_level))
 
 
 def noise_of(observations: Sequence[Observations], test: int) -> Floats:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from updamp.comparison.prediction.derivatives import Change
 from updamp.comparison.prediction.parameters import Parametrisation, is_driven_symmetrically
+from updamp.comparison.prediction.run_condition import RunCondition
 from updamp.effects.effect import Effect, EffectParameter
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.problem.elements import ElementGroup
@@ -23,14 +24,18 @@ _STEP_OF_EFFECT = 1e-3  # likewise, of its typical size
 
 @dataclass(frozen=True, eq=False)
 class ModelAt:
-    """u: (p,) parameters; what is made of them is made once for all branches."""
+    """u: (p,) parameters; what is made of them is made once for all branches of one place.
+
+    place: of the test among the runs of an assembly, as `RunCondition.place`
+    """
 
     parametrisation: Parametrisation
     u: Floats
+    place: float = 0.0
 
     @cached_property
     def model(self) -> RigModel:
-        return self.parametrisation.model(self.u)
+        return self.parametrisation.model(self.u).in_run(self.place)
 
     @cached_property
     def mirror(self) -> Mirror | None:
@@ -41,6 +46,10 @@ class ModelAt:
     def system(self) -> NonlinearSystem:
         """What is solved: the half of a model that is its own mirror image whatever its parameters are."""
         return self.model.system if self.mirror is None else self.model.system.halved(self.mirror)
+
+    def at(self, condition: RunCondition) -> "ModelAt":
+        """As it was in a test."""
+        return replace(self, place=condition.place) if self.parametrisation.runs_in else self
 
     def excited_by(self, force: float) -> Excitation:
         """force: amplitude [N]"""
@@ -70,18 +79,19 @@ class ModelAt:
     def _moved(self, which: int, step: float) -> RigModel:
         there = self.u.copy()
         there[which] += step
-        return self.parametrisation.model(there)
+        return self.parametrisation.model(there).in_run(self.place)
 
 
-def model_at(parametrisation: Parametrisation, u: Floats) -> ModelAt:
-    """The same one as before where nothing else was asked for meanwhile: the branches of a plan come one after the
-    other, and what is made of the parameters serves all of them."""
-    return _cached_model_at(parametrisation, np.asarray(u, dtype=float).tobytes())
+def model_at(parametrisation: Parametrisation, u: Floats, condition: RunCondition) -> ModelAt:
+    """As it was in a test: the same one as before where nothing else was asked for meanwhile. The branches of a plan
+    come one after the other, and what is made of the parameters serves all of them that it is the same for."""
+    place = condition.place if parametrisation.runs_in else 0.0
+    return _cached_model_at(parametrisation, np.asarray(u, dtype=float).tobytes(), place)
 
 
 @lru_cache(maxsize=1)
-def _cached_model_at(parametrisation: Parametrisation, u: bytes) -> ModelAt:
-    return ModelAt(parametrisation, np.frombuffer(u))
+def _cached_model_at(parametrisation: Parametrisation, u: bytes, place: float) -> ModelAt:
+    return ModelAt(parametrisation, np.frombuffer(u), place)
 
 
 def change_to(there: ModelAt, changed: RigModel, step: float) -> Change:
@@ -112,11 +122,15 @@ def _mirror_of(model: RigModel) -> Mirror:
     return mirror
 
 
-def change_of_effect(there: ModelAt, effect: Effect, parameter: EffectParameter) -> Change:
-    """By one parameter of an effect that the model does not have yet, scaled as in a `Parametrisation`."""
+def change_of_effect(there: ModelAt, effect: Effect, parameter: EffectParameter, place: float) -> Change:
+    """By one parameter of an effect that the model does not have yet, scaled as in a `Parametrisation`.
+
+    place: of the test among the runs of an assembly, which matters to effects that change from run to run
+    """
     step = _STEP_OF_EFFECT
     value = parameter.null + step * (parameter.typical - parameter.null)
-    return change_to(there, effect.apply(there.model, {**effect.at_null(), parameter.name: value}), step)
+    changed = effect.apply(there.model, {**effect.at_null(), parameter.name: value})
+    return change_to(there, changed.in_run(place), step)
 
 
 def _same_structure(a: RigModel, b: RigModel) -> bool:

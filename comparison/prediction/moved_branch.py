@@ -53,7 +53,7 @@ def move_sweeps(
     condition = solved_in(parametrisation, conditions)
     if condition.control is not None:
         return None
-    there = model_at(parametrisation, u)
+    there = model_at(parametrisation, u, condition)
     system, excitation = there.system, there.excited_by(condition.force)
     if before.points[0].x.shape != (system.free.n_relative, system.harmonics.n_coefficients):
         return None  # an effect has brought elements or harmonics of its own, or taken a symmetry

@@ -81,9 +81,18 @@ class Parametrisation:
     def mirrored(self) -> bool:
         """Whether the model is its own mirror image whatever its parameters are: with all effects at their typical
         values it is. No nuisance tells one side of a rig from its image."""
+        return is_driven_symmetrically(self._with_typical_effects)
+
+    @cached_property
+    def runs_in(self) -> bool:
+        """Whether it may be another model from run to run."""
+        return self._with_typical_effects.running_in != 0
+
+    @cached_property
+    def _with_typical_effects(self) -> RigModel:
         u = np.zeros(len(self))
         u[len(self.nuisances) : self.n_of_model] = 1.0
-        return is_driven_symmetrically(self.model(u))
+        return self.model(u)
 
     def columns(self, effect: str) -> slice:
         """Where the parameters of one of the effects stand in u.

@@ -34,6 +34,8 @@ class RunCondition:
     control: the response that a controller held; None where the force is what was set
     noise: standard deviations of what is observed, as in `Observations`; a branch is interpolated as well as they ask
         for, or as the steps have it where there are none
+    place: among the runs of an assembly in the order in which they were made, from -1/2 for the first to 1/2 for the
+        last, in the mean of those at its level; 0 where the order is not known
     """
 
     name: str
@@ -46,6 +48,7 @@ class RunCondition:
     unit: str = "N"
     control: HeldResponse | None = None
     noise: tuple[float, ...] = ()
+    place: float = 0.0
 
     def seen_by(self, sensors: Sequence[tuple[str, int]]) -> "RunCondition":
         """The same test with other sensors, whose noise is not known."""
@@ -58,9 +61,9 @@ class RunCondition:
     def sweeps_the_same(self, other: "RunCondition") -> bool:
         """Whether the other test sweeps the same branch, in another direction or window. A held response is not shared:
         it is soon traced."""
-        same = (self.mode, self.force, self.sensors, len(self.noise))
+        same = (self.mode, self.force, self.place, self.sensors, len(self.noise))
         alone = self.control is not None or other.control is not None
-        return not alone and same == (other.mode, other.force, other.sensors, len(other.noise))
+        return not alone and same == (other.mode, other.force, other.place, other.sensors, len(other.noise))
 
     def along_with(self, others: Sequence["RunCondition"]) -> "RunCondition":
         """The same test in a window that has those of the others in it, as sure as the surest of them."""

@@ -46,7 +46,8 @@ def trace_sweeps(
 
     raises: BranchStoppedError where not even its first point is found
     """
-    there, condition = model_at(parametrisation, u), solved_in(parametrisation, conditions)
+    condition = solved_in(parametrisation, conditions)
+    there = model_at(parametrisation, u, condition)
     if condition.control is not None:
         return (observe(there, conditions[0], *trace_held(there, condition)),)
     system, excitation = there.system, there.excited_by(condition.force)

@@ -82,7 +82,8 @@ def _by_sensors_noise(compared: Compared, parametrisation: Parametrisation, plan
 
 
 def _with_matrices(branch: PredictedBranch, parametrisation: Parametrisation) -> PredictedBranch:
-    points = with_matrices(ModelAt(parametrisation, branch.u), branch.condition, branch.points)
+    there = ModelAt(parametrisation, branch.u).at(branch.condition)
+    points = with_matrices(there, branch.condition, branch.points)
     return replace(branch, points=points)
 
 

@@ -1,6 +1,6 @@
 """What each effect would do to the observations, to first order about a calibrated model that does not have it."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -69,17 +69,38 @@ def extend(
     known, refused = _with_a_place(there, effects)
     by_step = [e for e in known if _needs_step(there, e)]
     by_derivative = [e for e in known if e not in by_step]
-    changes = [change_of_effect(there, e, q) for e in by_derivative for q in e.parameters]
+    n_changes = sum(len(e.parameters) for e in by_derivative)
     progress(f"signatures of {len(known)} effects")
     solved = _solved_at(fitted, plan, BranchesBy(workers))
     steps = steps_along(there, solved, by_step, coarse_enough(fitted), progress, workers)
-    differentiated = workers(_differentiated, (there, changes), solved, lambda i, _: progress(_step_name(solved[i])))
-    branches = [_with_steps(there, b, len(changes), own) for b, own in zip(differentiated, steps, strict=True)]
+    shared = there, _changes(there, by_derivative, [b.condition.place for b in solved])
+    differentiated = workers(_differentiated, shared, solved, lambda i, _: progress(_step_name(solved[i])))
+    branches = [_with_steps(there, b, n_changes, own) for b, own in zip(differentiated, steps, strict=True)]
     ordered = (*by_derivative, *by_step)
     extended = replace(p, effects=(*p.effects, *ordered))
     longer = p.with_further(u, np.zeros(extended.n_of_model - p.n_of_model))
     compared = compare_at(extended, longer, plan, branches, fitted.compared.scatter, fitted.compared.offsets)
     return Extended(extended, compared, ordered, refused)
+
+
+def _changes(there: ModelAt, effects: Sequence[Effect], places: Sequence[float]) -> dict[float, list[Change]]:
+    """By each parameter of each effect, at each place among the runs of an assembly (`RunCondition.place`); the same
+    ones at all of them where the place does not matter."""
+    wanted = [(effect, parameter) for effect in effects for parameter in effect.parameters]
+    model = there.model
+    moving = {e.name for e in effects if e.apply(model, e.at_typical()).running_in != 0}
+    everywhere = [change_of_effect(there, e, q, 0.0) for e, q in wanted]
+    if not there.parametrisation.runs_in and not moving:
+        return dict.fromkeys(places, everywhere)
+
+    def own(place: float) -> list[Change]:
+        if there.parametrisation.runs_in:
+            at = replace(there, place=place)
+            return [change_of_effect(at, e, q, place) for e, q in wanted]
+        known = zip(wanted, everywhere, strict=True)
+        return [change_of_effect(there, e, q, place) if e.name in moving else change for (e, q), change in known]
+
+    return {place: own(place) for place in places}
 
 
 def _step_name(branch: PredictedBranch) -> str:
@@ -114,13 +135,13 @@ def _needs_step(there: ModelAt, effect: Effect) -> bool:
     return effect.finite_step or changed.harmonics != there.model.harmonics or not there.keeps_symmetry(changed)
 
 
-def _differentiated(shared: tuple[ModelAt, Sequence[Change]], branch: PredictedBranch) -> PredictedBranch:
+def _differentiated(shared: tuple[ModelAt, Mapping[float, list[Change]]], branch: PredictedBranch) -> PredictedBranch:
     """The branch with columns for changes of its model, before those of the numerical error.
 
     What changes do varies along a branch as what is observed does, without the corners that a comparison has points
     for: of these some are left out.
     """
-    there, changes = shared
+    there, changes = shared[0].at(branch.condition), shared[1][branch.condition.place]
     some = branch.spread_out()
     points = with_matrices(there, branch.condition, [branch.points[i] for i in some])
     seen = observe(there, branch.condition, points, branch.stopped, changes)

@@ -175,9 +175,10 @@ def test_hidden_effect_changes_what_the_catalogue_s_changes(name, bench, model, 
     changes = []
     for place in places(bench, name):
         laboratory, updamp, start = plain(*place)
-        there = in_laboratory(with_hidden(bench, [one], rig), *place)
+        there = in_laboratory(with_hidden(bench, [one], rig).in_run(0.5), *place)
         effect = CATALOGUE[HIDDEN[name].catalogue_name]
-        here, _ = by_updamp(effect.apply(model, HIDDEN[name].catalogue_values(one.values)), *place, start)
+        changed = effect.apply(model, HIDDEN[name].catalogue_values(one.values)).in_run(0.5)
+        here, _ = by_updamp(changed, *place, start)
         changes.append((np.log(there / laboratory), np.log(here / updamp)))
     wanted, found = np.array(changes).swapaxes(0, 1)
     assert np.abs(wanted).max() > 0.02

@@ -146,7 +146,7 @@ def test_every_effect_is_seen_and_grows_with_its_strength(name: str, bench: Benc
 
     plain = tips(bench)
     change = [
-        np.abs(tips(with_hidden(bench, [hidden(name, strength)], rig)) / plain - 1).max()
+        np.abs(tips(with_hidden(bench, [hidden(name, strength)], rig).in_run(0.5)) / plain - 1).max()
         for strength in ("weak", "strong")
     ]
     assert change[1] > 0.001

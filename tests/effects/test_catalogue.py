@@ -20,7 +20,7 @@ NAMES = (
     "material_damping", "contact_viscosity", "velocity_dependent_friction", "sub_patch_microslip",
     "friction_gradient", "edge_gap", "blade_cubic_stiffness", "power_law_damping", "tip_friction",
     "platform_friction", "friction_by_face", "threshold_damping", "blade_stop", "face_length", "platform_height",
-    "blade_thickness", "face_angle", "breathing_crack",
+    "blade_thickness", "face_angle", "breathing_crack", "friction_running_in",
 )  # fmt: skip
 # What does nothing by itself: it says how another parameter's effect grows.
 WITHOUT_SIZE = {(e.name, p.name) for e in CATALOGUE.values() for p in e.parameters if p.shape}
@@ -64,7 +64,7 @@ def at(model):
             p.name: p.null + (share if parameter in ("", p.name) else 0.0) * (p.typical - p.null)
             for p in effect.parameters
         }
-        changed = effect.apply(model, values)
+        changed = effect.apply(model, values).in_run(0.5)  # the last of an assembly
         return tip(changed, solved(changed, start.x, w))
 
     return response

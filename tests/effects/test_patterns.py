@@ -189,6 +189,16 @@ def test_friction_by_face_goes_opposite_ways_and_leaves_the_preload(model):
     np.testing.assert_array_equal(entry(unequal, "n0"), entry(model, "n0"))
 
 
+def test_friction_runs_in_about_the_middle_of_a_test(model):
+    running_in = changed(changed(model, "friction_running_in", growth=0.3), "friction_running_in", growth=0.1)
+    for place, factor in ((-0.5, np.exp(-0.2)), (0.0, 1.0), (0.25, np.exp(0.1)), (0.5, np.exp(0.2))):
+        there = running_in.in_run(place)
+        np.testing.assert_allclose(entry(there, "mu"), factor * entry(model, "mu"), rtol=1e-14)
+        np.testing.assert_array_equal(entry(there, "n0"), entry(model, "n0"))
+        assert there.in_run(place) is there
+    assert model.in_run(0.5) is model
+
+
 @pytest.mark.parametrize("name", ["power_law_damping", "tip_friction", "platform_friction"])
 def test_effects_at_points_name_the_point_that_is_missing(model, name):
     points = model.components.points

@@ -258,6 +258,21 @@ def test_every_problem_of_a_file_is_named_at_once(tmp_path: Path) -> None:
     assert len(message.splitlines()) == 4
 
 
+@pytest.mark.parametrize(
+    ("first", "second", "words"),
+    [
+        ("taken = 1", "", "runs[1].taken: missing, and others have it"),
+        ("taken = 2", "taken = 2", "runs[1].taken = 2: so has runs[0] of the same assembly"),
+        ("taken = 0", "taken = 1", "runs[0].taken = 0"),
+    ],
+)
+def test_the_order_of_runs_is_that_of_all(tmp_path: Path, first: str, second: str, words: str) -> None:
+    run = TOML[TOML.index("[[runs]]") :]
+    again = run.replace('name = "B 17 N"', 'name = "again"\nrun = "B 17 N"')
+    message = refused(tmp_path, f"{TOML.rstrip()}\n{first}\n\n{again.rstrip()}\n{second}\n")
+    assert words in message, message
+
+
 def test_no_run_is_listed(tmp_path: Path) -> None:
     toml = "runs = []\n" + TOML[: TOML.index("[[runs]]")]
     assert "runs = []: state at least one run" in refused(tmp_path, toml)
