@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from updamp.hbm.contact.law import ContactLaw, LawOfMoves, force_for_analysis
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.problem.elements import ElementGroup, elements_a_batch, in_batches, samples
+from updamp.hbm.problem.elements import ElementGroup
+from updamp.hbm.problem.laws_in_jax import elements_a_batch, in_batches, samples
 
 Floats = NDArray[np.float64]
 

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from updamp.hbm.contact.law import ContactLaw, decoupled_directions_of, force_for_analysis
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.problem.elements import ElementGroup, compiled_forces, elements_a_batch
+from updamp.hbm.problem.elements import ElementGroup, compiled_forces
+from updamp.hbm.problem.laws_in_jax import elements_a_batch
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
