@@ -149,7 +149,7 @@ def test_ctrl_c_in_a_terminal_ends_a_march_in_time(quick, tmp_path):
     """A real terminal, whose driver sends SIGINT to the whole group of processes."""
     rig, out, _ = quick
     shutil.copytree(out, tmp_path / "out")
-    forces = [option for force in ("3 N", "5 N", "8 N") for option in ("--force", force)]
+    forces = [option for force in ("3 N", "5 N", "8 N", "12 N") for option in ("--force", force)]
     command = ["run", rig, *ONE_MODE, "--out", tmp_path / "out", *forces, "--no-pictures", "--no-stability"]
     command += ["--no-accuracy", "--no-resonance"]
     assert run_command(*command, "--no-marching").exit_code == 0
@@ -170,12 +170,12 @@ def test_ctrl_c_in_a_terminal_ends_a_march_in_time(quick, tmp_path):
         os.close(ours)
     assert "Interrupted. What is finished is kept" in shown
     assert "Traceback" not in shown
-    marched = [f"marched_peak_OOP_{force}N.h5" for force in (3, 5, 8)]
+    marched = [f"marched_peak_OOP_{force}N.h5" for force in (3, 5, 8, 12)]
     there = [name for name in marched if (tmp_path / "out" / "stages" / name).exists()]
     assert len(there) < len(marched), "it came while a peak was marched"
     after = run_command(*command)
     assert after.exit_code == 0, after.output
-    assert [entry["marching"]["verdict"] for entry in summary_of(tmp_path / "out")["curves"]] == 3 * ["stays"]
+    assert [entry["marching"]["verdict"] for entry in summary_of(tmp_path / "out")["curves"]] == 4 * ["stays"]
 
 
 def read_until(terminal: int, wanted: re.Pattern[str] | None, longest: float = 120.0) -> str:
