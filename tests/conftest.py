@@ -41,22 +41,20 @@ def _compiled_laws_are_kept() -> None:
 # Each file goes to one process (--dist loadfile), so that what its tests share is made once. These are begun with, or
 # one process would be busy with them alone in the end; by processor time, longest first.
 LONGEST = (
-    "workflow/test_diagnose_brake_reuss.py",
-    "workflow/test_diagnose.py",
-    "commands/test_pipeline.py",
-    "diagnosis/selection/test_search.py",
-    "hbm/test_rig_time_integration.py",
     "benchmarks/test_reproducibility.py",
+    "diagnosis/selection/test_search.py",
+    "hbm/contact/test_compiled_laws.py",
+    "workflow/test_diagnose.py",
+    "workflow/test_diagnose_brake_reuss.py",
+    "commands/test_pipeline.py",
     "diagnosis/candidate_models/test_refit.py",
     "commands/test_quick_look.py",
     "examples/test_hidden_effect.py",
     "effects/test_faults.py",
-    "hbm/analysis/test_sensitivity.py",
     "hbm/stability/test_stability.py",
-    "hbm/contact/test_jenkins_box.py",
-    "comparison/test_modal_comparison.py",
-    "hbm/contact/test_compiled_laws.py",
+    "hbm/test_rig_time_integration.py",
     "hbm/contact/test_modified_laws.py",
+    "comparison/test_modal_comparison.py",
     "parameter_study/test_run_study.py",
     "comparison/fit/test_fit_from_far.py",
     "comparison/fit/test_fit.py",
@@ -64,6 +62,8 @@ LONGEST = (
     "diagnosis/candidate_models/test_other_sizes.py",
     "workflow/test_diagnose_stated.py",
     "hbm/analysis/test_accuracy.py",
+    "hbm/analysis/test_sensitivity.py",
+    "hbm/contact/test_jenkins_box.py",
     "report/test_in_browser.py",
 )
 

@@ -49,6 +49,7 @@ def synthetic_plan(
     seed: int,
     noise: float = NOISE,
     repeats: int = 3,
+    points: int = 40,
 ) -> tuple[Plan, np.ndarray]:
     """Runs of `repeats` assemblies with scattered parameters, drift 5e-5, gain 0.5 %; and the assemblies' offsets."""
     rng = np.random.default_rng(seed)
@@ -60,7 +61,7 @@ def synthetic_plan(
         assembly = Parametrisation(truth.model(u + b), ())  # nothing free: no derivatives are asked for
         for i, c in enumerate(conditions):
             branch = trace_branch(assembly, np.zeros(0), c)
-            runs.append(swept_run(branch, i, repeat, gain, noise, rng))
+            runs.append(swept_run(branch, i, repeat, gain, noise, rng, points))
     return Plan(conditions, tuple(runs)), np.array(drawn)
 
 

@@ -17,6 +17,9 @@ from updamp.diagnosis.selection.single_effects import refits_with_own_numerics
 from updamp.effects.effect import Effect, EffectParameter
 from updamp.hbm.problem.structural_changes import Attachment
 
+# The resonance and its flanks, whose branches take half as long as those of 40 to 50 Hz.
+LEVEL = condition(60.0, window=(40.5, 46.0))
+
 
 def with_share(model, values):
     spring = Attachment("at b", points={"b.x": 1.0}, stiffness=3e4 * values["share"])
@@ -63,7 +66,7 @@ SPRING = Effect("spring", "there is a spring", (EffectParameter("size", 0.0, 0.0
 def test_a_fit_that_leaves_a_misfit_of_its_mesh_explains_the_data_once_that_is_known(monkeypatch):
     monkeypatch.setattr(numerical_gate, "nuisances", lambda _: NUISANCES)
     truth = Parametrisation(apply(FINE, {"size": 1.0}), NUISANCES)
-    conditions = tuple(condition(f) for f in (10.0, 60.0))
+    conditions = (replace(LEVEL, name="10 N", force=10.0), LEVEL)
     plan, _ = synthetic_plan(truth, np.zeros(4), conditions, np.array([1e-4, 0.02, 0.02, 0.01]), seed=7)
     starts = Starts((np.ones(1),), ())
     start = baseline(small_model(), (), plan, {"fine": FINE})
@@ -96,7 +99,7 @@ WEAKLY = Effect(
 def test_a_fit_that_ended_at_the_wrong_sign_is_turned_round(monkeypatch):
     monkeypatch.setattr(numerical_gate, "nuisances", lambda _: NUISANCES)
     truth = Parametrisation(shown_weakly(FINE, {"size": 1.0}), NUISANCES)
-    plan, _ = synthetic_plan(truth, np.zeros(4), (condition(60.0),), np.array([1e-4, 0.02, 0.02, 0.01]), seed=7)
+    plan, _ = synthetic_plan(truth, np.zeros(4), (LEVEL,), np.array([1e-4, 0.02, 0.02, 0.01]), seed=7)
     start, criteria = baseline(small_model(), (), plan, {"fine": FINE}), Criteria()
     (found,) = fit_here(start, criteria, [FitTask((WEAKLY,), (-np.ones(1),), full=True)], lambda *_: None)
     assert found.refit.fitted.u[found.refit.fitted.parametrisation.columns("spring")] < 0

@@ -216,7 +216,8 @@ def test_so_are_their_tangents_to_what_grows(law, s):
     motion, group = motions(p), ElementGroup(law, p, rows)
     numbers = np.delete(np.arange(ELEMENTS), np.r_[HELD])
     ours = perturbed_tangent(group, motion, 1.0, s, HARMONICS, 128, numbers)
-    theirs = in_jax(group, motion, 1.0, s, HARMONICS, 128, numbers)
+    third = slice(None, None, 3)  # some of every kind: in JAX six sliders each are marched through five periods
+    theirs = in_jax(group, motion, 1.0, s, HARMONICS, 128, numbers[third])
     if isinstance(law, SubPatchMicroslip):  # one slider of an element may be at rest, and another move
         mu = [p.mu * (1 + p.limit_spread * factor) for factor in evenly(SLIDERS)]
         each = [ElementGroup(law.inner, p._replace(mu=one), rows) for one in mu]
@@ -228,7 +229,7 @@ def test_so_are_their_tangents_to_what_grows(law, s):
         seen = motion * np.where(np.arange(7) == 0, p.static_share[:, None, None], 1.0)
         inside = ElementGroup(law.inner, p, rows)
         some = _follow_springs(inside, seen.reshape(-1, 7), 1.0, HARMONICS, 128)[numbers]
-    np.testing.assert_allclose(ours[~some], theirs[~some], rtol=0, atol=1e-11)
+    np.testing.assert_allclose(ours[third][~some[third]], theirs[~some[third]], rtol=0, atol=1e-11)
 
 
 def of_springs(group, numbers):

@@ -142,7 +142,8 @@ ENTRIES = {"velocity_drop": 0.4, "reference_speed": 1.0, "limit_spread": 0.8}
         CoulombCircle(3),
         VelocityFriction(JenkinsBox(2)),
         SubPatchMicroslip(JenkinsBox(2)),
-        SubPatchMicroslip(VelocityFriction(JenkinsBox(2))),
+        # in JAX alone, where the samples' law compiles in a tenth of the time; which elements stick is the same rule
+        SubPatchMicroslip(VelocityFriction(SampledJenkinsBox(2))),
     ],
 )
 def test_elements_that_are_not_evaluated_since_they_stick_have_the_forces_of_the_law(law):
