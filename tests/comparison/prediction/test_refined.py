@@ -38,7 +38,7 @@ def fine():
 def solved():
     """Points of the moved branch, close to each other."""
     p = parametrisation()
-    there = model_at(p, MOVED)
+    there = model_at(p, MOVED, condition(FORCE))
     options = ContinuationOptions(first_step=0.02, largest_step=0.04)
     points = continue_branch(there.model.system, there.model.excited_by(FORCE), condition(FORCE).wider, options)
     return Observer(there, condition(FORCE))(list(points))
