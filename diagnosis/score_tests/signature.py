@@ -100,7 +100,7 @@ def _changes(there: ModelAt, effects: Sequence[Effect], places: Sequence[float])
         known = zip(wanted, everywhere, strict=True)
         return [change_of_effect(there, e, q, place) if e.name in moving else change for (e, q), change in known]
 
-    return {place: own(place) for place in places}
+    return {place: own(place) for place in dict.fromkeys(places)}
 
 
 def _step_name(branch: PredictedBranch) -> str:
