@@ -158,7 +158,7 @@ def _places(runs: Sequence[MeasuredRun]) -> list[tuple[MeasuredRun, float]]:
 
 def _mean_at_level(places: Sequence[tuple[MeasuredRun, float]], run: MeasuredRun) -> float:
     """Of all runs at its level, so that sweeps of one branch are at one place."""
-    at_level = [place for other, place in places if other is run or other.name == run.name or _at_one_level(other, run)]
+    at_level = [place for other, place in places if other.name == run.name or _at_one_level(other, run)]
     return float(np.mean(at_level))
 
 

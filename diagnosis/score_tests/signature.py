@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,20 +88,18 @@ def _changes(there: ModelAt, effects: Sequence[Effect], places: Sequence[float])
     """By each parameter of each effect, at each place among the runs of an assembly (`RunCondition.place`); the same
     ones at all of them where the place does not matter."""
     wanted = [(effect, parameter) for effect in effects for parameter in effect.parameters]
-    model = there.model
-    moving = {e.name for e in effects if e.apply(model, e.at_typical()).running_in != 0}
-    everywhere = [change_of_effect(there, e, q, 0.0) for e, q in wanted]
-    if not there.parametrisation.runs_in and not moving:
-        return dict.fromkeys(places, everywhere)
+    runs_in = there.parametrisation.runs_in
+    moving = {e.name for e in effects if e.apply(there.model, e.at_typical()).running_in != 0}
+    models = {place: replace(there, place=place) if runs_in else there for place in places}
 
-    def own(place: float) -> list[Change]:
-        if there.parametrisation.runs_in:
-            at = replace(there, place=place)
-            return [change_of_effect(at, e, q, place) for e, q in wanted]
-        known = zip(wanted, everywhere, strict=True)
-        return [change_of_effect(there, e, q, place) if e.name in moving else change for (e, q), change in known]
+    @cache
+    def change(which: int, place: float) -> Change:
+        return change_of_effect(models[place], *wanted[which], place)
 
-    return {place: own(place) for place in dict.fromkeys(places)}
+    def own(effect: Effect, place: float) -> float:
+        return place if runs_in or effect.name in moving else places[0]
+
+    return {place: [change(i, own(e, place)) for i, (e, _) in enumerate(wanted)] for place in models}
 
 
 def _step_name(branch: PredictedBranch) -> str:

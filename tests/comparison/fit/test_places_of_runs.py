@@ -23,6 +23,9 @@ def conditions(*runs: MeasuredRun):
     return plan_of(Measurement("a test", 0.0, "tip.x", (Channel("tip", "tip.x"),), runs)).conditions
 
 
+FIRST = (run("1 N", 1.0, True, 1, 3), run("2 N", 2.0, True, 1, 7))
+
+
 def test_they_go_from_the_first_to_the_last_and_those_at_one_level_stand_together():
     """Up and down at 2 N, between others; the second assembly began with 1 N, the first ended with it."""
     found = conditions(
@@ -33,11 +36,7 @@ def test_they_go_from_the_first_to_the_last_and_those_at_one_level_stand_togethe
     assert up.place == down.place == pytest.approx(np.mean([-0.5, 0.0, 0.0, 0.5]))
     assert one.place == pytest.approx(0.0)
     assert same_sweeps(found) == [[0, 1], [2]]
-    first = conditions(*(r for r in FIRST))
-    assert [c.place for c in first] == [-0.5, 0.5]
-
-
-FIRST = (run("1 N", 1.0, True, 1, 3), run("2 N", 2.0, True, 1, 7))
+    assert [c.place for c in conditions(*FIRST)] == [-0.5, 0.5]
 
 
 def test_without_an_order_or_company_they_are_in_the_middle():
