@@ -38,7 +38,7 @@ def coupled_by(part, contacts: ContactElements, coupling: Coupling, interface_of
     """The same factorisation behind another interface."""
     own: Component = part.component
     interface = interface_of(own.mesh, own.matrices, contacts, coupling)
-    return FactorisedComponent(replace(own, interface=interface), part.factor)
+    return FactorisedComponent(replace(own, interface=interface), part.factors)
 
 
 def stuck_frequencies(rig: Rig, divisions: dict[str, int]) -> tuple[int, dict[str, np.ndarray]]:

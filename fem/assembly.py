@@ -124,14 +124,14 @@ def clamp(matrices: SystemMatrices, nodes: Integers) -> SystemMatrices:
         raise ValueError("no node to clamp is among the free ones; check the face group that is to be clamped")
     dofs = np.repeat(free, 3)
     return SystemMatrices(
-        _principal_blocks(matrices.stiffness, free),
+        principal_blocks(matrices.stiffness, free),
         sparse.csr_array(matrices.mass[dofs][:, dofs]),
         matrices.free_nodes[free],
         matrices.n_nodes,
     )
 
 
-def _principal_blocks(matrix: sparse.bsr_array, keep: NDArray[np.bool_]) -> sparse.bsr_array:
+def principal_blocks(matrix: sparse.bsr_array, keep: NDArray[np.bool_]) -> sparse.bsr_array:
     """Rows and columns of the kept nodes; scipy would slice entry by entry, at nine times the cost."""
     number = np.cumsum(keep) - 1
     rows = np.repeat(np.arange(len(keep)), np.diff(matrix.indptr))

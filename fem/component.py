@@ -1,7 +1,7 @@
 """One component ready for everything that needs solves: matrices, factorisation, interface."""
 
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from updamp.fem.assembly import SystemMatrices
+from updamp.fem.half_models import Subspace, half_models
 from updamp.fem.interface import Interface
 from updamp.fem.quadratic_mesh import QuadraticMesh
 from updamp.fem.rigid_body import Support, isostatic_support, rigid_body_fields, rigid_body_modes
@@ -36,10 +37,17 @@ class Component:
 
 @dataclass(frozen=True, eq=False)
 class FactorisedComponent:
-    """A component, and the factorisation of its supported stiffness."""
+    """A component, and the factorisation of its supported stiffness: one for each of its subspaces."""
 
     component: Component
-    factor: Factorisation
+    factors: tuple[tuple[Subspace, Factorisation], ...]
+
+    def solve(self, load: Floats) -> Floats:
+        """(n_dofs,) or (n_dofs, m) -> the displacement, of the same shape. raises: SolverFailedError"""
+        return sum(
+            (subspace.outside(factor.solve(subspace.within(load))) for subspace, factor in self.factors),
+            start=np.zeros(1),
+        )
 
 
 def component(mesh: QuadraticMesh, matrices: SystemMatrices, interface: Interface, *, free: bool) -> Component:
@@ -54,8 +62,19 @@ def component(mesh: QuadraticMesh, matrices: SystemMatrices, interface: Interfac
 
 @contextmanager
 def factorised(part: Component, solver: LinearSolver) -> Iterator[FactorisedComponent]:
-    """Factorise for the length of a `with` block: the factor is the largest thing in memory."""
+    """Factorise for the length of a `with` block: the factors are the largest thing in memory."""
     matrices = part.matrices
-    near_null_space = rigid_body_fields(part.mesh.nodes[matrices.free_nodes])
-    with closing(solver(part.support.added_to(matrices.stiffness), near_null_space)) as factor:
-        yield FactorisedComponent(part, factor)
+    nodes = part.mesh.nodes[matrices.free_nodes]
+    near_null_space = rigid_body_fields(nodes)
+    # What floats is small, and its support is not its own mirror image.
+    subspaces = (
+        half_models(nodes, matrices) if not part.rigid.size else (Subspace(part.support.added_to(matrices.stiffness)),)
+    )
+    with ExitStack() as held:
+        factors = []
+        for subspace in subspaces:
+            fields = subspace.within(near_null_space)
+            # Each field is alike on both sides or opposite: in the other subspace it is 0 but for round-off.
+            own = fields[:, np.linalg.norm(fields, axis=0) > 1e-6 * np.linalg.norm(near_null_space, axis=0)]
+            factors.append((subspace, held.enter_context(closing(solver(subspace.stiffness, own)))))
+        yield FactorisedComponent(part, tuple(factors))

@@ -5,6 +5,7 @@ for both) and of the damper on its isostatic support. Contacts and wires are put
 again, by the Woodbury identity.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,13 +15,13 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 
 from updamp.fem.component import FactorisedComponent
 from updamp.fem.interface import BLADE_POINTS
-from updamp.fem.modes import SEED, Product, relative_residuals
+from updamp.fem.modes import SEED, relative_residuals
 from updamp.fem.reduced_model import ReducedModel
 from updamp.fem.reduction import BLOCK
-from updamp.fem.solvers import Factorisation
 from updamp.fem.springs import Springs
 
 Floats = NDArray[np.float64]
+Product = Callable[[Floats], Floats]
 
 LANCZOS_VECTORS = 16
 LANCZOS_TOLERANCE = 1e-9  # of the eigenvalue; half of it is the frequency's
@@ -72,7 +73,7 @@ def first_mode(tips: Floats, in_phase: bool) -> int:
 
 def static_flexibility(part: FactorisedComponent) -> Floats:
     """B^T K^-1 B (n_interface, n_interface) of a clamped component [m/N]."""
-    return _flexibility(part.component.interface.operator, part.factor)
+    return _flexibility(part.component.interface.operator, part)
 
 
 def coupled_modes_full(
@@ -119,7 +120,7 @@ class _CoupledSystem:
         # What the separate components do not know of: the springs, and that the support is not there.
         self._directions = linalg.block_diag(springs.directions, np.eye(len(support.stiffness)))
         stiffness = np.concatenate([springs.stiffness, -support.stiffness])
-        separate = linalg.block_diag(flexibility, flexibility, _flexibility(self._damper_operator, damper.factor))
+        separate = linalg.block_diag(flexibility, flexibility, _flexibility(self._damper_operator, damper))
         at_springs = self._directions.T @ separate @ self._directions
         self._correction = linalg.solve(np.eye(len(stiffness)) + stiffness[:, None] * at_springs, np.diag(stiffness))
 
@@ -154,8 +155,8 @@ class _CoupledSystem:
 
     def _separate(self, load: Floats) -> Floats:
         left, right, damper = self.split(load)
-        blades = self._blade.factor.solve(np.stack([left.ravel(), right.ravel()], axis=1))
-        return np.concatenate([blades[:, 0], blades[:, 1], self._damper.factor.solve(damper.ravel())])
+        blades = self._blade.solve(np.stack([left.ravel(), right.ravel()], axis=1))
+        return np.concatenate([blades[:, 0], blades[:, 1], self._damper.solve(damper.ravel())])
 
     def _read(self, field: Floats) -> Floats:
         left, right, damper = self.split(field)
@@ -171,19 +172,20 @@ class _CoupledSystem:
 
 
 def _coupled_modes(coupled: _CoupledSystem, vectors: Floats) -> CoupledModes:
-    values = np.einsum("im,im->m", vectors, coupled.stiffness(vectors))
+    forces = coupled.stiffness(vectors)
+    values = np.einsum("im,im->m", vectors, forces)
     order = np.argsort(values)
     omega, vectors = np.sqrt(values[order]), vectors[:, order]
-    residual = relative_residuals(coupled.stiffness, coupled.mass, omega, vectors).max()
+    residual = relative_residuals(forces[:, order], coupled.mass(vectors), omega).max()
     left, right, damper = coupled.split(vectors)
     return CoupledModes(omega / (2 * np.pi), left, right, damper, coupled.tips(vectors), float(residual))
 
 
-def _flexibility(operator: sparse.csc_array, factor: Factorisation) -> Floats:
+def _flexibility(operator: sparse.csc_array, part: FactorisedComponent) -> Floats:
     flexibility = np.empty((operator.shape[1], operator.shape[1]))
     for start in range(0, operator.shape[1], BLOCK):
         columns = slice(start, start + BLOCK)
-        flexibility[:, columns] = operator.T @ factor.solve(operator[:, columns].toarray(order="F"))
+        flexibility[:, columns] = operator.T @ part.solve(operator[:, columns].toarray(order="F"))
     return (flexibility + flexibility.T) / 2
 
 

@@ -1,6 +1,5 @@
 """The interface of a component: the degrees of freedom at its contact elements and named points."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,10 +34,6 @@ class Interface:
     @property
     def n_interface(self) -> int:
         return self.operator.shape[1]
-
-    def blocks(self, width: int) -> Iterator[slice]:
-        """Slices of the columns, `width` at a time."""
-        return (slice(start, start + width) for start in range(0, self.n_interface, width))
 
 
 def blade_interface(

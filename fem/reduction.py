@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 
 from updamp.fem.component import FactorisedComponent
 from updamp.fem.modes import Modes, normal_modes
@@ -52,14 +53,36 @@ def residual_flexibility(part: FactorisedComponent, modes: Modes) -> Floats:
         raise ValueError(f"the {part.component.name}'s rigid-body modes must all be kept; {modes.n_rigid} are")
     operator, phi = part.component.interface.operator, modes.phi
     mass_phi = part.component.matrices.mass @ phi
-    residual = np.empty((operator.shape[1], operator.shape[1]))
-    for columns in part.component.interface.blocks(BLOCK):
-        load = operator[:, columns].toarray(order="F")
-        load -= mass_phi @ (phi.T @ load)
-        motion = part.factor.solve(load)
-        # What follows is B^T (I - Phi Phi^T M) X, without another array of the size of X.
-        residual[:, columns] = operator.T @ motion - (operator.T @ phi) @ (mass_phi.T @ motion)
+    residual = np.zeros((operator.shape[1], operator.shape[1]))
+    for subspace, factor in part.factors:
+        independent, combined = independent_loads(subspace.within(operator))
+        own, own_phi, own_mass_phi = (
+            np.empty((independent.shape[1],) * 2),
+            subspace.within(phi),
+            subspace.within(mass_phi),
+        )
+        for start in range(0, independent.shape[1], BLOCK):
+            columns = slice(start, start + BLOCK)
+            load = independent[:, columns].toarray(order="F")
+            load -= own_mass_phi @ (own_phi.T @ load)
+            motion = factor.solve(load)
+            # What follows is B^T (I - Phi Phi^T M) X, without another array of the size of X.
+            own[:, columns] = independent.T @ motion - (independent.T @ own_phi) @ (own_mass_phi.T @ motion)
+        residual += combined.T @ own @ combined
     return (residual + residual.T) / 2
+
+
+def independent_loads(loads: sparse.csc_array) -> tuple[sparse.csc_array, Floats]:
+    """As few loads as give all of them, to round-off: in half of a component, those at a contact element and at its
+    mirror image are one.
+
+    loads: (n, m). returns: (n, r), and (r, m) with loads = independent @ combined
+    """
+    rows = np.unique(loads.indices)
+    left, size, combined = np.linalg.svd(loads.tocsr()[rows].toarray(), full_matrices=False)
+    kept = size > len(rows) * np.finfo(float).eps * size[0]
+    scattered = sparse.csr_array((np.ones(len(rows)), (rows, np.arange(len(rows)))), shape=(loads.shape[0], len(rows)))
+    return sparse.csc_array(scattered @ sparse.csc_array(left[:, kept])), size[kept, None] * combined[kept]
 
 
 def mirrored_component(blade: ReducedComponent, name: str) -> ReducedComponent:

@@ -9,9 +9,16 @@ from scipy.sparse.linalg import splu
 
 from updamp.fem.component import Component, factorised
 from updamp.fem.coupling import patch
+from updamp.fem.half_models import half_models
 from updamp.fem.modes import Modes
 from updamp.fem.reduced_model import ReducedComponent
-from updamp.fem.reduction import ReductionOptions, component_modes, mirrored_component, reduce_component
+from updamp.fem.reduction import (
+    ReductionOptions,
+    component_modes,
+    independent_loads,
+    mirrored_component,
+    reduce_component,
+)
 from updamp.fem.rig_components import assemble_rig
 from updamp.fem.solvers.pardiso import pardiso
 
@@ -137,3 +144,21 @@ def test_left_blade_is_the_mirror_image(cases) -> None:
 def test_options_are_checked() -> None:
     with pytest.raises(ValueError, match=r"reduction.modes = 0 must be at least 1"):
         ReductionOptions(modes=0)
+
+
+def test_loads_that_differ_by_sign_or_are_sums_of_others_are_solved_once() -> None:
+    draw = np.random.default_rng(8).standard_normal((30, 4))
+    loads = np.zeros((200, 7))
+    loads[50:80] = np.column_stack([draw, -draw[:, 0], draw[:, 1], draw[:, 2] + 2 * draw[:, 3]])
+    independent, combined = independent_loads(csc_array(loads))
+    assert independent.shape == (200, 4)
+    np.testing.assert_allclose(independent @ combined, loads, atol=1e-13)
+
+
+def test_in_half_of_a_blade_half_of_the_loads_are_independent(tiny_mesh, reference_rig) -> None:
+    blade = assemble_rig(tiny_mesh, reference_rig.material, patch)[0]
+    operator = blade.interface.operator
+    halves = half_models(blade.mesh.nodes[blade.matrices.free_nodes], blade.matrices)
+    counts = [independent_loads(half.within(operator))[0].shape[1] for half in halves]
+    assert sum(counts) == operator.shape[1]
+    assert independent_loads(operator)[0].shape[1] == operator.shape[1]
