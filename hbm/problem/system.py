@@ -19,6 +19,7 @@ from updamp.hbm.problem.elements import ElementGroup, departure_only, departures
 from updamp.hbm.problem.elements_together import departures_only_together, departures_together
 from updamp.hbm.problem.linear_model import LinearModel, stuck_on
 from updamp.hbm.problem.mirror import Mirror, acts_symmetrically, half_groups, half_structure, is_own_image
+from updamp.hbm.problem.mirror_search import laws_are_mirrored, mirror_driven_at
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -73,7 +74,8 @@ class Departure:
 class NonlinearSystem:
     """free: the linear structure without the elements; groups: their rows cover 0..n_relative-1, each once.
 
-    mirror: what might be a symmetry of the problem; whether it is one, `half` finds out
+    mirror: what might be a symmetry of the problem; whether it is one, `half` finds out. None: it is looked for where
+        the excitation is known (hbm/problem/mirror_search.py), unless `as_a_whole`
 
     raises: ValueError where there is no group, where the rows of the groups overlap or leave some out, and where the
         time samples do not resolve the highest harmonic
@@ -84,6 +86,7 @@ class NonlinearSystem:
     harmonics: Harmonics
     time_samples: int
     mirror: Mirror | None = None
+    as_a_whole: bool = False
 
     def __post_init__(self) -> None:
         self.harmonics.refuse_too_few(self.time_samples)
@@ -178,7 +181,7 @@ class NonlinearSystem:
     def halved(self, mirror: Mirror) -> "NonlinearSystem":
         """The symmetric motions alone, of a problem that is its own mirror image."""
         free, groups = half_structure(self.free, mirror), half_groups(self.groups, mirror)
-        return replace(self, free=free, groups=groups, mirror=None)
+        return replace(self, free=free, groups=groups, mirror=None, as_a_whole=True)
 
     @cached_property
     def other_half(self) -> "NonlinearSystem | None":
@@ -189,9 +192,25 @@ class NonlinearSystem:
 
     def half_driven_at(self, row: int) -> "tuple[NonlinearSystem, Mirror] | None":
         """`half`, where a force on this row is its own mirror image too, and what leads back to the whole."""
-        if self.half is None or self.mirror is None or not acts_symmetrically(self.free, self.mirror, row):
+        if self.as_a_whole:
+            return None
+        if self.mirror is None:
+            return self._found_half(row)
+        if self.half is None or not acts_symmetrically(self.free, self.mirror, row):
             return None
         return self.half, self.mirror
+
+    def _found_half(self, row: int) -> "tuple[NonlinearSystem, Mirror] | None":
+        """As `half_driven_at`, by a mirror image that is found. The laws are tried last: that takes longest."""
+        mirror = mirror_driven_at(self.free, self.groups, row)
+        if mirror is None or (half := replace(self, mirror=mirror).half_driven_at(row)) is None:
+            return None
+        w = float(np.sqrt(self.free.omega_squared.max()))
+        return (
+            half
+            if laws_are_mirrored(lambda x: self.departure_value(x, w), mirror, self.harmonics.n_coefficients)
+            else None
+        )
 
 
 def _one_by_one(motions: Floats) -> Floats:

@@ -66,7 +66,7 @@ def test_the_curve_is_that_of_the_whole(curves):
     """At a force at which no motion leaves the symmetry: at 0.3 the whole problem passes places where that begins, and
     whether it is followed across them depends on round-off."""
     system, _ = curves
-    half, whole = (list(trace(one, request_for(one, 0.2)))[-1] for one in (system, replace(system, mirror=None)))
+    half, whole = (list(trace(one, request_for(one, 0.2)))[-1] for one in (system, replace(system, as_a_whole=True)))
     assert half.complete
     assert whole.complete
     assert half.active.max() > 0, "contacts slip"
@@ -88,7 +88,7 @@ def test_its_points_solve_the_whole_problem_and_keep_its_energy_balance(curves):
 def test_a_resonance_followed_in_force_is_that_of_the_whole(curves):
     system, _ = curves
     request = ResonanceRequest("1", "drive", "drive", WINDOW, (0.1, 0.3), PhaseResonance())
-    half, whole = (list(trace_resonance(one, request))[-1] for one in (system, replace(system, mirror=None)))
+    half, whole = (list(trace_resonance(one, request))[-1] for one in (system, replace(system, as_a_whole=True)))
     assert half.complete
     assert half.displacement.shape[1:] == (9, 7)
     np.testing.assert_allclose(half.frequency[-1], whole.frequency[-1], rtol=1e-6)

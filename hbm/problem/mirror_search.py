@@ -1,0 +1,84 @@
+"""The mirror image of a problem whose user has not stated one, found from what its excitation moves.
+
+Solved as a whole, a symmetric problem passes places where motions begin that break its symmetry, and whether its curve
+is followed across them depends on round-off (hbm/problem/mirror.py). A force that is its own mirror image moves
+symmetric modes alone. So the modes that it does not move tell the antisymmetric ones, and with them each displacement
+its image: the one that moves as it in the driven modes and against it in the others, or with the opposite sign.
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from updamp.hbm.problem.elements import ElementGroup
+from updamp.hbm.problem.linear_model import LinearModel
+from updamp.hbm.problem.mirror import AGREEMENT, Mirror
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+# Of motions that laws are tried at: where a contact slips or a gap closes is not known, nor the unit of length.
+SIZES = 10.0 ** np.arange(-12, 4)
+SEED = 20261127
+
+
+def mirror_driven_at(free: LinearModel, groups: Sequence[ElementGroup], row: int) -> Mirror | None:
+    """What the symmetry of a structure and its elements is, if a force on this row is symmetric; whether it is one is
+    left to be asked (`is_own_image`).
+
+    returns: None where all modes are driven, or where elements have no images
+    """
+    drive = np.abs(free.phi[row])
+    driven = drive > AGREEMENT * drive.max()
+    relative = free.phi[: free.n_relative]
+    size = np.linalg.norm(relative, axis=0)
+    if not size[~driven].any():
+        return None
+    modes = relative[:, size > 0] / size[size > 0]
+    parity = np.where(driven[size > 0], 1.0, -1.0)
+    image, sign = np.zeros(len(modes), dtype=np.int64), np.ones(len(modes))
+    for group in groups:
+        found = _images(modes[group.rows], modes[group.rows] * parity)
+        if found is None:
+            return None
+        element, signs = found
+        image[group.rows], sign[group.rows] = group.rows[element], signs
+    return Mirror(image, sign)
+
+
+def laws_are_mirrored(force: Callable[[Floats], Floats], mirror: Mirror, n_coefficients: int) -> bool:
+    """Whether the image of a motion has the image of its forces, of random motions of all sizes. Where a displacement
+    changes its sign in the image a law must be odd in it, which no parameter tells.
+
+    force: of a motion (n_relative, n_coefficients)
+    """
+    if (mirror.sign > 0).all():
+        return True
+    motion = np.random.default_rng(SEED).standard_normal((len(mirror.sign), n_coefficients))
+    for size in SIZES:
+        expected = mirror.of(force(size * motion))
+        if np.abs(force(size * mirror.of(motion)) - expected).max() > AGREEMENT * np.abs(expected).max():
+            return False
+    return True
+
+
+def _images(motions: Floats, reflected: Floats) -> tuple[Integers, Floats] | None:
+    """The element that moves as the image of each, (n,), and the signs of its displacements, (n, d).
+
+    motions, reflected: (n, d, m) in the modes, and with those turned round that are not driven
+    """
+    n, d, _ = motions.shape
+    apart, signs = np.zeros((n, n)), np.empty((n, n, d))
+    for i in range(d):
+        own, other = motions[:, i], reflected[:, i]
+        squares = (own**2).sum(axis=1)[:, None] + (other**2).sum(axis=1)
+        product = own @ other.T  # [image, element]
+        signs[:, :, i] = np.where(product < 0, -1.0, 1.0)
+        apart += squares - 2 * np.abs(product)
+    element = np.argmin(apart, axis=0)
+    alone = np.arange(n)
+    near = apart[element, alone] <= AGREEMENT * (motions**2).sum(axis=(1, 2)).max()
+    if not near.all() or not np.array_equal(element[element], alone):
+        return None
+    return element, signs[element, alone]
