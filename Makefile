@@ -6,13 +6,14 @@ ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 
-.PHONY: help setup system test run bench wheel docs
+.PHONY: help setup system check test test-all run bench wheel docs
 .DEFAULT_GOAL := help
 
 help:
 	@echo "make run     the reference rig at full size, into results/pesaresi2017/"
 	@echo "make test    ruff, mypy, import contracts and the tests (PYTEST_OPTIONS='-k rig' for some of them);"
-	@echo "             about 10 minutes on two cores, more the first time: contact laws are compiled"
+	@echo "             up to 10 minutes on two cores"
+	@echo "make test-all  the same with the tests that are marked long: whole searches, curves traced again and again"
 	@echo "make bench   the benchmarks"
 	@echo "make wheel   dist/updamp-*.whl, which pip installs without this folder"
 	@echo "make docs    the documentation as a site, docs/_build/html/index.html"
@@ -41,11 +42,16 @@ docs: setup
 wheel: setup
 	$(PIP) wheel --no-deps --wheel-dir dist .
 
-test: setup
+check: setup
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
+
+test: check
+	$(ONE_THREAD) $(BIN)/pytest -m "not long" $(PYTEST_OPTIONS)
+
+test-all: check
 	$(ONE_THREAD) $(BIN)/pytest $(PYTEST_OPTIONS)
 
 run: setup

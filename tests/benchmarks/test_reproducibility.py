@@ -25,7 +25,7 @@ from updamp.model.rig_files import load_rig
 
 OPENS_EARLY = Path(__file__).parents[1] / "data" / "early_opening.toml"
 PEAK, FREQUENCY = 1e-3, 0.05  # relative; [Hz]
-LONG = ("IP", 17.0)  # hundreds of points: not traced once more with another round-off
+LONGEST = ("IP", 17.0)  # hundreds of points: not traced once more with another round-off
 
 # numpy is loaded before the benchmark sets its one thread.
 TWO_THREADS = """
@@ -54,21 +54,24 @@ def upwards(rig, reduced):
     return cache(lambda mode, force: read("upwards", rig, reduced, mode, force, True))
 
 
-@pytest.mark.parametrize(("mode", "force"), CURVES)
+@pytest.mark.parametrize(
+    ("mode", "force"), [pytest.param(*curve, marks=pytest.mark.long if curve[0] == "IP" else ()) for curve in CURVES]
+)
 def test_direction_and_round_off_change_nothing_that_is_read_from_a_curve(rig, reduced, upwards, mode, force):
     first = upwards(mode, force)
     assert first.complete
     assert_same(read("downwards", rig, reduced, mode, force, False), first)
-    if (mode, force) != LONG:
+    if (mode, force) != LONGEST:
         assert_same(read("round-off", rig, with_round_off(reduced, 1), mode, force, True), first)
 
 
+@pytest.mark.long
 def test_neither_do_they_at_the_reference_rigs_busiest_curve():
     rig = load_rig(RIG)
     reduced = small_model(rig)
-    first = read("upwards", rig, reduced, *LONG, True)
+    first = read("upwards", rig, reduced, *LONGEST, True)
     assert first.complete
-    assert_same(read("downwards", rig, reduced, *LONG, False), first)
+    assert_same(read("downwards", rig, reduced, *LONGEST, False), first)
 
 
 # Both of the stress grid. The first was read 6 % too high where the top was looked for beyond the points beside it.
@@ -77,6 +80,7 @@ AT_A_KINK = StressCase("IP", force_N=9.025, mu=0.3697, kt_N_per_mm3=1308.0, kn_N
 BESIDE_ANOTHER = StressCase("IP", force_N=28.37, mu=0.6177, kt_N_per_mm3=5.259e4, kn_N_per_mm3=1.007e4, pull_N=2386.0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("case", [AT_A_KINK, BESIDE_ANOTHER], ids=["at a kink", "beside another branch"])
 def test_a_false_peak_is_mended(reduced, case):
     system, request = system_of(case, reduced)
@@ -89,6 +93,7 @@ def test_a_false_peak_is_mended(reduced, case):
         assert np.abs(curve.receptance(request.points[0])).max() == pytest.approx(peak, rel=PEAK)
 
 
+@pytest.mark.long
 def test_neither_do_two_threads(upwards):
     threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "2")
     ran = subprocess.run(
@@ -103,6 +108,7 @@ def test_neither_do_two_threads(upwards):
     assert_same(Reading(**found), Reading(**json.loads(json.dumps(asdict(one)))))
 
 
+@pytest.mark.long
 def test_the_resonance_followed_in_force_is_the_peak_of_the_curves_however_many_contacts_open(rig, reduced, upwards):
     """IP, whose contacts open one after another."""
     model, tip = rig_model(reduced, static_contact(reduced, rig), rig), f"blade_{rig.excitation.blade}.tip.x"

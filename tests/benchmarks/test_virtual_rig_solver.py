@@ -161,6 +161,7 @@ def checked(rig: Assembled, frequency: float, force: float, periods: int = 150):
 UNEVEN = np.tile([0.03, 1.0, 1.0, 1.0], 2)  # on two patches the load is so small that they open
 
 
+@pytest.mark.long
 def test_slip_and_opening_against_marching_in_time(bench: Bench) -> None:
     ip, oop = assembled(bench).stuck_frequencies(2)
     uneven = bench.with_patches(n0=UNEVEN * bench.patches.n0)
@@ -172,6 +173,7 @@ def test_slip_and_opening_against_marching_in_time(bench: Bench) -> None:
         assert abs(marched.first_harmonic[-1] / balanced - 1) < 3e-3
 
 
+@pytest.mark.long
 def test_bundle_speed_and_film_against_marching_in_time(bench: Bench) -> None:
     _, oop = assembled(bench).stuck_frequencies(2)
     plain = damped(bench, oop)

@@ -96,6 +96,7 @@ def test_why_the_resonance_stopped_is_said_at_the_end_and_of_a_kept_one_too(quic
     )
 
 
+@pytest.mark.long
 def test_the_run_without_it_computes_what_is_missing_and_takes_the_rest(quick, tmp_path):
     rig, out, _ = quick
     shutil.copytree(out, tmp_path / "out")
@@ -145,6 +146,7 @@ AS_A_SHELL_DOES = (
 MARCHING = re.compile(r"marched in.*marched in time")  # the bar's name, and what it is at
 
 
+@pytest.mark.long
 def test_ctrl_c_in_a_terminal_ends_a_march_in_time(quick, tmp_path):
     """A real terminal, whose driver sends SIGINT to the whole group of processes."""
     rig, out, _ = quick

@@ -105,6 +105,7 @@ def test_brake_reuss_report_names_levels_in_the_unit_that_was_held(measured: Com
     assert not re.search(r">\d+(\.\d+)? N<", page.split('<script type="application/json"')[0])
 
 
+@pytest.mark.long
 def test_stated_repeatability_is_the_least_noise(measured: Comparison) -> None:
     """Errors are in units of it: those of all eight runs, with offsets of the only assembly fitted too."""
     stated = of_brake_reuss(brake_reuss())

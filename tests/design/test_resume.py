@@ -69,7 +69,7 @@ def test_nothing_that_was_finished_is_lost_or_solved_again_after_a_kill(folder, 
     )
 
 
-@pytest.mark.parametrize("finished", [3, 9])
+@pytest.mark.parametrize("finished", [3, pytest.param(9, marks=pytest.mark.long)])
 def test_a_search_that_was_killed_comes_to_the_designs_of_one_that_was_not(folder, finished):
     pytest.importorskip("optuna")
     path = slow_study(folder, SEARCH, MINIMISE)

@@ -134,6 +134,7 @@ def test_the_damper_alone_leaves_the_blade_alone(studied):
         np.testing.assert_allclose(one.residual, two.residual, atol=1e-9 * np.abs(two.residual).max())
 
 
+@pytest.mark.long
 def test_a_response_that_is_added_later_finds_the_peak(studied):
     folder, result = studied
     added = '[[responses]]\nname = "at"\nkind = "resonance_frequency"\nmode = "OOP"\nforce = "8 N"\n\n[method]'

@@ -87,7 +87,7 @@ SAMPLES = 'kind = "sobol"\nsamples = 4', ""
 SEARCH = 'kind = "tpe"\ndesigns = 14', '[[objectives]]\nresponse = "free"\ngoal = "minimise"'
 
 
-@pytest.mark.parametrize("study", [SAMPLES, SEARCH])
+@pytest.mark.parametrize("study", [SAMPLES, pytest.param(SEARCH, marks=pytest.mark.long)])
 def test_two_processes_and_a_dask_cluster_find_the_same(folder, study):
     pytest.importorskip("optuna")
     distributed = pytest.importorskip("distributed", reason="Dask is optional: pip install 'updamp[cluster]'")

@@ -141,6 +141,7 @@ def measured(lag: float) -> Measurement:
     return Measurement("resonator", 0.0, POINT, (Channel("a", POINT),), tuple(runs), repeatability=0.01)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("lag", [0.0, 0.12])
 def test_a_lag_is_found_among_all_effects_and_none_where_none_is(beam: RigModel, lag: float) -> None:
     start = baseline(beam, (), plan_of(measured(lag)), {})

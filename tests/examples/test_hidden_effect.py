@@ -11,6 +11,8 @@ from updamp.effects.catalogue import CATALOGUE
 from updamp.workflow import diagnose_run as diagnose
 from updamp.workflow.history import read_history
 
+pytestmark = pytest.mark.long
+
 EXAMPLE = Path(__file__).parents[2] / "examples" / "hidden_effect.py"
 CHOICE = ("blade_mistuning", "clamp_flexibility", "asymmetric_preload")
 

@@ -76,6 +76,7 @@ def test_design_numbers(solved):
     assert 0 <= numbers.energy_ratio < 1
 
 
+@pytest.mark.long
 def test_outputs_and_findings(solved):
     findings = check_findings(solved)
     with Display(Console(quiet=True)) as display:
@@ -111,6 +112,7 @@ def whole_curves(stages: Path) -> dict[Path, int]:
     return {path: path.stat().st_mtime_ns for path in stages.glob("curve_*.h5") if "partial" not in path.name}
 
 
+@pytest.mark.long
 def test_nothing_that_was_traced_is_lost_by_a_kill(tmp_path):
     file = study_folder(tmp_path, STUDY.replace('"0.96 N"', '"0.96 N", "3.84 N", "6 N", "9.6 N"'))
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}

@@ -93,6 +93,7 @@ def parameters(verdict: Verdict) -> Mapping[str, float]:
     return {p.name: p.value for c in verdict.candidates if c.accepted for p in c.parameters}
 
 
+@pytest.mark.long
 def test_a_mode_that_no_fit_has_seen_is_predicted(verdict: Verdict) -> None:
     assert (verdict.verdict, set(verdict.group)) == ("inseparable", TWINS)
     assert verdict.error.held_out_before > 5
@@ -193,10 +194,12 @@ def test_files_that_the_rig_file_names_count_and_its_comments_do_not(tmp_path: P
     assert digest(mapped.replace("[load]", "[load] # heavy"), 5.0) == known
 
 
+@pytest.mark.long
 def test_two_processes_find_the_same(in_this_process: Verdict, short_diagnosis: Short) -> None:
     same(short_diagnosis("two", jobs=2), in_this_process)
 
 
+@pytest.mark.long
 def test_a_dask_cluster_finds_the_same(in_this_process: Verdict, short_diagnosis: Short) -> None:
     distributed = pytest.importorskip("distributed", reason="Dask is optional: pip install 'updamp[cluster]'")
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:

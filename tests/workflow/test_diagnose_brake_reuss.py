@@ -18,6 +18,8 @@ from updamp.measurement.load import load_measurement
 from updamp.model.build import modal_before_effects
 from updamp.model.rig_files import load_modal
 
+pytestmark = pytest.mark.long
+
 ROOT = Path(__file__).parents[2]
 DATA = ROOT.parent / "shared" / "data" / "brb" / "response_controlled.csv"
 HELD_OUT = ("20 m/s2", "40 m/s2", "60 m/s2", "80 m/s2")

@@ -122,6 +122,7 @@ def test_hidden_effect_is_found(model, windows, name, values, tmp_path):
     assert VERDICT_JSON.read(tmp_path / "diagnosis.json").group == verdict.group
 
 
+@pytest.mark.long
 def test_softer_contacts_ask_for_no_effect(model, windows):
     features = stated(model, windows, NORMAL.apply(model, 0.5))
     found = diagnose_stated(model, windows, BLADE, features, EFFECTS)

@@ -18,6 +18,7 @@ def test_a_sensor_that_is_far_off_is_named_with_its_size(gain: float) -> None:
     assert 1 + sensor.relative == pytest.approx(wanted, rel=0.03)
 
 
+@pytest.mark.long
 def test_a_shape_that_is_wrong_in_one_mode_is_no_sensor() -> None:
     """Twice the shape in one mode, half of it in the other."""
     model = two_modes(tip={"first": 3.0, "second": -0.55})

@@ -56,6 +56,7 @@ def test_the_disturbed_run_is_named_and_no_other(branches) -> None:
     assert "repeat 2" in found.text
 
 
+@pytest.mark.long
 def test_repeats_that_differ_by_chance_are_left_alone(branches) -> None:
     """Six measurements of nine runs whose assemblies differ, with a risk of a hundredth each: two have a run named with
     a probability of 0.0015."""

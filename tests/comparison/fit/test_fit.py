@@ -71,6 +71,7 @@ def test_nothing_stands_out_of_the_scatter(fitted, runs):
     assert findings(fitted, runs[0], found) == ()
 
 
+@pytest.mark.long
 def test_a_shifted_resonance_is_named(runs):
     """One level's frequencies are moved by 0.3 %: nothing that all levels share explains that."""
     plan = runs[0]
@@ -97,6 +98,7 @@ def test_intervals_know_what_finer_numerics_would_move_the_parameters_by(fitted)
     np.testing.assert_array_equal(fitted.uncertainty, fitted.deviations)
 
 
+@pytest.mark.long
 def test_a_fit_does_not_settle_on_branches_that_lack_what_a_sweep_sees(fitted, runs):
     """As those do that were moved from where a sweep saw less: half of the measured points have no place there."""
     plan, p = runs[0], parametrisation()

@@ -100,6 +100,7 @@ def test_amplitudes_alone_are_one_value_a_point() -> None:
     assert compared.mean_squared_misfit < 1.3
 
 
+@pytest.mark.long
 def test_no_global_optimiser_finds_better() -> None:
     bounds = [(-0.02, 0.02), (-1.0, 1.0), (-0.3, 0.3), (-0.5, 0.5)]
     found = differential_evolution(HARDENING.unlikely, bounds, maxiter=15, popsize=6, rng=1, polish=False, init="sobol")

@@ -83,7 +83,7 @@ def test_a_worker_that_the_system_ends_is_told():
         branches([Killed("IP 5 N")])
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+@pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGKILL, marks=pytest.mark.long)])
 def test_nothing_is_left_behind_by_an_interruption_or_a_sudden_end(number):
     paths = os.pathsep.join(path for path in [str(TESTS), *sys.path] if path)
     with subprocess.Popen(

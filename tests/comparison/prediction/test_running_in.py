@@ -67,6 +67,7 @@ def test_its_signature_is_the_derivative_of_a_fit_with_it(plan, calibrated):
         assert np.linalg.norm(one - other) <= 0.05 * np.linalg.norm(other)
 
 
+@pytest.mark.long
 def test_a_fit_finds_the_growth(plan, calibrated):
     found = fit(RUNNING_IN, plan, np.append(calibrated.u, 0.0))
     growth, deviation = found.u[4] * TYPICAL, found.deviations[4] * TYPICAL

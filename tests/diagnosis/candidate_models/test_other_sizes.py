@@ -59,6 +59,7 @@ def fitted(monkeypatch):
     return of
 
 
+@pytest.mark.long
 def test_the_other_minimum_is_found_is_as_likely_and_is_in_the_interval(fitted):
     start, found = fitted(TWOFOLD)
     (one,) = parameters(found, TWOFOLD)
@@ -73,6 +74,7 @@ def test_the_other_minimum_is_found_is_as_likely_and_is_in_the_interval(fitted):
     assert both.lower < ALIKE[0] < ALIKE[1] < both.upper
 
 
+@pytest.mark.long
 def test_where_there_is_one_minimum_every_size_leads_back_to_it(fitted, monkeypatch):
     start, found = fitted(PLAIN)
     for size in SIZE_FACTORS:

@@ -59,6 +59,7 @@ def apply(model, values):
 SPRING = Effect("spring", "there is a spring", (EffectParameter("size", 0.0, 0.0, 5.0, 1.0, "", "test"),), apply)
 
 
+@pytest.mark.long
 @pytest.mark.xfail(
     strict=True,
     reason="what a finer mesh changes, carried over from other parameters, is too rough: notes of experiments",
@@ -96,6 +97,7 @@ WEAKLY = Effect(
 )
 
 
+@pytest.mark.long
 def test_a_fit_that_ended_at_the_wrong_sign_is_turned_round(monkeypatch):
     monkeypatch.setattr(numerical_gate, "nuisances", lambda _: NUISANCES)
     truth = Parametrisation(shown_weakly(FINE, {"size": 1.0}), NUISANCES)

@@ -56,6 +56,7 @@ def start():
         return baseline(small_model(), (), plan, {})
 
 
+@pytest.mark.long
 def test_an_effect_that_acts_with_its_square_is_tried_first_and_near_its_size(start):
     scored = scores(extend(start.fitted, start.train_plan, (ASKEW, DASHPOT)))
     assert max(s.score for s in scored) < Criteria().search.score  # to first order neither shows
@@ -101,6 +102,7 @@ def test_a_share_that_first_acts_the_other_way_is_tried_whole(start):
     assert smaller.misfit > 2 * found.misfit
 
 
+@pytest.mark.long
 def test_a_fit_begins_beside_the_model_as_given_though_it_is_worse_there_before_it_is_fitted(start):
     """The whole share is five times as stiff as the data ask for, so that the calibrated model with next to nothing of
     it, from where it only softens, fits better at first."""

@@ -35,6 +35,7 @@ def start():
     return baseline(two_modes(), (), replace(plan, drift=1e-4), {})
 
 
+@pytest.mark.long
 def test_the_effect_is_named_at_its_place_with_its_size(start):
     found = search(start, EFFECTS, Criteria())
     decision = decide(found.evidence, Criteria())

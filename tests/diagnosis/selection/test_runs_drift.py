@@ -17,6 +17,8 @@ from updamp.diagnosis.selection.search import search
 from updamp.effects.effect import Effect, EffectParameter
 from updamp.hbm.problem.structural_changes import Attachment
 
+pytestmark = pytest.mark.long
+
 # By level, which is not the order of the day.
 LEVELS, WARMED = (10.0, 20.0, 30.0, 45.0, 60.0), (0.0, -0.004, 0.003, -0.002, 0.004)
 SPRING = Effect(

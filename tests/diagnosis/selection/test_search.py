@@ -69,6 +69,7 @@ def found(stiffness, effects):
     return search(start(stiffness), effects, Criteria())
 
 
+@pytest.mark.long
 def test_one_level_is_held_out_and_the_hidden_spring_is_named_with_its_size():
     result = found(3e3, (SPRING, DASHPOT, WEAKER))
     assert [result.baseline.plan.conditions[i].force for i in result.baseline.held_out] == [30.0]
@@ -83,6 +84,7 @@ def test_one_level_is_held_out_and_the_hidden_spring_is_named_with_its_size():
     assert decision.trial.excess < 1.3
 
 
+@pytest.mark.long
 def test_a_gross_misfit_leads_neither_the_calibration_nor_the_search_astray():
     """A spring ten times as stiff: numerical error must not be taken to its limits to lessen it a little."""
     gross = start(3e4)
@@ -116,6 +118,7 @@ def sized_once(effect, *_):
     return replace(effect, sentence=f"{effect.sentence} sized")
 
 
+@pytest.mark.long
 def test_a_search_whose_calibration_was_no_optimum_is_begun_again_from_a_better_one(monkeypatch):
     """The spring is not in the catalogue, so nothing explains the data; what is said of them is the same. Effects are
     sized for the rig from what the catalogue says, not from what they were sized to before."""
@@ -131,6 +134,7 @@ def test_a_search_whose_calibration_was_no_optimum_is_begun_again_from_a_better_
     assert decide(result.evidence, Criteria()).outcome == "unknown"
 
 
+@pytest.mark.long
 def test_what_looks_the_same_is_called_inseparable():
     result = found(3e3, (SPRING, TWIN, DASHPOT))
     decision = decide(result.evidence, Criteria())
@@ -139,6 +143,7 @@ def test_what_looks_the_same_is_called_inseparable():
     assert any({a, b} == {"spring", "twin"} and cosine > 0.99 for a, b, cosine in result.evidence.alike)
 
 
+@pytest.mark.long
 def test_what_explains_the_data_as_well_is_fitted_however_little_it_looks_alike_to_first_order():
     """Two that act with their squares: about the calibrated model neither has a signature, so that none looked like the
     first one that was fitted, and that one was called identified."""
@@ -197,6 +202,7 @@ def test_second_effects_are_looked_for_where_the_first_explains_all_but_stands_a
     assert tried == [at_bound.refit]
 
 
+@pytest.mark.long
 def test_pairs_are_given_the_numerical_error_of_the_model_with_both_effects(monkeypatch):
     """That they help is shown in test_refit.py; here that they are asked for, and that the answer counts. In the wide
     window, where the dashpot alone takes off some of the misfit."""

@@ -65,6 +65,7 @@ def solved_pressure(patches: int) -> tuple[np.ndarray, np.ndarray, int]:
     return x, state.force[:, 2] / (width * depth), int(state.closed.sum())
 
 
+@pytest.mark.long
 def test_cylinder_on_finite_elements_meets_hertz_and_converges() -> None:
     peak = 2 * P / (np.pi * HERTZ)
     width_errors, profile_errors, sizes = [], [], (10, 20, 40)

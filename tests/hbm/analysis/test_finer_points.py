@@ -25,6 +25,7 @@ def traced():
     return system, request, curve
 
 
+@pytest.mark.long
 def test_they_are_those_of_the_estimate_at_the_peak(traced):
     system, request, curve = traced
     found, estimate = point_errors(system, request, curve, "tip"), estimate_error(system, request, curve)

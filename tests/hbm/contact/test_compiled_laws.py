@@ -189,6 +189,7 @@ def modified_parameters():
     return with_entries(p, static_share=rng.random(ELEMENTS), limit_spread=rng.random(ELEMENTS))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("law", MODIFIED)
 def test_modified_laws_are_made_of_the_compiled_one_inside(law):
     p = modified_parameters()
@@ -210,6 +211,7 @@ def assert_as_in_jax(law, p, motion):
     np.testing.assert_allclose(*areas, rtol=0, atol=1e-12 * np.abs(areas[1]).max())
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("law", "s"), [(MODIFIED[0], 0.0), (MODIFIED[1], 0.0), (MODIFIED[1], 0.03 + 0.4j)])
 def test_so_are_their_tangents_to_what_grows(law, s):
     p, rows = modified_parameters(), np.arange(3 * ELEMENTS).reshape(-1, 3)
@@ -251,6 +253,7 @@ class CoupledInJax(RateInJax):
     decoupled_directions: ClassVar[tuple[int, ...]] = ()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("inner", [JenkinsBox(2), SubPatchMicroslip(JenkinsBox(2))])
 def test_a_film_is_the_compiled_law_inside_and_dashpots_beside_it(inner):
     law, rng, w = ViscousFilm(inner), np.random.default_rng(9), 1.7
@@ -268,6 +271,7 @@ def test_a_film_is_the_compiled_law_inside_and_dashpots_beside_it(inner):
     np.testing.assert_allclose(force_only(group, motion, w, HARMONICS, 128), ours.force, rtol=0, atol=1e-13 * size)
 
 
+@pytest.mark.long
 def test_friction_that_depends_on_the_speed_is_the_compiled_law_with_friction_that_varies():
     law, rng, w = VelocityFriction(JenkinsBox(2)), np.random.default_rng(10), 1.7
     p = with_entries(parameters(), velocity_drop=0.6 * rng.random(ELEMENTS), reference_speed=0.2 + rng.random(ELEMENTS))
@@ -293,6 +297,7 @@ def pressed_parameters():
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("law", [PressureStiffness(JenkinsBox(2)), StaticShare(PressureStiffness(JenkinsBox(3)))])
 def test_stiffness_that_depends_on_the_pressure_is_that_of_the_law_in_jax(law):
     p = pressed_parameters()
@@ -300,6 +305,7 @@ def test_stiffness_that_depends_on_the_pressure_is_that_of_the_law_in_jax(law):
     assert_as_in_jax(law, p, motions(p))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("s", [0.0, 0.03 + 0.4j])
 def test_so_is_its_tangent_to_what_grows(s):
     law, p = PressureStiffness(JenkinsBox(2)), pressed_parameters()
@@ -332,6 +338,7 @@ def test_a_modified_law_is_not_taken_for_the_one_inside():
     assert not isinstance(VelocityFriction(JenkinsBox(2)), CompiledLaw)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("s", [0.0, 0.03 + 0.4j, -0.05 + 0.1j])
 @pytest.mark.parametrize("law", [JenkinsBox(2), SampledJenkinsBox(2)])
 def test_tangents_to_what_grows_are_those_of_the_law_in_jax(law, s):

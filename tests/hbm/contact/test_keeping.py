@@ -7,6 +7,7 @@ import pytest
 from support.kept_function import compile_it
 
 
+@pytest.mark.long
 def test_processes_that_begin_together_compile_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     context = get_context("spawn")

@@ -110,6 +110,7 @@ def test_force_state_and_tangent_of_all_together(motions):
     assert all((state == s).any() for s in range(3))
 
 
+@pytest.mark.long
 def test_all_together_are_a_plain_march_of_their_equations(motions):
     """Written out again with numpy at 2^12 samples."""
     w = 0.8
@@ -218,7 +219,10 @@ def test_which_directions_are_decoupled():
     "law",
     [
         *(modification(SampledJenkinsBox(2)) for modification in MODIFICATIONS),
-        fully_modified(JenkinsBox(2), [each for each in MODIFICATIONS if each is not VelocityFriction]),
+        pytest.param(
+            fully_modified(JenkinsBox(2), [each for each in MODIFICATIONS if each is not VelocityFriction]),
+            marks=pytest.mark.long,
+        ),
     ],
     ids=[*(modification.__name__ for modification in MODIFICATIONS), "four modifications, events between samples"],
 )
