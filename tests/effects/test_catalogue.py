@@ -12,6 +12,8 @@ from updamp.hbm.newton import observe
 from updamp.hbm.newton.equation import evaluate, linear_solution
 from updamp.hbm.newton.newton import Solution, solve
 
+UNITS = pint.get_application_registry()  # one for all: to make one takes half a second
+
 FORCE = 25.0  # N
 BELOW = 0.97  # of the first stuck frequency: with this force some contacts stick and some slip there
 NAMES = (
@@ -82,7 +84,7 @@ def test_parameters_have_bounds_units_and_sources(name):
         assert p.lower <= p.typical <= p.upper != p.null
         assert p.source
         # SI, since values are handed on as they are
-        unit = pint.UnitRegistry().parse_units(p.unit)
+        unit = UNITS.parse_units(p.unit)
         assert (1 * unit).to_base_units().magnitude == pytest.approx(1)
 
 

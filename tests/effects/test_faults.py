@@ -23,6 +23,8 @@ from updamp.model.build import modal_model
 from updamp.model.calibration import nuisances
 from updamp.model.rig_files import load_modal
 
+UNITS = pint.get_application_registry()  # one for all: to make one takes half a second
+
 POINT, FORCE = "beam.drive.x", 0.2
 MASS, RESONANCE, LOSS = 2.0, 80.38, 0.0031  # of rigs/brake_reuss.toml
 UP = RunCondition("up", "first", FORCE, True, (79.0, 81.5), ((POINT, 1),))
@@ -62,7 +64,7 @@ def test_they_are_a_class_of_their_own() -> None:
         assert effect.in_words.startswith("fault of the measurement: ")
         for p in effect.parameters:
             assert p.lower < p.null < p.typical < p.upper
-            assert (1 * pint.UnitRegistry().parse_units(p.unit)).to_base_units().magnitude == pytest.approx(1)
+            assert (1 * UNITS.parse_units(p.unit)).to_base_units().magnitude == pytest.approx(1)
 
 
 @CONDITIONS

@@ -18,6 +18,8 @@ from updamp.model.build import modal_model
 from updamp.model.calibration import nuisances
 from updamp.model.rig_files import load_modal
 
+UNITS = pint.get_application_registry()  # one for all: to make one takes half a second
+
 NAMES = (
     "joint_viscous", "joint_viscoelastic", "joint_square", "joint_cubic", "joint_quintic", "joint_clearance",
     "joint_quadratic", "joint_friction", "joint_microslip",
@@ -59,7 +61,7 @@ def test_names_and_parameters() -> None:
             assert p.lower <= p.typical <= p.upper
             assert p.typical != p.null
             assert p.source
-            unit = pint.UnitRegistry().parse_units(p.unit)
+            unit = UNITS.parse_units(p.unit)
             assert (1 * unit).to_base_units().magnitude == pytest.approx(1)
 
 
