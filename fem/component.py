@@ -66,10 +66,10 @@ def factorised(part: Component, solver: LinearSolver) -> Iterator[FactorisedComp
     matrices = part.matrices
     nodes = part.mesh.nodes[matrices.free_nodes]
     near_null_space = rigid_body_fields(nodes)
-    # What floats is small, and its support is not its own mirror image.
-    subspaces = (
-        half_models(nodes, matrices) if not part.rigid.size else (Subspace(part.support.added_to(matrices.stiffness)),)
-    )
+    if part.rigid.size:  # what floats is small, and its support is not its own mirror image
+        subspaces: tuple[Subspace, ...] = (Subspace(part.support.added_to(matrices.stiffness)),)
+    else:
+        subspaces = half_models(nodes, matrices)
     with ExitStack() as held:
         factors = []
         for subspace in subspaces:

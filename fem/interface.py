@@ -31,10 +31,6 @@ class Interface:
     operator: sparse.csc_array
     points: tuple[str, ...]
 
-    @property
-    def n_interface(self) -> int:
-        return self.operator.shape[1]
-
 
 def blade_interface(
     mesh: QuadraticMesh, matrices: SystemMatrices, contacts: ContactElements, coupling: Coupling

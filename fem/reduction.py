@@ -9,6 +9,7 @@ from scipy import sparse
 from updamp.fem.component import FactorisedComponent
 from updamp.fem.modes import Modes, normal_modes
 from updamp.fem.reduced_model import ReducedComponent
+from updamp.fem.solvers import Factorisation
 
 Floats = NDArray[np.float64]
 
@@ -55,21 +56,24 @@ def residual_flexibility(part: FactorisedComponent, modes: Modes) -> Floats:
     mass_phi = part.component.matrices.mass @ phi
     residual = np.zeros((operator.shape[1], operator.shape[1]))
     for subspace, factor in part.factors:
-        independent, combined = independent_loads(subspace.within(operator))
-        own, own_phi, own_mass_phi = (
-            np.empty((independent.shape[1],) * 2),
-            subspace.within(phi),
-            subspace.within(mass_phi),
-        )
-        for start in range(0, independent.shape[1], BLOCK):
-            columns = slice(start, start + BLOCK)
-            load = independent[:, columns].toarray(order="F")
-            load -= own_mass_phi @ (own_phi.T @ load)
-            motion = factor.solve(load)
-            # What follows is B^T (I - Phi Phi^T M) X, without another array of the size of X.
-            own[:, columns] = independent.T @ motion - (independent.T @ own_phi) @ (own_mass_phi.T @ motion)
+        loads, combined = independent_loads(subspace.within(operator))
+        own = _flexibility_at(loads, factor, subspace.within(phi), subspace.within(mass_phi))
         residual += combined.T @ own @ combined
     return (residual + residual.T) / 2
+
+
+def _flexibility_at(loads: sparse.csc_array, factor: Factorisation, phi: Floats, mass_phi: Floats) -> Floats:
+    """Of one subspace, at these loads (n, r): (r, r)."""
+    flexibility = np.empty((loads.shape[1], loads.shape[1]))
+    at_modes = loads.T @ phi
+    for start in range(0, loads.shape[1], BLOCK):
+        columns = slice(start, start + BLOCK)
+        load = loads[:, columns].toarray(order="F")
+        load -= mass_phi @ (phi.T @ load)
+        motion = factor.solve(load)
+        # What follows is B^T (I - Phi Phi^T M) X, without another array of the size of X.
+        flexibility[:, columns] = loads.T @ motion - at_modes @ (mass_phi.T @ motion)
+    return flexibility
 
 
 def independent_loads(loads: sparse.csc_array) -> tuple[sparse.csc_array, Floats]:

@@ -34,7 +34,8 @@ class LinearSolver(Protocol):
     """Factorises (or prepares) a symmetric positive definite matrix in 3 x 3 blocks.
 
     matrix: (n, n) [N/m]
-    near_null_space: (n, 6) fields that cost (almost) no energy, rigid-body motion; direct solvers ignore it
+    near_null_space: (n, up to 6) fields that cost (almost) no energy, rigid-body motion, those of half of a component
+        where it is one; direct solvers ignore it
     raises: SolverMissingError, SolverFailedError
     """
 

@@ -205,12 +205,9 @@ class NonlinearSystem:
         mirror = mirror_driven_at(self.free, self.groups, row)
         if mirror is None or (half := replace(self, mirror=mirror).half_driven_at(row)) is None:
             return None
-        w = float(np.sqrt(self.free.omega_squared.max()))
-        return (
-            half
-            if laws_are_mirrored(lambda x: self.departure_value(x, w), mirror, self.harmonics.n_coefficients)
-            else None
-        )
+        w = float(np.sqrt(self.free.omega_squared.max()))  # any: what a law depends on has no sides
+        mirrored = laws_are_mirrored(lambda x: self.departure_value(x, w), mirror, self.harmonics.n_coefficients)
+        return half if mirrored else None
 
 
 def _one_by_one(motions: Floats) -> Floats:

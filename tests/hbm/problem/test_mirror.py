@@ -4,42 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.three_masses import WINDOW, three_masses
 
-from updamp.hbm.contact.friction import FrictionParameters
-from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.continuation.curve import CurveRequest, trace
-from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.newton.equation import residual_alone
-from updamp.hbm.problem.elements import ElementGroup
-from updamp.hbm.problem.linear_model import from_matrices
-from updamp.hbm.problem.mirror import Mirror
-from updamp.hbm.problem.system import Excitation, NonlinearSystem
+from updamp.hbm.problem.system import Excitation
 from updamp.hbm.resonance.conditions import PhaseResonance
 from updamp.hbm.resonance.resonance_curve import ResonanceRequest, trace_resonance
 from updamp.hbm.stability.stability import stability
-
-# Elements 0 and 1 are images of each other, 2 lies in the plane; of the displacements across it the sign changes.
-IMAGE, SIGN = np.array([3, 4, 5, 0, 1, 2, 6, 7, 8]), np.tile([1.0, -1.0, 1.0], 3)
-WINDOW = (0.2, 0.34)
-
-
-def a_system(kn=(2.0, 2.0, 1.0), off=0.0):
-    """Three masses of three directions each, coupled to their neighbours in the plane; off: what breaks the symmetry of
-    the springs."""
-    rng = np.random.default_rng(3)
-    part = rng.normal(size=(9, 9))
-    stiffness = part @ part.T / 9 + 2 * np.eye(9)
-    reflection = np.zeros((9, 9))
-    reflection[np.arange(9), IMAGE] = SIGN
-    stiffness = (stiffness + reflection @ stiffness @ reflection.T) / 2
-    stiffness[0, 0] += off
-    drive = np.zeros(9)
-    drive[6] = 1.0
-    linear = from_matrices(np.eye(9), 0.02 * np.eye(9), stiffness, np.eye(9), {"drive": drive})
-    kn = np.array(kn)
-    parameters = FrictionParameters(np.full(3, 0.4), kn, kn, np.full(3, 0.3), np.zeros((3, 2)), np.zeros(3))
-    group = ElementGroup(JenkinsBox(2), parameters, np.arange(9).reshape(3, 3))
-    return NonlinearSystem(linear, (group,), Harmonics((0, 1, 2, 3)), 64, Mirror(IMAGE, SIGN))
 
 
 def request_for(system, force=0.3):
@@ -50,7 +22,7 @@ def request_for(system, force=0.3):
 @pytest.fixture(scope="module")
 def curves():
     """The problem and the curve of its half."""
-    system = a_system()
+    system = three_masses()
     return system, list(trace(system, request_for(system)))[-1]
 
 
@@ -96,13 +68,15 @@ def test_a_resonance_followed_in_force_is_that_of_the_whole(curves):
     np.testing.assert_allclose(half.friction_loss[-1], whole.friction_loss[-1], rtol=1e-5)
 
 
-@pytest.mark.parametrize("system", [a_system(kn=(2.0, 2.1, 1.0)), a_system(off=0.01)], ids=["contacts", "structure"])
+@pytest.mark.parametrize(
+    "system", [three_masses(kn=(2.0, 2.1, 1.0)), three_masses(off=0.01)], ids=["contacts", "structure"]
+)
 def test_what_is_not_its_own_image_is_solved_as_a_whole(system):
     assert system.half is None
 
 
 def test_so_is_what_is_driven_from_one_side():
-    system = a_system()
+    system = three_masses()
     assert system.half_driven_at(0) is None
     assert system.half_driven_at(system.free.row("drive")) is not None
 

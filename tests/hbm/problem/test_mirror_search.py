@@ -4,9 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.three_masses import IMAGE, SIGN, WINDOW, three_masses
 
-from updamp.hbm.contact.friction import FrictionParameters
-from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring, UnilateralParameters
 from updamp.hbm.contact.stops import Stop
 from updamp.hbm.continuation.curve import CurveRequest, whole_curve
@@ -15,31 +14,10 @@ from updamp.hbm.problem.elements import ElementGroup
 from updamp.hbm.problem.linear_model import from_matrices
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
-# Contacts 0 and 1 are images of each other, 2 lies in the plane; of the displacements across it the sign changes.
-IMAGE, SIGN = np.array([3, 4, 5, 0, 1, 2, 6, 7, 8]), np.tile([1.0, -1.0, 1.0], 3)
 
-
-def three_masses(kn=(2.0, 2.0, 1.0), last_digit=None, off=0.0) -> NonlinearSystem:
-    """Three masses of three directions each, driven in the plane between the outer two, without a word of the symmetry.
-
-    last_digit: seed of a change of the stiffness by round-off; off: stiffness that breaks the symmetry
-    """
-    part = np.random.default_rng(3).normal(size=(9, 9))
-    stiffness = part @ part.T / 9 + 2 * np.eye(9)
-    reflection = np.zeros((9, 9))
-    reflection[np.arange(9), IMAGE] = SIGN
-    stiffness = (stiffness + reflection @ stiffness @ reflection.T) / 2
-    stiffness[0, 0] += off
-    if last_digit is not None:
-        change = 1e-15 * np.random.default_rng(last_digit).normal(size=(9, 9))
-        stiffness = stiffness * (1 + change + change.T)
-    linear = from_matrices(
-        np.eye(9), 0.02 * np.eye(9), stiffness, np.eye(9), {"drive": np.eye(9)[6], "side": np.eye(9)[0]}
-    )
-    kn = np.array(kn)
-    parameters = FrictionParameters(np.full(3, 0.4), kn, kn, np.full(3, 0.3), np.zeros((3, 2)), np.zeros(3))
-    group = ElementGroup(JenkinsBox(2), parameters, np.arange(9).reshape(3, 3))
-    return NonlinearSystem(linear, (group,), Harmonics((0, 1, 2, 3)), 64)
+def unstated(**given) -> NonlinearSystem:
+    """Without a word of the symmetry."""
+    return three_masses(mirror=None, **given)
 
 
 def half_of(system: NonlinearSystem, point: str = "drive"):
@@ -47,7 +25,7 @@ def half_of(system: NonlinearSystem, point: str = "drive"):
 
 
 def test_contacts_and_their_images_are_found() -> None:
-    half, mirror = half_of(three_masses())
+    half, mirror = half_of(unstated())
     np.testing.assert_array_equal(mirror.image, IMAGE)
     np.testing.assert_array_equal(mirror.sign, SIGN)
     assert len(half.free.omega_squared) == 5
@@ -59,11 +37,9 @@ def test_a_curve_does_not_depend_on_round_off_where_motions_begin_that_break_the
     """Solved as a whole, it was followed to the end in two of three such draws."""
 
     def traced(system: NonlinearSystem):
-        return whole_curve(
-            system, CurveRequest("1", Excitation(system.free.row("drive"), 0.3), (0.2, 0.34), ("drive",))
-        )
+        return whole_curve(system, CurveRequest("1", Excitation(system.free.row("drive"), 0.3), WINDOW, ("drive",)))
 
-    curve, expected = traced(three_masses(last_digit=last_digit)), traced(three_masses())
+    curve, expected = traced(unstated(last_digit=last_digit)), traced(unstated())
     assert curve.complete
     assert curve.peak("drive") == pytest.approx(expected.peak("drive"), rel=1e-4)
     assert curve.displacement.shape[1:] == (9, 7)
@@ -71,10 +47,10 @@ def test_a_curve_does_not_depend_on_round_off_where_motions_begin_that_break_the
 
 def test_what_is_not_symmetric_is_solved_whole() -> None:
     """Another contact on one side, another stiffness, a force at the side, and a user who asks for it."""
-    assert half_of(three_masses(kn=(2.0, 2.1, 1.0))) is None
-    assert half_of(three_masses(off=0.1)) is None
-    assert half_of(three_masses(), "side") is None
-    assert half_of(replace(three_masses(), as_a_whole=True)) is None
+    assert half_of(unstated(kn=(2.0, 2.1, 1.0))) is None
+    assert half_of(unstated(off=0.1)) is None
+    assert half_of(unstated(), "side") is None
+    assert half_of(replace(unstated(), as_a_whole=True)) is None
 
 
 @pytest.mark.parametrize(
