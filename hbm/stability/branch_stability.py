@@ -47,7 +47,8 @@ class BranchStability:
     """Of the points of one curve, in their order.
 
     state: (n,) a `State`; computed: (n,) whether at this very point
-    growth: (n,) largest real part of the exponents [1/s]; not a number where it was not computed
+    growth: (n,) largest real part of the exponents [1/s]; not a number where it was not computed, and where all decay
+    faster than exponents are looked for (strip.py)
     reasons: why points are unknown; why: (n,) which of these it is, -1 for points that are known
     seconds: wall time spent
     """

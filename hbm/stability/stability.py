@@ -16,7 +16,7 @@ from updamp.hbm.problem.system import NonlinearSystem
 from updamp.hbm.stability.condensed_structure import viscous_damping
 from updamp.hbm.stability.hill import HillProblem, symmetric_exponents
 from updamp.hbm.stability.perturbed_forces import depends_on_growth
-from updamp.hbm.stability.strip import Exponent, Strip
+from updamp.hbm.stability.strip import FASTEST, Exponent, Strip
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -24,7 +24,7 @@ Complex = NDArray[np.complex128]
 LOWEST_ORDER = 3
 SMALL = 250  # relative rows times coefficients of a system of which all exponents are computed with more harmonics too
 CHECKED = 3  # exponents at most, of those nearest to growing, that are computed again otherwise
-UNSETTLED = "the exponents with the sliders' memory did not settle"
+UNSETTLED = "the exponents of contacts with memory, or with forces that depend on the speed, did not settle"
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class StabilityOptions:
 class Stability:
     """stable: no exponent grows; None where no exponent was found that could tell
     exponents: sorted by falling real part [1/s]; all 2 m without memory, with it those of the strip (strip.py); none
-    where the determinant tells
+    where the determinant tells, or all decay faster than the strip reaches
     trusted: whether the checks were passed, which is about the sign; reason: why not ("" otherwise)
     change: of the largest real part when computed finer [1/s], an estimate of its error
     """
@@ -120,7 +120,11 @@ def _of_one(system: NonlinearSystem, x: Floats, w: float, options: StabilityOpti
         return _judged(exponents, again, w, options, _trace(coarse, exponents, options))
     if coarse.determinant_sign < 0:
         return _odd(coarse, against)
-    exponents, again = _with_memory(coarse, options)
+    strip = Strip.of(coarse, options.tolerance)
+    found, lost = strip.exponents()
+    if not found and not np.isfinite(lost):
+        return _all_decay_fast(strip)
+    exponents, again = _with_memory(strip, found, lost)
     if np.isnan(again):
         return Stability(None, exponents, False, UNSETTLED, np.inf)
     return _judged(exponents, again, w, options, [])
@@ -154,20 +158,32 @@ def _odd(coarse: HillProblem, against: bool | None) -> Stability:
     return Stability(None, none, False, "the sign of the Jacobian's determinant changes with twice the samples", np.inf)
 
 
-def _with_memory(coarse: HillProblem, options: StabilityOptions) -> tuple[Complex, float]:
+def _all_decay_fast(strip: Strip) -> Stability:
+    """No exponent lies in the strip: all decay faster than it reaches, if a finer problem has none there either."""
+    none, coarse = np.zeros(0, dtype=np.complex128), strip.problem
+    order = coarse.order + 2 * _small(coarse)
+    fine = HillProblem(coarse.system, coarse.x, coarse.w, order, 2 * coarse.time_samples)
+    found, lost = Strip.of(fine, strip.tolerance).exponents()
+    if found or np.isfinite(lost):
+        return Stability(None, none, False, UNSETTLED, np.inf)
+    return Stability(True, none, True, "", np.nan)
+
+
+def _small(problem: HillProblem) -> bool:
+    return problem.system.free.n_relative * problem.harmonics.n_coefficients <= SMALL
+
+
+def _with_memory(strip: Strip, found: Sequence[Exponent], lost: float) -> tuple[Complex, float]:
     """Exponents by falling real part, and the decisive one's real part computed finer; not a number where the one or
     the other did not settle, or one that did not may be the decisive one.
+
+    found, lost: as `Strip.exponents` has them
     """
-    strip = Strip.of(coarse, options.tolerance)
-    found, lost = strip.exponents()
-    check = (
-        _with_more_harmonics
-        if coarse.system.free.n_relative * coarse.harmonics.n_coefficients <= SMALL
-        else _with_more_samples
-    )
+    coarse = strip.problem
+    check = _with_more_harmonics if _small(coarse) else _with_more_samples
     decisive, again = check(strip, found) if found else (None, np.nan)
     upper = [*([decisive.s] if decisive else ()), *(one.s for one in found if one is not decisive)]
-    small = options.tolerance * coarse.w
+    small = strip.tolerance * coarse.w
     both = [value for s in upper for value in ([s] if abs(s.imag) < small else [s, s.conjugate()])]
     exponents = np.array(sorted(both, key=lambda s: -s.real), dtype=np.complex128)
     grows = decisive is not None and min(decisive.s.real, again) > small
@@ -181,7 +197,9 @@ def _with_more_harmonics(strip: Strip, found: Sequence[Exponent]) -> tuple[Expon
     coarse = strip.problem
     fine = HillProblem(coarse.system, coarse.x, coarse.w, coarse.order + 2, 2 * coarse.time_samples)
     finer = Strip.of(fine, strip.tolerance)
-    decisive, (again, _) = strip.corrected(found[0], coarse), finer.exponents()
+    decisive, (again, lost) = strip.corrected(found[0], coarse), finer.exponents()
+    if not again and not np.isfinite(lost):  # at the strip's end: with more harmonics it lies beyond
+        return decisive, -FASTEST * coarse.w
     exact = finer.corrected(again[0], fine) if again else None
     return decisive, exact.s.real if exact and decisive else np.nan
 

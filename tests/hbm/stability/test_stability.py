@@ -10,6 +10,7 @@ from support.time_march import multipliers
 from updamp.hbm.contact.jenkins import Jenkins, JenkinsParameters
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
+from updamp.hbm.contact.power_law_damper import PowerLawDamper, PowerLawParameters
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
 from updamp.hbm.continuation.continuation import first_point
 from updamp.hbm.continuation.curve import CurveRequest, trace
@@ -61,6 +62,27 @@ def test_duffing_is_unstable_between_its_turning_points_and_stable_elsewhere(duf
         if i not in turns:
             assert point.stable != against[i]
             assert (abs(point.decisive.imag) < 1e-9 and point.decisive.real > 0) == against[i]
+
+
+def test_a_dashpot_as_an_element_is_the_same_as_in_the_structure():
+    """Far below resonance all exponents decay faster than those that are looked for: stable, not unknown."""
+    c, one = 0.3, np.eye(1)
+    spring = ElementGroup(CubicSpring(), CubicParameters(np.array([1.0])), ROW)
+    inside = one_degree_of_freedom(c, spring, tuple(range(6)), 128)
+    dashpot = ElementGroup(PowerLawDamper(1.0), PowerLawParameters(np.array([c]), np.ones(1)), ROW + 1)
+    linear = from_matrices(one, 0 * one, one, np.ones((2, 1)), {"mass": one[0]})
+    outside = NonlinearSystem(linear, (spring, dashpot), inside.harmonics, 128)
+    fast = []
+    for w in (0.3, 0.5, 0.7, 1.2, 1.6, 1.9):
+        x = first_point(inside, Excitation(inside.free.row("mass"), 0.6), w).x
+        expected, found = stability(inside, x, w), stability(outside, np.vstack([x, x]), w)
+        assert found.trusted
+        assert found.stable == expected.stable
+        fast.append(not len(found.exponents))
+        if not fast[-1]:
+            assert found.decisive.real == pytest.approx(expected.decisive.real, rel=1e-6)
+    assert any(fast)
+    assert not all(fast)
 
 
 def test_the_determinant_tells_the_same_as_turning_points(duffing):
