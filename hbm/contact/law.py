@@ -141,8 +141,9 @@ class CompiledFriction(CompiledForces, Protocol):
 
 
 class CompiledRateForces(Protocol):
-    """As `CompiledForces`, of a law that depends on the rate, at the angular frequency w [rad/s].
+    """As `CompiledForces`, of a law that depends on the rate.
 
+    w: angular frequency [rad/s], one for all elements or (n_elements,)
     by_frequency: like force, its derivative by w [N s], written for the elements of these numbers
     """
 
@@ -150,7 +151,7 @@ class CompiledRateForces(Protocol):
         self,
         numbers: NDArray[np.int64],
         displacement: NDArray[np.float64],
-        w: float,
+        w: float | NDArray[np.float64],
         parameters: Any,
         force: NDArray[np.float64],
     ) -> None: ...
@@ -159,7 +160,7 @@ class CompiledRateForces(Protocol):
         self,
         numbers: NDArray[np.int64],
         displacement: NDArray[np.float64],
-        w: float,
+        w: float | NDArray[np.float64],
         parameters: Any,
         force: NDArray[np.float64],
         tangent: NDArray[np.float64],
@@ -248,6 +249,13 @@ def compiled_forces_of(law: ContactLaw, harmonics: Harmonics, n_time: int) -> Co
     )
 
 
+def compiled_rate_forces_of(law: ContactLaw, harmonics: Harmonics, n_time: int) -> CompiledRateForces | None:
+    """Likewise, of a law that depends on the rate"""
+    if isinstance(law, CompiledRateLaw) and is_of_its_force(law, "compiled_rate"):
+        return law.compiled_rate(harmonics, n_time)
+    return None
+
+
 def is_of_its_force(law: ContactLaw, written_out: str) -> bool:
     """Whether the method by which a law is written out a second time belongs to its force: one that is inherited by a
     law with a force of its own is another law's."""
@@ -262,3 +270,9 @@ def is_of_its_force(law: ContactLaw, written_out: str) -> bool:
 def force_for_analysis(law: ContactLaw) -> Callable[[jax.Array, jax.Array, Any], jax.Array]:
     """The law's force samples that Fourier coefficients are taken from."""
     return law.averaged_force if isinstance(law, AveragedLaw) else law.force
+
+
+def of_each(w: float | NDArray[np.float64], numbers: NDArray[np.int64]) -> NDArray[np.float64]:
+    """(len(numbers) or 1, 1) w of the elements of these numbers, from one for all or (n_elements,)"""
+    each = np.asarray(w, dtype=float).reshape(-1, 1)
+    return each[numbers] if len(each) > 1 else each

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.law import ContactLaw
+from updamp.hbm.contact.law import ContactLaw, of_each
 from updamp.hbm.harmonics import Harmonics
 
 Floats = NDArray[np.float64]
@@ -73,7 +73,7 @@ class MemorylessForces:
         self, numbers: Integers, displacement: Floats, w: float | Floats, parameters: Any, force: Floats
     ) -> None:
         """w: one for all elements, or (n_elements,)"""
-        x, of = displacement[numbers, 0], _of_each(w, numbers)
+        x, of = displacement[numbers, 0], of_each(w, numbers)
         force[numbers, 0] = self._sampled(numbers, x, of * (x @ self._rate.T), parameters).force @ self._analysis.T
 
     def write_with_tangents(
@@ -88,7 +88,7 @@ class MemorylessForces:
     ) -> None:
         """w: one for all elements, or (n_elements,)"""
         x, analysis, motion = displacement[numbers, 0], self._analysis, self._synthesis
-        speed, of = x @ self._rate.T, _of_each(w, numbers)
+        speed, of = x @ self._rate.T, of_each(w, numbers)
         found = self._sampled(numbers, x, of * speed, parameters)
         force[numbers, 0] = found.force @ analysis.T
         total = np.zeros((len(numbers), len(analysis), len(analysis)))
@@ -129,9 +129,3 @@ class MemorylessForces:
     def _analysis(self) -> Floats:
         """(n_coefficients, n_time)"""
         return np.asarray(self.harmonics.analysis(self.n_time))
-
-
-def _of_each(w: float | Floats, numbers: Integers) -> Floats:
-    """(n or 1, 1)"""
-    each = np.asarray(w, dtype=float).reshape(-1, 1)
-    return each[numbers] if len(each) > 1 else each

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any, cast
+from typing import Any
 
 import jax
 import numpy as np
@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from updamp.hbm.contact.law import (
     CompiledForces,
     CompiledRateForces,
-    CompiledRateLaw,
     ContactLaw,
     StickingLaw,
     SumOfLaws,
     compiled_forces_of,
+    compiled_rate_forces_of,
     is_of_its_force,
 )
 from updamp.hbm.contact.memoryless import MemorylessForces, MemorylessLaw
@@ -126,9 +126,7 @@ def compiled_rate_forces(law: ContactLaw, harmonics: Harmonics, n_time: int) -> 
     alone."""
     if isinstance(law, MemorylessLaw) and is_of_its_force(law, "sampled"):
         return MemorylessForces(law, harmonics, n_time)
-    if isinstance(law, CompiledRateLaw) and is_of_its_force(law, "compiled_rate"):
-        return law.compiled_rate(harmonics, n_time)
-    return None
+    return compiled_rate_forces_of(law, harmonics, n_time)
 
 
 @lru_cache(maxsize=32)
@@ -181,7 +179,7 @@ def departures(
     if compiled is not None:
         compiled.write_with_tangents(active, displacement, group.values, force, tangent)
     elif (at_rate := compiled_rate_forces(group.law, harmonics, n_time)) is not None:
-        at_rate.write_with_tangents(active, displacement, cast(float, w), group.values, force, tangent, rate)
+        at_rate.write_with_tangents(active, displacement, w, group.values, force, tangent, rate)
     else:
         evaluate = compiled_with_tangents(group.law, harmonics, n_time)
         for some in _batches(active, elements_a_batch(n_seeds(group.law, harmonics)), len(displacement)):
@@ -229,7 +227,7 @@ def departure_only(
     if compiled is not None:
         compiled.write_forces(active, displacement, group.values, force)
     elif (at_rate := compiled_rate_forces(group.law, harmonics, n_time)) is not None:
-        at_rate.write_forces(active, displacement, cast(float, w), group.values, force)
+        at_rate.write_forces(active, displacement, w, group.values, force)
     else:
         evaluate = compiled_force(group.law, harmonics, n_time)
         for some in _batches(active, FORCES_A_BATCH, len(displacement)):

@@ -3,7 +3,6 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.memoryless import MemorylessForces
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.problem.elements import (
     ElementForces,
@@ -52,7 +51,7 @@ def _takes_many(group: ElementGroup, harmonics: Harmonics, n_time: int) -> bool:
         return all(_takes_many(part, harmonics, n_time) for part in group.parts)
     if compiled_forces(group.law, harmonics, n_time) is not None:
         return True
-    return isinstance(compiled_rate_forces(group.law, harmonics, n_time), MemorylessForces)
+    return compiled_rate_forces(group.law, harmonics, n_time) is not None
 
 
 def _flat(displacement: Floats, w: Floats) -> tuple[Floats, Floats]:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.law import CompiledForces
+from updamp.hbm.contact.law import CompiledForces, CompiledRateForces
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -25,33 +25,63 @@ class ShareOfMean:
     mean: slice
 
     def write_forces(self, numbers: Integers, displacement: Floats, parameters: Any, force: Floats) -> None:
-        self.inner.write_forces(numbers, self._seen(displacement, parameters), parameters, force)
+        self.inner.write_forces(numbers, _seen(displacement, parameters, self.mean), parameters, force)
 
     def write_with_tangents(
         self, numbers: Integers, displacement: Floats, parameters: Any, force: Floats, tangent: Floats
     ) -> None:
-        self.inner.write_with_tangents(numbers, self._seen(displacement, parameters), parameters, force, tangent)
-        self._weigh(numbers, parameters, tangent)
+        seen = _seen(displacement, parameters, self.mean)
+        self.inner.write_with_tangents(numbers, seen, parameters, force, tangent)
+        _weigh(numbers, parameters, self.mean, tangent)
 
     def write_perturbed_tangents(
         self, numbers: Integers, displacement: Floats, parameters: Any, growth: complex, tangent: Complex
     ) -> None:
-        seen = self._seen(displacement, parameters)
+        seen = _seen(displacement, parameters, self.mean)
         self.inner.write_perturbed_tangents(numbers, seen, parameters, growth, tangent)
-        self._weigh(numbers, parameters, tangent)
+        _weigh(numbers, parameters, self.mean, tangent)
 
     def loop_areas(self, numbers: Integers, displacement: Floats, parameters: Any) -> Floats:
-        return self.inner.loop_areas(numbers, self._seen(displacement, parameters), parameters)
+        return self.inner.loop_areas(numbers, _seen(displacement, parameters, self.mean), parameters)
 
-    def _seen(self, displacement: Floats, parameters: Any) -> Floats:
-        seen = displacement.copy()
-        seen[..., self.mean] *= np.asarray(parameters.static_share)[:, None, None]
-        return seen
 
-    def _weigh(self, numbers: Integers, parameters: Any, tangent: NDArray[Any]) -> None:
-        """What the inner law sees of the mean is a share of it."""
-        share = np.asarray(parameters.static_share)[numbers]
-        tangent[numbers, ..., self.mean] *= share[:, None, None, None, None]
+@dataclass(frozen=True, eq=False)
+class RateShareOfMean:
+    """As `ShareOfMean`, of an inner law that depends on the rate, which a mean has none of."""
+
+    inner: CompiledRateForces
+    mean: slice
+
+    def write_forces(
+        self, numbers: Integers, displacement: Floats, w: float | Floats, parameters: Any, force: Floats
+    ) -> None:
+        self.inner.write_forces(numbers, _seen(displacement, parameters, self.mean), w, parameters, force)
+
+    def write_with_tangents(
+        self,
+        numbers: Integers,
+        displacement: Floats,
+        w: float | Floats,
+        parameters: Any,
+        force: Floats,
+        tangent: Floats,
+        by_frequency: Floats,
+    ) -> None:
+        seen = _seen(displacement, parameters, self.mean)
+        self.inner.write_with_tangents(numbers, seen, w, parameters, force, tangent, by_frequency)
+        _weigh(numbers, parameters, self.mean, tangent)
+
+
+def _seen(displacement: Floats, parameters: Any, mean: slice) -> Floats:
+    seen = displacement.copy()
+    seen[..., mean] *= np.asarray(parameters.static_share)[:, None, None]
+    return seen
+
+
+def _weigh(numbers: Integers, parameters: Any, mean: slice, tangent: NDArray[Any]) -> None:
+    """What the inner law sees of the mean is a share of it."""
+    share = np.asarray(parameters.static_share)[numbers]
+    tangent[numbers, ..., mean] *= share[:, None, None, None, None]
 
 
 @dataclass(frozen=True, eq=False)

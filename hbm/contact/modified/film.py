@@ -5,9 +5,13 @@ from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
 
-from updamp.hbm.contact.law import ContactLaw, decoupled_directions_of
-from updamp.hbm.contact.modified.modified_law import ModifiedLaw, compression, extended_type
+from updamp.hbm.contact.compiled.film_forces import FilmForces
+from updamp.hbm.contact.law import CompiledRateForces, ContactLaw, decoupled_directions_of
+from updamp.hbm.contact.modified.modified_law import ModifiedLaw, compression, extended_type, rest_compression
+from updamp.hbm.harmonics import Harmonics
 
 
 @dataclass(frozen=True)
@@ -56,6 +60,13 @@ class FilmForce:
 
     def reference_stiffness(self, parameters: Any) -> jax.Array:
         return jnp.zeros(3)
+
+    def rest_compression(self, parameters: Any) -> NDArray[np.float64]:
+        """(n_elements,) see `modified_law.rest_compression` [m]"""
+        return rest_compression(self.inner, parameters)
+
+    def compiled_rate(self, harmonics: Harmonics, n_time: int) -> CompiledRateForces:
+        return FilmForces(self, harmonics, n_time)
 
 
 def closed_share(compression: jax.Array) -> jax.Array:

@@ -40,7 +40,12 @@ class SubPatchMicroslip(ModifiedLaw):
 
     def compiled(self, harmonics: Harmonics, n_time: int) -> CompiledForces | None:
         inner = compiled_forces_of(self.inner, harmonics, n_time)
-        return None if inner is None else MeanOfSliders(inner, np.asarray(evenly(SLIDERS)))
+        return None if inner is None else self.mean_of(inner)
+
+    @staticmethod
+    def mean_of(one: CompiledForces) -> CompiledForces:
+        """Of sliders of this spread, from the forces of one."""
+        return MeanOfSliders(one, np.asarray(evenly(SLIDERS)))
 
     def surely_sticks(self, displacement: NDArray[np.float64], parameters: Any, overshoot: float) -> NDArray[np.bool_]:
         """Where the weakest slider does and the inner law can tell: then all of them do."""

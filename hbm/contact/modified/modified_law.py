@@ -107,6 +107,10 @@ class ModifiedLaw:
         """(n_time,) of the normal spring, negative where open [m]"""
         return compression(self.inner, *self.inner_arguments(displacement, velocity, parameters))
 
+    def rest_compression(self, parameters: Any) -> NDArray[np.float64]:
+        """As the function of that name"""
+        return rest_compression(self.inner, parameters)
+
     @classmethod
     def modify(cls, law: ContactLaw) -> ContactLaw:
         """The law modified in this way, at its rank among the modifications that it has already; once only.
@@ -138,3 +142,13 @@ def compression(law: FrictionLaw, displacement: jax.Array, velocity: jax.Array, 
         return law.compression(displacement, velocity, parameters)
     shift: jax.Array = parameters.n0 / parameters.kn - parameters.gap
     return shift + displacement[:, 2]
+
+
+def rest_compression(law: FrictionLaw, parameters: Any) -> NDArray[np.float64]:
+    """(n_elements,) of the law's normal spring where nothing has moved, negative where open [m], in NumPy.
+
+    What moves adds the normal displacement, as `compression` has it.
+    """
+    if isinstance(law, ModifiedLaw):
+        return law.rest_compression(parameters)
+    return np.asarray(parameters.n0) / np.asarray(parameters.kn) - np.asarray(parameters.gap)

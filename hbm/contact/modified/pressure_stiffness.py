@@ -1,14 +1,17 @@
 """Contact stiffness that grows with the momentary pressure, as that of rough surfaces does."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
 
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.law import CompiledForces, decoupled_directions_of
-from updamp.hbm.contact.modified.modified_law import LawArguments, ModifiedLaw, with_entries
+from updamp.hbm.contact.modified.microslip import SubPatchMicroslip
+from updamp.hbm.contact.modified.modified_law import LawArguments, ModifiedLaw, rest_compression, with_entries
 from updamp.hbm.harmonics import Harmonics
 
 # The share of the mean force below which the stiffness that the solver starts from falls no further; it has no
@@ -38,6 +41,10 @@ class PressureStiffness(ModifiedLaw):
     def compiled(self, harmonics: Harmonics, n_time: int) -> CompiledForces | None:
         from updamp.hbm.contact.compiled.pressed_forces import pressed_forces
 
+        if isinstance(self.inner, SubPatchMicroslip):
+            # all sliders have the same pressure, so that it acts on each of them as on their mean
+            of_one = replace(self, inner=self.inner.inner).compiled(harmonics, n_time)
+            return None if of_one is None else self.inner.mean_of(of_one)
         return pressed_forces(self.cycles, harmonics, n_time) if isinstance(self.inner, JenkinsBox) else None
 
     def inner_arguments(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> LawArguments:
@@ -63,6 +70,12 @@ class PressureStiffness(ModifiedLaw):
     def normal_force(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
         normal = super().normal_force(displacement, velocity, parameters)
         return normal * self._factor(normal, parameters)
+
+    def rest_compression(self, parameters: Any) -> NDArray[np.float64]:
+        names = ("n0", "mean_force", "kn", "pressure_exponent")
+        n0, mean, kn, m = (np.asarray(getattr(parameters, name), dtype=float) for name in names)
+        share = np.where(n0 > 0, np.where(n0 > 0, n0, mean) / mean, 0.0) ** (1 - m)
+        return rest_compression(self.inner, with_entries(parameters, n0=mean * share, kn=(1 - m) * kn))
 
     def _factor(self, force: jax.Array, p: Any) -> jax.Array:
         return power(force / p.mean_force, p.pressure_exponent / (1 - p.pressure_exponent))

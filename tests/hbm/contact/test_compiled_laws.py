@@ -12,7 +12,7 @@ from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
 from updamp.hbm.contact.law import SEPARATED, SLIP, CompiledLaw, compiled_forces_of, force_for_analysis
-from updamp.hbm.contact.modified.film import ViscousFilm
+from updamp.hbm.contact.modified.film import FilmForce, ViscousFilm
 from updamp.hbm.contact.modified.microslip import SLIDERS, SubPatchMicroslip, evenly
 from updamp.hbm.contact.modified.modified_law import with_entries
 from updamp.hbm.contact.modified.pressure_stiffness import PressureStiffness
@@ -22,11 +22,13 @@ from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.problem.elements import (
     ElementGroup,
     compiled_rate_forces,
+    departures,
     element_forces,
     force_only,
     loop_areas,
     over_period,
 )
+from updamp.hbm.problem.elements_together import departures_together
 from updamp.hbm.stability.contact_tangent import _follow_springs
 from updamp.hbm.stability.perturbed_forces import in_jax, perturbed_tangent
 
@@ -243,9 +245,6 @@ def of_springs(group, numbers):
 class RateInJax(InJax):
     rate_dependent: ClassVar[bool] = True
 
-    def force(self, displacement, velocity, parameters):
-        return self.law.averaged_force(displacement, velocity, parameters)
-
 
 class CoupledInJax(RateInJax):
     """Every direction's force depends on every motion."""
@@ -271,10 +270,49 @@ def test_a_film_is_the_compiled_law_inside_and_dashpots_beside_it(inner):
     np.testing.assert_allclose(force_only(group, motion, w, HARMONICS, 128), ours.force, rtol=0, atol=1e-13 * size)
 
 
+@pytest.mark.parametrize("inner", [JenkinsBox(2), PressureStiffness(SubPatchMicroslip(JenkinsBox(2)))])
+def test_dashpots_that_open_with_the_contact_are_those_of_the_law_in_jax(inner):
+    law, rng, w = FilmForce(inner), np.random.default_rng(12), 1.7
+    p = with_entries(pressed_parameters(), viscosity=rng.random(ELEMENTS), limit_spread=rng.random(ELEMENTS))
+    motion, rows = motions(p), np.arange(3 * ELEMENTS).reshape(-1, 3)
+    motion[19, 2, 0] -= 100.0  # open throughout
+    assert compiled_rate_forces(law, HARMONICS, 128) is not None
+    groups = [ElementGroup(each, p, rows) for each in (law, RateInJax(law))]
+    ours, theirs = (element_forces(each, motion, w, HARMONICS, 128) for each in groups)
+    size = np.abs(theirs.force).max()
+    np.testing.assert_allclose(ours.force, theirs.force, rtol=0, atol=1e-13 * size)
+    np.testing.assert_allclose(ours.tangent, theirs.tangent, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(ours.frequency_derivative, theirs.frequency_derivative, rtol=0, atol=1e-12 * size)
+    np.testing.assert_allclose(force_only(groups[0], motion, w, HARMONICS, 128), ours.force, rtol=0, atol=1e-13 * size)
+    assert not ours.force[19].any()
+    opening = np.abs(ours.tangent[:, :2, :, 2]).max(axis=(1, 2, 3)) > 0
+    assert 10 < opening.sum() < ELEMENTS
+
+
+@pytest.mark.parametrize("law", [ViscousFilm(JenkinsBox(2)), VelocityFriction(JenkinsBox(2))])
+def test_motions_of_several_frequencies_together_are_those_one_by_one(law):
+    rng, w = np.random.default_rng(13), np.array([0.8, 1.7, 3.1])
+    entries = ("viscosity", "velocity_drop", "reference_speed")
+    p = with_entries(parameters(), **{name: 0.1 + 0.5 * rng.random(ELEMENTS) for name in entries})
+    group = ElementGroup(law, p, np.arange(3 * ELEMENTS).reshape(-1, 3))
+    motion = np.array([(1 + 0.1 * i) * motions(p) for i in range(3)])
+    together = departures_together(group, motion, w, HARMONICS, 128)
+    for x, of, found in zip(motion, w, together, strict=True):
+        alone = departures(group, x, float(of), HARMONICS, 128)
+        for one, other in zip(
+            (found.force, found.tangent, found.frequency_derivative),
+            (alone.force, alone.tangent, alone.frequency_derivative),
+            strict=True,
+        ):
+            np.testing.assert_allclose(one, other, rtol=0, atol=1e-13 * np.abs(other).max())
+
+
 @pytest.mark.long
-def test_friction_that_depends_on_the_speed_is_the_compiled_law_with_friction_that_varies():
-    law, rng, w = VelocityFriction(JenkinsBox(2)), np.random.default_rng(10), 1.7
+@pytest.mark.parametrize("law", [VelocityFriction(JenkinsBox(2)), StaticShare(VelocityFriction(JenkinsBox(2)))])
+def test_friction_that_depends_on_the_speed_is_the_compiled_law_with_friction_that_varies(law):
+    rng, w = np.random.default_rng(10), 1.7
     p = with_entries(parameters(), velocity_drop=0.6 * rng.random(ELEMENTS), reference_speed=0.2 + rng.random(ELEMENTS))
+    p = with_entries(p, static_share=rng.random(ELEMENTS))
     motion, rows = motions(p), np.arange(3 * ELEMENTS).reshape(-1, 3)
     assert compiled_rate_forces(law, HARMONICS, 128) is not None
     groups = [AllEvaluated(each, p, rows) for each in (law, CoupledInJax(law))]
@@ -298,9 +336,15 @@ def pressed_parameters():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("law", [PressureStiffness(JenkinsBox(2)), StaticShare(PressureStiffness(JenkinsBox(3)))])
+@pytest.mark.parametrize(
+    "law",
+    [
+        PressureStiffness(JenkinsBox(2)), StaticShare(PressureStiffness(JenkinsBox(3))),
+        PressureStiffness(SubPatchMicroslip(JenkinsBox(2))),
+    ],
+)  # fmt: skip
 def test_stiffness_that_depends_on_the_pressure_is_that_of_the_law_in_jax(law):
-    p = pressed_parameters()
+    p = with_entries(pressed_parameters(), limit_spread=np.random.default_rng(14).random(ELEMENTS))
     assert compiled_forces_of(law, HARMONICS, 128) is not None
     assert_as_in_jax(law, p, motions(p))
 
