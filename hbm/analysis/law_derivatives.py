@@ -11,7 +11,8 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.law import ContactLaw, LawOfMoves, force_for_analysis
+from updamp.hbm.contact.law import ContactLaw, LawAt, LawOfMoves, force_for_analysis
+from updamp.hbm.contact.parameter_moves import derivatives_of
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.problem.elements import ElementGroup
 from updamp.hbm.problem.laws_in_jax import elements_a_batch, in_batches, samples
@@ -35,10 +36,10 @@ def law_derivatives(
         springs, of all copies [N/m]
     returns: entry -> (n_elements, directions, n_coefficients, *shape of the entry of one element)
     """
-    found, law = None, _as_law_of_moves(group.law)
-    if law is not None and 0 in harmonics.orders:
-        tangent, mean = _of_one(group, departure), harmonics.slices[0].start
-        found = law.parameter_derivatives(entries, displacement, tangent, group.values, mean)
+    found = None
+    if _is_law_of_moves(group.law) and 0 in harmonics.orders:
+        at = LawAt(displacement, _of_one(group, departure), group.values, w, harmonics, n_time)
+        found = derivatives_of(group.law, entries, at)
     if found is None:
         evaluate = _compiled(group.law, entries, harmonics, n_time)
         found = dict(zip(entries, map(np.asarray, evaluate(displacement, w, group.parameters)), strict=True))
@@ -46,9 +47,9 @@ def law_derivatives(
 
 
 @lru_cache(maxsize=64)
-def _as_law_of_moves(law: ContactLaw) -> LawOfMoves | None:
+def _is_law_of_moves(law: ContactLaw) -> bool:
     """Kept by law: to look at a protocol takes as long as the derivatives."""
-    return law if isinstance(law, LawOfMoves) else None
+    return isinstance(law, LawOfMoves)
 
 
 def _of_one(group: ElementGroup, departure: Floats) -> Floats:

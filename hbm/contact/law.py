@@ -3,7 +3,8 @@
 History is a scan inside the call, the tangent comes from forward-mode differentiation, nothing is remembered.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
 import jax
@@ -208,18 +209,33 @@ class SumOfLaws(ContactLaw, Protocol):
     def parts(self) -> "tuple[ContactLaw, ...]": ...
 
 
+@dataclass(frozen=True, eq=False)
+class LawAt:
+    """Elements in a motion, for derivatives by their law's parameters.
+
+    displacement: (n_elements, directions, n_coefficients) [m]; tangent: (n_elements, directions, n_coefficients,
+        directions, n_coefficients) of one of each element's copies [N/m]; parameters: of all elements, in NumPy arrays
+    w: [rad/s]; harmonics: of the coefficients, 0 among them
+    """
+
+    displacement: NDArray[np.float64]
+    tangent: NDArray[np.float64]
+    parameters: Any
+    w: float
+    harmonics: Harmonics
+    n_time: int
+
+    @property
+    def mean(self) -> int:
+        """Place of the zero harmonic's coefficient"""
+        return int(self.harmonics.slices[0].start)
+
+
 @runtime_checkable
 class LawOfMoves(ContactLaw, Protocol):
     """A law of which a parameter does what some motion does, so that its derivatives follow from the tangent."""
 
-    def parameter_derivatives(
-        self,
-        entries: Sequence[str],
-        displacement: NDArray[np.float64],
-        tangent: NDArray[np.float64],
-        parameters: Any,
-        mean: int,
-    ) -> Mapping[str, NDArray[np.float64]] | None:
+    def parameter_derivatives(self, entries: Sequence[str], at: LawAt) -> dict[str, NDArray[np.float64]] | None:
         """As `parameter_moves.friction_derivatives`; None where the tangent does not tell."""
         ...
 

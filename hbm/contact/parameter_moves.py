@@ -7,33 +7,41 @@ shifted alike, and is homogeneous of degree one in all three (Euler): so the der
 are those along certain motions. Exact for whatever is marched, at samples or between them.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.contact.friction import FrictionParameters
+from updamp.hbm.contact.law import ContactLaw, LawAt, LawOfMoves, is_of_its_force
 
 Floats = NDArray[np.float64]
 
 _Change = Callable[[Floats, FrictionParameters, int], tuple[Floats, Floats]]
 
 
-def friction_derivatives(
-    entries: Sequence[str], displacement: Floats, tangent: Floats, parameters: FrictionParameters, mean: int
-) -> Mapping[str, Floats] | None:
-    """df/d(entry): entry -> (n_elements, 3, n_coefficients, *shape of the entry of one element)
+def derivatives_of(law: ContactLaw, entries: Sequence[str], at: LawAt) -> dict[str, Floats] | None:
+    """df/d(entry) of any law: entry -> (n_elements, directions, n_coefficients, *shape of the entry of one element)
 
-    displacement: (n_elements, 3, n_coefficients) [m]; tangent: (n_elements, 3, n_coefficients, 3, n_coefficients) [N/m]
-    mean: place of the zero harmonic's coefficient
+    returns: None of a law whose tangent does not tell
+    """
+    if isinstance(law, LawOfMoves) and is_of_its_force(law, "parameter_derivatives"):
+        return law.parameter_derivatives(entries, at)
+    return None
+
+
+def friction_derivatives(entries: Sequence[str], at: LawAt) -> dict[str, Floats] | None:
+    """Of a law with `FrictionParameters`; mu may vary over the period, (n_elements, n_time), where it is not asked for.
+
     returns: None where one of the mu is 0: without a limit no motion does what friction does
     """
-    if "mu" in entries and not np.all(parameters.mu):
+    p = at.parameters
+    if "mu" in entries and not np.all(p.mu):
         return None
-    n, d, c = displacement.shape
-    square, found = tangent.reshape(n, d * c, d * c), {}
+    n, d, c = at.displacement.shape
+    square, found = at.tangent.reshape(n, d * c, d * c), {}
     for entry in entries:
-        motion, held = _CHANGES[entry](displacement, parameters, mean)
+        motion, held = _CHANGES[entry](at.displacement, p, at.mean)
         found[entry] = (square @ motion.reshape(n, d * c, -1)).reshape(motion.shape) + held
         if entry == "mu":  # the compression's change is that of the limit alone
             found[entry][:, 2] = 0.0

@@ -1,6 +1,7 @@
 """A viscous film in the contact."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import jax
@@ -9,9 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.contact.compiled.film_forces import FilmForces
-from updamp.hbm.contact.law import CompiledRateForces, ContactLaw, decoupled_directions_of
+from updamp.hbm.contact.law import CompiledRateForces, ContactLaw, LawAt, decoupled_directions_of
 from updamp.hbm.contact.modified.modified_law import ModifiedLaw, compression, extended_type, rest_compression
+from updamp.hbm.contact.parameter_moves import derivatives_of
 from updamp.hbm.harmonics import Harmonics
+
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -38,6 +42,24 @@ class ViscousFilm(ModifiedLaw):
     @property
     def parts(self) -> tuple[ContactLaw, ...]:
         return self.inner, FilmForce(self.inner)
+
+    def parameter_derivatives(self, entries: Sequence[str], at: LawAt) -> dict[str, Floats] | None:
+        """Those of the inner law, and what changes the compression at rest opens and closes the film as well."""
+        p, film = at.parameters, FilmForces(FilmForce(self.inner), at.harmonics, at.n_time)
+        numbers, x, tangent = np.arange(len(at.displacement)), at.displacement, np.zeros_like(at.tangent)
+        of_one, rate = np.zeros_like(x), np.zeros_like(x)
+        film.write_with_tangents(numbers, x, at.w, p, of_one, tangent, rate)
+        inside = replace(at, tangent=at.tangent - tangent)
+        found = derivatives_of(self.inner, [entry for entry in entries if entry != "viscosity"], inside)
+        if found is None:
+            return None
+        for entry, by in (("n0", 1 / p.kn), ("kn", -p.n0 / p.kn**2), ("gap", -np.ones_like(p.gap))):
+            if entry in found:
+                found[entry] += by[:, None, None] * tangent[:, :, :, 2, at.mean]
+        if "viscosity" in entries:
+            film.write_forces(numbers, x, at.w, p._replace(viscosity=np.ones_like(p.viscosity)), of_one)
+            found["viscosity"] = of_one
+        return found
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Microslip inside one contact element: sliders side by side that give way one after the other (Iwan 1966)."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import jax
@@ -12,12 +12,16 @@ from numpy.typing import NDArray
 from updamp.hbm.contact.compiled.composed import MeanOfSliders
 from updamp.hbm.contact.law import (
     CompiledForces,
+    LawAt,
     compiled_forces_of,
     decoupled_directions_of,
     force_for_analysis,
 )
 from updamp.hbm.contact.modified.modified_law import ModifiedLaw, sticks_with_friction
+from updamp.hbm.contact.parameter_moves import derivatives_of
 from updamp.hbm.harmonics import Harmonics
+
+Floats = NDArray[np.float64]
 
 SLIDERS = 6
 
@@ -46,6 +50,26 @@ class SubPatchMicroslip(ModifiedLaw):
     def mean_of(one: CompiledForces) -> CompiledForces:
         """Of sliders of this spread, from the forces of one."""
         return MeanOfSliders(one, np.asarray(evenly(SLIDERS)))
+
+    def parameter_derivatives(self, entries: Sequence[str], at: LawAt) -> dict[str, Floats] | None:
+        """The mean of those of the sliders, each by its own friction coefficient."""
+        inner, p = compiled_forces_of(self.inner, at.harmonics, at.n_time), at.parameters
+        if inner is None:
+            return None
+        wanted = dict.fromkeys((*(entry for entry in entries if entry != "limit_spread"), "mu"))
+        total: dict[str, Floats] = {}
+        for factor in np.asarray(evenly(SLIDERS)):
+            of_one, tangent = p._replace(mu=p.mu * (1 + p.limit_spread * factor)), np.empty_like(at.tangent)
+            numbers, force = np.arange(len(p.mu)), np.empty_like(at.displacement)
+            inner.write_with_tangents(numbers, at.displacement, of_one, force, tangent)
+            found = derivatives_of(self.inner, tuple(wanted), replace(at, tangent=tangent, parameters=of_one))
+            if found is None:
+                return None
+            by_mu = found["mu"]
+            found["mu"] = by_mu * (1 + p.limit_spread * factor)[:, None, None]
+            found["limit_spread"] = by_mu * (p.mu * factor)[:, None, None]
+            total = {entry: total.get(entry, 0.0) + found[entry] / SLIDERS for entry in entries}
+        return total
 
     def surely_sticks(self, displacement: NDArray[np.float64], parameters: Any, overshoot: float) -> NDArray[np.bool_]:
         """Where the weakest slider does and the inner law can tell: then all of them do."""

@@ -1,21 +1,28 @@
 """Contacts that see only a share of the mean motion."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
 
 from updamp.hbm.contact.compiled.composed import RateShareOfMean, ShareOfMean
 from updamp.hbm.contact.law import (
     CompiledForces,
     CompiledRateForces,
+    LawAt,
     compiled_forces_of,
     compiled_rate_forces_of,
     decoupled_directions_of,
 )
 from updamp.hbm.contact.modified.modified_law import LawArguments, ModifiedLaw
+from updamp.hbm.contact.parameter_moves import derivatives_of
 from updamp.hbm.harmonics import Harmonics
+
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -39,6 +46,20 @@ class StaticShare(ModifiedLaw):
     def compiled_rate(self, harmonics: Harmonics, n_time: int) -> CompiledRateForces | None:
         inner = compiled_rate_forces_of(self.inner, harmonics, n_time)
         return None if inner is None else RateShareOfMean(inner, harmonics.slices.get(0, slice(0)))
+
+    def parameter_derivatives(self, entries: Sequence[str], at: LawAt) -> dict[str, Floats] | None:
+        """Those of the inner law at the motion that it sees; None where it sees nothing of the mean."""
+        share, mean = at.parameters.static_share[:, None, None], at.mean
+        if not np.all(share):
+            return None
+        seen, tangent = at.displacement.copy(), at.tangent.copy()
+        seen[..., mean] *= share[..., 0]
+        tangent[..., mean] /= share[..., None]
+        inside = replace(at, displacement=seen, tangent=tangent)
+        found = derivatives_of(self.inner, [entry for entry in entries if entry != "static_share"], inside)
+        if found is not None and "static_share" in entries:
+            found["static_share"] = np.einsum("edaf,ef->eda", tangent[..., mean], at.displacement[..., mean])
+        return found
 
     def inner_arguments(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> LawArguments:
         unseen = (1 - parameters.static_share) * jnp.mean(displacement, axis=0)
