@@ -1,8 +1,10 @@
 """Records of designs: one small file each, there as soon as the design is solved, whole or not at all."""
 
+import fcntl
 import json
 import os
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -70,9 +72,23 @@ class RecordFolder:
         """By number."""
         return tuple(record for _, record in sorted(self._by_number.items()) if record.setup == setup)
 
-    def others(self, setup: str) -> int:
-        """How many are of another setup: they stay, and do not count."""
-        return len(self._by_number) - len(self.of_setup(setup))
+    def __len__(self) -> int:
+        return len(self._by_number)
+
+
+@contextmanager
+def alone_in(folder: Path) -> Iterator[None]:
+    """No other process of this machine writes records meanwhile; the lock goes with the process that holds it.
+
+    raises: ValueError where one does
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / ".lock").open("w") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise ValueError(f"{folder}: another study is at work in this folder; wait for it, or give --out") from None
+        yield
 
 
 def read_record(folder: Path, number: int) -> Record:

@@ -11,12 +11,12 @@ from pydantic_core import to_json
 
 from updamp.design.evaluate import Asked, Task, evaluate
 from updamp.design.methods.method import MethodResult, Problem
-from updamp.design.records import Record, RecordFolder
+from updamp.design.records import Record, RecordFolder, alone_in
 from updamp.design.rig_numbers import AnyRig
 from updamp.design.solved_design import DesignInput, SolvedDesign
 from updamp.design.study_file import DesignStudy
 from updamp.design.tracked_modes import ModeReference, mode_references
-from updamp.design.variables import Values, overrides
+from updamp.design.variables import Values, Variable, overrides
 from updamp.model.rig_files import load_any
 from updamp.notebook.model import ABOUT_A_MODE
 from updamp.parallel.ending import heard
@@ -30,6 +30,7 @@ from updamp.workflow.rig_text import moved
 
 VERSION = 1  # to be raised whenever a response means something else than before
 _BAR = "designs"
+_ROUND_OFF = 1e-9  # of a range: values are written to twelve digits
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,8 @@ class StudyFolder:
 @dataclass(frozen=True)
 class StudyResult:
     """records: of all designs of this study, earlier sessions included; others: how many the folder holds besides, of
-    another rig, mesh or set of responses; method: None where the study was interrupted"""
+    another rig, mesh or set of responses, or beyond the bounds; setup: what its records have in common
+    method: None where the study was interrupted"""
 
     study: DesignStudy
     folder: StudyFolder
@@ -62,6 +64,7 @@ class StudyResult:
     references: tuple[ModeReference, ...]
     records: tuple[Record, ...]
     others: int
+    setup: str
     method: MethodResult | None
 
 
@@ -112,10 +115,16 @@ class Evaluations:
 def run_study(study: DesignStudy, out: Path, jobs: int, scheduler: str, display: Display) -> StudyResult:
     """Solve what is not known yet.
 
-    raises: RigError, ValueError for a study that the rig has no place for; KeyboardInterrupt is passed on only before
-        the first design: later ones are in their records, and the result says that the method has not ended
+    raises: RigError, ValueError for a study that the rig has no place for, or where another process is at work in the
+        folder; KeyboardInterrupt is passed on only before the first design: later ones are in their records, and the
+        result says that the method has not ended
     """
     folder = StudyFolder(out.resolve())
+    with alone_in(folder.path):
+        return _run(study, folder, jobs, scheduler, display)
+
+
+def _run(study: DesignStudy, folder: StudyFolder, jobs: int, scheduler: str, display: Display) -> StudyResult:
     rig = own_copy(study.rig, folder.rig)
     given = DesignInput(folder.rig, {}, study.mesh, folder.stages, (), _peaks(study), study.most_points)
     references = _references(study, rig, given, display)
@@ -133,11 +142,22 @@ def run_study(study: DesignStudy, out: Path, jobs: int, scheduler: str, display:
     except KeyboardInterrupt as stop:
         heard()
         interrupted = stop
-    found = records.of_setup(task.setup)
+    found = tuple(record for record in records.of_setup(task.setup) if _within_bounds(study, record))
     if interrupted is not None and not found:
         raise interrupted
     display.done(_BAR, f"{len(found)} known")
-    return StudyResult(study, folder, rig, references, found, records.others(task.setup), result)
+    others = len(records) - len(found)
+    return StudyResult(study, folder, rig, references, found, others, task.setup, result)
+
+
+def _within_bounds(study: DesignStudy, record: Record) -> bool:
+    """Bounds may have been narrowed since."""
+
+    def within(one: Variable) -> bool:
+        spare, value = _ROUND_OFF * (one.upper - one.lower), record.values[one.name]
+        return one.lower - spare <= value <= one.upper + spare
+
+    return all(within(one) for one in study.variables)
 
 
 def _problem(study: DesignStudy, folder: StudyFolder, setup: str) -> Problem:
@@ -171,7 +191,16 @@ def _references(study: DesignStudy, rig: AnyRig, given: DesignInput, display: Di
         return ()
     with display.stage("rig as it stands"):
         windows = {name: window for name, window in windows_of(rig).items() if name in named}
-        return mode_references(SolvedDesign(given).model, windows, rig.response_point)
+        model = SolvedDesign(given).model
+        _refuse_unknown_points(study, model.free.points)
+        return mode_references(model, windows, rig.response_point)
+
+
+def _refuse_unknown_points(study: DesignStudy, known: Sequence[str]) -> None:
+    for one in study.responses:
+        for point in (peak.point for peak in one.peaks()):
+            if point and point not in known:
+                raise ValueError(f'response {one.name}: point = "{point}": the rig has {", ".join(known)}')
 
 
 def windows_of(rig: AnyRig) -> dict[str, tuple[float, float]]:

@@ -85,14 +85,14 @@ def read_study(path: Path) -> DesignStudy:
     problems: list[str] = []
     head = _section(stated, "study", StudyTable, problems)
     problems += [f"{key}: unknown key; {_instead(key, _KEYS)}" for key in stated if key not in _KEYS]
-    if head is None:
+    if (rig_name := _stated_rig(stated)) is None:
         raise _refused(path, problems)
-    rig_path = path.parent / head.rig
+    rig_path = path.parent / rig_name
     try:
         rig = load_any(rig_path)
     except RigError as error:
         raise _refused(path, [*problems, *(f"study.rig: {line}" for line in str(error).splitlines())]) from None
-    problems += _mesh(rig, head.mesh)
+    problems += _mesh(rig, head.mesh) if head is not None else ()
     variables = _variables(stated, rig, problems)
     responses = _responses(stated, rig, problems)
     units = {one.name: one.unit for one in responses}
@@ -102,13 +102,19 @@ def read_study(path: Path) -> DesignStudy:
     method, method_name = _method(stated, problems)
     if method is not None and not problems and (why := method.problem(variables, objectives)):
         problems.append(f'method.kind = "{method_name}": {why}')
-    if problems or method is None:
+    if problems or method is None or head is None:
         raise _refused(path, problems)
     out = path.parent / head.out if head.out else None
     return DesignStudy(
         path.stem, rig_path, head.mesh, out, head.jobs, variables, responses, objectives, constraints, method,
         method_name, head.most_points,
     )  # fmt: skip
+
+
+def _stated_rig(stated: Mapping[str, Any]) -> str | None:
+    """Whatever else is wrong with the table: so that the rest of the file can be checked against the rig"""
+    rig = stated["study"].get("rig") if isinstance(stated.get("study"), Mapping) else None
+    return rig if isinstance(rig, str) else None
 
 
 def _refused(path: Path, problems: Sequence[str]) -> StudyError:

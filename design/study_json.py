@@ -28,6 +28,7 @@ def study_content(result: StudyResult) -> dict[str, Any]:
         "responses": [{"kind": type(r).__name__, "unit": r.unit, **r.model_dump(mode="json")} for r in study.responses],
         "objectives": [{"response": one.response, "goal": one.goal.words} for one in study.objectives],
         "constraints": [_limits(asdict(one)) for one in study.constraints],
+        "setup": result.setup,
         "modes": [asdict(one) for one in result.references],
         "designs": len(result.records),
         "outcomes": _counted(result),

@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from updamp.design.goals import Target
 from updamp.design.methods.method import Problem, library
-from updamp.design.records import Record
+from updamp.design.records import BROKEN, FAILED, Record
 from updamp.design.study_file import DesignStudy
 
 
@@ -41,6 +42,9 @@ def rows(study: DesignStudy, records: Sequence[Record]) -> list[dict[str, Any]]:
 
 
 def feasible(problem: Problem, record: Record) -> bool | None:
+    """None where a constraint's response is not known, and of a design that has none"""
+    if record.outcome in (FAILED, BROKEN):
+        return None
     violations = problem.violations(record)
     return None if violations is None else all(v <= 0 for v in violations)
 
@@ -53,7 +57,8 @@ def problem_of(study: DesignStudy) -> Problem:
 
 def best_records(problem: Problem, records: Sequence[Record]) -> tuple[Record, ...]:
     """Of those that keep all constraints, the ones that none other surpasses in an objective without being worse in
-    another; by the first objective, best first. None where the study has no objective."""
+    another; by the first objective, best first, or by the sum of squares where all are targets. None where the study
+    has no objective."""
     if not problem.objectives:
         return ()
     judged = [(record, problem.losses(record), problem.violations(record)) for record in records]
@@ -62,7 +67,10 @@ def best_records(problem: Problem, records: Sequence[Record]) -> tuple[Record, .
         return ()
     losses = np.array([found for _, found in kept])
     best = [i for i, own in enumerate(losses) if not ((losses <= own).all(axis=1) & (losses < own).any(axis=1)).any()]
-    return tuple(kept[i][0] for i in sorted(best, key=lambda i: tuple(losses[i])))
+    fitted = all(isinstance(one.goal, Target) for one in problem.objectives)
+    return tuple(
+        kept[i][0] for i in sorted(best, key=lambda i: float(losses[i] @ losses[i]) if fitted else tuple(losses[i]))
+    )
 
 
 def write_csv(path: Path, study: DesignStudy, records: Sequence[Record]) -> None:

@@ -22,7 +22,8 @@ class VariableTable(InputTable):
     """One [[variables]] of a study file.
 
     path: of a number of the rig file, such as "damper.face_length"; name: in tables and pictures, the path by default
-    lower, upper: bounds, with the unit where the rig file has one; initial: where a search begins, by default the rig's
+    lower, upper: bounds, with the unit where the rig file has one
+    initial: where a search begins, by default the rig's own value, or the bound that is nearest to it
     scale: "log" for what varies over decades
     """
 
@@ -83,6 +84,9 @@ def variable(table: VariableTable, rig: AnyRig) -> Variable:
         raise ValueError(f'path = "{table.path}": {error}') from None
     unit = _unit(number, table.lower)
     lower, upper = (_value(number, unit, key, getattr(table, key)) for key in ("lower", "upper"))
+    for key, bound in (("lower", lower), ("upper", upper)):
+        if number.whole and bound != round(bound):
+            raise ValueError(f"{key} = {getattr(table, key)!r}: a whole number is wanted")
     if not lower < upper:
         raise ValueError(f"lower = {table.lower}, upper = {table.upper}: the lower bound must be below the upper one")
     if table.scale == "log" and lower <= 0:

@@ -22,8 +22,8 @@ def resonance_against_force(path: Path, mode: str, followed: ResonanceCurve | No
     lowest = min((one.force for one in peaks), default=0.0)
     with figure(path, 12.0, 4.0) as drawing:
         axes: Sequence[Axes] = drawing.subplots(1, 3, sharex=True)
-        if followed is not None and len(followed):
-            shown = followed.force >= 0.99 * lowest
+        shown = np.zeros(0, dtype=bool) if followed is None else followed.force >= 0.99 * lowest
+        if followed is not None and shown.any():
             values = (MM * np.abs(followed.receptance), followed.frequency, 100 * followed.loss_factor)
             for ax, value in zip(axes, values, strict=True):
                 ax.plot(followed.force[shown], value[shown], color=BLUE, label="followed in force")

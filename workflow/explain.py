@@ -54,17 +54,26 @@ def explain(new: Rig, old: Rig, preset: str) -> tuple[StageVerdict, ...]:
             raise ValueError(f"--mesh {preset}: the rig {rig.name} has {', '.join(rig.mesh)}")
     entries = {"new": _leaves(new), "old": _leaves(old)}
     found: dict[str, StageVerdict] = {}
-    for stage in stages.STAGES:
-        for mode in new.study.modes if stage is stages.CURVE else ("",):
+    for stage in (*stages.STAGES, stages.RESONANCE):
+        for mode in new.study.modes if stage in (stages.CURVE, stages.RESONANCE) else ("",):
             name = f"{stage.name} {mode}".strip()
-            changes = _changes(stage, {"preset": preset, "mode": mode}, entries["new"], entries["old"])
+            changes = list(_changes(stage, {"preset": preset, "mode": mode}, entries["new"], entries["old"]))
+            if stage is stages.CURVE and not changes:
+                changes += _further_forces(new, old)
             after = tuple(one.name for one in stage.after if one.name in found and found[one.name].again)
             found[name] = StageVerdict(name, tuple(changes), after)
     return tuple(found.values())
 
 
+def _further_forces(new: Rig, old: Rig) -> Iterator[Change]:
+    """A curve is of one force: those at forces that were there are kept."""
+    known, wanted = list(old.study.force_levels), list(new.study.force_levels)
+    if further := [force for force in wanted if force not in known]:
+        yield Change("study.force_levels", _written(known), f"{_written(wanted)}, at {_written(further)} alone")
+
+
 def other_changes(new: Rig, old: Rig, verdicts: Sequence[StageVerdict]) -> tuple[Change, ...]:
-    """What differs and makes no stage run again: names, further forces, other presets."""
+    """What differs and makes no stage run again: names, forces left out, other presets."""
     told = {one.path for verdict in verdicts for one in verdict.changes}
     return tuple(one for one in _differing(_leaves(new), _leaves(old)) if one.path not in told)
 

@@ -113,6 +113,7 @@ def _result(problem: Problem, found: Any, misfit: _Misfit) -> MethodResult:
     """Deviations are those that the tolerances, taken as standard deviations, leave the variables; None where the
     targets do not determine them."""
     J = np.asarray(found.jac)
+    # shares of the ranges: what is left as wide as its range, no target tells
     determined = np.linalg.matrix_rank(J, tol=1e-8 * max(float(np.linalg.norm(J, 2)), 1e-300)) == J.shape[1]
     spread = np.sqrt(np.diag(np.linalg.inv(J.T @ J))) if determined else np.full(J.shape[1], np.nan)
     (record,) = misfit.evaluate([problem.values(found.x)])
@@ -122,6 +123,7 @@ def _result(problem: Problem, found: Any, misfit: _Misfit) -> MethodResult:
             "deviation": float(deviation) * _per_share(one, float(share)) if determined else None,
             "unit": one.unit,
             "at_bound": bool(min(share, 1 - share) < _INSIDE / 10),
+            "open": not deviation < 1,
         }
         for one, share, deviation in zip(problem.variables, found.x, spread, strict=True)
     }
@@ -147,5 +149,9 @@ def _notes(record: Record, fitted: dict[str, Any], determined: bool, settled: bo
     notes = [f"design {record.number} fits best: {', '.join(values)}"]
     if not determined:
         notes.append("the targets do not determine all variables: fix some of them, or state further targets")
-    notes += [f"{name} stands at a bound: widen it" for name, one in fitted.items() if one["at_bound"]]
+    open_ = [name for name, one in fitted.items() if one["open"]]
+    if determined and open_:
+        notes.append(f"the targets do not tell {', '.join(open_)}: its deviation is wider than its bounds")
+    bound = [name for name, one in fitted.items() if one["at_bound"] and not one["open"]]
+    notes += [f"{name} stands at a bound: widen it" for name in bound]
     return notes if settled else [*notes, "the rounds were used up before it settled: raise `rounds`"]

@@ -1,13 +1,16 @@
 """One interactive page of a study, that needs nothing but a browser: styles, plotly.js, data and scripts are inside."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping
 from html import escape
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from updamp.design.goals import Constraint
 from updamp.design.page.pictures import section_pictures
 from updamp.design.page.sensitivities import sensitivity_figures
+from updamp.design.records import BROKEN, FAILED
 from updamp.design.run_study import StudyResult
 from updamp.design.table import best_records, feasible, problem_of
 from updamp.report.document import DocumentSection, document, document_data
@@ -35,6 +38,7 @@ def study_page(result: StudyResult) -> str:
         ),
         DocumentSection("sensitivities", "Sensitivities", _figures_section(figures)),
         DocumentSection("best", "Best designs", _best(result)),
+        *_failed(result),
     )
     data = {"designs": designs_data(result), "pictures": section_pictures(result)}
     text = script_json(document_data(figures, {"study": data}))
@@ -58,7 +62,6 @@ def designs_data(result: StudyResult) -> dict[str, Any]:
         "numbers": [one.number for one in result.records],
         "best": [one.number in best for one in result.records],
         "kept": [feasible(problem, one) is not False for one in result.records],
-        "reasons": [one.reason for one in result.records],
         "first": _first(result),
     }
 
@@ -84,10 +87,27 @@ def _overview(result: StudyResult) -> str:
         ("designs", ", ".join(f"{outcomes.count(one)} {one}" for one in dict.fromkeys(outcomes)) or "none"),
         ("variables", ", ".join(f"{v.label} from {v.lower:g} to {v.upper:g}" for v in study.variables)),
         ("objectives", ", ".join(f"{one.response}: {one.goal.words}" for one in study.objectives) or "none"),
+        ("constraints", ", ".join(map(_limits, study.constraints)) or "none"),
     ]
     notes = [paragraph(note, "note") for note in result.method.notes] if result.method else []
     cells = [(escape(name), escape(value)) for name, value in rows]
     return table(("", ""), cells, numbers_from=2) + "".join(notes)
+
+
+def _limits(one: Constraint) -> str:
+    low = f"{one.lower:g} <= " if math.isfinite(one.lower) else ""
+    return f"{low}{one.response}" + (f" <= {one.upper:g}" if math.isfinite(one.upper) else "")
+
+
+def _failed(result: StudyResult) -> Iterator[DocumentSection]:
+    """Designs without any response, which no picture of responses can show; none where all have some"""
+    variables, failed = result.study.variables, [one for one in result.records if one.outcome in (FAILED, BROKEN)]
+    if failed:
+        cells = [
+            [str(one.number), *(number(one.values[v.name]) for v in variables), escape(one.reason)] for one in failed
+        ]
+        head = ("design", *(escape(v.label) for v in variables), "reason")
+        yield DocumentSection("failed", "Designs that failed", table(head, cells))
 
 
 def _designs_section() -> str:

@@ -5,9 +5,13 @@ from typing import Annotated, ClassVar
 from pydantic import Field
 
 from updamp.design.responses.response import Response, response
+from updamp.design.rig_numbers import AnyRig
 from updamp.design.solved_design import SolvedDesign
 from updamp.design.tracked_modes import UnknownResponseError
 from updamp.model.small_amplitude import without_contacts
+from updamp.rig.modal_rig import ModalRig
+
+COMPONENTS = ("blade_left", "blade_right", "damper")
 
 
 @response("free_frequency")
@@ -18,9 +22,14 @@ class FreeFrequency(Response):
     number: Annotated[int, Field(strict=True, ge=1)] = 1
     component: str = "blade_right"
 
+    def problem(self, rig: AnyRig) -> str:
+        if not isinstance(rig, ModalRig) and self.component not in COMPONENTS:
+            return f'component = "{self.component}": the rig has {", ".join(COMPONENTS)}'
+        return super().problem(rig)
+
     def value(self, design: SolvedDesign) -> float:
         owners = design.model.owner
-        component = self.component if self.component in owners else owners[0]
+        component = self.component if self.component in owners else owners[0]  # a rig given by modes has one
         try:
             return without_contacts(design.model, component, self.number - 1)
         except IndexError:

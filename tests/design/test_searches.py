@@ -106,6 +106,15 @@ def test_least_squares_meet_a_target_and_say_how_well_it_is_determined(folder):
     write_outputs(result)
 
 
+def test_the_fit_to_targets_that_contradict_each_other_leads_the_best_designs(folder):
+    twin = '[[responses]]\nname = "twin"\nkind = "free_frequency"\n'
+    other = '[[objectives]]\nresponse = "twin"\ngoal = "target"\ntarget = "70 Hz"\ntolerance = "1 Hz"\n'
+    result = run(write_study(folder, 'kind = "least_squares"', twin + TARGET + other, ONE_VARIABLE))
+    (best, *_) = best_records(problem_of(result.study), result.records)
+    assert best.number == result.method.summary["design"]
+    assert best.responses["free"] == pytest.approx((85 / 4 + 70) / (1 / 4 + 1), abs=0.01)
+
+
 def test_what_targets_do_not_determine_is_said(folder):
     result = run(write_study(folder, 'kind = "least_squares"', TARGET))
     assert result.method.summary["fitted"]["mass"]["deviation"] is None

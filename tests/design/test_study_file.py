@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from support.modal_study import STUDY, write_study
+from support.study_runs import run
 
 from updamp.design.study_file import StudyError, read_study
 from updamp.design.variables import overrides
@@ -50,6 +51,32 @@ def test_an_effect_whose_joint_is_at_another_point_has_that_points_name_in_its_p
     study = read_study(write_study(folder, text=text))
     (table,) = overrides({}, study.variables[:1], {study.variables[0].name: 75.0})["effects"]
     assert (table["name"], list(table["values"])) == (cubic, ["coefficient"])
+
+
+def test_what_else_is_wrong_is_told_beside_a_mistake_in_the_first_table(folder):
+    text = STUDY.replace('out = "out"', 'outt = "out"').replace('kind = "free_frequency"', 'kind = "free"')
+    with pytest.raises(StudyError) as refused:
+        read_study(write_study(folder, text=text))
+    assert "study.outt" in str(refused.value)
+    assert 'responses[0].kind = "free"' in str(refused.value)
+
+
+def test_a_component_that_the_rig_has_not_and_bounds_of_a_whole_number_are_refused(tmp_path):
+    path = tmp_path / "study.toml"
+    path.write_text(
+        f'[study]\nrig = "{RIG}"\n[[variables]]\nname = "modes"\npath = "reduction.modes"\nlower = 4.5\nupper = 8\n'
+        '[[responses]]\nname = "f"\nkind = "free_frequency"\ncomponent = "blade_lefty"\n[method]\nkind = "grid"\n'
+    )
+    with pytest.raises(StudyError) as refused:
+        read_study(path)
+    assert "lower = 4.5: a whole number is wanted" in str(refused.value)
+    assert 'component = "blade_lefty": the rig has blade_left, blade_right, damper' in str(refused.value)
+
+
+def test_a_point_that_the_rig_has_not_is_refused_before_any_design(folder):
+    peak = '[[responses]]\nname = "p"\nkind = "peak_receptance"\nmode = "first"\nforce = "1 N"\npoint = "nowhere"\n'
+    with pytest.raises(ValueError, match=r'response p: point = "nowhere": the rig has beam\.drive\.x'):
+        run(write_study(folder, more=peak))
 
 
 @pytest.mark.parametrize(

@@ -18,9 +18,11 @@ from updamp.geometry.build_mesh import build_mesh
 from updamp.geometry.contact_elements import LEFT, RIGHT
 from updamp.geometry.rig_mesh import mirrored_mesh
 from updamp.hbm.newton.observe import ContactState
+from updamp.hbm.resonance.resonance_curve import ResonanceCurve
 from updamp.hbm.stability.branch_stability import BranchStability, State
 from updamp.model.rig_files import load_rig
 from updamp.pictures import bodies, branch_lines, faces, kinematics, modes, response, scene, style, variants
+from updamp.pictures.resonance import resonance_against_force
 from updamp.pictures.style import BLUE, GREY, LIGHT_GREY, ORANGE, VERMILLION, YELLOW
 
 RIG = Path(__file__).parents[1] / "data" / "early_opening.toml"
@@ -288,3 +290,18 @@ def test_a_flat_line_is_not_at_the_edge_of_the_picture():
     assert ax.get_ylim()[1] < 1.06 * 3, "what matplotlib does by itself"
     variants.from_zero(ax)
     assert ax.get_ylim() == pytest.approx((0, 1.08 * 3))
+
+
+def test_peaks_beyond_the_forces_that_the_resonance_was_followed_in_are_drawn_alone(tmp_path):
+    """A run may ask for forces above all levels of the rig file."""
+    force, of_points = np.array([0.1, 1.0, 4.0]), np.full(3, 0.01)
+    response = np.column_stack([0 * force, 1e-5 * force, 0 * force])
+    followed = ResonanceCurve(
+        "OOP", "tip", (0, 1), force, 440 + force, response, np.zeros((3, 0, 3)),
+        of_points, of_points, of_points, of_points, of_points, np.zeros((3, 4), int), np.ones(3, bool), np.zeros(3, bool), np.zeros(3, int), np.zeros(3, int),
+        of_points, True, "", 0.0,
+    )  # fmt: skip
+    for asked in (10.0, 1.0):
+        peak = variants.PeakPoint(asked, 441.0, 1e-5, True)
+        resonance_against_force(tmp_path / f"{asked:g}.png", "OOP", followed, [peak])
+        assert (tmp_path / f"{asked:g}.png").stat().st_size > 1000

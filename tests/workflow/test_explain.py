@@ -46,6 +46,18 @@ def test_the_reason_names_the_input_with_both_values():
     assert [one.path for one in other_changes(new, old, explain(new, old, "small"))] == ["name"]
 
 
+def test_a_further_force_is_a_curve_more_and_the_resonance_anew():
+    old = load_rig(RIG, {"study.force_levels": ["1 N", "4 N"]})
+    new = load_rig(RIG, {"study.force_levels": ["0.5 N", "4 N"]})
+    told = {one.name: one for one in explain(new, old, "small")}
+    assert told["curve OOP"].because == "study.force_levels: [1, 4] -> [0.5, 4], at [0.5] alone"
+    assert told["resonance IP"].again
+    assert not told["static_contact"].again
+    fewer = {one.name: one for one in explain(load_rig(RIG, {"study.force_levels": ["4 N"]}), old, "small")}
+    assert not fewer["curve OOP"].again
+    assert fewer["resonance OOP"].again
+
+
 def test_a_change_of_the_damper_leaves_the_blade_alone():
     old, new = load_rig(RIG), load_rig(RIG, {"damper.base_height": "2.5 mm"})
     told = {one.name: one for one in explain(new, old, "small")}
