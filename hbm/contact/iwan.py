@@ -14,6 +14,7 @@ which is finite where phi_max is far beyond what was measured, and K cannot be k
     stiffness lost on first loading R A^(1+chi) / ((1+chi) (2+chi)).
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
@@ -49,6 +50,7 @@ class IwanMicroslip:
     parameters: ClassVar[type] = IwanParameters
     directions: ClassVar[int] = 1
     rate_dependent: ClassVar[bool] = False
+    above: ClassVar[Mapping[str, float]] = {"exponent": -1.0}
 
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: IwanParameters) -> jax.Array:
         chi = parameters.exponent

@@ -1,5 +1,6 @@
 """A damper whose force grows with a power of the velocity."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
@@ -38,6 +39,7 @@ class PowerLawDamper:
     parameters: ClassVar[type] = PowerLawParameters
     directions: ClassVar[int] = 1
     rate_dependent: ClassVar[bool] = True
+    at_least: ClassVar[Mapping[str, float]] = {"exponent": 1.0}
 
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: PowerLawParameters) -> jax.Array:
         relative = velocity / self.reference

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 # Sliders divide by their stiffness; laws that divide by others name them (`divides_by`): a box without normal stiffness
-# had never slipped. A small one holds a load that does not vary.
+# had never slipped. A small one holds a load that does not vary. Other bounds are the laws' own (`at_least`, `above`).
 _SLIDERS, _NOT_NEGATIVE = ("kt",), ("kn", "mu", "limit")
 
 
@@ -15,7 +15,11 @@ def refuse_impossible(law: Any, parameters: Any, rows: Any) -> None:
 
     raises: ValueError naming what is wrong
     """
+    if isinstance(law, type):
+        raise ValueError(f"{law.__name__} is a class: give a law of it, such as {law.__name__}(...)")
     name, shape = type(law).__name__, np.shape(rows)
+    if missing := [entry for entry in law.parameters._fields if entry not in getattr(parameters, "_fields", ())]:
+        raise ValueError(f"{name}: its parameters are {law.parameters.__name__}; {', '.join(missing)} is missing")
     positive = (*_SLIDERS, *getattr(law, "divides_by", ()))
     if len(shape) != 2 or shape[1] != law.directions:
         raise ValueError(f"{name}: rows of shape {shape}; (n_elements, {law.directions}) is needed, one row an element")
@@ -25,6 +29,12 @@ def refuse_impossible(law: Any, parameters: Any, rows: Any) -> None:
             raise ValueError(f"{name}: {entry} = {_told(value)} must be positive; it may be small")
         if entry in _NOT_NEGATIVE and not np.all(np.asarray(value) >= 0):
             raise ValueError(f"{name}: {entry} = {_told(value)} must not be negative")
+    for entry, least in getattr(law, "at_least", {}).items():
+        if not np.all(np.asarray(getattr(parameters, entry)) >= least):
+            raise ValueError(f"{name}: {entry} = {_told(getattr(parameters, entry))} must be {least:g} or more")
+    for entry, bound in getattr(law, "above", {}).items():
+        if not np.all(np.asarray(getattr(parameters, entry)) > bound):
+            raise ValueError(f"{name}: {entry} = {_told(getattr(parameters, entry))} must be above {bound:g}")
 
 
 def _refuse_entry(what: str, value: NDArray[Any], n_elements: int) -> None:

@@ -117,7 +117,8 @@ def from_matrices(
     M, C, K: (n, n), M and K symmetric; C too where a resonance is to be followed
     relative: (n_relative, n) rows that pick the relative displacements; points: name -> (n,) row
 
-    raises: ValueError naming a matrix of another shape, one that is not finite, M or K where it is not symmetric
+    raises: ValueError naming a matrix of another shape, one that is not finite, M or K where it is not symmetric, M
+        where it is not positive definite
     """
     points = points or {}
     n = len(M)
@@ -126,7 +127,10 @@ def from_matrices(
     _refuse_matrix("relative", np.asarray(relative), (len(relative), n), symmetric=False)
     for name, row in points.items():
         _refuse_matrix(f"point '{name}'", np.asarray(row), (n,), symmetric=False)
-    omega_squared, X = scipy.linalg.eigh(K, M)
+    try:
+        omega_squared, X = scipy.linalg.eigh(K, M)
+    except np.linalg.LinAlgError:
+        raise ValueError("M is not positive definite: every motion needs a mass") from None
     rows = np.vstack([relative, *points.values()])
     return LinearModel(
         omega_squared=omega_squared,

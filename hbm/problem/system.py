@@ -24,6 +24,8 @@ from updamp.hbm.problem.mirror_search import laws_are_mirrored, mirror_driven_at
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
+_EPS = float(np.finfo(float).eps)
+
 
 @dataclass(frozen=True, eq=False)
 class Excitation:
@@ -109,8 +111,18 @@ class NonlinearSystem:
 
     @cached_property
     def stuck(self) -> LinearModel:
-        """The structure with every element on its reference springs."""
-        return stuck_on(self.free, self.reference_stiffness)
+        """The structure with every element on its reference springs.
+
+        raises: ValueError where harmonic 0 is kept and a mode has no stiffness
+        """
+        stuck = stuck_on(self.free, self.reference_stiffness)
+        squared = stuck.omega_squared
+        if 0 in self.harmonics.orders and len(squared) and squared.min() <= len(squared) * _EPS * squared.max():
+            raise ValueError(
+                "harmonic 0: a motion of the structure with all contacts stuck has no stiffness, so that no mean force "
+                "can be held; leave harmonic 0 out, such as Harmonics((1, 3, 5)), or hold the structure"
+            )
+        return stuck
 
     def departure(self, x: Floats, w: float) -> Departure:
         """g and its tangent at the relative displacements x: (n_relative, n_coefficients) [m]."""

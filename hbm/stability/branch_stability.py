@@ -31,6 +31,7 @@ SHARE = 6  # at most one of so many of the curve's points is computed,
 LEAST = 8  # but so many in any case, and all of a system
 WHOLE = 100  # with so many modes times coefficients at most, where a point takes 5 to 20 ms
 NOT_COMPUTED = "not computed: the curve's share of points was used up elsewhere"
+SINGULAR = "a matrix has no inverse, as where nothing but sliding contacts holds the mean position"
 DIFFERENT = "between two points that differ, with none computed between them"
 
 
@@ -129,6 +130,8 @@ def point_stability(
     try:
         with np.errstate(all="ignore"):
             found = stability(system, curve.displacement[place], 2 * np.pi * curve.frequency[place], options, against)
+    except np.linalg.LinAlgError as error:
+        return Judgement(State.UNKNOWN, np.nan, f"{SINGULAR} ({error})")
     except Exception as error:  # of a law, a factorisation, memory: no branch is lost by one of its points
         return Judgement(State.UNKNOWN, np.nan, f"{type(error).__name__}: {error}")
     growth = found.decisive.real
@@ -147,8 +150,14 @@ def branch_stability(
     """Of all points of a curve traced on `system`.
 
     point: where the peak is taken, which is computed first; report: takes the share done, 0 to 1
-    raises: whatever `report` does
+    raises: ValueError where the curve is of other harmonics or contacts than the system; whatever `report` does
     """
+    shape = (system.free.n_relative, system.harmonics.n_coefficients)
+    if curve.orders != system.harmonics.orders or curve.displacement.shape[1:] != shape:
+        raise ValueError(
+            f"the curve has harmonics {curve.orders} and displacements {curve.displacement.shape[1:]}, the system "
+            f"{system.harmonics.orders} and {shape}: give the system that it was traced on"
+        )
     options, parts = options or StabilityOptions(), parts_of(curve)
     most, began = most_computed(system, curve), time.perf_counter()
     known: dict[int, Judgement] = {}

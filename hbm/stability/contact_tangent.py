@@ -51,19 +51,21 @@ def loose_elements(
 
 
 def _elastic(group: ElementGroup, x: Floats, w: float, harmonics: Harmonics, n_time: int) -> NDArray[np.bool_]:
-    """As `_follow_springs`; none where the law is compiled, which knows it of each of its sliders (`at_rest.py`)."""
-    if compiled_forces(group.law, harmonics, n_time) is not None:
+    """As `_follow_springs`; none where the law is compiled, which knows it of each of its sliders (`at_rest.py`), nor
+    of a law without sliders, whose tangent at rest is what it is."""
+    if compiled_forces(group.law, harmonics, n_time) is not None or not hasattr(group.law, "cycles"):
         return np.zeros(group.rows.shape, dtype=bool)
     return _follow_springs(group, x, w, harmonics, n_time)
 
 
 def _follow_springs(group: ElementGroup, x: Floats, w: float, harmonics: Harmonics, n_time: int) -> NDArray[np.bool_]:
-    """(n_elements, directions) whose force follows the reference springs about a mean over the whole period."""
+    """(n_elements, directions) whose force follows the reference springs about a mean over the whole period. Not told
+    of a direction without motion and force: whether a circle's other direction slips shows when it is pushed alone."""
     motion, force = over_period(group, group.law.force, x[group.rows], w, harmonics, n_time)
     stiffness = group.stiffness_of_one
     beyond = force - stiffness[:, None, :] * motion
     size = stiffness * np.ptp(motion, axis=1) + np.abs(force).max(axis=1)
-    elastic: NDArray[np.bool_] = np.ptp(beyond, axis=1) <= ELASTIC * size
+    elastic: NDArray[np.bool_] = (np.ptp(beyond, axis=1) <= ELASTIC * size) & (size > 0)
     return elastic
 
 

@@ -113,7 +113,7 @@ def _of_one(system: NonlinearSystem, x: Floats, w: float, options: StabilityOpti
     order = max(options.order, system.harmonics.orders[-1], LOWEST_ORDER)
     coarse = HillProblem(system, x, w, order, system.time_samples)
     if not len(coarse.still.rows):
-        return _stuck(system)
+        return _stuck(system, options.tolerance * w)
     if not any(depends_on_growth(group.law) for group in system.groups):
         fine = HillProblem(system, x, w, order + 2, 2 * system.time_samples)
         exponents, again = symmetric_exponents(coarse), float(symmetric_exponents(fine)[0].real)
@@ -130,14 +130,15 @@ def _of_one(system: NonlinearSystem, x: Floats, w: float, options: StabilityOpti
     return _judged(exponents, again, w, options, [])
 
 
-def _stuck(system: NonlinearSystem) -> Stability:
-    """Nothing slips or separates: the exponents are those of the stuck structure."""
+def _stuck(system: NonlinearSystem, small: float) -> Stability:
+    """Nothing slips or separates: the exponents are those of the stuck structure. small: growth that counts as none, as
+    that of a motion without damping or of a free one"""
     stuck = system.stuck
     m = len(stuck.omega_squared)
     A = np.block([[np.zeros((m, m)), np.eye(m)], [-np.diag(stuck.omega_squared), -viscous_damping(stuck)]])
     values = np.linalg.eigvals(A).astype(np.complex128)
     values = values[np.argsort(-values.real)]
-    return Stability(bool(values[0].real < 0), values, True, "", 0.0)
+    return Stability(bool(values[0].real < small), values, True, "", 0.0)
 
 
 def _judged(exponents: Complex, again: float, w: float, options: StabilityOptions, reasons: list[str]) -> Stability:

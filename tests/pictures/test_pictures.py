@@ -296,10 +296,11 @@ def test_peaks_beyond_the_forces_that_the_resonance_was_followed_in_are_drawn_al
     """A run may ask for forces above all levels of the rig file."""
     force, of_points = np.array([0.1, 1.0, 4.0]), np.full(3, 0.01)
     response = np.column_stack([0 * force, 1e-5 * force, 0 * force])
+    none = np.zeros(3, int)
     followed = ResonanceCurve(
         "OOP", "tip", (0, 1), force, 440 + force, response, np.zeros((3, 0, 3)),
-        of_points, of_points, of_points, of_points, of_points, np.zeros((3, 4), int), np.ones(3, bool), np.zeros(3, bool), np.zeros(3, int), np.zeros(3, int),
-        of_points, True, "", 0.0,
+        of_points, of_points, of_points, of_points, of_points,
+        np.zeros((3, 4), int), none == 0, none > 0, none, none, of_points, True, "", 0.0,
     )  # fmt: skip
     for asked in (10.0, 1.0):
         peak = variants.PeakPoint(asked, 441.0, 1e-5, True)

@@ -5,13 +5,16 @@ import pytest
 from support.peers import friction, one_degree_of_freedom
 
 from updamp.hbm.contact.coulomb_circle import CoulombCircle
+from updamp.hbm.contact.iwan import IwanMicroslip, IwanParameters
 from updamp.hbm.contact.jenkins import Jenkins, JenkinsParameters
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
 from updamp.hbm.contact.law import ContactLaw
+from updamp.hbm.contact.power_law_damper import PowerLawDamper, PowerLawParameters
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.problem.elements import ElementGroup, element_forces, force_only
+from updamp.hbm.problem.linear_model import from_matrices
 from updamp.hbm.problem.system import NonlinearSystem
 
 
@@ -53,6 +56,37 @@ def test_parameters_that_cannot_be_are_refused(law: ContactLaw, entries: dict[st
     parameters = friction(1, 0.4, 1.0, 1.0, np.ones(1))._replace(**entries)
     with pytest.raises(ValueError, match=said):
         ElementGroup(law, parameters, np.arange(3)[None])
+
+
+@pytest.mark.parametrize(
+    ("law", "parameters", "said"),
+    [
+        (PowerLawDamper(1.0), PowerLawParameters(np.ones(1), np.full(1, 0.3)), r"exponent = \[0.3\] must be 1 or more"),
+        (IwanMicroslip(), IwanParameters(*np.array([[1.0], [-1.5], [0.0]])), r"exponent = \[-1.5\] must be above -1"),
+        (
+            CubicSpring(),
+            JenkinsParameters(np.ones(1), np.ones(1)),
+            "its parameters are CubicParameters; coefficient is",
+        ),
+        (CubicSpring, CubicParameters(np.ones(1)), "CubicSpring is a class"),
+    ],
+)
+def test_what_a_law_cannot_be_given_is_refused(law: ContactLaw, parameters: tuple[np.ndarray, ...], said: str) -> None:
+    with pytest.raises(ValueError, match=said):
+        ElementGroup(law, parameters, np.array([[0]]))
+
+
+def test_a_free_motion_has_no_mean_that_could_be_held() -> None:
+    group = ElementGroup(CubicSpring(), CubicParameters(np.ones(1)), np.array([[0]]))
+    linear = from_matrices(np.eye(2), 0 * np.eye(2), np.array([[1.0, -1.0], [-1.0, 1.0]]), np.array([[1.0, -1.0]]))
+    with pytest.raises(ValueError, match=r"harmonic 0: a motion of the structure .* has no stiffness"):
+        _ = NonlinearSystem(linear, (group,), Harmonics((0, 1)), 64).stuck
+    assert len(NonlinearSystem(linear, (group,), Harmonics((1, 3)), 64).stuck.omega_squared) == 2
+
+
+def test_a_motion_without_mass_is_refused() -> None:
+    with pytest.raises(ValueError, match="M is not positive definite"):
+        from_matrices(np.diag([1.0, 0.0]), np.eye(2), np.eye(2), np.eye(2))
 
 
 @pytest.mark.parametrize("rows", [np.arange(3), np.arange(3)[:, None]])

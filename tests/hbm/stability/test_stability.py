@@ -1,7 +1,9 @@
 """Exponents against closed forms, turning points, and multipliers found by marching in time."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import ClassVar
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from support.peers import friction, one_degree_of_freedom, solved
@@ -83,6 +85,53 @@ def test_a_dashpot_as_an_element_is_the_same_as_in_the_structure():
             assert found.decisive.real == pytest.approx(expected.decisive.real, rel=1e-6)
     assert any(fast)
     assert not all(fast)
+
+
+@dataclass(frozen=True)
+class CentralSpring:
+    """f = k |u|^2 u in two directions."""
+
+    parameters: ClassVar[type] = CubicParameters
+    directions: ClassVar[int] = 2
+    rate_dependent: ClassVar[bool] = False
+
+    def force(self, displacement, velocity, parameters):
+        return parameters.coefficient * jnp.sum(displacement**2, axis=1, keepdims=True) * displacement
+
+    def reference_stiffness(self, parameters):
+        return jnp.zeros(2)
+
+
+def test_a_direction_that_does_not_move_counts_all_the_same():
+    """Driven along one direction alone, the spring acts on a motion of the other all the same."""
+    k, w, a, c = 0.3, 1.26, 0.9, 0.02
+    linear = from_matrices(np.eye(2), c * np.eye(2), np.diag([1.0, 1.02]), np.eye(2), {"drive": np.eye(2)[0]})
+    group = ElementGroup(CentralSpring(), CubicParameters(np.array([k])), np.array([[0, 1]]))
+    system = NonlinearSystem(linear, (group,), Harmonics((0, 1, 2, 3)), 128, as_a_whole=True)
+    x = np.zeros((2, 7))
+    x[0, 1] = a
+    nudged = x.copy()
+    nudged[1, 1] = 1e-7  # that way it is seen anyhow
+    found, expected = (np.sort(stability(system, each, w).exponents.imag) for each in (x, nudged))
+    np.testing.assert_allclose(found, expected, atol=1e-6)
+    assert not np.isclose(np.abs(found), np.sqrt(1.02), atol=1e-3).any(), "as if the spring were not there"
+
+
+@pytest.mark.parametrize("held", [1.0, 0.0])
+def test_motions_without_damping_and_free_ones_do_not_grow(held):
+    stiffness = np.array([[1.0, -1.0], [-1.0, 1.0]]) + held * np.eye(2)
+    linear = from_matrices(np.eye(2), np.zeros((2, 2)), stiffness, np.array([[1.0, -1.0]]), {"drive": np.eye(2)[0]})
+    parameters = JenkinsParameters(np.array([0.5]), np.array([100.0]))
+    system = NonlinearSystem(linear, (ElementGroup(Jenkins(), parameters, ROW),), Harmonics((1, 3)), 64)
+    found = stability(system, np.full((1, 4), 1e-3), 0.7)
+    assert found.stable
+    assert abs(found.decisive.real) < 1e-6
+
+
+def test_a_curve_of_another_system_is_refused(duffing):
+    system, curve, _ = duffing
+    with pytest.raises(ValueError, match="give the system that it was traced on"):
+        branch_stability(replace(system, harmonics=Harmonics((1, 3))), curve, "mass")
 
 
 def test_the_determinant_tells_the_same_as_turning_points(duffing):
