@@ -95,10 +95,10 @@ class CentralSpring:
     directions: ClassVar[int] = 2
     rate_dependent: ClassVar[bool] = False
 
-    def force(self, displacement, velocity, parameters):
+    def force(self, displacement, _velocity, parameters):
         return parameters.coefficient * jnp.sum(displacement**2, axis=1, keepdims=True) * displacement
 
-    def reference_stiffness(self, parameters):
+    def reference_stiffness(self, _parameters):
         return jnp.zeros(2)
 
 
