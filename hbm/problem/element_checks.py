@@ -18,8 +18,9 @@ def refuse_impossible(law: Any, parameters: Any, rows: Any) -> None:
     if isinstance(law, type):
         raise ValueError(f"{law.__name__} is a class: give a law of it, such as {law.__name__}(...)")
     name, shape = type(law).__name__, np.shape(rows)
-    if missing := [entry for entry in law.parameters._fields if entry not in getattr(parameters, "_fields", ())]:
-        raise ValueError(f"{name}: its parameters are {law.parameters.__name__}; {', '.join(missing)} is missing")
+    wanted = getattr(law, "parameters", tuple)
+    if missing := [entry for entry in getattr(wanted, "_fields", ()) if not hasattr(parameters, entry)]:
+        raise ValueError(f"{name}: its parameters are {wanted.__name__}; {', '.join(missing)} is missing")
     positive = (*_SLIDERS, *getattr(law, "divides_by", ()))
     if len(shape) != 2 or shape[1] != law.directions:
         raise ValueError(f"{name}: rows of shape {shape}; (n_elements, {law.directions}) is needed, one row an element")

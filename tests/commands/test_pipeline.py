@@ -309,7 +309,15 @@ def test_without_the_libraries_for_rendering_the_rest_is_made(finished, tmp_path
 
 def worker_of(pid: int) -> bool:
     """Whether a process has begun a worker."""
-    return any("spawn_main" in " ".join(child.cmdline()) for child in psutil.Process(pid).children())
+    return any("spawn_main" in " ".join(_command_of(child)) for child in psutil.Process(pid).children())
+
+
+def _command_of(process: psutil.Process) -> list[str]:
+    """None of one that has just ended."""
+    try:
+        return process.cmdline()
+    except (psutil.ZombieProcess, psutil.NoSuchProcess):
+        return []
 
 
 def test_an_interruption_is_survived(finished, tmp_path):

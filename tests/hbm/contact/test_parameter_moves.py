@@ -24,8 +24,8 @@ ENTRIES = FrictionParameters._fields
 HARMONICS, N_TIME, ELEMENTS = Harmonics((0, 1, 2, 3)), 64, 40
 
 
-def group_of(law, **changed):
-    """All different; a third is open at rest."""
+def group_of(law, entries=None, **changed):
+    """All different; a third is open at rest. entries: those of a modified law"""
     rng = np.random.default_rng(11)
     gap = np.where(np.arange(ELEMENTS) % 3 == 0, 1.0, 0.1) * rng.random(ELEMENTS)
     values = {
@@ -33,7 +33,7 @@ def group_of(law, **changed):
         "n0": 0.2 + 0.3 * rng.random(ELEMENTS), "t0": 0.05 * rng.normal(size=(ELEMENTS, 2)), "gap": gap,
     }  # fmt: skip
     rows = np.arange(3 * ELEMENTS).reshape(-1, 3)
-    return ElementGroup(law, FrictionParameters(**(values | changed)), rows)
+    return ElementGroup(law, with_entries(FrictionParameters(**(values | changed)), **(entries or {})), rows)
 
 
 def motions():
@@ -75,9 +75,7 @@ def test_from_the_tangent_as_by_differentiation(law, monkeypatch):
 def test_of_modified_laws_from_the_law_inside_against_differences(law):
     rng, x = np.random.default_rng(13), motions()
     names = tuple(name for name in law.parameters._fields if name not in ENTRIES)
-    group = group_of(law)
-    values = {name: 0.1 + 0.5 * rng.random(ELEMENTS) for name in names}
-    group = replace(group, parameters=with_entries(group.parameters, **values))
+    group = group_of(law, {name: 0.1 + 0.5 * rng.random(ELEMENTS) for name in names})
     tangent = departures(group, x, 1.3, HARMONICS, N_TIME).tangent
     entries = tuple(entry for entry in (*ENTRIES, *names) if entry != "t0")
     found = by_parameters.law_derivatives(group, entries, x, tangent, 1.3, HARMONICS, N_TIME)
@@ -97,8 +95,7 @@ def test_of_modified_laws_from_the_law_inside_against_differences(law):
 
 def test_of_a_film_that_is_not_there_and_of_a_mean_that_is_not_seen():
     """The former is told from the law inside, the latter by differentiation alone."""
-    x, group = motions(), group_of(ViscousFilm(JenkinsBox(2)))
-    group = replace(group, parameters=with_entries(group.parameters, viscosity=np.zeros(ELEMENTS)))
+    x, group = motions(), group_of(ViscousFilm(JenkinsBox(2)), {"viscosity": np.zeros(ELEMENTS)})
     tangent = departures(group, x, 1.3, HARMONICS, N_TIME).tangent
     found = by_parameters.law_derivatives(group, ("viscosity",), x, tangent, 1.3, HARMONICS, N_TIME)["viscosity"]
     more = replace(group, parameters=with_entries(group.parameters, viscosity=np.ones(ELEMENTS)))
