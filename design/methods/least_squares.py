@@ -113,7 +113,6 @@ def _result(problem: Problem, found: Any, misfit: _Misfit) -> MethodResult:
     """Deviations are those that the tolerances, taken as standard deviations, leave the variables; None where the
     targets do not determine them."""
     J = np.asarray(found.jac)
-    # shares of the ranges: what is left as wide as its range, no target tells
     determined = np.linalg.matrix_rank(J, tol=1e-8 * max(float(np.linalg.norm(J, 2)), 1e-300)) == J.shape[1]
     spread = np.sqrt(np.diag(np.linalg.inv(J.T @ J))) if determined else np.full(J.shape[1], np.nan)
     (record,) = misfit.evaluate([problem.values(found.x)])
@@ -123,7 +122,7 @@ def _result(problem: Problem, found: Any, misfit: _Misfit) -> MethodResult:
             "deviation": float(deviation) * _per_share(one, float(share)) if determined else None,
             "unit": one.unit,
             "at_bound": bool(min(share, 1 - share) < _INSIDE / 10),
-            "open": not deviation < 1,
+            "open": not deviation < 1,  # a share of its range: as wide as that, no target tells it
         }
         for one, share, deviation in zip(problem.variables, found.x, spread, strict=True)
     }

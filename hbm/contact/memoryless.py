@@ -62,12 +62,34 @@ class MemorylessLaw(ContactLaw, Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class MemorylessForces:
+class WrittenOutForces:
+    """A law that is written out in NumPy, and what its samples are made of and go into."""
+
+    law: Any
+    harmonics: Harmonics
+    n_time: int
+
+    @cached_property
+    def _synthesis(self) -> Floats:
+        """(n_time, n_coefficients)"""
+        return np.asarray(self.harmonics.synthesis(self.n_time))
+
+    @cached_property
+    def _rate(self) -> Floats:
+        """Likewise, of the velocity over the angular frequency."""
+        return np.asarray(self.harmonics.synthesis_rate(self.n_time))
+
+    @cached_property
+    def _analysis(self) -> Floats:
+        """(n_coefficients, n_time)"""
+        return np.asarray(self.harmonics.analysis(self.n_time))
+
+
+@dataclass(frozen=True, eq=False)
+class MemorylessForces(WrittenOutForces):
     """See `law.CompiledRateForces`; of laws that do not depend on the rate too."""
 
     law: MemorylessLaw
-    harmonics: Harmonics
-    n_time: int
 
     def write_forces(
         self, numbers: Integers, displacement: Floats, w: float | Floats, parameters: Any, force: Floats
@@ -107,16 +129,6 @@ class MemorylessForces:
         return self.law.sampled(x @ self._synthesis.T, velocity, each)
 
     @cached_property
-    def _synthesis(self) -> Floats:
-        """(n_time, n_coefficients)"""
-        return np.asarray(self.harmonics.synthesis(self.n_time))
-
-    @cached_property
-    def _rate(self) -> Floats:
-        """Likewise, of the velocity over the angular frequency."""
-        return np.asarray(self.harmonics.synthesis_rate(self.n_time))
-
-    @cached_property
     def _last(self) -> Floats:
         """Of the displacement at the sample before."""
         return np.roll(self._synthesis, 1, axis=0)
@@ -124,8 +136,3 @@ class MemorylessForces:
     @cached_property
     def _next(self) -> Floats:
         return np.roll(self._synthesis, -1, axis=0)
-
-    @cached_property
-    def _analysis(self) -> Floats:
-        """(n_coefficients, n_time)"""
-        return np.asarray(self.harmonics.analysis(self.n_time))

@@ -4,14 +4,13 @@ All elements have a film, those that stick too, and JAX takes ten times as long 
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.contact.law import of_each
-from updamp.hbm.harmonics import Harmonics
+from updamp.hbm.contact.memoryless import WrittenOutForces
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -50,12 +49,8 @@ def _share_above_zero(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 @dataclass(frozen=True, eq=False)
-class FilmForces:
+class FilmForces(WrittenOutForces):
     """See `law.CompiledRateForces`. law: a `film.FilmForce`"""
-
-    law: Any
-    harmonics: Harmonics
-    n_time: int
 
     def write_forces(
         self, numbers: Integers, displacement: Floats, w: float | Floats, parameters: Any, force: Floats
@@ -100,21 +95,6 @@ class FilmForces:
     def _compression(self, numbers: Integers, x: Floats, parameters: Any) -> Floats:
         rest = np.asarray(self.law.rest_compression(parameters))[numbers, None]
         return np.asarray(rest + x[:, 2] @ self._synthesis.T)
-
-    @cached_property
-    def _synthesis(self) -> Floats:
-        """(n_time, n_coefficients)"""
-        return np.asarray(self.harmonics.synthesis(self.n_time))
-
-    @cached_property
-    def _rate(self) -> Floats:
-        """Likewise, of the velocity over the angular frequency."""
-        return np.asarray(self.harmonics.synthesis_rate(self.n_time))
-
-    @cached_property
-    def _analysis(self) -> Floats:
-        """(n_coefficients, n_time)"""
-        return np.asarray(self.harmonics.analysis(self.n_time))
 
 
 def _of(values: Any, numbers: Integers) -> Floats:
