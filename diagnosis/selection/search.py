@@ -19,6 +19,7 @@ from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.evidence import EffectScore, Evidence, IfRunsDrift, gain_over_fewer
 from updamp.diagnosis.score_tests.score import Score, cosines, scores
 from updamp.diagnosis.score_tests.signature import Extended, extend
+from updamp.diagnosis.selection.equal_numerics import with_equal_numerics
 from updamp.diagnosis.selection.fair_credit import credited, without_effects_again
 from updamp.diagnosis.selection.further_effects import further_effects
 from updamp.diagnosis.selection.other_places import try_other_places
@@ -87,7 +88,9 @@ def search(
     further, pairs = exchanged(fits, several, singles, try_pairs(fits, several, singles))
     singles |= further
     singles |= alone(fits, singles, pairs)
-    combined = _over_fewer(singles, pairs | further_effects(fits, several, singles, pairs))
+    combined = pairs | further_effects(fits, several, singles, pairs)
+    singles |= with_equal_numerics(fits, singles)
+    combined = _over_fewer(singles, combined | with_equal_numerics(fits, combined))
     evidence = _evidence(fits, extended, scored, held_out, singles, combined, free)
     refits = {names: r.refit for names, r in {**singles, **combined}.items()}
     return SearchResult(fits.start, extended, scored, refits, evidence)

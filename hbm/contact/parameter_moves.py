@@ -8,12 +8,20 @@ are those along certain motions. Exact for whatever is marched, at samples or be
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.contact.friction import FrictionParameters
-from updamp.hbm.contact.law import ContactLaw, LawAt, LawOfMoves, is_of_its_force
+from updamp.hbm.contact.law import (
+    ContactLaw,
+    LawAt,
+    LawOfMoves,
+    compiled_forces_of,
+    compiled_rate_forces_of,
+    is_of_its_force,
+)
 
 Floats = NDArray[np.float64]
 
@@ -28,6 +36,19 @@ def derivatives_of(law: ContactLaw, entries: Sequence[str], at: LawAt) -> dict[s
     if isinstance(law, LawOfMoves) and is_of_its_force(law, "parameter_derivatives"):
         return law.parameter_derivatives(entries, at)
     return None
+
+
+def with_own_tangent(law: ContactLaw, at: LawAt) -> LawAt | None:
+    """The same motion with the tangent of this law; None where it is in JAX alone."""
+    numbers, x, tangent = np.arange(len(at.displacement)), at.displacement, np.empty_like(at.tangent)
+    force, rate = np.empty_like(x), np.empty_like(x)
+    if (still := compiled_forces_of(law, at.harmonics, at.n_time)) is not None:
+        still.write_with_tangents(numbers, x, at.parameters, force, tangent)
+    elif (at_rate := compiled_rate_forces_of(law, at.harmonics, at.n_time)) is not None:
+        at_rate.write_with_tangents(numbers, x, at.w, at.parameters, force, tangent, rate)
+    else:
+        return None
+    return replace(at, tangent=tangent)
 
 
 def friction_derivatives(entries: Sequence[str], at: LawAt) -> dict[str, Floats] | None:

@@ -96,7 +96,7 @@ class MeanOfSliders:
 
     def write_forces(self, numbers: Integers, displacement: Floats, parameters: Any, force: Floats) -> None:
         one, total = force.copy(), np.zeros_like(force[numbers])
-        for p in self._each(parameters):
+        for p in _of_sliders(parameters, self.factors):
             self.inner.write_forces(numbers, displacement, p, one)
             total += one[numbers]
         force[numbers] = total / len(self.factors)
@@ -105,7 +105,7 @@ class MeanOfSliders:
         self, numbers: Integers, displacement: Floats, parameters: Any, force: Floats, tangent: Floats
     ) -> None:
         one, total = (force.copy(), tangent.copy()), (np.zeros_like(force[numbers]), np.zeros_like(tangent[numbers]))
-        for p in self._each(parameters):
+        for p in _of_sliders(parameters, self.factors):
             self.inner.write_with_tangents(numbers, displacement, p, *one)
             for sum_of, of_one in zip(total, one, strict=True):
                 sum_of += of_one[numbers]
@@ -115,16 +115,54 @@ class MeanOfSliders:
         self, numbers: Integers, displacement: Floats, parameters: Any, growth: complex, tangent: Complex
     ) -> None:
         one, total = tangent.copy(), np.zeros_like(tangent[numbers])
-        for p in self._each(parameters):
+        for p in _of_sliders(parameters, self.factors):
             self.inner.write_perturbed_tangents(numbers, displacement, p, growth, one)
             total += one[numbers]
         tangent[numbers] = total / len(self.factors)
 
     def loop_areas(self, numbers: Integers, displacement: Floats, parameters: Any) -> Floats:
-        areas = [self.inner.loop_areas(numbers, displacement, p) for p in self._each(parameters)]
+        areas = [self.inner.loop_areas(numbers, displacement, p) for p in _of_sliders(parameters, self.factors)]
         return np.asarray(np.mean(areas, axis=0))
 
-    def _each(self, parameters: Any) -> Iterator[Any]:
-        mu, spread = np.asarray(parameters.mu, dtype=float), np.asarray(parameters.limit_spread, dtype=float)
-        for factor in self.factors:
-            yield parameters._replace(mu=(mu.T * (1 + spread * factor)).T)
+
+@dataclass(frozen=True, eq=False)
+class RateMeanOfSliders:
+    """As `MeanOfSliders`, of inner laws that depend on the rate."""
+
+    inner: CompiledRateForces
+    factors: Floats
+
+    def write_forces(
+        self, numbers: Integers, displacement: Floats, w: float | Floats, parameters: Any, force: Floats
+    ) -> None:
+        one, total = force.copy(), np.zeros_like(force[numbers])
+        for p in _of_sliders(parameters, self.factors):
+            self.inner.write_forces(numbers, displacement, w, p, one)
+            total += one[numbers]
+        force[numbers] = total / len(self.factors)
+
+    def write_with_tangents(
+        self,
+        numbers: Integers,
+        displacement: Floats,
+        w: float | Floats,
+        parameters: Any,
+        force: Floats,
+        tangent: Floats,
+        by_frequency: Floats,
+    ) -> None:
+        written = force, tangent, by_frequency
+        one, total = [part.copy() for part in written], [np.zeros_like(part[numbers]) for part in written]
+        for p in _of_sliders(parameters, self.factors):
+            self.inner.write_with_tangents(numbers, displacement, w, p, *one)
+            for sum_of, of_one in zip(total, one, strict=True):
+                sum_of += of_one[numbers]
+        for part, sum_of in zip(written, total, strict=True):
+            part[numbers] = sum_of / len(self.factors)
+
+
+def _of_sliders(parameters: Any, factors: Floats) -> Iterator[Any]:
+    """Parameters of each slider"""
+    mu, spread = np.asarray(parameters.mu, dtype=float), np.asarray(parameters.limit_spread, dtype=float)
+    for factor in factors:
+        yield parameters._replace(mu=(mu.T * (1 + spread * factor)).T)

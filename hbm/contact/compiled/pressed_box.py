@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.contact.compiled.at_rest import rests, stays_closed
+from updamp.hbm.contact.compiled.by_friction import new_limit_rows, set_limit_rows, write_by_limit
 from updamp.hbm.contact.compiled.columns import Rows
 from updamp.hbm.contact.compiled.cubic import positive
 from updamp.hbm.contact.compiled.event_grid import Openings
@@ -76,7 +77,7 @@ def force_with_tangent(
         _set_factor(normal, kn, p, e, sampled, tables.shares, by)
         _write_force(kn, normal, by.scaled, p.at_rest[e, 2], tables.constant, force[e, 2])
         closed = pressing.min() > 0 and openings.first.max() < 0
-        pressed = _Pressed(pressing, openings, closed, rows, tables.shares, sampled)
+        pressed = _Pressed(pressing, _copy(openings), closed, rows, tables.shares, sampled)
         if len(tangent):
             _write_normal_tangent(pressed, kn, normal, by, out, tangent[e, 2])
         ratio = hold(p.box, e, pressing, rate, path, openings)
@@ -116,7 +117,7 @@ def perturbed_tangent(
         _average_normal(pressing, rate, openings, sampled, normal)
         _set_factor(normal, kn, p, e, growing_sampled, growing.shares, by)
         closed = stays_closed(pressing)
-        pressed = _Pressed(pressing, openings, closed, rows, growing.shares, growing_sampled)
+        pressed = _Pressed(pressing, _copy(openings), closed, rows, growing.shares, growing_sampled)
         _write_normal_tangent(pressed, kn, normal, by, out, tangent[e, 2])
         ratio = hold(p.box, e, pressing, rate, path, openings)
         p_rows = limit_rows(p.box.mu[e], rows, growing.last_period, own)
@@ -151,6 +152,32 @@ def loop_areas(
             for t in range(n + 1):
                 force[t] = kt * (path.u[t] - slider.position[grid.sample[t]]) * by.factor[t % n]
             areas[i] += loop_area(path.u, force)
+
+
+@kept
+def by_friction(
+    numbers: Any, displacement: Any, p: PressedBox, cycles: int, sampled: Any, tables: Tables, mu_rows: Any, out: Any
+) -> None:
+    """As in by_friction.py beside this file; writes out, (len(numbers), 2, n_coefficients, m)."""
+    c, n = tables.synthesis.shape
+    path, grid, openings, pressing, rate, _ = room(n, c)
+    slider, scratch = new_slider(len(grid.share), n), new_scratch(len(grid.share), tables.weights)
+    normal, by, of_limit = np.empty(n), _new_factor(n, tables.weights), new_limit_rows(n, mu_rows)
+    for i, e in enumerate(numbers):
+        press(displacement[e, 2], p.box, e, tables, pressing, rate, openings)
+        _average_normal(pressing, rate, openings, sampled, normal)
+        _set_factor(normal, p.box.kn[e], p, e, sampled, tables.shares, by)
+        ratio = hold(p.box, e, pressing, rate, path, openings)
+        set_limit_rows(pressing, mu_rows[i], of_limit)
+        for d in range(2):
+            slide(displacement[e, d], p.box, e, d, tables, path, ratio, openings, cycles, grid, slider)
+            write_by_limit(grid, path, ratio, slider, by.weights, p.box.kt[e], of_limit, scratch, out[i, d])
+
+
+@inner
+def _copy(openings: Openings) -> Openings:
+    """Of the compression: `hold` writes those of the slip limit in their place where friction varies."""
+    return Openings(openings.first.copy(), openings.second.copy())
 
 
 @inner

@@ -24,6 +24,12 @@ class PressedForces(KernelForces):
         grown = growing_sampled(at_samples.shape[1], growth), growing(of_motion, growth)
         self.perturbed(numbers, own(displacement), self.own(parameters), *self.arguments, *grown, tangent)
 
+    def by_friction(self, numbers: Integers, displacement: Floats, parameters: Any, mu_rows: Floats) -> Floats:
+        found = np.empty((len(numbers), 2, displacement.shape[2], mu_rows.shape[2]))
+        arguments = self.own(parameters), *self.arguments, own(mu_rows), found
+        pressed_box.by_friction(numbers, own(displacement), *arguments)
+        return found
+
 
 def pressed_forces(cycles: int, harmonics: Harmonics, n_time: int) -> PressedForces:
     """Of `PressureStiffness` with `JenkinsBox` inside."""

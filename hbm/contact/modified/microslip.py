@@ -9,16 +9,18 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.compiled.composed import MeanOfSliders
+from updamp.hbm.contact.compiled.composed import MeanOfSliders, RateMeanOfSliders
 from updamp.hbm.contact.law import (
     CompiledForces,
+    CompiledRateForces,
     LawAt,
     compiled_forces_of,
+    compiled_rate_forces_of,
     decoupled_directions_of,
     force_for_analysis,
 )
 from updamp.hbm.contact.modified.modified_law import ModifiedLaw, sticks_with_friction
-from updamp.hbm.contact.parameter_moves import derivatives_of
+from updamp.hbm.contact.parameter_moves import derivatives_of, with_own_tangent
 from updamp.hbm.harmonics import Harmonics
 
 Floats = NDArray[np.float64]
@@ -46,23 +48,29 @@ class SubPatchMicroslip(ModifiedLaw):
         inner = compiled_forces_of(self.inner, harmonics, n_time)
         return None if inner is None else self.mean_of(inner)
 
+    def compiled_rate(self, harmonics: Harmonics, n_time: int) -> CompiledRateForces | None:
+        inner = compiled_rate_forces_of(self.inner, harmonics, n_time)
+        return None if inner is None else self.rate_mean_of(inner)
+
     @staticmethod
     def mean_of(one: CompiledForces) -> CompiledForces:
         """Of sliders of this spread, from the forces of one."""
         return MeanOfSliders(one, np.asarray(evenly(SLIDERS)))
 
+    @staticmethod
+    def rate_mean_of(one: CompiledRateForces) -> CompiledRateForces:
+        """Likewise, of laws that depend on the rate"""
+        return RateMeanOfSliders(one, np.asarray(evenly(SLIDERS)))
+
     def parameter_derivatives(self, entries: Sequence[str], at: LawAt) -> dict[str, Floats] | None:
         """The mean of those of the sliders, each by its own friction coefficient."""
-        inner, p = compiled_forces_of(self.inner, at.harmonics, at.n_time), at.parameters
-        if inner is None:
-            return None
+        p, total = at.parameters, dict[str, Floats]()
         wanted = dict.fromkeys((*(entry for entry in entries if entry != "limit_spread"), "mu"))
-        total: dict[str, Floats] = {}
         for factor in np.asarray(evenly(SLIDERS)):
-            of_one, tangent = p._replace(mu=p.mu * (1 + p.limit_spread * factor)), np.empty_like(at.tangent)
-            numbers, force = np.arange(len(p.mu)), np.empty_like(at.displacement)
-            inner.write_with_tangents(numbers, at.displacement, of_one, force, tangent)
-            found = derivatives_of(self.inner, tuple(wanted), replace(at, tangent=tangent, parameters=of_one))
+            of_one = with_own_tangent(
+                self.inner, replace(at, parameters=p._replace(mu=p.mu * (1 + p.limit_spread * factor)))
+            )
+            found = None if of_one is None else derivatives_of(self.inner, tuple(wanted), of_one)
             if found is None:
                 return None
             by_mu = found["mu"]

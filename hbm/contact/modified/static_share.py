@@ -13,7 +13,9 @@ from updamp.hbm.contact.compiled.composed import RateShareOfMean, ShareOfMean
 from updamp.hbm.contact.law import (
     CompiledForces,
     CompiledRateForces,
+    ContactLaw,
     LawAt,
+    SumOfLaws,
     compiled_forces_of,
     compiled_rate_forces_of,
     decoupled_directions_of,
@@ -38,6 +40,11 @@ class StaticShare(ModifiedLaw):
     @property
     def decoupled_directions(self) -> tuple[int, ...]:
         return decoupled_directions_of(self.inner)
+
+    @property
+    def parts(self) -> tuple[ContactLaw, ...]:
+        """The same share seen by each of the laws that the inner one is the sum of; none where it is no sum."""
+        return tuple(StaticShare(part) for part in self.inner.parts) if isinstance(self.inner, SumOfLaws) else ()
 
     def compiled(self, harmonics: Harmonics, n_time: int) -> CompiledForces | None:
         inner = compiled_forces_of(self.inner, harmonics, n_time)

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.contact.compiled.varying_friction import VaryingFriction
-from updamp.hbm.contact.law import CompiledFriction, CompiledRateForces, LawAt, compiled_forces_of
+from updamp.hbm.contact.law import CompiledForces, CompiledFriction, CompiledRateForces, LawAt, compiled_forces_of
 from updamp.hbm.contact.modified.modified_law import LawArguments, ModifiedLaw, sticks_with_friction
-from updamp.hbm.contact.parameter_moves import derivatives_of
+from updamp.hbm.contact.parameter_moves import derivatives_of, with_own_tangent
 from updamp.hbm.harmonics import Harmonics
 
 Floats = NDArray[np.float64]
@@ -43,7 +43,11 @@ class VelocityFriction(ModifiedLaw):
         return displacement, velocity, p._replace(mu=p.mu * factor)
 
     def compiled_rate(self, harmonics: Harmonics, n_time: int) -> CompiledRateForces | None:
-        inner = compiled_forces_of(self.inner, harmonics, n_time)
+        return self.of_friction(compiled_forces_of(self.inner, harmonics, n_time), harmonics, n_time)
+
+    @staticmethod
+    def of_friction(inner: CompiledForces | None, harmonics: Harmonics, n_time: int) -> CompiledRateForces | None:
+        """Of friction that falls with the speed, from the forces of a law with any; None where they do not tell"""
         if not isinstance(inner, CompiledFriction):
             return None
         return VaryingFriction(inner, friction_at, np.ascontiguousarray(harmonics.synthesis_rate(n_time).T))
@@ -55,10 +59,10 @@ class VelocityFriction(ModifiedLaw):
             return None
         rates = np.ascontiguousarray(at.harmonics.synthesis_rate(at.n_time).T)
         mu, changes = friction_by_parameters(at.w * (at.displacement[:, :2] @ rates), p)
-        varying, numbers = p._replace(mu=mu), np.arange(len(mu))
-        force, tangent = np.empty_like(at.displacement), np.empty_like(at.tangent)
-        inner.write_with_tangents(numbers, at.displacement, varying, force, tangent)
-        inside = replace(at, tangent=tangent, parameters=varying)
+        inside = with_own_tangent(self.inner, replace(at, parameters=p._replace(mu=mu)))
+        if inside is None:
+            return None
+        numbers, varying = np.arange(len(mu)), inside.parameters
         found = derivatives_of(self.inner, [entry for entry in entries if entry not in changes], inside)
         if found is not None and (of_friction := [entry for entry in entries if entry in changes]):
             rows = np.stack([changes[entry] for entry in of_friction], axis=2)

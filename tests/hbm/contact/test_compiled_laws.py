@@ -253,15 +253,24 @@ class CoupledInJax(RateInJax):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("inner", [JenkinsBox(2), SubPatchMicroslip(JenkinsBox(2))])
-def test_a_film_is_the_compiled_law_inside_and_dashpots_beside_it(inner):
-    law, rng, w = ViscousFilm(inner), np.random.default_rng(9), 1.7
-    p = with_entries(parameters(), viscosity=rng.random(ELEMENTS), limit_spread=rng.random(ELEMENTS))
+@pytest.mark.parametrize(
+    "law",
+    [
+        ViscousFilm(JenkinsBox(2)), ViscousFilm(SubPatchMicroslip(JenkinsBox(2))),
+        StaticShare(ViscousFilm(JenkinsBox(2))), StaticShare(ViscousFilm(VelocityFriction(JenkinsBox(2)))),
+    ],
+)  # fmt: skip
+def test_a_film_is_the_compiled_law_inside_and_dashpots_beside_it(law):
+    rng, w = np.random.default_rng(9), 1.7
+    entries = ("viscosity", "limit_spread", "static_share", "reference_speed")
+    p = with_entries(parameters(), **{name: rng.random(ELEMENTS) for name in entries})
+    p = with_entries(p, velocity_drop=0.6 * rng.random(ELEMENTS))
     motion, rows = motions(p), np.arange(3 * ELEMENTS).reshape(-1, 3)
     group = ElementGroup(law, p, rows)
-    assert compiled_forces_of(group.parts[0].law, HARMONICS, 128) is not None
+    inside = [part.law for part in group.parts]
+    assert all(compiled_forces_of(a, HARMONICS, 128) or compiled_rate_forces(a, HARMONICS, 128) for a in inside)
     ours, theirs = (
-        element_forces(g, motion, w, HARMONICS, 128) for g in (group, ElementGroup(RateInJax(law), p, rows))
+        element_forces(g, motion, w, HARMONICS, 128) for g in (group, ElementGroup(CoupledInJax(law), p, rows))
     )
     size = np.abs(theirs.force).max()
     np.testing.assert_allclose(ours.force, theirs.force, rtol=0, atol=1e-13 * size)
@@ -308,11 +317,18 @@ def test_motions_of_several_frequencies_together_are_those_one_by_one(law):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("law", [VelocityFriction(JenkinsBox(2)), StaticShare(VelocityFriction(JenkinsBox(2)))])
+@pytest.mark.parametrize(
+    "law",
+    [
+        VelocityFriction(JenkinsBox(2)), StaticShare(VelocityFriction(JenkinsBox(2))),
+        SubPatchMicroslip(VelocityFriction(JenkinsBox(2))), PressureStiffness(VelocityFriction(JenkinsBox(2))),
+        PressureStiffness(SubPatchMicroslip(VelocityFriction(JenkinsBox(2)))),
+    ],
+)  # fmt: skip
 def test_friction_that_depends_on_the_speed_is_the_compiled_law_with_friction_that_varies(law):
     rng, w = np.random.default_rng(10), 1.7
-    p = with_entries(parameters(), velocity_drop=0.6 * rng.random(ELEMENTS), reference_speed=0.2 + rng.random(ELEMENTS))
-    p = with_entries(p, static_share=rng.random(ELEMENTS))
+    of_speed = {"velocity_drop": 0.6 * rng.random(ELEMENTS), "reference_speed": 0.2 + rng.random(ELEMENTS)}
+    p = with_entries(pressed_parameters(), **of_speed, limit_spread=rng.random(ELEMENTS))
     motion, rows = motions(p), np.arange(3 * ELEMENTS).reshape(-1, 3)
     assert compiled_rate_forces(law, HARMONICS, 128) is not None
     groups = [AllEvaluated(each, p, rows) for each in (law, CoupledInJax(law))]

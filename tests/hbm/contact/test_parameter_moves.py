@@ -69,8 +69,9 @@ def test_from_the_tangent_as_by_differentiation(law, monkeypatch):
     [
         ViscousFilm(JenkinsBox(2)), StaticShare(JenkinsBox(2)), VelocityFriction(JenkinsBox(2)),
         SubPatchMicroslip(JenkinsBox(2)), StaticShare(ViscousFilm(VelocityFriction(JenkinsBox(2)))),
+        SubPatchMicroslip(VelocityFriction(JenkinsBox(2))),
     ],
-    ids=["film", "share", "velocity", "microslip", "three"],
+    ids=["film", "share", "velocity", "microslip", "three", "microslip of velocity"],
 )  # fmt: skip
 def test_of_modified_laws_from_the_law_inside_against_differences(law):
     rng, x = np.random.default_rng(13), motions()

@@ -1,0 +1,86 @@
+"""Of models that explain the data each gets the numerical error of its own, with made-up fits."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+
+from updamp.comparison.fit.failing_model import Freedom
+from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext
+from updamp.diagnosis.candidate_models.fit_tasks import FittedCandidate
+from updamp.diagnosis.candidate_models.refit import Refit
+from updamp.diagnosis.criteria import Criteria, SearchEffort
+from updamp.diagnosis.evidence import Trial
+from updamp.diagnosis.selection.equal_numerics import with_equal_numerics
+from updamp.effects.effect import Effect
+
+
+def fitted(name: str, misfit: float, drop: float, own: bool = False, full: bool = True) -> FittedCandidate:
+    effect = Effect(name, f"there is {name}", (), lambda model, _: model)
+    refit = Refit((effect,), SimpleNamespace(), drop, drop, "", own)
+    return FittedCandidate(refit, Trial((name,), misfit, drop, drop, 0.9, "", full, unseen=0.9))
+
+
+def by_name(*some: FittedCandidate) -> CandidateFits:
+    return {r.trial.effects: r for r in some}
+
+
+@pytest.fixture
+def asked(monkeypatch):
+    """What is fitted again: each takes off 50 more, but "even" 50 less."""
+    names = []
+
+    def full(_, some, own_numerics):
+        assert own_numerics
+        names.extend(r.trial.effects[0] for r in some)
+        drops = {r.trial.effects: r.refit.drop + (-50 if r.trial.effects == ("even",) else 50) for r in some}
+        return {n: replace(r, refit=replace(r.refit, drop=drops[n], also=())) for n, r in by_name(*some).items()}
+
+    monkeypatch.setattr(FitContext, "full", full)
+    return names
+
+
+def context(patterns=("finer mesh",)):
+    numerics = SimpleNamespace(names=patterns)
+    start = SimpleNamespace(
+        fitted=SimpleNamespace(parametrisation=SimpleNamespace(numerics=numerics)),
+        freedom=Freedom(64.0), unseen_freedom=Freedom(32.0),
+    )  # fmt: skip
+    return FitContext(start, Criteria(search=SearchEffort(full=3)), lambda _: None, lambda *_: [])
+
+
+def test_a_rival_that_explains_the_data_is_not_told_from_the_best_by_the_numerics_of_another_model(asked):
+    """The best one had the numerical error of its own model, the true one that of the model without effects, and was
+    said to be less likely for it (case 007 of the draw 58161044)."""
+    found = with_equal_numerics(context(), by_name(fitted("best", 0.75, 900.0, own=True), fitted("true", 1.01, 800.0)))
+    assert asked == ["true"]
+    assert found["true",].refit.drop == 850.0
+
+
+def test_other_minima_are_kept_and_what_is_better_as_it_was_too(asked):
+    other = fitted("one", 0.8, 900.0)
+    other = replace(other, refit=replace(other.refit, also=(SimpleNamespace(),)))
+    found = with_equal_numerics(context(), by_name(other, fitted("even", 0.9, 850.0)))
+    assert asked == ["one", "even"]
+    assert list(found) == [("one",)]
+    assert len(found["one",].refit.also) == 1
+
+
+@pytest.mark.parametrize(
+    ("patterns", "rivals"),
+    [
+        ((), [fitted("rival", 0.9, 800.0)]),
+        (("finer mesh",), []),
+        (("finer mesh",), [fitted("fails", 3.0, 700.0), fitted("short", 0.9, 600.0, full=False)]),
+    ],
+    ids=["no numerical error", "the only one", "others do not explain them"],
+)
+def test_where_there_is_nothing_to_hold_against_each_other_nothing_is_fitted(asked, patterns, rivals):
+    assert not with_equal_numerics(context(patterns), by_name(fitted("best", 0.8, 900.0), *rivals))
+    assert not asked
+
+
+def test_no_more_are_fitted_than_get_a_full_fit(asked):
+    some = [fitted(f"effect {i}", 0.8, 900.0 - i) for i in range(5)]
+    with_equal_numerics(context(), by_name(*some))
+    assert asked == ["effect 0", "effect 1", "effect 2"]
