@@ -75,6 +75,10 @@ class FilmForce:
     def parameters(self) -> type:
         return extended_type(self.inner.parameters, ViscousFilm.entries)
 
+    @property
+    def cycles(self) -> int:
+        return int(self.inner.cycles)
+
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
         closed = closed_share(compression(self.inner, displacement, velocity, parameters))
         viscous: jax.Array = parameters.viscosity * velocity * closed[:, None]

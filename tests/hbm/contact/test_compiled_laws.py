@@ -268,6 +268,7 @@ def test_a_film_is_the_compiled_law_inside_and_dashpots_beside_it(law):
     motion, rows = motions(p), np.arange(3 * ELEMENTS).reshape(-1, 3)
     group = ElementGroup(law, p, rows)
     inside = [part.law for part in group.parts]
+    assert len(inside) == 2
     assert all(compiled_forces_of(a, HARMONICS, 128) or compiled_rate_forces(a, HARMONICS, 128) for a in inside)
     ours, theirs = (
         element_forces(g, motion, w, HARMONICS, 128) for g in (group, ElementGroup(CoupledInJax(law), p, rows))
