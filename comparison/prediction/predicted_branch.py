@@ -112,7 +112,7 @@ class PredictedBranch:
         return chosen
 
     def thinned(self, apart: float) -> "PredictedBranch":
-        """With those points alone, for a first guess."""
+        """With those points alone, to be moved from, or for a first guess."""
         some = self.spread_out(apart)
         each = {name: getattr(self, name)[some] for name in _OF_POINTS}
         rough = None if self.rough is None else self.rough[some]

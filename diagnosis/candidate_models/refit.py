@@ -70,8 +70,9 @@ def refit(
     full: bool,
     near: Fit | None = None,
 ) -> Refit | None:
-    """The fit with further effects: the better one of two, from the best start beside the model as given and from the
-    best one beside the calibrated model. None where the model has no response at any start.
+    """The fit with further effects: the better one of two, from the best start beside the model as given and, unless
+    that leaves no more than the scatter does, from the best one beside the calibrated model. None where the model has
+    no response at any start.
 
     Models without contacts are quick to trace: they are always fitted in full, by `fit_from_far`, whatever the starts.
 
@@ -91,12 +92,13 @@ def refit(
         [p.with_further(base.u, start) for start in starts.calibrated],
     ]
     # the calibrated model is a valley of its own: no start beside it is better before it is fitted
-    found = [_fit_from(base, plan, extended, kind, full) for kind in kinds]
-    return max(
-        (assessed(base, fitted, effects, criteria) for fitted in found if fitted is not None),
-        key=lambda r: r.drop,
-        default=None,
-    )
+    found: list[Refit] = []
+    for kind in kinds:
+        if found and found[0].mean_squared_misfit <= 1:
+            break
+        fitted = _fit_from(base, plan, extended, kind, full)
+        found += [] if fitted is None else [assessed(base, fitted, effects, criteria)]
+    return max(found, key=lambda r: r.drop, default=None)
 
 
 def _nested(base: Fit, plan: Plan, extended: Parametrisation) -> Fit | None:

@@ -27,6 +27,7 @@ from updamp.hbm.problem.laws_in_jax import (
     compiled_force,
     compiled_loop_areas,
     compiled_quantity,
+    compiled_reference_stiffness,
     compiled_with_tangents,
     elements_a_batch,
     n_seeds,
@@ -67,7 +68,7 @@ class ElementGroup:
     @cached_property
     def stiffness_of_one(self) -> Floats:
         """(n_elements, directions) [N/m]"""
-        return np.asarray(jax.vmap(self.law.reference_stiffness)(self.parameters))
+        return np.asarray(compiled_reference_stiffness(self.law)(self.parameters))
 
     def of_all_copies(self, value: NDArray[Any], numbers: Integers | None = None) -> NDArray[Any]:
         """(n_elements, ...) of one element each -> of all of its copies together; numbers: which elements, None: all"""
@@ -105,6 +106,7 @@ class ElementGroup:
         again = replace(self, parameters=parameters, rows=np.concatenate([self.rows] * n), copies=copies)
         # what is known of one element is known of all that are the same
         again.__dict__["stiffness_of_one"] = np.concatenate([self.stiffness_of_one] * n)
+        again.__dict__["parts"] = tuple(part.repeated(n) for part in self.parts)
         return again
 
 

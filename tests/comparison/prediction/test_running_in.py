@@ -63,8 +63,9 @@ def test_its_signature_is_the_derivative_of_a_fit_with_it(plan, calibrated):
             np.array([np.interp(frequency, np.exp(b.state[:, 0]), column) for column in b.slopes[:, 4].T])
             for b in (found, expected)
         )
-        # the signature is interpolated between fewer points
-        assert np.linalg.norm(one - other) <= 0.05 * np.linalg.norm(other)
+        # interpolated between some of the points; it jumps where the contact begins to slip
+        off = np.abs(one - other).max(axis=0)
+        assert np.quantile(off, 0.9) <= 0.01 * np.abs(other).max()
 
 
 @pytest.mark.long
