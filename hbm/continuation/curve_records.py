@@ -65,7 +65,8 @@ class CurveRequest:
     told: points whose peaks are told, the first observed one where none is named: a point is solved at the top of each,
         and whether the window holds the resonance is asked at the first
 
-    raises: ValueError for a window that does not rise from a positive frequency, a force that is not positive, no point
+    raises: ValueError for a window that does not rise from a positive frequency, a force that is not positive, no
+        point, and a point told that is not observed
     """
 
     mode: str
@@ -78,17 +79,25 @@ class CurveRequest:
     told: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        (low, high), force = self.window, self.excitation.force
-        if not 0 < low < high < np.inf:
-            raise ValueError(f"window = {low:g} to {high:g} Hz: a lower and a higher frequency are needed, above 0")
+        force = self.excitation.force
+        refuse_window(self.window)
         if not 0 < force < np.inf:
             raise ValueError(f"force = {force:g} N: a curve needs a positive one")
         if not self.peaks_at:
             raise ValueError("points: at least one is needed, at which the peak is told")
+        if missing := [point for point in self.told if point not in self.points]:
+            raise ValueError(f"told: '{missing[0]}' is not observed; points are {', '.join(self.points)}")
 
     @property
     def peaks_at(self) -> tuple[str, ...]:
         return self.told or self.points[:1]
+
+
+def refuse_window(window: tuple[float, float]) -> None:
+    """raises: ValueError for a window [Hz] that does not rise from a positive frequency"""
+    low, high = window
+    if not 0 < low < high < np.inf:
+        raise ValueError(f"window = {low:g} to {high:g} Hz: a lower and a higher frequency are needed, above 0")
 
 
 def observed_points(model: LinearModel) -> tuple[str, ...]:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.contact.law import FrictionLaw
+from updamp.hbm.continuation.curve_records import refuse_window
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.newton import observe
 from updamp.hbm.newton.observe import ContactState
@@ -30,6 +31,8 @@ class ResonanceRequest:
 
     window: [Hz] where it lies at a small force; forces: [N], met exactly, from the first to the last
     start, mode_frequency: see `follow_resonance`
+
+    raises: ValueError for a window that does not rise from a positive frequency
     """
 
     mode: str
@@ -41,6 +44,9 @@ class ResonanceRequest:
     options: ResonanceOptions | None = None
     start: ResonanceState | None = None
     mode_frequency: float | None = None
+
+    def __post_init__(self) -> None:
+        refuse_window(self.window)
 
 
 @dataclass(frozen=True, eq=False)

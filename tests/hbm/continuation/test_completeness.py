@@ -286,6 +286,7 @@ def test_half_width_does_not_depend_on_where_the_points_lie(offset):
         ({"force": -1.0}, "force = -1 N"),
         ({"force": np.nan}, "force = nan N"),
         ({"points": ()}, "points: at least one"),
+        ({"told": ("elsewhere",)}, "told: 'elsewhere' is not observed"),
     ],
 )
 def test_what_no_curve_can_be_asked_for_is_refused(given, said):

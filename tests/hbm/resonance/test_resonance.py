@@ -323,3 +323,8 @@ def test_gyroscopic_terms_are_refused_with_what_can_be_done():
     request = ResonanceRequest("1", "mass", "mass", (0.1, 0.3), (0.01,), MaximumResonance())
     with pytest.raises(ValueError, match=r"not symmetric .*trace the response curve"):
         whole_resonance(system, request)
+
+
+def test_a_window_that_no_curve_can_have_is_refused_of_a_resonance_too():
+    with pytest.raises(ValueError, match=r"window = 0 to 2 Hz: .* above 0"):
+        ResonanceRequest("1", "excitation", "tip", (0.0, 2.0), (1.0,), MaximumResonance())
