@@ -8,22 +8,17 @@ import numpy as np
 
 from updamp.hbm.contact.compiled import jenkins_box, jenkins_box_sampled
 from updamp.hbm.contact.compiled.by_friction import by_friction
-from updamp.hbm.contact.compiled.kernel_forces import Floats, Integers, KernelForces, own
+from updamp.hbm.contact.compiled.kernel_forces import Floats, FrictionKernelForces, Integers, KernelForces, own
 from updamp.hbm.contact.compiled.tables import tables
 from updamp.hbm.contact.friction import FrictionParameters
 from updamp.hbm.harmonics import Harmonics
 
 
 @dataclass(frozen=True, eq=False)
-class BoxForces(KernelForces):
+class BoxForces(FrictionKernelForces):
     """states: as `evaluate`, writes `observe.ContactState`"""
 
     states: Callable[..., None]
-
-    def by_friction(self, numbers: Integers, displacement: Floats, parameters: Any, mu_rows: Floats) -> Floats:
-        found = np.empty((len(numbers), 2, displacement.shape[2], mu_rows.shape[2]))
-        by_friction(numbers, own(displacement), self.own(parameters), *self.arguments, own(mu_rows), found)
-        return found
 
     def contact_states(self, numbers: Integers, displacement: Floats, parameters: Any) -> Integers:
         states = np.empty(len(numbers), dtype=np.int64)
@@ -34,7 +29,8 @@ class BoxForces(KernelForces):
 def between_samples(cycles: int, harmonics: Harmonics, n_time: int) -> BoxForces:
     """Of `JenkinsBox`."""
     law, arguments = jenkins_box, (cycles, tables(harmonics, n_time))
-    return BoxForces(law.force_with_tangent, law.perturbed_tangent, law.loop_areas, _own, arguments, law.contact_states)
+    forces = law.force_with_tangent, law.perturbed_tangent, law.loop_areas
+    return BoxForces(*forces, _own, arguments, by_friction, law.contact_states)
 
 
 def at_samples(cycles: int, harmonics: Harmonics, n_time: int) -> KernelForces:

@@ -1,6 +1,6 @@
 """Compiled forces of modified laws that are made of those of the law inside."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -95,34 +95,27 @@ class MeanOfSliders:
     factors: Floats
 
     def write_forces(self, numbers: Integers, displacement: Floats, parameters: Any, force: Floats) -> None:
-        one, total = force.copy(), np.zeros_like(force[numbers])
-        for p in _of_sliders(parameters, self.factors):
-            self.inner.write_forces(numbers, displacement, p, one)
-            total += one[numbers]
-        force[numbers] = total / len(self.factors)
+        for one in _write_mean(numbers, self._each(parameters), force):
+            self.inner.write_forces(numbers, displacement, *one)
 
     def write_with_tangents(
         self, numbers: Integers, displacement: Floats, parameters: Any, force: Floats, tangent: Floats
     ) -> None:
-        one, total = (force.copy(), tangent.copy()), (np.zeros_like(force[numbers]), np.zeros_like(tangent[numbers]))
-        for p in _of_sliders(parameters, self.factors):
-            self.inner.write_with_tangents(numbers, displacement, p, *one)
-            for sum_of, of_one in zip(total, one, strict=True):
-                sum_of += of_one[numbers]
-        force[numbers], tangent[numbers] = (sum_of / len(self.factors) for sum_of in total)
+        for one in _write_mean(numbers, self._each(parameters), force, tangent):
+            self.inner.write_with_tangents(numbers, displacement, *one)
 
     def write_perturbed_tangents(
         self, numbers: Integers, displacement: Floats, parameters: Any, growth: complex, tangent: Complex
     ) -> None:
-        one, total = tangent.copy(), np.zeros_like(tangent[numbers])
-        for p in _of_sliders(parameters, self.factors):
-            self.inner.write_perturbed_tangents(numbers, displacement, p, growth, one)
-            total += one[numbers]
-        tangent[numbers] = total / len(self.factors)
+        for of_slider, one in _write_mean(numbers, self._each(parameters), tangent):
+            self.inner.write_perturbed_tangents(numbers, displacement, of_slider, growth, one)
 
     def loop_areas(self, numbers: Integers, displacement: Floats, parameters: Any) -> Floats:
-        areas = [self.inner.loop_areas(numbers, displacement, p) for p in _of_sliders(parameters, self.factors)]
+        areas = [self.inner.loop_areas(numbers, displacement, p) for p in self._each(parameters)]
         return np.asarray(np.mean(areas, axis=0))
+
+    def _each(self, parameters: Any) -> list[Any]:
+        return _of_sliders(parameters, self.factors)
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,11 +128,8 @@ class RateMeanOfSliders:
     def write_forces(
         self, numbers: Integers, displacement: Floats, w: float | Floats, parameters: Any, force: Floats
     ) -> None:
-        one, total = force.copy(), np.zeros_like(force[numbers])
-        for p in _of_sliders(parameters, self.factors):
-            self.inner.write_forces(numbers, displacement, w, p, one)
-            total += one[numbers]
-        force[numbers] = total / len(self.factors)
+        for one in _write_mean(numbers, _of_sliders(parameters, self.factors), force):
+            self.inner.write_forces(numbers, displacement, w, *one)
 
     def write_with_tangents(
         self,
@@ -151,18 +141,23 @@ class RateMeanOfSliders:
         tangent: Floats,
         by_frequency: Floats,
     ) -> None:
-        written = force, tangent, by_frequency
-        one, total = [part.copy() for part in written], [np.zeros_like(part[numbers]) for part in written]
-        for p in _of_sliders(parameters, self.factors):
-            self.inner.write_with_tangents(numbers, displacement, w, p, *one)
-            for sum_of, of_one in zip(total, one, strict=True):
-                sum_of += of_one[numbers]
-        for part, sum_of in zip(written, total, strict=True):
-            part[numbers] = sum_of / len(self.factors)
+        for one in _write_mean(numbers, _of_sliders(parameters, self.factors), force, tangent, by_frequency):
+            self.inner.write_with_tangents(numbers, displacement, w, *one)
 
 
-def _of_sliders(parameters: Any, factors: Floats) -> Iterator[Any]:
+def _of_sliders(parameters: Any, factors: Floats) -> list[Any]:
     """Parameters of each slider"""
     mu, spread = np.asarray(parameters.mu, dtype=float), np.asarray(parameters.limit_spread, dtype=float)
-    for factor in factors:
-        yield parameters._replace(mu=(mu.T * (1 + spread * factor)).T)
+    return [parameters._replace(mu=(mu.T * (1 + spread * factor)).T) for factor in factors]
+
+
+def _write_mean(numbers: Integers, sliders: Sequence[Any], *written: NDArray[Any]) -> Iterator[tuple[Any, ...]]:
+    """Parameters of each slider with arrays, which are to be filled with what it does before the next is asked for;
+    then the mean of them is written to the rows `numbers`."""
+    one, total = [part.copy() for part in written], [np.zeros_like(part[numbers]) for part in written]
+    for of_slider in sliders:
+        yield of_slider, *one
+        for sum_of, of_one in zip(total, one, strict=True):
+            sum_of += of_one[numbers]
+    for part, sum_of in zip(written, total, strict=True):
+        part[numbers] = sum_of / len(sliders)

@@ -50,5 +50,19 @@ class KernelForces:
         return areas
 
 
+@dataclass(frozen=True, eq=False)
+class FrictionKernelForces(KernelForces):
+    """As `law.CompiledFriction`. of_friction: as `evaluate`, with the friction coefficient's derivatives before what it
+    writes"""
+
+    of_friction: Callable[..., None]
+
+    def by_friction(self, numbers: Integers, displacement: Floats, parameters: Any, mu_rows: Floats) -> Floats:
+        found = np.empty((len(numbers), 2, displacement.shape[2], mu_rows.shape[2]))
+        arguments = self.own(parameters), *self.arguments, own(mu_rows), found
+        self.of_friction(numbers, own(displacement), *arguments)
+        return found
+
+
 def own(displacement: Floats) -> Floats:
     return np.require(displacement, np.float64, ["C", "W"])

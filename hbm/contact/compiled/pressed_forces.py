@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from updamp.hbm.contact.compiled import pressed_box
-from updamp.hbm.contact.compiled.kernel_forces import Complex, Floats, Integers, KernelForces, own
+from updamp.hbm.contact.compiled.kernel_forces import Complex, Floats, FrictionKernelForces, Integers, own
 from updamp.hbm.contact.compiled.pressed_box import PressedBox
 from updamp.hbm.contact.compiled.tables import growing, growing_sampled, sampled, tables
 from updamp.hbm.contact.friction import FrictionParameters
@@ -14,7 +14,7 @@ from updamp.hbm.harmonics import Harmonics
 
 
 @dataclass(frozen=True, eq=False)
-class PressedForces(KernelForces):
+class PressedForces(FrictionKernelForces):
     """The arguments are the cycles, `tables.sampled` and the tables."""
 
     def write_perturbed_tangents(
@@ -24,17 +24,12 @@ class PressedForces(KernelForces):
         grown = growing_sampled(at_samples.shape[1], growth), growing(of_motion, growth)
         self.perturbed(numbers, own(displacement), self.own(parameters), *self.arguments, *grown, tangent)
 
-    def by_friction(self, numbers: Integers, displacement: Floats, parameters: Any, mu_rows: Floats) -> Floats:
-        found = np.empty((len(numbers), 2, displacement.shape[2], mu_rows.shape[2]))
-        arguments = self.own(parameters), *self.arguments, own(mu_rows), found
-        pressed_box.by_friction(numbers, own(displacement), *arguments)
-        return found
-
 
 def pressed_forces(cycles: int, harmonics: Harmonics, n_time: int) -> PressedForces:
     """Of `PressureStiffness` with `JenkinsBox` inside."""
     law, arguments = pressed_box, (cycles, sampled(n_time), tables(harmonics, n_time))
-    return PressedForces(law.force_with_tangent, law.perturbed_tangent, law.loop_areas, _own, arguments)
+    forces = law.force_with_tangent, law.perturbed_tangent, law.loop_areas
+    return PressedForces(*forces, _own, arguments, law.by_friction)
 
 
 def _own(p: Any) -> PressedBox:
