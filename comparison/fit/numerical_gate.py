@@ -29,6 +29,8 @@ from updamp.model.calibration import nuisances
 
 Floats = NDArray[np.float64]
 
+# Name of the model with more harmonics and time samples.
+HARMONICS = "harmonics"
 # How far the finer model's harmonics reach beyond the highest. Half of what they change counts as uncertainty, so they
 # need not settle it.
 _FURTHER_ORDERS = 2
@@ -45,9 +47,14 @@ def with_finer_harmonics(model: RigModel) -> RigModel:
     return replace(model, harmonics=Harmonics(finer.orders), time_samples=finer.time_samples)
 
 
+def solved_as(model: RigModel, other: RigModel) -> RigModel:
+    """The same with the harmonics and time samples of another model."""
+    return replace(model, harmonics=other.harmonics, time_samples=other.time_samples)
+
+
 def finer_than(model: RigModel, finer: Mapping[str, RigModel]) -> dict[str, RigModel]:
     """The models of finer meshes, and the same with more harmonics and time samples."""
-    return {"harmonics": with_finer_harmonics(model), **finer}
+    return {HARMONICS: with_finer_harmonics(model), **finer}
 
 
 def apply_numerical_gate(
@@ -101,23 +108,26 @@ def with_numerical_error(
     branches: Sequence[PredictedBranch],
     finer: Mapping[str, RigModel],
     branches_of: Branches = in_turn,
+    coarser: Mapping[str, RigModel] | None = None,
 ) -> Parametrisation:
-    """The parametrisation with patterns of numerical error for each of the finer models, mode and test.
+    """The parametrisation with patterns of numerical error for each of the other models, mode and test.
 
     branches: of the parametrisation at u, one a condition; finer: name -> model with the same points
-    raises: BranchStoppedError where a finer model has no response at the beginning of a run
+    coarser: likewise; what the parametrisation's own changes of them is as unsure, and has been added already
+    raises: BranchStoppedError where one of them has no response at the beginning of a run
     """
-    tasks = _finer_tasks(parametrisation, u, branches, finer)
+    coarser = coarser or {}
+    tasks = _tasks(parametrisation, u, branches, {**coarser, **finer})
     traced = branches_of([task for of_model in tasks.values() for task in of_model])
-    return _with_patterns(parametrisation, u, plan, branches, _by_model(tasks, traced))
+    return _with_patterns(parametrisation, u, plan, branches, _by_model(tasks, traced), tuple(coarser))
 
 
-def _finer_tasks(
-    parametrisation: Parametrisation, u: Floats, branches: Sequence[PredictedBranch], finer: Mapping[str, RigModel]
+def _tasks(
+    parametrisation: Parametrisation, u: Floats, branches: Sequence[PredictedBranch], models: Mapping[str, RigModel]
 ) -> dict[str, list[BranchTask]]:
-    """Finer model's name -> tasks, in wider windows, for the conditions where it differs."""
+    """Model's name -> tasks, in wider windows, for the conditions where it differs."""
     found = {}
-    for name, model in finer.items():
+    for name, model in models.items():
         # at u, and with nothing left to differentiate by: the pattern needs the branch alone
         there = replace(parametrisation, base=model).model(u)
         conditions = [b.condition for b in branches if _differs(model, parametrisation.base, b)]
@@ -148,7 +158,7 @@ def _finer_task(
 def _by_model(
     tasks: Mapping[str, Sequence[BranchTask]], traced: Sequence[PredictedBranch]
 ) -> dict[str, dict[str, PredictedBranch]]:
-    """Finer model's name -> condition's name -> its branch; traced: of all tasks, in their order"""
+    """Model's name -> condition's name -> its branch; traced: of all tasks, in their order"""
     following = iter(traced)
     return {
         name: {condition.name: next(following) for task in of_model for condition in task.conditions}
@@ -161,9 +171,11 @@ def _with_patterns(
     u: Floats,
     plan: Plan,
     branches: Sequence[PredictedBranch],
-    finer: Mapping[str, Mapping[str, PredictedBranch]],
+    others: Mapping[str, Mapping[str, PredictedBranch]],
+    added: Sequence[str],
 ) -> Parametrisation:
-    """finer: finer model's name -> condition's name -> its branch, where it differs"""
+    """others: name of a finer or coarser model -> condition's name -> its branch, where it differs; added: names of
+    those whose change has been"""
     conditions = {c.name: c for c in plan.conditions}
     coarse = {b.condition.name: with_unwrapped_phases(b.evenly.value) for b in branches}
     none = {c: np.zeros_like(observed) for c, observed in coarse.items()}
@@ -171,13 +183,14 @@ def _with_patterns(
     names: list[str] = []
     patterns: dict[str, list[Floats]] = {c: [] for c in coarse}
     compensation: list[Floats] = []
-    for name, traced in finer.items():
+    for name, traced in others.items():
         changes = none | {c: _change(coarse[c], b, conditions[c]) for c, b in traced.items()}
         left, by_parameters = _beyond_calibration(parametrisation, u, plan, branches, changes)
         compensation.append(by_parameters)
         names += _pattern_names(name, plan)
         for c in conditions:
-            expected[c] += changes[c]
+            if name not in added:
+                expected[c] += changes[c]
             patterns[c] += _patterns(changes[c], left[c], c, plan)
             rough[c] = np.hypot(rough[c], jaggedness(changes[c]))
     stacked = {

@@ -17,7 +17,14 @@ from updamp.comparison.fit.compared import predict_branches
 from updamp.comparison.fit.failing_model import Freedom
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
 from updamp.comparison.fit.noise_by_amplitude import with_noise_of_sensors
-from updamp.comparison.fit.numerical_gate import apply_numerical_gate, finer_than, starting_at, with_numerical_error
+from updamp.comparison.fit.numerical_gate import (
+    HARMONICS,
+    apply_numerical_gate,
+    solved_as,
+    starting_at,
+    with_finer_harmonics,
+    with_numerical_error,
+)
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.numerical_error import NumericalError
@@ -35,7 +42,7 @@ class Baseline:
 
     fitted: to the training runs, with the scatter that the repeats alone show
     repeatability: weighted residual RMS of what differs between the repeats
-    finer: models of finer meshes, without effects, by name
+    given: the model as the rig file has it; finer: those of finer meshes, by name; all without effects
     attempt: how many calibrations were found to be no optimum before (`diagnosis/selection/search.py`)
     """
 
@@ -44,6 +51,7 @@ class Baseline:
     held_out: tuple[int, ...]
     fitted: Fit
     repeatability: float
+    given: RigModel
     finer: Mapping[str, RigModel] = field(default_factory=dict)
     attempt: int = 0
 
@@ -96,7 +104,7 @@ def baseline(
     progress("calibration")
     found = calibration(parametrisation, train, at_start, progress, branches_of)
     whole = with_noise_of_sensors(plan, found.noise)
-    return Baseline(whole, training, kept, found.fit, found.repeatability, finer)
+    return Baseline(whole, training, kept, found.fit, found.repeatability, model, finer)
 
 
 def _held_out(plan: Plan, names: Sequence[str] | None) -> tuple[int, ...]:
@@ -165,15 +173,19 @@ def unseen(start: Baseline) -> str:
 
 
 def with_own_numerics(found: Fit, start: Baseline, options: FitOptions) -> Fit:
-    """The fit gone on with the numerical error of its own model.
+    """The fit gone on with the numerical error of its own model: solved with more harmonics and time samples, and with
+    what finer meshes change of that. Beside a jump a change that was found at other parameters, even those that the fit
+    begins with, is not the change where it ends: what can be solved at once is not added afterwards.
 
     raises: BranchStoppedError where a finer model has no response at the beginning of a run
     """
-    p = found.parametrisation
-    plain = replace(p, numerics=NumericalError())
+    p, solved = found.parametrisation, with_finer_harmonics(start.given)
+    plain = replace(p, base=solved_as(p.base, solved), numerics=NumericalError())
     at = found.u[: len(plain)]
     branches = predict_branches(plain, at, start.plan)
-    extended = with_numerical_error(plain, at, start.plan, branches, finer_than(p.base, start.finer))
+    meshes = {name: solved_as(mesh, solved) for name, mesh in start.finer.items()}
+    coarser = {HARMONICS: solved_as(p.base, start.given)}
+    extended = with_numerical_error(plain, at, start.plan, branches, meshes, coarser=coarser)
     u = np.append(at, np.zeros(len(extended) - len(plain)))
     at_start = starting_at(extended, u, start.train_plan, [branches[i] for i in start.training])
     return fit(extended, start.train_plan, u, found.compared.scatter, at_start, options)
