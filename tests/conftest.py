@@ -43,6 +43,7 @@ def _compiled_laws_are_kept() -> None:
 LONGEST = (
     "benchmarks/test_reproducibility.py",
     "diagnosis/selection/test_search.py",
+    "hbm/contact/test_compiled_modified_laws.py",
     "hbm/contact/test_compiled_laws.py",
     "workflow/test_diagnose.py",
     "workflow/test_diagnose_brake_reuss.py",

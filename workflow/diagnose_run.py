@@ -30,6 +30,7 @@ from updamp.effects.catalogue import catalogue
 from updamp.effects.chosen import code_of
 from updamp.effects.effect import Effect
 from updamp.effects.user_effect import effect_from_file
+from updamp.hbm.analysis.settings import Setting
 from updamp.hbm.continuation.predictor_corrector import BranchStoppedError
 from updamp.model.rig_files import is_modal, load_any, load_rig
 from updamp.parallel.processes import chosen_workers
@@ -95,6 +96,7 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
             provenance["held out"] = ", ".join(plan.conditions[i].name for i in start.held_out) or "nothing"
             names = {channel.point: channel.name for channel in inputs.measurement.channels}
             decision = decide(found.evidence, options.criteria)
+            provenance["solved with"] = _setting(found, decision)
             forces = _forces(found, decision, BranchesBy(workers)) if options.report else ()
             proposed = _next_measurements(cache, found, decision, options, progress, workers) if options.report else ()
             verdict = conclude(found, decision, options.criteria, names, forces, provenance, proposed)
@@ -105,6 +107,14 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
                 _report(files, inputs, verdict, display, progress, BranchesBy(workers))
         display.done(_STAGE, f"{verdict.verdict}: {', '.join((*verdict.outright, *verdict.group)) or 'no effect'}")
     return verdict
+
+
+def _setting(found: SearchResult, decision: Decision) -> str:
+    """Of the model that the verdict names, which may be finer than that of the rig file (`with_own_numerics`)."""
+    chosen = found.refits.get(decision.trial.effects) if decision.trial is not None else None
+    fitted = found.baseline.fitted if chosen is None else chosen.fitted
+    base = fitted.parametrisation.base
+    return str(Setting(base.harmonics.orders, base.time_samples))
 
 
 def _of_stated(

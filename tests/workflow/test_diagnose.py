@@ -103,6 +103,7 @@ def test_a_mode_that_no_fit_has_seen_is_predicted(verdict: Verdict) -> None:
     assert parameters(verdict)["coefficient"] == pytest.approx(measured_beam.DAMPING, rel=0.02)
     assert {s.mode for s in verdict.signatures} == {"first"}
     assert verdict.provenance["held out"] == "second 1 N, second 4 N"
+    assert verdict.provenance["solved with"].startswith("harmonics 1")
 
 
 def test_the_next_measurement_is_looked_for_and_shown(verdict: Verdict, folder: Path) -> None:
