@@ -38,9 +38,20 @@ def analysed(
             continue
         designs = shares.reshape(-1, block, shares.shape[1])[whole].reshape(-1, shares.shape[1])
         for measure, (size, confidence) in analysis(designs, known[whole].ravel()).items():
+            notes += _not_told(response, measure, problem, size, confidence)
             for one, value, width in zip(problem.variables, size, confidence, strict=True):
                 found.append(Sensitivity(response, one.name, measure, _plain(value), _plain(width)))
     return MethodResult(tuple(found), {"designs": len(records)}, tuple(notes))
+
+
+def _not_told(response: str, measure: str, problem: Problem, size: Floats, confidence: Floats) -> list[str]:
+    """Where even the largest is not told from none: the samples are too few for the rest too."""
+    largest = int(np.nanargmax(size)) if np.isfinite(size).any() else 0
+    if not 0 < confidence[largest] >= size[largest]:
+        return []
+    value = f"{measure} = {size[largest]:.2g} ± {confidence[largest]:.2g}"
+    name = problem.variables[largest].name
+    return [f"{response}: {value} of {name}, the largest, may as well be 0; more samples are needed"]
 
 
 def _plain(value: float) -> float:

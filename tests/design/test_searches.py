@@ -1,11 +1,14 @@
 """Optimisers and sensitivities where the answer is known: the frequency of a rig given by modes is what is stated."""
 
 from importlib.util import find_spec
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from support.modal_study import STUDY, write_study
 from support.study_runs import run
 
+from updamp.design.methods.sensitivity_samples import analysed
 from updamp.design.outputs import write_outputs
 from updamp.design.study_file import StudyError, read_study
 from updamp.design.table import best_records, problem_of
@@ -127,6 +130,16 @@ def test_variance_comes_from_the_variable_that_acts(folder):
     assert len(result.records) == len({tuple(r.values.values()) for r in result.records})
     assert found["frequency", "ST"].value == pytest.approx(1, abs=0.1)
     assert found["mass", "ST"].value == pytest.approx(0, abs=1e-9)
+
+
+@pytest.mark.parametrize(("half_widths", "told"), [((0.5, 0.1), True), ((0.3, 0.2), False), ((0.0, 0.0), False)])
+def test_shares_that_too_few_samples_do_not_tell_from_none_are_named(half_widths, told):
+    names = [SimpleNamespace(name="angle"), SimpleNamespace(name="mass")]
+    problem = SimpleNamespace(responses=("peak",), variables=names)
+    records = [SimpleNamespace(responses={"peak": float(value)}) for value in range(4)]
+    found = analysed(problem, np.zeros((4, 2)), records, 1, lambda *_: {"ST": (np.array([0.4, 0.1]), half_widths)})
+    said = ("peak: ST = 0.4 ± 0.5 of angle, the largest, may as well be 0; more samples are needed",)
+    assert found.notes == (said if told else ())
 
 
 def test_elementary_effects_are_the_change_from_bound_to_bound(folder):
