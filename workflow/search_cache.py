@@ -61,7 +61,9 @@ class CachedFits:
         self, start: Baseline, criteria: Criteria, tasks: Sequence[FitTask], done: OnFitted
     ) -> list[FittedCandidate | None]:
         again = f"attempt_{start.attempt + 1}__" if start.attempt else ""
-        prefix = again + "".join(f"{e.name}__" for e in start.fitted.parametrisation.effects)
+        there = "__".join(e.name for e in start.fitted.parametrisation.effects)
+        # one more beside an effect is not the same task as both at once: it is held against the model with the first
+        prefix = f"{again}{there}__and__" if there else again
         known: list[tuple[FittedCandidate | None] | None] = [self.cache.read(prefix + a.name) for a in tasks]
 
         def kept(task: FitTask, result: FittedCandidate | None) -> None:

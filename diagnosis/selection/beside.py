@@ -32,7 +32,8 @@ def beside(fits: FitContext, first: Refit, effects: Sequence[Effect], fewer: Can
     known = {frozenset(some): one.refit.delta_bic for some, one in fewer.items()}
     found: CandidateFits = {}
     for r in (settled | refits_with_own_numerics(about, settled)).values():
-        together = assessed(start.fitted, r.refit.fitted, (*first.effects, *r.refit.effects), criteria)
+        whole = assessed(start.fitted, r.refit.fitted, (*first.effects, *r.refit.effects), criteria)
+        together = replace(whole, own_numerics=r.refit.own_numerics)
         names = tuple(e.name for e in together.effects)
         parameters = sum(len(e.parameters) for e in together.effects)
         gain = gain_over_fewer(frozenset(names), known | {frozenset(names): together.delta_bic})

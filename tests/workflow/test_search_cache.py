@@ -3,11 +3,14 @@
 import pickle
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
+from updamp.diagnosis.criteria import Criteria
 from updamp.workflow.kept_results import ResultKey, inputs_digest, read_result, write_result
-from updamp.workflow.search_cache import SearchCache
+from updamp.workflow.search_cache import CachedFits, SearchCache
 
 KEY = ResultKey("this code", "these inputs")
 OTHER_CODE, OTHER_INPUTS = replace(KEY, code="other code"), replace(KEY, inputs="other inputs")
@@ -101,3 +104,25 @@ def test_a_result_alone_says_why_it_is_not_used(tmp_path: Path) -> None:
 def test_inputs_are_told_apart() -> None:
     assert len({inputs_digest(*parts) for parts in (("a", "b"), ("a b",), ("a\nb",), ("b", "a"))}) == 4
     assert inputs_digest("a", "b") == inputs_digest("a", "b")
+
+
+def test_an_effect_beside_another_is_not_taken_for_both_at_once(tmp_path: Path) -> None:
+    """They are the same model, but the first is named, and credited, as one effect more."""
+    made: list[str] = []
+
+    def runner(start: Any, _: Criteria, tasks: Any, done: Any) -> list[None]:
+        there = "+".join(e.name for e in start.fitted.parametrisation.effects)
+        for task in tasks:
+            made.append(f"{there}: {task.name}")
+            done(task, None)
+        return [None for _ in tasks]
+
+    fits = CachedFits(SearchCache(tmp_path, KEY, lambda _: None), runner)
+    crack, preload = SimpleNamespace(name="crack"), SimpleNamespace(name="preload")
+    for _ in range(2):
+        for there, name in (((), "crack, preload"), ((crack,), "preload"), ((crack, preload), "gap"), ((), "gap")):
+            fitted = SimpleNamespace(parametrisation=SimpleNamespace(effects=there))
+            start: Any = SimpleNamespace(attempt=0, fitted=fitted)
+            task: Any = SimpleNamespace(name=name)
+            assert fits(start, Criteria(), [task], lambda *_: None) == [None]
+    assert made == [": crack, preload", "crack: preload", "crack+preload: gap", ": gap"]

@@ -221,4 +221,5 @@ def test_pairs_are_given_the_numerical_error_of_the_model_with_both_effects(monk
     assert asked == [((DASHPOT,), (("spring",),))]
     assert names == ("dashpot", "spring") == pair.trial.effects
     assert pair.trial.held_out == 0.5
+    assert pair.refit.own_numerics, "it is not asked for once more"
     assert pair.refit.mean_squared_misfit < singles[("dashpot",)].refit.mean_squared_misfit
