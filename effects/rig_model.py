@@ -60,6 +60,8 @@ class RigModel:
     dimensions: of the rig, by the effect that says one is wrong, with what another value of it changes; none where the
         model was built without
     turned: (m_as_built, m) the modes of `components` in those that the model was built with; None where these are they
+    momentum_about_clamp: of each clamped component (m_as_built,), as `ReducedComponent` has it [kg^1/2 m], in the modes
+        as built, 0 for those of others; none where that is not known
     running_in: growth of the logarithm of the contacts' friction from the first run of an assembly to the last
     """
 
@@ -82,6 +84,7 @@ class RigModel:
     joint: str = ""
     dimensions: Mapping[str, VariedDimension] = field(default_factory=dict)
     turned: Floats | None = None
+    momentum_about_clamp: Mapping[str, Floats] = field(default_factory=dict)
     running_in: float = 0.0
 
     @cached_property

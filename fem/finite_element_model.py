@@ -12,7 +12,13 @@ from numpy.typing import NDArray
 from updamp.fem.component import Component
 from updamp.fem.coupled_modes import CoupledModes, coupled_frequencies_reduced, coupled_modes_full
 from updamp.fem.reduced_model import ReducedComponent, ReducedModel
-from updamp.fem.reduction import ReductionOptions, component_modes, mirrored_component, reduce_component
+from updamp.fem.reduction import (
+    ReductionOptions,
+    component_modes,
+    mirrored_component,
+    momentum_about_clamp,
+    reduce_component,
+)
 from updamp.fem.rig_components import BLADE, DAMPER, RigComponents
 from updamp.fem.springs import ContactStiffness, Springs, on_damper, stuck_contact
 from updamp.geometry.contact_elements import ContactElements
@@ -96,6 +102,8 @@ def component_model(parts: RigComponents, name: str, options: ReductionOptions |
     with parts.clock("reduction", f"residual flexibility of the {name}"):
         reduced = reduce_component(part, modes, options)
     own = part.component
+    if name == BLADE:
+        reduced = replace(reduced, momentum_about_clamp=momentum_about_clamp(own, modes, parts.rig.blade.axis_offset))
     n_vertices = own.mesh.connectivity[:, :8].max() + 1
     shapes = own.matrices.on_mesh(modes.phi[:, :SHAPES])[:, :n_vertices]
     return ComponentModel(reduced, modes.frequencies, shapes, modes.max_relative_residual)

@@ -1,6 +1,6 @@
 """What the reduction hands on: modes plus exact static residual flexibility at the interface."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,8 @@ class ReducedComponent:
     phi: (n_interface, n_modes) mass-normalised [kg^-1/2]
     residual: (n_interface, n_interface) symmetric [m/N]
     points: names of the further degrees of freedom, such as "tip.x"
+    momentum_about_clamp: (n_modes,) phi^T M R of a clamped one [kg^1/2 m], with R a unit rotation about the clamp's z
+        axis; none of a free one
     """
 
     name: str
@@ -31,6 +33,7 @@ class ReducedComponent:
     phi: Floats
     residual: Floats
     points: tuple[str, ...]
+    momentum_about_clamp: Floats = field(default_factory=lambda: np.zeros(0))
 
     @property
     def n_contact_dofs(self) -> int:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from updamp.fem.component import FactorisedComponent
+from updamp.fem.component import Component, FactorisedComponent
 from updamp.fem.modes import Modes, normal_modes
 from updamp.fem.reduced_model import ReducedComponent
 from updamp.fem.solvers import Factorisation
@@ -40,6 +40,13 @@ def reduce_component(part: FactorisedComponent, modes: Modes, options: Reduction
     phi = own.interface.operator.T @ modes.phi
     residual = residual_flexibility(part, modes) if options.residual else np.zeros((len(phi), len(phi)))
     return ReducedComponent(own.name, modes.omega, phi, residual, own.interface.points)
+
+
+def momentum_about_clamp(clamped: Component, modes: Modes, axis: float) -> Floats:
+    """(n_modes,) as `ReducedComponent.momentum_about_clamp`; axis: x of the clamp's axis, at y = 0 [m]"""
+    nodes = clamped.mesh.nodes[clamped.matrices.free_nodes]
+    rotation = np.column_stack([-nodes[:, 1], nodes[:, 0] - axis, np.zeros(len(nodes))]).ravel()
+    return np.asarray(modes.phi.T @ (clamped.matrices.mass @ rotation))
 
 
 def residual_flexibility(part: FactorisedComponent, modes: Modes) -> Floats:
@@ -90,9 +97,9 @@ def independent_loads(loads: sparse.csc_array) -> tuple[sparse.csc_array, Floats
 
 
 def mirrored_component(blade: ReducedComponent, name: str) -> ReducedComponent:
-    """The mirror image x -> -x: contact coordinates stay, as local axes are mirrored too; x of points flips."""
+    """The mirror image x -> -x: contact coordinates stay, as local axes are mirrored too; x of points flips, and the
+    sense of a rotation."""
     sign = np.ones(len(blade.residual))
     sign[blade.n_contact_dofs :] = [-1.0 if point.endswith(".x") else 1.0 for point in blade.points]
-    return ReducedComponent(
-        name, blade.omega, sign[:, None] * blade.phi, sign[:, None] * blade.residual * sign, blade.points
-    )
+    phi, residual = sign[:, None] * blade.phi, sign[:, None] * blade.residual * sign
+    return ReducedComponent(name, blade.omega, phi, residual, blade.points, -blade.momentum_about_clamp)

@@ -77,7 +77,19 @@ def as_built(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> RigModel:
         time_samples=rig.harmonic_balance.time_samples,
         places=_places(rig),
         stated_pressure=float(rest.normal_force.sum() / reduced.contacts.area.sum()),
+        momentum_about_clamp=_momenta_about_clamps(reduced),
     )
+
+
+def _momenta_about_clamps(reduced: ReducedModel) -> dict[str, Floats]:
+    """Of the components that are clamped, in the modes of all."""
+    found, first, n = {}, 0, sum(len(component.omega) for component in reduced.components)
+    for component in reduced.components:
+        if len(component.momentum_about_clamp):
+            found[component.name] = np.zeros(n)
+            found[component.name][first : first + len(component.omega)] = component.momentum_about_clamp
+        first += len(component.omega)
+    return found
 
 
 def _as_identified(rig: ModalRig) -> RigModel:

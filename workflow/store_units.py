@@ -17,7 +17,7 @@ UNITS: Mapping[str, Mapping[str, str]] = {
     },
     "ComponentMesh": {"vertices": "m", "hexahedra": "1", "faces": "1", "points": "1"},
     "RigMesh": {"min_scaled_jacobian": "1"},
-    "ReducedComponent": {"omega": "rad/s", "phi": "kg^-1/2", "residual": "m/N"},
+    "ReducedComponent": {"omega": "rad/s", "phi": "kg^-1/2", "residual": "m/N", "momentum_about_clamp": "kg^1/2 m"},
     "ReducedModel": {"max_relative_residual": "1"},
     "FiniteElementResult": {
         "blade_frequencies": "Hz",

@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 
 from updamp.effects.clamp_flexibility import EFFECT, participation, rigid_rotation
 from updamp.effects.rig_model import RigModel
+from updamp.effects.structure import modes_of
 from updamp.fem.component import factorised
 from updamp.fem.coupling import coupling_named
 from updamp.fem.finite_element_model import finite_element_model
@@ -76,8 +77,13 @@ def two_beams() -> RigModel:
     patches = ContactElements(np.array([LEFT, RIGHT]), centroid, np.ones(2), y, z, x, np.stack([centroid] * 3, axis=1))
     owner = ("blade_left",) * KEPT + ("blade_right",) * KEPT
     heights = {f"blade_{s}.{p}": (0.0, y, 0.0) for s in ("left", "right") for p, y in {"root": 0.0, **POINTS}.items()}
-    contacts = _any_contacts()
-    return RigModel(components, owner, (), contacts, patches, names[0], Harmonics((1,)), 16, places=heights)
+    turned = np.ravel([-np.linspace(0, LENGTH, ELEMENTS + 1), -np.ones(ELEMENTS + 1)], order="F")[2:]
+    of_blade = shapes[:, :KEPT].T @ M @ turned
+    momenta = {"blade_left": np.append(of_blade, 0 * of_blade), "blade_right": np.append(0 * of_blade, of_blade)}
+    return RigModel(
+        components, owner, (), _any_contacts(), patches, names[0], Harmonics((1,)), 16, places=heights,
+        momentum_about_clamp=momenta,
+    )  # fmt: skip
 
 
 def _any_contacts() -> ElementGroup:
@@ -101,13 +107,13 @@ def analytic_frequency(stiffness: float, mode: int) -> float:
 @pytest.mark.parametrize("softness", [1e-3, 2e-2])
 def test_frequencies_are_those_of_a_cantilever_on_a_rotational_spring(two_beams, softness):
     """softness: compliance times EI / L; the larger one lowers the first frequency by 4 %. What is left comes from the
-    participation: three points of a beam tell that of the first mode to half a per cent, of the second to 5 %."""
+    inertia of the modes that are left out."""
     compliance = softness * LENGTH / EI
     softened = EFFECT.apply(two_beams, {"compliance": compliance}).components
-    for mode, tolerance in ((0, 0.015), (1, 0.12)):
+    for mode, tolerance in ((0, 1e-4), (1, 1e-3), (2, 0.01)):
         change = np.sqrt(softened.omega_squared[[mode, KEPT + mode]] / two_beams.components.omega_squared[mode]) - 1
         wanted = analytic_frequency(1 / compliance, mode) / analytic_frequency(1e15, mode) - 1
-        assert wanted == pytest.approx(-2 * softness, rel=0.15)
+        assert wanted == pytest.approx(-2 * softness, rel=0.2)
         np.testing.assert_allclose(change, wanted, rtol=tolerance)
 
 
@@ -131,7 +137,10 @@ def test_without_places_it_says_what_it_needs(two_beams):
         EFFECT.apply(replace(two_beams, places={}), {"compliance": 1e-6})
 
 
-def test_participation_is_that_of_the_finite_elements():
+@pytest.fixture(scope="module")
+def built() -> tuple[RigModel, np.ndarray, np.ndarray]:
+    """A rig on a coarse mesh; of its right blade's modes what the finite elements say of a rotation, and that rotation
+    at the contacts and points."""
     rig = load_rig(RIG_FILE)
     divisions = rig.mesh["small"].model_dump() | {
         "width": 4, "face": 2, "platform_outer": 1, "platform_height": 2, "stem_above_platform": 8, "stem_top": 2,
@@ -141,19 +150,51 @@ def test_participation_is_that_of_the_finite_elements():
     mesh = build_mesh(rig, "tiny")
     blade, _ = assemble_rig(mesh, rig.material, coupling_named(rig.contact.coupling))
     with factorised(blade, solver_named(rig.reduction.solver)) as part:
-        modes = normal_modes(part, 8)
+        modes = normal_modes(part, rig.reduction.modes)
     x, y = blade.mesh.nodes[blade.matrices.free_nodes, :2].T
     rotation = np.stack([-y, x - rig.blade.axis_offset, 0 * x], axis=1).ravel()
-    wanted = modes.phi.T @ (blade.matrices.mass @ rotation)
     reduced = finite_element_model(mesh, rig).reduced
     model = rig_model(reduced, static_contact(reduced, rig), rig)
-    seen = rigid_rotation(model, "blade_right")
-    contacts_and_points = blade.interface.operator.T @ rotation
     rows = np.concatenate([reduced.contact_rows()[1], [model.components.row(f"blade_right.{p}") for p in
                                                        reduced.blade_right.points]])  # fmt: skip
     sign = np.concatenate([-np.ones(len(rows) - 4), np.ones(4)])
-    np.testing.assert_allclose(seen[rows], sign * contacts_and_points, atol=1e-9)
-    gamma = participation(model, "blade_right", seen)
-    bending = np.sort(np.argsort(-np.abs(wanted * modes.omega))[:3])
-    np.testing.assert_allclose(np.abs(gamma[bending]), np.abs(wanted[bending]), rtol=0.2)
-    assert abs(gamma[0] / wanted[0]) == pytest.approx(1.0, rel=1e-3)
+    seen = rigid_rotation(model, "blade_right")
+    np.testing.assert_allclose(seen[rows], sign * (blade.interface.operator.T @ rotation), atol=1e-9)
+    return model, modes.phi.T @ (blade.matrices.mass @ rotation), seen
+
+
+def test_participation_is_that_of_the_finite_elements(built):
+    """Up to the sign of each mode, which one eigensolve and the next need not have in common."""
+    model, wanted, _ = built
+    found = participation(model, "blade_right")
+    np.testing.assert_allclose(np.abs(found), np.abs(wanted), atol=1e-6 * np.abs(wanted).max())
+
+
+def test_sign_of_every_mode_is_that_of_its_shape(built):
+    """The rotation less its share of the kept modes loads nothing that they move: it is small where they are many."""
+    model, *_ = built
+    for blade in ("blade_left", "blade_right"):
+        R, modes = rigid_rotation(model, blade), modes_of(model, blade)
+        gamma = participation(model, blade)
+        phi = model.components.phi[:, modes]
+        left = [np.linalg.norm(R - phi[:, :n] @ gamma[:n]) for n in (1, len(gamma))]
+        assert left[1] < left[0]
+        strongest = np.argsort(-np.abs(gamma))[:4]
+        for mode in strongest:
+            turned = gamma.copy()
+            turned[mode] *= -1
+            assert np.linalg.norm(R - phi @ turned) > left[1]
+
+
+def test_clamps_that_turn_one_after_the_other_are_those_that_turn_together(built):
+    """The modes of a blade are new ones once its clamp has given way."""
+    model, *_ = built
+    once = EFFECT.apply(model, {"compliance": 2e-6})
+    twice = EFFECT.apply(EFFECT.apply(model, {"compliance": 1e-6}), {"compliance": 1e-6})
+    a, b = (m.components.omega_squared[modes_of(m, "blade_right")] for m in (once, twice))
+    np.testing.assert_allclose(b[:6], a[:6], rtol=1e-10)
+
+
+def test_a_model_without_finite_elements_says_what_it_lacks(two_beams):
+    with pytest.raises(ValueError, match="needs the finite elements of blade_left"):
+        EFFECT.apply(replace(two_beams, momentum_about_clamp={}), {"compliance": 1e-6})
