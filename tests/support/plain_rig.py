@@ -99,7 +99,9 @@ def _blade(name: str, rig: Rig, contacts: ContactElements, side: int) -> Reduced
             if "xyz".index(point[-1]) == direction:
                 phi[3 * on.sum() + i, mode] = (y / height) ** 2
     omega = 2 * np.pi * np.array([frequency for frequency, _ in BLADE_MODES])
-    return ReducedComponent(name, omega, phi / np.sqrt(mass), LOCAL_FLEXIBILITY * np.eye(len(phi)), points)
+    # of (y / height)^2 over the length, as the mass is meant; the other modes do not move across the blade
+    momentum = -np.sqrt(mass) * height * np.array([direction == 0 for _, direction in BLADE_MODES])
+    return ReducedComponent(name, omega, phi / np.sqrt(mass), LOCAL_FLEXIBILITY * np.eye(len(phi)), points, momentum)
 
 
 def _damper(rig: Rig, contacts: ContactElements) -> ReducedComponent:
