@@ -47,9 +47,9 @@ def try_singles(fits: FitContext, effects: Sequence[Effect], scored: Sequence[Sc
 
 
 def refits_with_own_numerics(fits: FitContext, found: CandidateFits) -> CandidateFits:
-    """Full fits that take off most of a misfit, and yet leave some: with the numerical error of their own models. Of
-    the best one that the data ask for this is to be known before a second effect is looked for, or none is said to
-    explain them."""
+    """Full fits that take off most of a misfit, and yet leave some: with the numerical error of their own models. Where
+    none does, those that the data ask for and that come close to the best: this is to be known before a second effect
+    is looked for, or none is said to explain them, and which is the best may hang on it."""
     start, criteria = fits.start, fits.criteria
     if not start.fitted.parametrisation.numerics.names:
         return {}
@@ -57,7 +57,8 @@ def refits_with_own_numerics(fits: FitContext, found: CandidateFits) -> Candidat
     most, least = _left(start, criteria.search.nearly), min((r.trial.excess for r in settled), default=0.0)
     close = [r for r in settled if r.trial.excess < min(most, criteria.search.comparable * least)]
     if not close:
-        close = [r for r in settled[:1] if r.refit.delta_bic >= criteria.delta_bic]
+        asked = (r for r in settled if r.refit.delta_bic >= criteria.delta_bic)
+        close = [r for r in asked if r.trial.excess < criteria.search.close * least]
     left = [r for r in close if not r.refit.own_numerics and not fits.explains(r.trial)]
     again = fits.full(left, own_numerics=True)
     failing = [r for r in left if not fits.explains(again.get(r.trial.effects, r).trial)]
