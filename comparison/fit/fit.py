@@ -38,14 +38,15 @@ _ALONE = 1e-3
 
 @dataclass(frozen=True)
 class FitOptions:
-    """rounds: in which branches are solved anew, at most; largest_step: of a parameter in a round, in units of its
-        scale (prior deviation, or typical size of an effect)
+    """rounds: in which branches are solved anew, at most: several times what a fit takes that settles, since where one
+        is cut short on its way hangs on round-off; largest_step: of a parameter in a round, in units of its scale
+        (prior deviation, or typical size of an effect)
     tolerance: fall of chi2 to be expected of another round below which there is none; share: likewise, of chi2
     retraced: whether it settles, and turns back from a step, on traced branches alone, not on those that were moved:
         what no sweep saw where a branch came from has been left out of it, and may be what a sweep sees now
     """
 
-    rounds: int = 12
+    rounds: int = 60
     largest_step: float = 0.5
     tolerance: float = 4.0
     share: float = _DIGITS
@@ -119,7 +120,9 @@ def fit(
     common = at_start if at_start is not None else predict_branches(parametrisation, start, plan, None, branches_of)
     spread = np.where(np.isfinite(parametrisation.deviation), parametrisation.deviation, 0.0)
     best = compare_at(parametrisation, start, plan, tuple(common), scatter or prior, None, spread)
-    reach, message, moved = options.largest_step, f"not settled in {options.rounds} rounds", options.retraced
+    reach, moved, settled = options.largest_step, options.retraced, False
+    checked, message = None, f"not settled in {options.rounds} rounds"
+    step: Callable[..., Compared] = _moved
     for _ in range(options.rounds):
         ahead = _round(parametrisation, plan, best, scatter, prior, reach)
         here = reweighed(parametrisation, plan, best, ahead.scatter)
@@ -130,12 +133,16 @@ def fit(
         if gain < max(options.tolerance, options.share * here.weighed):
             if not moved:
                 # what is still to be gained is, to first order: two standard deviations at most
-                return _result(parametrisation, _weighed(parametrisation, plan, ahead, scatter, prior), True, "settled")
-            best, moved = _traced(parametrisation, plan, ahead, branches_of), False
+                best, settled, message = ahead, True, "settled"
+                break
+            best, moved = _traced(parametrisation, plan, best, branches_of), False
+            if checked is not None and objective(parametrisation, checked) < objective(parametrisation, best):
+                # what was moved since seemed lower and is not: from here on only what is traced counts
+                best, step = checked, _traced
+            checked = best
             continue
-        common = predict_branches(parametrisation, ahead.u, plan, best.branches, branches_of, inflation=ahead.inflation)
-        solved, again = compare_at(parametrisation, ahead.u, plan, common, ahead.scatter, ahead.offsets), False
-        if options.retraced and _rises(parametrisation, here, solved):
+        solved, again = step(parametrisation, plan, ahead, branches_of, best), step is _traced
+        if options.retraced and not again and _rises(parametrisation, here, solved):
             solved, again = _traced(parametrisation, plan, ahead, branches_of), True
         progress(_fall(here, solved))
         if _rises(parametrisation, here, solved):
@@ -147,10 +154,20 @@ def fit(
         best, reach = solved, min(1.5 * reach, options.largest_step)
         moved = options.retraced and not again
     best = _traced(parametrisation, plan, best, branches_of) if moved else best
-    return _result(parametrisation, _weighed(parametrisation, plan, best, scatter, prior), False, message)
+    return _result(parametrisation, _weighed(parametrisation, plan, best, scatter, prior), settled, message)
 
 
-def _traced(parametrisation: Parametrisation, plan: Plan, there: Compared, branches_of: Branches) -> Compared:
+def _moved(
+    parametrisation: Parametrisation, plan: Plan, there: Compared, branches_of: Branches, near: Compared
+) -> Compared:
+    """The same with branches moved there from near ones."""
+    branches = predict_branches(parametrisation, there.u, plan, near.branches, branches_of, inflation=there.inflation)
+    return compare_at(parametrisation, there.u, plan, branches, there.scatter, there.offsets)
+
+
+def _traced(
+    parametrisation: Parametrisation, plan: Plan, there: Compared, branches_of: Branches, _near: Compared | None = None
+) -> Compared:
     """The same with branches traced there, where the model has a response at the beginning of every run."""
     try:
         branches = predict_branches(parametrisation, there.u, plan, None, branches_of)

@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 # Share of it that a start has to bring it down to.
 _FAR = 0.1
 COARSE = ContinuationOptions(largest_step=0.4)
-_SHORT, FULL = FitOptions(rounds=2, retraced=False), FitOptions(rounds=8)
+_SHORT, FULL = FitOptions(rounds=2, retraced=False), FitOptions()
 
 
 @dataclass(frozen=True, eq=False)
