@@ -1,6 +1,7 @@
 """Which effects are worth a refit, in what order, and where their fits start."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from itertools import zip_longest
 
 import numpy as np
@@ -20,7 +21,36 @@ Floats = NDArray[np.float64]
 _FARTHEST = 3.0
 
 
-def fit_tasks(
+def by_score(start: Baseline, scored: Sequence[Score], criteria: Criteria) -> list[FitTask]:
+    """Short ones, those first that the score test finds most of in the data.
+
+    scored: about the model of `start`
+
+    Without contacts fits are quick, and first order about a model whose curves jump says little of how much an effect
+    would explain: all that calibration cannot imitate are worth one, in full.
+    """
+    visible = _visible(scored, criteria)
+    if start.fitted.parametrisation.base.contacts is None:
+        return [FitTask((s.effect,), (), full=True) for s in visible]
+    far = not fails_badly(start.fitted) and _is_far_from_given(start)
+    sizes = {s.effect.name: _sizes(s.effect) if far or s.effect.finite_step else () for s in visible}
+    worth = (s for s in visible if _is_worth_a_fit(s, start, criteria))
+    return [FitTask((s.effect,), _starts(s.step), False, as_given=sizes[s.effect.name]) for s in worth]
+
+
+def with_probes(
+    start: Baseline, tasks: Sequence[FitTask], progress: Callable[[str], None], workers: Workers = here
+) -> list[FitTask]:
+    """Where the model fails badly fits start beside the model as given from where first order leads with an effect of
+    typical size in it (`probe.py`), in place of from that size."""
+    if not (tasks and fails_badly(start.fitted)):
+        return list(tasks)
+    found = probes(start, [effect for task in tasks for effect in task.effects], progress, workers)
+    starts = {p.effect.name: (p.start,) for p in found}
+    return [replace(task, as_given=starts.get(task.effects[0].name, ())) for task in tasks]
+
+
+def by_turns(
     start: Baseline,
     effects: Sequence[Effect],
     scored: Sequence[Score],
@@ -28,37 +58,24 @@ def fit_tasks(
     progress: Callable[[str], None],
     workers: Workers = here,
 ) -> list[FitTask]:
-    """Short ones, the most promising first: by the score test; where the model fails badly, by turns with what effects
-    of typical size could do.
+    """Of a model that fails badly: by what effects of typical size could do, and by the score test, by turns.
 
-    scored: about the model of `start`
-
-    Without contacts fits are quick, and first order about a model whose curves jump says little of how much an effect
-    would explain: all that calibration cannot imitate are worth one.
+    scored: as `by_score`
     """
-    visible = [s for s in scored if s.visibility >= criteria.visibility]
-    if start.fitted.parametrisation.base.contacts is None:
-        return [FitTask((s.effect,), (), full=True) for s in visible]
-    by_score = {s.effect.name: s for s in visible if _is_worth_a_fit(s, start, criteria)}
-    if not fails_badly(start.fitted):
-        far = _is_far_from_given(start)
-        return [
-            FitTask(
-                (s.effect,), _starts(s.step), False, as_given=_sizes(s.effect) if far or s.effect.finite_step else ()
-            )
-            for s in by_score.values()
-        ]
-    worth = {s.effect.name for s in visible}
-    tried = [e for e in effects if e.name in worth]
-    by_probe = {p.effect.name: p for p in probes(start, tried, progress, workers)}
-    found = []
-    for name in _by_turns(tuple(by_probe), tuple(by_score)):
-        probe = by_probe.get(name)
-        given = (probe.start,) if probe else ()
-        calibrated = _starts(by_score[name].step) if name in by_score else ()
-        effect = next(e for e in effects if e.name == name)
-        found.append(FitTask((effect,), calibrated, full=False, as_given=given))
-    return found
+    of_score = {task.effects[0].name: task for task in by_score(start, scored, criteria)}
+    seen = {s.effect.name: s.effect for s in _visible(scored, criteria)}
+    found = probes(start, [e for e in effects if e.name in seen], progress, workers)
+    starts = {p.effect.name: (p.start,) for p in found}
+    ordered = _by_turns(tuple(starts), tuple(of_score))
+    calibrated = {name: task.starts for name, task in of_score.items()}
+    return [
+        FitTask((seen[name],), calibrated.get(name, ()), full=False, as_given=starts.get(name, ())) for name in ordered
+    ]
+
+
+def _visible(scored: Sequence[Score], criteria: Criteria) -> list[Score]:
+    """Those that calibration cannot imitate."""
+    return [s for s in scored if s.visibility >= criteria.visibility]
 
 
 def _by_turns(one: Sequence[str], other: Sequence[str]) -> list[str]:

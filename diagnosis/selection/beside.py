@@ -4,14 +4,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from updamp.comparison.prediction.branch_tasks import BranchesBy
-from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext, best_first
+from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext
 from updamp.diagnosis.candidate_models.fit_tasks import FittedCandidate, with_branches
 from updamp.diagnosis.candidate_models.refit import Refit, assessed
 from updamp.diagnosis.evidence import gain_over_fewer
-from updamp.diagnosis.score_tests.candidates import fit_tasks
 from updamp.diagnosis.score_tests.score import scores
 from updamp.diagnosis.score_tests.signature import extend
-from updamp.diagnosis.selection.single_effects import refits_with_own_numerics
+from updamp.diagnosis.selection.single_effects import refits_with_own_numerics, try_singles
 from updamp.effects.effect import Effect
 
 
@@ -23,15 +22,13 @@ def beside(fits: FitContext, first: Refit, effects: Sequence[Effect], fewer: Can
     about = replace(fits, start=replace(start, fitted=with_branches(first.fitted, start, BranchesBy(fits.workers))))
     others = [e for e in effects if e.kind not in there]
     again = scores(extend(about.start.fitted, start.train_plan, others, fits.progress, fits.workers))
-    wanted = fit_tasks(about.start, others, again, criteria, fits.progress, fits.workers)
-    if all(task.full for task in wanted):
-        settled = about.results(wanted)
-    else:
-        short = about.results(wanted[: criteria.search.short])
-        settled = about.full(best_first(short)[: criteria.search.full])
+    tried = try_singles(about, others, again)
+    settled = {names: r for names, r in tried.items() if r.trial.full}
+    if start.fitted.parametrisation.base.contacts is None:
+        settled |= refits_with_own_numerics(about, settled)
     known = {frozenset(some): one.refit.delta_bic for some, one in fewer.items()}
     found: CandidateFits = {}
-    for r in (settled | refits_with_own_numerics(about, settled)).values():
+    for r in settled.values():
         whole = assessed(start.fitted, r.refit.fitted, (*first.effects, *r.refit.effects), criteria)
         together = replace(whole, own_numerics=r.refit.own_numerics)
         names = tuple(e.name for e in together.effects)

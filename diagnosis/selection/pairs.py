@@ -26,8 +26,16 @@ def try_pairs(fits: FitContext, effects: Sequence[Effect], singles: CandidateFit
     if start.fitted.parametrisation.base.contacts is None:
         return _all_pairs(fits, effects, settled, singles)
     for first in (settled[0], *(r for r in settled[1:2] if nearly(r, settled[0], start, criteria))):
-        found = better_of(found, beside(fits, first, effects, singles))
+        partners = _explaining_partners(fits, found)
+        others = [e for e in effects if e.name in partners] if partners else effects
+        found = better_of(found, beside(fits, first, others, singles))
     return found
+
+
+def _explaining_partners(fits: FitContext, pairs: CandidateFits) -> set[str]:
+    """Second effects of pairs that explain the data: whether they do so beside another first one too is what is left to
+    ask."""
+    return {second for (_, second), r in pairs.items() if r.trial.full and fits.explains(r.trial)}
 
 
 def _all_pairs(

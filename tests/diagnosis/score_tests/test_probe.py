@@ -12,7 +12,7 @@ from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.diagnosis.candidate_models.baseline import baseline
 from updamp.diagnosis.candidate_models.refit import Starts, refit
 from updamp.diagnosis.criteria import Criteria
-from updamp.diagnosis.score_tests.candidates import fit_tasks
+from updamp.diagnosis.score_tests.candidates import by_turns
 from updamp.diagnosis.score_tests.probe import highest_levels, probes
 from updamp.diagnosis.score_tests.score import scores
 from updamp.diagnosis.score_tests.signature import extend
@@ -63,7 +63,7 @@ def test_an_effect_that_acts_with_its_square_is_tried_first_and_near_its_size(st
     found = probes(start, (DASHPOT, ASKEW))
     assert [p.effect for p in found] == [ASKEW, DASHPOT]
     assert abs(0.8 * found[0].start[0]) == pytest.approx(1.0, rel=0.1)
-    assert fit_tasks(start, (DASHPOT, ASKEW), scored, Criteria(), lambda _: None)[0].effects == (ASKEW,)
+    assert by_turns(start, (DASHPOT, ASKEW), scored, Criteria(), lambda _: None)[0].effects == (ASKEW,)
 
 
 def test_only_the_highest_level_of_each_mode_is_looked_at(start):

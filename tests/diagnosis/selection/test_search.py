@@ -216,9 +216,9 @@ def test_pairs_are_given_the_numerical_error_of_the_model_with_both_effects(monk
         }
 
     singles = fits.results([FitTask((DASHPOT,), (np.full(1, 0.5),), full=True)])
-    monkeypatch.setattr("updamp.diagnosis.selection.beside.refits_with_own_numerics", anew)
+    monkeypatch.setattr("updamp.diagnosis.selection.single_effects.refits_with_own_numerics", anew)
     ((names, pair),) = pairs.try_pairs(fits, (SPRING, DASHPOT), singles).items()
-    assert asked == [((DASHPOT,), (("spring",),))]
+    assert set(asked) == {((DASHPOT,), (("spring",),))}
     assert names == ("dashpot", "spring") == pair.trial.effects
     assert pair.trial.held_out == 0.5
     assert pair.refit.own_numerics, "it is not asked for once more"

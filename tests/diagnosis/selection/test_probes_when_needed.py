@@ -1,0 +1,123 @@
+"""What effects of typical size could do is asked of all only where the score test alone does not lead to one that
+explains the data; with made-up fits."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from updamp.comparison.fit.failing_model import Freedom
+from updamp.diagnosis.candidate_models.candidate_fits import FitContext
+from updamp.diagnosis.candidate_models.fit_tasks import FitTask, FittedCandidate
+from updamp.diagnosis.candidate_models.refit import Refit
+from updamp.diagnosis.criteria import Criteria
+from updamp.diagnosis.evidence import Trial
+from updamp.diagnosis.score_tests import candidates
+from updamp.diagnosis.score_tests.candidates import by_turns, with_probes
+from updamp.diagnosis.selection import pairs, single_effects
+from updamp.effects.effect import Effect
+
+ORDER = ("likeliest", "second", "third", "fourth", "fifth")
+EFFECTS = {name: Effect(name, f"there is {name}", (), lambda model, _: model) for name in ORDER}
+
+
+def task(name: str) -> FitTask:
+    return FitTask((EFFECTS[name],), (), full=False)
+
+
+def fitted(names: tuple[str, ...], misfit: float, full: bool = False) -> FittedCandidate:
+    drop = 100.0 * (400.0 - misfit)
+    compared = SimpleNamespace(mean_squared_misfit=misfit)
+    refit = Refit(tuple(EFFECTS[n] for n in names), SimpleNamespace(compared=compared), drop, drop, "")
+    return FittedCandidate(refit, Trial(names, misfit, drop, drop, 0.9, "", full, unseen=misfit if full else 0.0))
+
+
+@pytest.fixture
+def search(monkeypatch):
+    """Runs a search where effects leave what is given, and says of which ones were probed, all at once or some."""
+
+    def of(misfits: dict[str, float], misfit: float = 20.0):
+        probed = []
+        start = SimpleNamespace(
+            fitted=SimpleNamespace(
+                compared=SimpleNamespace(mean_squared_misfit=misfit),
+                parametrisation=SimpleNamespace(
+                    base=SimpleNamespace(contacts=object()), numerics=SimpleNamespace(names=())
+                ),
+            ),
+            freedom=Freedom(64.0),
+            unseen_freedom=Freedom(32.0),
+        )
+
+        def runner(_, __, tasks, ___):
+            return [fitted((t.effects[0].name,), misfits[t.effects[0].name], t.full) for t in tasks]
+
+        monkeypatch.setattr(single_effects, "by_score", lambda *_: [task(n) for n in ORDER])
+        monkeypatch.setattr(single_effects, "by_turns", lambda *_: probed.append("all") or [task(n) for n in ORDER])
+        monkeypatch.setattr(
+            single_effects, "with_probes", lambda _, some, *__: probed.extend(t.name for t in some) or list(some)
+        )
+        context = FitContext(start, Criteria(), lambda _: None, runner)
+        found = single_effects.try_singles(context, tuple(EFFECTS.values()), ())
+        return probed, {names[0]: r.trial.full for names, r in found.items()}
+
+    return of
+
+
+def test_where_the_likeliest_by_the_score_test_explains_the_data_the_next_two_alone_are_held_against_it(search):
+    probed, found = search({"likeliest": 0.9, "second": 12.0, "third": 15.0, "fourth": 0.8, "fifth": 18.0})
+    assert probed == ["likeliest", "second", "third"]
+    assert found == {"likeliest": True, "second": False, "third": False}
+
+
+def test_rivals_are_fitted_as_long_as_one_of_two_comes_close(search):
+    probed, found = search({"likeliest": 0.9, "second": 1.0, "third": 15.0, "fourth": 12.0, "fifth": 18.0})
+    assert probed == [*ORDER]
+    assert found["second"]
+
+
+def test_where_it_does_not_all_are_probed(search):
+    probed, found = search(dict.fromkeys(ORDER, 12.0) | {"fourth": 0.9})
+    assert probed[:2] == ["likeliest", "all"]
+    assert found["fourth"]
+
+
+def test_a_model_that_does_not_fail_badly_is_not_probed(search):
+    assert "all" not in search(dict.fromkeys(ORDER, 1.5), misfit=2.0)[0]
+
+
+def test_a_probe_says_where_a_fit_beside_the_model_as_given_starts(monkeypatch):
+    monkeypatch.setattr(candidates, "fails_badly", lambda _: True)
+    probe = SimpleNamespace(effect=EFFECTS["third"], start=np.array([1.2]))
+    monkeypatch.setattr(candidates, "probes", lambda *_: (probe,))
+    start = SimpleNamespace(fitted=None)
+    some = with_probes(start, [task("second"), task("third")], lambda _: None)
+    assert [t.as_given for t in some] == [(), (probe.start,)]
+    scored = [SimpleNamespace(effect=e, visibility=1.0) for e in EFFECTS.values()]
+    monkeypatch.setattr(candidates, "by_score", lambda *_: [task("likeliest"), task("second")])
+    turns = by_turns(start, tuple(EFFECTS.values()), scored, Criteria(), lambda _: None)
+    assert [t.effects[0].name for t in turns] == ["third", "likeliest", "second"]
+
+
+def test_beside_the_next_first_effect_only_what_explains_the_data_with_the_best_one_is_tried(monkeypatch):
+    """A crack that never closes beside a mistuned blade (case 007 of the draw 58161044)."""
+    tried = []
+
+    def beside(_, first, effects, __):
+        tried.append((first.effects[0].name, [e.name for e in effects]))
+        return {("likeliest", "third"): fitted(("likeliest", "third"), 0.7, full=True)}
+
+    monkeypatch.setattr(pairs, "beside", beside)
+    start = SimpleNamespace(
+        fitted=SimpleNamespace(
+            compared=SimpleNamespace(mean_squared_misfit=380.0),
+            parametrisation=SimpleNamespace(base=SimpleNamespace(contacts=object())),
+        ),
+        freedom=Freedom(64.0),
+        unseen_freedom=Freedom(32.0),
+        stated=1,
+    )
+    context = FitContext(start, Criteria(), lambda _: None, lambda *_: [])
+    alone = {("likeliest",): fitted(("likeliest",), 20.0, full=True), ("second",): fitted(("second",), 33.0, full=True)}
+    pairs.try_pairs(context, tuple(EFFECTS.values()), alone)
+    assert tried == [("likeliest", [*ORDER]), ("second", ["third"])]
