@@ -129,9 +129,9 @@ def _comes_close(one: Refit, best: Refit, start: Baseline, criteria: Criteria) -
 
 
 def _explaining(fits: FitContext, found: CandidateFits) -> FittedCandidate | None:
-    """The best one, if it explains the data, on runs that no fit saw too."""
-    best = min(found.values(), key=lambda r: r.trial.excess, default=None)
-    return best if best is not None and fits.explains(best.trial) else None
+    """The best one that explains the data, on runs that no fit saw too, by a calibration that can be believed."""
+    good = (r for r in found.values() if fits.explains(r.trial) and not fits.is_far_off(r.trial))
+    return min(good, key=lambda r: r.trial.excess, default=None)
 
 
 def _rivals(fits: FitContext, left: Sequence[FitTask], found: CandidateFits) -> CandidateFits:

@@ -25,18 +25,19 @@ def task(name: str) -> FitTask:
     return FitTask((EFFECTS[name],), (), full=False)
 
 
-def fitted(names: tuple[str, ...], misfit: float, full: bool = False) -> FittedCandidate:
+def fitted(names: tuple[str, ...], misfit: float, full: bool = False, deviations: float = 0.0) -> FittedCandidate:
     drop = 100.0 * (400.0 - misfit)
     compared = SimpleNamespace(mean_squared_misfit=misfit)
     refit = Refit(tuple(EFFECTS[n] for n in names), SimpleNamespace(compared=compared), drop, drop, "")
-    return FittedCandidate(refit, Trial(names, misfit, drop, drop, 0.9, "", full, unseen=misfit if full else 0.0))
+    trial = Trial(names, misfit, drop, drop, 0.9, "", full, unseen=misfit if full else 0.0, deviations=deviations)
+    return FittedCandidate(refit, trial)
 
 
 @pytest.fixture
 def search(monkeypatch):
     """Runs a search where effects leave what is given, and says of which ones were probed, all at once or some."""
 
-    def of(misfits: dict[str, float], misfit: float = 20.0):
+    def of(misfits: dict[str, float], misfit: float = 20.0, far_off: tuple[str, ...] = ()):
         probed = []
         start = SimpleNamespace(
             fitted=SimpleNamespace(
@@ -47,10 +48,15 @@ def search(monkeypatch):
             ),
             freedom=Freedom(64.0),
             unseen_freedom=Freedom(32.0),
+            stated=1,
         )
 
         def runner(_, __, tasks, ___):
-            return [fitted((t.effects[0].name,), misfits[t.effects[0].name], t.full) for t in tasks]
+            names = [t.effects[0].name for t in tasks]
+            return [
+                fitted((n,), misfits[n], t.full, deviations=7.7 * (n in far_off))
+                for n, t in zip(names, tasks, strict=True)
+            ]
 
         monkeypatch.setattr(single_effects, "by_score", lambda *_: [task(n) for n in ORDER])
         monkeypatch.setattr(single_effects, "by_turns", lambda *_: probed.append("all") or [task(n) for n in ORDER])
@@ -74,6 +80,12 @@ def test_rivals_are_fitted_as_long_as_one_of_two_comes_close(search):
     probed, found = search({"likeliest": 0.9, "second": 1.0, "third": 15.0, "fourth": 12.0, "fifth": 18.0})
     assert probed == [*ORDER]
     assert found["second"]
+
+
+def test_what_explains_the_data_by_a_calibration_that_nobody_would_believe_is_no_reason_to_stop(search):
+    """Nor is it where a second effect is looked for because of such a calibration."""
+    _, found = search(dict.fromkeys(ORDER, 0.9), misfit=1.2, far_off=ORDER[:4])
+    assert set(found) == {*ORDER}
 
 
 def test_where_it_does_not_all_are_probed(search):
