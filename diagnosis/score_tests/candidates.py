@@ -33,9 +33,11 @@ def by_score(start: Baseline, scored: Sequence[Score], criteria: Criteria) -> li
     if start.fitted.parametrisation.base.contacts is None:
         return [FitTask((s.effect,), (), full=True) for s in visible]
     far = not fails_badly(start.fitted) and _is_far_from_given(start)
-    sizes = {s.effect.name: _sizes(s.effect) if far or s.effect.finite_step else () for s in visible}
-    worth = (s for s in visible if _is_worth_a_fit(s, start, criteria))
-    return [FitTask((s.effect,), _starts(s.step), False, as_given=sizes[s.effect.name]) for s in worth]
+    return [
+        FitTask((s.effect,), _starts(s.step), False, as_given=_sizes(s.effect) if far or s.effect.finite_step else ())
+        for s in visible
+        if _is_worth_a_fit(s, start, criteria)
+    ]
 
 
 def with_probes(
@@ -45,8 +47,7 @@ def with_probes(
     typical size in it (`probe.py`), in place of from that size."""
     if not (tasks and fails_badly(start.fitted)):
         return list(tasks)
-    found = probes(start, [effect for task in tasks for effect in task.effects], progress, workers)
-    starts = {p.effect.name: (p.start,) for p in found}
+    starts = _probed(start, [effect for task in tasks for effect in task.effects], progress, workers)
     return [replace(task, as_given=starts.get(task.effects[0].name, ())) for task in tasks]
 
 
@@ -64,13 +65,19 @@ def by_turns(
     """
     of_score = {task.effects[0].name: task for task in by_score(start, scored, criteria)}
     seen = {s.effect.name: s.effect for s in _visible(scored, criteria)}
-    found = probes(start, [e for e in effects if e.name in seen], progress, workers)
-    starts = {p.effect.name: (p.start,) for p in found}
+    starts = _probed(start, [e for e in effects if e.name in seen], progress, workers)
     ordered = _by_turns(tuple(starts), tuple(of_score))
     calibrated = {name: task.starts for name, task in of_score.items()}
     return [
         FitTask((seen[name],), calibrated.get(name, ()), full=False, as_given=starts.get(name, ())) for name in ordered
     ]
+
+
+def _probed(
+    start: Baseline, effects: Sequence[Effect], progress: Callable[[str], None], workers: Workers
+) -> dict[str, tuple[Floats, ...]]:
+    """Where probes lead, by the effect's name, the best first."""
+    return {p.effect.name: (p.start,) for p in probes(start, effects, progress, workers)}
 
 
 def _visible(scored: Sequence[Score], criteria: Criteria) -> list[Score]:
