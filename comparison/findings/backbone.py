@@ -4,6 +4,9 @@ Frequency and height at the highest top of the receptance; the equivalent loss f
 phase falls there, eta = 2 / (f |d tan(phase - phase of the peak) / d f|): for a linear oscillator with light damping it
 follows a straight line (D. J. Ewins, Modal Testing, 2000, ch. 4). Where many contacts slip at the top, or another mode
 is near, it does not: what the phase tells is taken where the width at 1/sqrt(2) of the height tells the same.
+
+A sweep that jumps beside its highest point has no top to be read between its points: what lies beyond the jump is
+another part of the curve. Its highest point is then its resonance, as the turning point is the model's.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -25,6 +28,9 @@ FIVE = 5  # points that a top is read off
 _NEAR = np.pi / 4
 # Logarithm of the ratio of both loss factors, by phase and by width, up to which the phase turns as an oscillator's.
 _LIKE_OSCILLATOR = 0.15
+# Rates of d log(receptance) / d f that an oscillator has on both sides of its highest point, the larger over the smaller:
+# with evenly spaced points 1 where these are dense, and pi / log 3 = 2.9 where the next ones are far out on its flanks.
+_NO_JUMP = np.pi / np.log(3)
 
 
 @dataclass(frozen=True)
@@ -41,7 +47,7 @@ def read_resonance(frequency: Floats, receptance: Complex, force: Floats) -> Res
     """Of one sweep, in its own order. frequency: (n,) [Hz]; receptance: (n,) [m/N]; force: (n,) [N]"""
     size = np.abs(receptance)
     i = highest(size)
-    top, at = summit(frequency, np.log(size), i)
+    top, at = summit(frequency, np.log(receptance), i)
     by_phase = _loss_factor(frequency, receptance, i, at)
     widths = np.array([half_power_frequency(frequency, size, i, side) for side in (-1, 1)])
     # both halves together, which another mode nearby makes unlike each other; a window narrower than them tells neither
@@ -74,18 +80,32 @@ def five_about(i: int) -> slice:
     return slice(max(i - FIVE // 2, 0), i + FIVE // 2 + 1)
 
 
-def summit(f: Floats, log_size: Floats, i: int) -> tuple[float, float]:
-    """Top and its place of the parabola through the largest value and its neighbours."""
+def summit(f: Floats, log_receptance: Complex, i: int) -> tuple[float, float]:
+    """Top and its place of the parabola through the largest value and its neighbours; the largest value where these are
+    too few, do not enclose a top, or a jump is among them.
+
+    log_receptance: (n,) its imaginary part the phase, all of it 0 where that is not known
+    """
     near = five_about(i)
-    x, y = f[near] - f[i], log_size[near]
+    x, y = f[near] - f[i], log_receptance[near]
     width = np.ptp(x)
-    if len(x) < FIVE or width <= 0 or len(np.unique(x)) < FIVE:
-        return float(log_size[i]), float(f[i])
-    c = np.polyfit(x / width, y, 2)
+    if len(x) < FIVE or width <= 0 or len(np.unique(x)) < FIVE or _jumps(x, y):
+        return float(log_receptance[i].real), float(f[i])
+    c = np.polyfit(x / width, y.real, 2)
     at = -c[1] / (2 * c[0]) if c[0] < 0 else np.inf
     if not x.min() / width <= at <= x.max() / width:
-        return float(log_size[i]), float(f[i])
+        return float(log_receptance[i].real), float(f[i])
     return float(np.polyval(c, at)), float(f[i] + at * width)
+
+
+def _jumps(f: Floats, log_receptance: Complex) -> bool:
+    """Whether a response jumps from one of five points to the next, the third of which is the highest: it turns faster
+    there than an oscillator's, which turns the fastest about its top. Without a phase that is not seen."""
+    phase = log_receptance.imag
+    if np.ptp(phase) == 0:
+        return False
+    rate = np.hypot(np.diff(log_receptance.real), np.diff(np.unwrap(phase))) / np.abs(np.diff(f))
+    return bool(rate.max() > _NO_JUMP * min(rate[1], rate[2]))
 
 
 def _loss_factor(f: Floats, receptance: Complex, i: int, at: float) -> float:

@@ -39,7 +39,7 @@ class Tops:
 
 def tops_of_run(o: Observations, sensors: Sequence[int]) -> Tops:
     """Heights over the measured force, as a share of the condition's."""
-    of_sensor = [_log_size(o, j) + 1j * o.observed[:, 2 + 2 * j] for j in sensors]
+    of_sensor = [_log_receptance(o, j) for j in sensors]
     tops = [_top(o.frequency, log_receptance) for log_receptance in of_sensor]
     loss = [_loss_factor(o.frequency, log_receptance) for log_receptance in of_sensor]
     return Tops(np.array(tops).T.ravel(), np.array(loss))
@@ -72,9 +72,13 @@ def _log_size(o: Observations, sensor: int) -> Floats:
     return np.asarray(o.observed[:, 1 + 2 * sensor] - o.log_force)
 
 
+def _log_receptance(o: Observations, sensor: int) -> Complex:
+    return _log_size(o, sensor) + 1j * o.observed[:, 2 + 2 * sensor]
+
+
 def _top(frequency: Floats, log_receptance: Complex) -> tuple[float, float]:
     """Logarithms of its frequency and its height."""
-    height, at = summit(frequency, log_receptance.real, highest(log_receptance.real))
+    height, at = summit(frequency, log_receptance, highest(log_receptance.real))
     return float(np.log(at)), height
 
 
@@ -109,11 +113,11 @@ class SweptBranch:
         not end on the way up, nor jump there."""
         o, place = m.observations, self.branch.place
         for j in sensors:
-            log_size = _log_size(o, j)
-            i = highest(log_size)
+            log_receptance = _log_receptance(o, j)
+            i = highest(log_receptance.real)
             near = m.place[five_about(i)]
             between = (place[1:] > near.min()) & (place[:-1] < near.max())
-            if summit(o.frequency, log_size, i)[1] == o.frequency[i] or not self.branch.seen[between].all():
+            if summit(o.frequency, log_receptance, i)[1] == o.frequency[i] or not self.branch.seen[between].all():
                 return False
         return True
 
@@ -264,7 +268,7 @@ def _shifted_top(
         f, log_receptance = part.at(near * np.exp(shift))
         if len(f) < len(near):
             break
-        height, at = summit(f, log_receptance.real, i)
+        height, at = summit(f, log_receptance, i)
         tried.append((abs(np.log(at) - measured - shift), (float(np.log(at)), height)))
         shift = float(np.log(at)) - measured
     return min(tried, default=(0.0, by_itself))[1]
