@@ -28,8 +28,8 @@ FIVE = 5  # points that a top is read off
 _NEAR = np.pi / 4
 # Logarithm of the ratio of both loss factors, by phase and by width, up to which the phase turns as an oscillator's.
 _LIKE_OSCILLATOR = 0.15
-# Rates of d log(receptance) / d f that an oscillator has on both sides of its highest point, the larger over the smaller:
-# with evenly spaced points 1 where these are dense, and pi / log 3 = 2.9 where the next ones are far out on its flanks.
+# Rates of d log(receptance) / d f that an oscillator has on both sides of its highest point, the larger over the
+# smaller: with evenly spaced points 1 where these are dense, pi / log 3 = 2.9 where the next ones are far out.
 _NO_JUMP = np.pi / np.log(3)
 
 
