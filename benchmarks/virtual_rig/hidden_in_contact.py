@@ -76,12 +76,13 @@ def friction_running_in(bench: Bench, values: Values, _rig: Rig) -> Bench:
 
 
 def edge_gap(bench: Bench, values: Values, _rig: Rig) -> Bench:
-    """Upper and lower edges are rounded: a gap of depth ((|s| - 1/2) / (1/2))^2 beyond |s| = 1/2, s up the face. Each
-    face is pressed on until it carries what it carried before."""
+    """Upper and lower edges are rounded: a gap of depth ((|s| - 1/2) / (1/2))^2 beyond |s| = 1/2, s up the face, on top
+    of the shape that spreads the load as it was. Each face is pressed on until it carries what it carried before."""
     weights = np.random.default_rng(1).dirichlet((1, 1, 1), size=4000)  # places all over a triangle
     s = bench.bodies.up @ weights.T
     gap = values["depth"] * (np.maximum(2 * np.abs(s) - 1, 0) ** 2).mean(axis=1)
     p, n0, left = bench.patches, np.empty_like(gap), np.empty_like(gap)
+    gap += p.gap - p.n0 / p.kn
     for side in (0, 1):
         on = bench.bodies.face == side
         total, kn = p.n0[on].sum(), p.kn[on]
@@ -89,7 +90,7 @@ def edge_gap(bench: Bench, values: Values, _rig: Rig) -> Bench:
         def missing(way: float, kn: Floats = kn, gap: Floats = gap[on], total: float = total) -> float:
             return float(total - (kn * np.maximum(way - gap, 0)).sum())
 
-        way = brentq(missing, 0, gap[on].max() + total / kn.min(), xtol=1e-16)
+        way = brentq(missing, gap[on].min(), gap[on].max() + total / kn.min(), xtol=1e-16)
         n0[on], left[on] = kn * np.maximum(way - gap[on], 0), np.maximum(gap[on] - way, 0)
     return bench.with_patches(n0=n0, gap=left)
 

@@ -11,39 +11,26 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.plain_rig import TINY
+from support.both_codes import CHANGES, built, by_updamp, in_laboratory
 
 from updamp.benchmarks.virtual_rig.assembled import assembled
 from updamp.benchmarks.virtual_rig.bench import Bench, bench_of
 from updamp.benchmarks.virtual_rig.bodies import bodies_of
 from updamp.benchmarks.virtual_rig.laboratory import HIDDEN, hidden, with_hidden
-from updamp.benchmarks.virtual_rig.periodic import SolverOptions
-from updamp.benchmarks.virtual_rig.stepped_sine import StepMotor
 from updamp.effects.catalogue import CATALOGUE
 from updamp.effects.dimension_blend import varied_dimension
 from updamp.effects.mode_alignment import ModesDifferError
 from updamp.effects.rig_model import RigModel
 from updamp.effects.varied_dimension import VariedDimension
-from updamp.fem.finite_element_model import finite_element_model
-from updamp.fem.static_contact.static_contact import static_contact
-from updamp.geometry.build_mesh import build_mesh
-from updamp.hbm.newton import observe
-from updamp.hbm.newton.equation import linear_solution
-from updamp.hbm.newton.newton import solve
-from updamp.model.build import rig_model
 from updamp.model.rig_files import load_rig
 from updamp.rig.dimensions import DIMENSIONS
 from updamp.rig.rig import Rig
 from updamp.workflow.built_rig import STEPS
 
 RIG = Path(__file__).parents[2] / "rigs" / "virtual_rig.toml"
-# The law that takes its events at the samples, as the laboratory does.
-CHANGES = {"mesh.tiny": TINY, "contact.law": "jenkins_box_sampled", "harmonic_balance.time_samples": 256}
-OPTIONS = SolverOptions(3, 256, 1e-9)
 STRUCTURAL = (*DIMENSIONS, "clamp_flexibility", "blade_mistuning", "shaker_attachment", "wire_stiffness")
 # Newton's method does not come from the motion without the effect to that with more of it.
 WEAK = (*STRUCTURAL, "quadratic_damping")
-SIDES = ("left", "right")
 # All that the catalogue has, by its own name or another.
 KNOWN = [name for name, effect in HIDDEN.items() if effect.catalogue_values(effect.strengths["medium"]) is not None]
 
@@ -89,11 +76,6 @@ def kept_elsewhere(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         yield
 
 
-def built(rig: Rig) -> RigModel:
-    reduced = finite_element_model(build_mesh(rig, "tiny"), rig).reduced
-    return rig_model(reduced, static_contact(reduced, rig), rig)
-
-
 @pytest.fixture(scope="module")
 def model(rig: Rig) -> RigModel:
     plain = built(rig)
@@ -113,24 +95,6 @@ def places(bench: Bench, name: str) -> tuple[tuple[float, float], ...]:
     ip, oop = assembled(bench).stuck_frequencies(2)
     forces = (0.01, 0.01) if name in STRUCTURAL else (4.0, 25.0)
     return (0.997 * ip, forces[0]), (0.997 * oop, forces[1])
-
-
-def in_laboratory(bench: Bench, frequency: float, force: float) -> np.ndarray:
-    motion = StepMotor(assembled(bench), OPTIONS).step(frequency, force)
-    return np.array([motion.response(f"blade_{side}.tip.x")[0] for side in SIDES])
-
-
-def by_updamp(model: RigModel, frequency: float, force: float, start: np.ndarray | None = None):
-    """start: motion of the contacts to begin from, without the elements and harmonics that an effect adds"""
-    w, excitation = 2 * np.pi * frequency, model.excited_by(force)
-    x = linear_solution(model.system, w, excitation)
-    if start is not None:
-        x[: len(start), -start.shape[1] :] = start
-    solution = solve(model.system, excitation, x, w)
-    assert solution.converged
-    rows = np.array([model.system.free.row(f"blade_{side}.tip.x") for side in SIDES])
-    response = observe.response(solution.equation, excitation, rows)
-    return np.array([model.system.harmonics.amplitude(r, 1) for r in response]), solution.x
 
 
 @pytest.fixture(scope="module")

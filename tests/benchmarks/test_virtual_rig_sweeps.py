@@ -1,6 +1,7 @@
 """Sweeps of the virtual laboratory where the response jumps: motions between two folds are found, and not stayed in."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,11 +10,11 @@ from support.plain_rig import TINY
 from updamp.benchmarks.virtual_rig.assembled import Assembled, assembled
 from updamp.benchmarks.virtual_rig.bench import bench_of
 from updamp.benchmarks.virtual_rig.bodies import bodies_of
-from updamp.benchmarks.virtual_rig.measurement import RIG
 from updamp.benchmarks.virtual_rig.periodic import Motion, SolverOptions
 from updamp.benchmarks.virtual_rig.stepped_sine import StepMotor
 from updamp.model.rig_files import load_rig
 
+SHORT_FACES = Path(__file__).parents[1] / "data" / "short_faces.toml"
 FORCE, TIP = 4.0, "blade_right.tip.x"
 QUICK = SolverOptions(harmonics=3, n_time=128, tolerance=1e-8)
 
@@ -21,7 +22,7 @@ QUICK = SolverOptions(harmonics=3, n_time=128, tolerance=1e-8)
 @pytest.fixture(scope="module")
 def rig(tmp_path_factory: pytest.TempPathFactory) -> Assembled:
     sizes = {"mesh.tiny": {**TINY, "contact_elements": 8}, "reduction.modes": 10}
-    jumping = load_rig(RIG.with_name("virtual_rig_jumping.toml"), sizes)
+    jumping = load_rig(SHORT_FACES, {**sizes, "harmonic_balance.harmonics": [1, 2, 3]})
     return assembled(bench_of(jumping, bodies_of(jumping, "tiny", tmp_path_factory.mktemp("bodies"))))
 
 
