@@ -149,18 +149,28 @@ class StripEntry:
 
 
 @dataclass(frozen=True)
+class FittedEffect:
+    """An effect with its values in a fit, perhaps beside others."""
+
+    name: str
+    parameters: tuple[FittedParameter, ...]
+
+
+@dataclass(frozen=True)
 class Explanation:
     """A model that was fitted. effects: in it, none in the one as it is
 
     probability: beside the others, all as likely beforehand (`diagnosis/decision/explanations.py`)
     misfit, held_out: weighted residual RMS that it leaves on the data of the fit and on the rest (nan where nothing was
         held out)
+    fitted: each of the effects, with its values beside the others; empty in files of before 27 November 2026
     """
 
     effects: tuple[str, ...]
     probability: float
     misfit: float
     held_out: float
+    fitted: tuple[FittedEffect, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

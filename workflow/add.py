@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
 
-from updamp.diagnosis.verdict import VERDICT_JSON, Candidate, FittedParameter, Verdict
+from updamp.diagnosis.verdict import VERDICT_JSON, FittedParameter, Verdict
 from updamp.effects.user_effect import effect_from_file
 from updamp.model.calibration import present_name
 from updamp.model.rig_files import load_any
@@ -21,6 +21,7 @@ from updamp.workflow.add_checks import (
     of_rig,
     unknown,
 )
+from updamp.workflow.fitted_effects import fitted_effects
 from updamp.workflow.history import Errors, HistoryStep, data_hash, read_history, write_history
 from updamp.workflow.rig_text import EffectText
 
@@ -63,8 +64,10 @@ def add(rig: Path, names: Sequence[str], folder: Path, options: AddOptions | Non
     names = tuple(dict.fromkeys(names)) or _identified(verdict, source)
     own = {effect_from_file(path).name: path for path in options.own}
     out = options.out or rig.with_name(f"{rig.stem}+{'+'.join(names)}.toml")
+    kept = frozenset(effect.name for effect in present) - frozenset(names)
+    fitted = fitted_effects(verdict, names, kept)
     problems = [
-        *not_fitted(verdict, names, source),
+        *not_fitted(verdict, [name for name in names if name not in fitted.parameters], source),
         *already_there(present, names, rig, options.replace),
         *unknown(verdict, names, [*own, *(effect.name for effect in present)]),
         *calibration_missing(verdict, names, options.with_calibration),
@@ -74,15 +77,15 @@ def add(rig: Path, names: Sequence[str], folder: Path, options: AddOptions | Non
         raise ValueError("\n".join(problems))
     where = f"{_measurement(verdict)}, {_day(verdict, source)}"
     text = rig_text.moved(rig.read_text(encoding="utf-8"), rig.parent, out.parent)
-    for candidate in (c for name in names for c in verdict.candidates if c.name == name):
-        file = os.path.relpath(own[candidate.name], out.parent) if candidate.name in own else ""
-        text = rig_text.with_effect(text, _stated(candidate, where, file))
+    for name in names:
+        file = os.path.relpath(own[name], out.parent) if name in own else ""
+        text = rig_text.with_effect(text, _stated(name, fitted.parameters[name], where, file))
     if options.with_calibration:
         factors = {present_name(entry.name): entry.after for entry in verdict.calibration}
         text = rig_text.with_calibration(text, factors, f"fitted together with {', '.join(names)} to {where}")
     step = _added(verdict, rig, out, names, tuple(effect.name for effect in present), _day(verdict, source))
     _write(rig, out, text, step)
-    return Changed(out, step, tuple(notes(verdict, names)))
+    return Changed(out, step, (*notes(verdict, names), *fitted.notes(names, kept)))
 
 
 def remove(rig: Path, names: Sequence[str], out: Path | None = None, replace: bool = False) -> Changed:
@@ -151,12 +154,12 @@ def _day(verdict: Verdict, source: Path) -> str:
     return verdict.provenance.get("date") or date.fromtimestamp(source.stat().st_mtime).isoformat()
 
 
-def _stated(candidate: Candidate, where: str, file: str) -> EffectText:
+def _stated(name: str, parameters: Sequence[FittedParameter], where: str, file: str) -> EffectText:
     intervals = ", ".join(
-        f"{p.name} {p.lower:.3g} to {p.upper:.3g} {p.unit}".rstrip() for p in candidate.parameters if p.lower < p.upper
+        f"{p.name} {p.lower:.3g} to {p.upper:.3g} {p.unit}".rstrip() for p in parameters if p.lower < p.upper
     )
     origin = f"fitted to {where}" + (f"; 95 %: {intervals}" if intervals else "")
-    return EffectText(candidate.name, {p.name: _value(p) for p in candidate.parameters}, origin, file)
+    return EffectText(name, {p.name: _value(p) for p in parameters}, origin, file)
 
 
 def _value(p: FittedParameter) -> str | float:
@@ -178,11 +181,12 @@ def _added(verdict: Verdict, rig: Path, out: Path, names: Sequence[str], there: 
 def _errors(verdict: Verdict, added: frozenset[str], kept: frozenset[str]) -> tuple[Errors, Errors]:
     """Before and after; of a step that the diagnosis did not make only the gain on held-out data is known.
 
-    kept: in the rig file already. Where the diagnosis made a step with just these, it was made before they were taken
-    up; else it began from them.
+    kept: in the rig file already. Where the diagnosis made a step with just these, or fitted them, it was made before
+    they were taken up; else it began from them.
     """
     error = verdict.error
     steps: Mapping[frozenset[str], Errors] = {
+        **{frozenset(e.effects): Errors(e.misfit, e.held_out) for e in verdict.explanations},
         frozenset(): Errors(error.before, error.held_out_before),
         frozenset(verdict.effects): Errors(error.after, error.held_out_after),
         **{frozenset(step.effects): Errors(step.error, step.held_out) for step in verdict.history},

@@ -6,14 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.compare import calibrated_factors
-from updamp.comparison.fit.fit import Fit
-from updamp.comparison.fit.moved_by_numerics import moved_by_numerics
 from updamp.comparison.fit.repeat_scatter import scatter_of_repeats
 from updamp.diagnosis.candidate_models.baseline import unseen
 from updamp.diagnosis.candidate_models.refit import Refit
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.decision.decide import Decision, not_identifiable, reason_against
 from updamp.diagnosis.decision.explanations import explanations
+from updamp.diagnosis.decision.fitted_parameters import fitted_parameters
 from updamp.diagnosis.decision.sentence import Wording, sentence
 from updamp.diagnosis.decision.signature_curves import signatures
 from updamp.diagnosis.decision.verdict_strip import strip
@@ -24,16 +23,14 @@ from updamp.diagnosis.verdict import (
     Candidate,
     Confounding,
     ErrorReached,
-    FittedParameter,
+    FittedEffect,
     MissingForce,
     NextMeasurement,
     Step,
     Verdict,
 )
-from updamp.effects.effect import Effect
 
 Floats = NDArray[np.float64]
-_95 = 1.96
 
 
 def conclude(
@@ -63,7 +60,7 @@ def conclude(
         provenance=provenance or {},
         calibration=calibrated_factors(chosen.fitted if chosen is not None else found.baseline.fitted),
         strip=strip(found.evidence, criteria),
-        explanations=explanations(found.evidence),
+        explanations=explanations(found.evidence, _fitted(found)),
     )
 
 
@@ -98,10 +95,19 @@ def _candidate(
         trial.drop,
         trial.delta_bic,
         gain,
-        parameters(fitted, effect),
+        fitted_parameters(fitted, effect),
         not reason,
         reason,
     )
+
+
+def _fitted(found: SearchResult) -> dict[tuple[str, ...], tuple[FittedEffect, ...]]:
+    """Values of all effects of every fit."""
+    effects = {s.effect.name: s.effect for s in found.scored}
+    return {
+        names: tuple(FittedEffect(name, fitted_parameters(refit, effects[name])) for name in names)
+        for names, refit in found.refits.items()
+    }
 
 
 def _not_fitted(tested: EffectScore, criteria: Criteria) -> str:
@@ -110,31 +116,6 @@ def _not_fitted(tested: EffectScore, criteria: Criteria) -> str:
     if tested.score < criteria.search.score:
         return "the score test sees nothing of it"
     return "others explain more; it was not fitted, or the model with it has no response"
-
-
-def parameters(refit: Refit, effect: Effect) -> tuple[FittedParameter, ...]:
-    """Of an effect in the fit, with 95 % intervals that hold those of all minima that are as likely, cut off at the
-    bounds: what the data leave open, and how far the numerics may have moved it."""
-    p, found = refit.fitted.parametrisation, []
-    value = p.values(refit.fitted.u)[effect.name]
-    intervals = [_intervals(fitted, effect) for fitted in (refit.fitted, *refit.also)]
-    for i, q in enumerate(effect.parameters):
-        lower = max(min(each[i][0] for each in intervals), q.lower)
-        upper = min(max(each[i][1] for each in intervals), q.upper)
-        found.append(FittedParameter(q.name, q.unit, value[q.name], lower, upper, q.null, q.lower, q.upper))
-    return tuple(found)
-
-
-def _intervals(fitted: Fit, effect: Effect) -> list[tuple[float, float]]:
-    """Of one minimum, for every parameter."""
-    p, moved = fitted.parametrisation, moved_by_numerics(fitted)
-    place, values = p.columns(effect.name).start, p.values(fitted.u)[effect.name]
-    found = []
-    for i, q in enumerate(effect.parameters):
-        deviation = np.hypot(fitted.given_numerics[place + i], moved[place + i])
-        half = _95 * float(deviation) * abs(q.typical - q.null)
-        found.append((values[q.name] - half, values[q.name] + half))
-    return found
 
 
 def _error(found: SearchResult, trial: Trial | None) -> ErrorReached:

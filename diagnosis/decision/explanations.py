@@ -6,11 +6,14 @@ neighbouring points counted as one (`decide.gain`). None of them needs to be rig
 The verdict rests on `decide.py`; this is shown beside it.
 """
 
+from collections.abc import Mapping
+from types import MappingProxyType
+
 import numpy as np
 
 from updamp.diagnosis.decision.decide import gain
 from updamp.diagnosis.evidence import Evidence
-from updamp.diagnosis.verdict import Explanation
+from updamp.diagnosis.verdict import Explanation, FittedEffect
 
 # Of the probability from where on, in words: M. D. Mastrandrea et al., Guidance note on consistent treatment of
 # uncertainties, IPCC (2010), table 1.
@@ -25,14 +28,19 @@ _WORDS = (
 )
 
 
-def explanations(evidence: Evidence) -> tuple[Explanation, ...]:
-    """Of the model without effects and of all fits that were left to settle, the likeliest first."""
+def explanations(
+    evidence: Evidence, fitted: Mapping[tuple[str, ...], tuple[FittedEffect, ...]] = MappingProxyType({})
+) -> tuple[Explanation, ...]:
+    """Of the model without effects and of all fits that were left to settle, the likeliest first.
+
+    fitted: values of the effects of each fit, by their names
+    """
     settled = [t for t in (*evidence.trials, *evidence.combined) if t.full]
     gains = np.array([0.0, *(gain(t, evidence) for t in settled)])
     weights = np.exp((gains - gains.max()) / 2)
     left = [((), evidence.excess, evidence.held_out), *((t.effects, t.excess, t.held_out) for t in settled)]
     found = [
-        Explanation(effects, float(p), float(np.sqrt(excess)), held_out)
+        Explanation(effects, float(p), float(np.sqrt(excess)), held_out, fitted.get(effects, ()))
         for (effects, excess, held_out), p in zip(left, weights / weights.sum(), strict=True)
     ]
     return tuple(sorted(found, key=lambda e: (-e.probability, e.misfit)))

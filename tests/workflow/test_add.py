@@ -14,7 +14,17 @@ from support.plain_rig import around_first_stuck_mode, plain_blade, plain_damper
 from typer.testing import CliRunner
 
 from updamp.comparison.comparison import COMPARISON_JSON, Calibrated
-from updamp.diagnosis.verdict import VERDICT_JSON, Candidate, Confounding, ErrorReached, FittedParameter, Step, Verdict
+from updamp.diagnosis.verdict import (
+    VERDICT_JSON,
+    Candidate,
+    Confounding,
+    ErrorReached,
+    Explanation,
+    FittedEffect,
+    FittedParameter,
+    Step,
+    Verdict,
+)
 from updamp.effects.catalogue import CATALOGUE
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.model.rig_files import load_any, load_modal, load_rig
@@ -441,3 +451,44 @@ def test_run_takes_the_new_file_and_traces_curves_only(rig, diagnosed, tmp_path)
     assert done.failures == ()
     curve = store.read(tmp_path / "out" / "stages" / "curve_OOP_0.1N.h5", ResponseCurve)
     assert curve.complete
+
+
+# --- effects that were fitted together ---
+
+
+def explained(*effects: tuple[str, str, float], misfit: float) -> Explanation:
+    """effects: name, parameter, value"""
+    fitted = tuple(FittedEffect(name, candidate(name, **{p: value}).parameters) for name, p, value in effects)
+    return Explanation(tuple(name for name, _, _ in effects), 0.4, misfit, 1.2 * misfit, fitted)
+
+
+TOGETHER = (
+    explained(("shaker_attachment", "mass", 0.2), ("edge_gap", "depth", 1e-7), misfit=0.9),
+    explained(("shaker_attachment", "mass", 0.5), misfit=1.1),
+)
+
+
+def test_effects_take_the_values_of_the_fit_with_just_these(rig, diagnosed):
+    """They had those of a fit each, and errors that nobody knew."""
+    VERDICT_JSON.write(diagnosed / "diagnosis.json", verdict(effects=(), explanations=TOGETHER))
+    both = add(rig, ("edge_gap", "shaker_attachment"), diagnosed)
+    assert effects_of(both.rig)["edge_gap"] == {"depth": 1e-7}
+    assert effects_of(both.rig)["shaker_attachment"]["mass"] == 0.2
+    assert both.step.after == Errors(0.9, pytest.approx(1.08))
+    assert not any("fitted together" in note for note in both.notes)
+    alone = add(rig, ("shaker_attachment",), diagnosed)
+    assert effects_of(alone.rig)["shaker_attachment"]["mass"] == 0.5
+    assert alone.step.after.fit == 1.1
+    # what the rig file has is of another fit then
+    second = add(alone.rig, ("edge_gap",), diagnosed)
+    assert effects_of(second.rig)["edge_gap"] == {"depth": 1e-7}
+    assert effects_of(second.rig)["shaker_attachment"]["mass"] == 0.5
+    assert (second.step.before.fit, second.step.after.fit) == (1.1, 0.9)
+    assert any("shaker_attachment stays as the rig file has it" in note for note in second.notes)
+
+
+def test_effects_that_were_not_fitted_together_are_said_to_be_of_fits_of_their_own(rig, diagnosed):
+    VERDICT_JSON.write(diagnosed / "diagnosis.json", verdict(explanations=TOGETHER))
+    changed = add(rig, ("edge_gap", "blade_mistuning"), diagnosed)
+    assert effects_of(changed.rig) == {"edge_gap": {"depth": 3e-7}, "blade_mistuning": {"difference": 0.01}}
+    assert any("edge_gap and blade_mistuning were not fitted together" in note for note in changed.notes)

@@ -9,8 +9,9 @@ from updamp.comparison.fit.fit_from_far import LAST
 from updamp.comparison.fit.observations import plan_of
 from updamp.diagnosis.candidate_models.baseline import baseline
 from updamp.diagnosis.criteria import Criteria
-from updamp.diagnosis.decision.conclude import conclude, parameters
+from updamp.diagnosis.decision.conclude import conclude
 from updamp.diagnosis.decision.decide import decide
+from updamp.diagnosis.decision.fitted_parameters import fitted_parameters
 from updamp.diagnosis.selection.search import SearchResult, search
 from updamp.diagnosis.verdict import Verdict
 from updamp.effects.catalogue import CATALOGUE, JOINTS
@@ -97,7 +98,7 @@ def test_microslips_parameters(found: SearchResult) -> None:
     """Damping grows with the amplitude to the power 1 + chi; joints in the literature had 0.1 to 1."""
     refit = found.refits[PAIR]
     microslip = next(e for e in refit.effects if e.name == "joint_microslip")
-    lost, exponent = parameters(refit, microslip)
+    lost, exponent = fitted_parameters(refit, microslip)
     print(lost, exponent)
     assert 1000 < lost.value < 2000
     assert exponent.lower < exponent.value < 0.8

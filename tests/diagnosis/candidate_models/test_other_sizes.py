@@ -13,7 +13,7 @@ from updamp.diagnosis.candidate_models.baseline import baseline
 from updamp.diagnosis.candidate_models.other_sizes import SIZE_FACTORS, as_likely, fit_from_size, have_two_signs
 from updamp.diagnosis.candidate_models.refit import Starts, refit
 from updamp.diagnosis.criteria import Criteria
-from updamp.diagnosis.decision.conclude import parameters
+from updamp.diagnosis.decision.fitted_parameters import fitted_parameters
 from updamp.effects.effect import Effect, EffectParameter
 from updamp.hbm.problem.structural_changes import Attachment
 
@@ -62,7 +62,7 @@ def fitted(monkeypatch):
 @pytest.mark.long
 def test_the_other_minimum_is_found_is_as_likely_and_is_in_the_interval(fitted):
     start, found = fitted(TWOFOLD)
-    (one,) = parameters(found, TWOFOLD)
+    (one,) = fitted_parameters(found, TWOFOLD)
     assert one.value == pytest.approx(ALIKE[0], rel=0.1)
     assert one.upper < ALIKE[1]
     other = fit_from_size(found.fitted, (TWOFOLD,), 2.0, start)
@@ -70,7 +70,7 @@ def test_the_other_minimum_is_found_is_as_likely_and_is_in_the_interval(fitted):
     assert as_likely(other, found.fitted)
     # one model: nothing that verdicts go by may depend on the way that led there
     assert chi_square(other) == pytest.approx(chi_square(found.fitted), abs=0.5)
-    (both,) = parameters(replace(found, also=(other,)), TWOFOLD)
+    (both,) = fitted_parameters(replace(found, also=(other,)), TWOFOLD)
     assert both.lower < ALIKE[0] < ALIKE[1] < both.upper
 
 
