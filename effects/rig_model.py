@@ -62,6 +62,8 @@ class RigModel:
     turned: (m_as_built, m) the modes of `components` in those that the model was built with; None where these are they
     momentum_about_clamp: of each clamped component (m_as_built,), as `ReducedComponent` has it [kg^1/2 m], in the modes
         as built, 0 for those of others; none where that is not known
+    residual_of: of each component (n_rows, n_rows) its share of the residual flexibility as built [m/N]; none where
+        that is not known
     running_in: growth of the logarithm of the contacts' friction from the first run of an assembly to the last
     """
 
@@ -85,6 +87,7 @@ class RigModel:
     dimensions: Mapping[str, VariedDimension] = field(default_factory=dict)
     turned: Floats | None = None
     momentum_about_clamp: Mapping[str, Floats] = field(default_factory=dict)
+    residual_of: Mapping[str, Floats] = field(default_factory=dict)
     running_in: float = 0.0
 
     @cached_property

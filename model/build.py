@@ -3,6 +3,8 @@
 What a rig has taken up is applied in one order everywhere: calibration first, then effects, as a fit applies them.
 """
 
+from collections.abc import Iterator
+
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
@@ -78,6 +80,7 @@ def as_built(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> RigModel:
         places=_places(rig),
         stated_pressure=float(rest.normal_force.sum() / reduced.contacts.area.sum()),
         momentum_about_clamp=_momenta_about_clamps(reduced),
+        residual_of=residual_flexibility(reduced),
     )
 
 
@@ -170,25 +173,31 @@ def from_reduced(reduced: ReducedModel, loss_factor: float) -> LinearModel:
 
     Points are named component.point, such as "blade_right.tip.x".
     """
-    n_relative = 3 * len(reduced.contacts)
     points = tuple(f"{c.name}.{p}" for c in reduced.components for p in c.points)
-    n_rows = n_relative + len(points)
-    phi, residual, start = [], np.zeros((n_rows, n_rows)), n_relative
-    for component, sign, rows in zip(reduced.components, reduced.contact_sign(), reduced.contact_rows(), strict=True):
-        select = np.zeros((n_rows, len(component.residual)))
-        select[rows, np.arange(len(rows))] = sign
-        n_points = len(component.points)
-        select[start + np.arange(n_points), len(rows) + np.arange(n_points)] = 1
-        start += n_points
-        phi.append(select @ component.phi)
-        residual += select @ component.residual @ select.T
     omega_squared = np.concatenate([c.omega for c in reduced.components]) ** 2
     return LinearModel(
         omega_squared=omega_squared,
-        phi=np.hstack(phi),
-        residual=residual,
+        phi=np.hstack([rows @ c.phi for c, rows in zip(reduced.components, _rows_of(reduced), strict=True)]),
+        residual=np.sum([*residual_flexibility(reduced).values()], axis=0),
         hysteretic=loss_factor * np.diag(omega_squared),
         viscous=np.zeros((len(omega_squared), len(omega_squared))),
-        n_relative=n_relative,
+        n_relative=3 * len(reduced.contacts),
         points=points,
     )
+
+
+def residual_flexibility(reduced: ReducedModel) -> dict[str, Floats]:
+    """Component -> (n_rows, n_rows) its own, in the rows of all [m/N]."""
+    return {c.name: rows @ c.residual @ rows.T for c, rows in zip(reduced.components, _rows_of(reduced), strict=True)}
+
+
+def _rows_of(reduced: ReducedModel) -> Iterator[Floats]:
+    """Of each component (n_rows, its rows): where they are among those of all, signed by its side of a contact."""
+    start = 3 * len(reduced.contacts)
+    n_rows = start + sum(len(c.points) for c in reduced.components)
+    for component, sign, rows in zip(reduced.components, reduced.contact_sign(), reduced.contact_rows(), strict=True):
+        select, points = np.zeros((n_rows, len(component.residual))), np.arange(len(component.points))
+        select[rows, np.arange(len(rows))] = sign
+        select[start + points, len(rows) + points] = 1
+        start += len(points)
+        yield select
