@@ -18,9 +18,11 @@ from typing import Any
 
 from updamp.effects.catalogue import OWN, catalogue
 from updamp.effects.effect import Effect, EffectParameter
+from updamp.effects.own_effect_check import refuse_unusable
+from updamp.effects.own_effects import own_effect
 from updamp.effects.placed import effect_called
 from updamp.effects.rig_model import RigModel
-from updamp.effects.user_effect import EffectError, effect_from_file
+from updamp.effects.user_effect import EffectError
 from updamp.rig.effects import RigEffect
 from updamp.rig.errors import RigError
 from updamp.rig.fields import Quantity
@@ -56,9 +58,12 @@ class ChosenEffect:
 def with_effects(model: RigModel, chosen: Sequence[ChosenEffect]) -> RigModel:
     """The model with all of them, in the order of the rig file.
 
-    raises: ValueError naming the effect that the model has no place for, and how to take it off the file
+    raises: ValueError naming the effect that the model has no place for, and how to take it off the file; OwnCodeError
+        for one of the user's own whose code fails
     """
     for one in chosen:
+        if one.file is not None:
+            refuse_unusable(one.effect, one.file, model)
         try:
             model = one.apply(model)
         except ValueError as error:
@@ -158,7 +163,7 @@ def _effect(name: str, file: Path | None, path: str) -> Effect:
             raise RigError(f'{path}.name = "{name}": no such effect; {_instead(name, tuple(catalogue()))}')
         return found
     try:
-        effect = effect_from_file(file)
+        effect = own_effect(file)
     except EffectError as error:
         raise RigError(f"{path}.file: {error}") from error
     if effect.name != name:

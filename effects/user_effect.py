@@ -4,13 +4,58 @@ import hashlib
 import importlib.util
 import math
 import sys
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from updamp.effects.effect import Effect, EffectParameter
+from updamp.effects.effect import Effect, EffectParameter, Values
+from updamp.effects.rig_model import RigModel
 
 
 class EffectError(ValueError):
     """An effect that cannot be used; the message says where and what to do."""
+
+
+class OwnCodeError(RuntimeError):
+    """The user's code has failed: no effect without a place in the model, which is a ValueError."""
+
+
+@dataclass(frozen=True)
+class _Told:
+    """The user's own `apply`, which tells what it stumbles over, and where."""
+
+    apply: Callable[[RigModel, Values], RigModel]
+    name: str
+    path: Path
+
+    def __call__(self, model: RigModel, values: Values) -> RigModel:
+        """raises: ValueError, KeyError as they are: that the model has no place for the effect; else OwnCodeError"""
+        try:
+            changed = self.apply(model, values)
+        except (ValueError, KeyError):
+            raise
+        except Exception as error:
+            raise OwnCodeError(
+                f'{place_of(error, self.path)}: apply of the effect "{self.name}" cannot be run: {in_words(error)}'
+            ) from error
+        if not isinstance(changed, RigModel):
+            raise OwnCodeError(
+                f'{self.path}: apply of the effect "{self.name}" returns {type(changed).__name__}: end it with return '
+                "and the changed model"
+            )
+        return changed
+
+
+def place_of(error: BaseException, path: Path) -> str:
+    """The file with the last of its lines that the error went through."""
+    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
+    return f"{path}, line {lines[-1]}" if lines else str(path)
+
+
+def in_words(error: BaseException) -> str:
+    """Its kind and the first line of what it says; the rest, of JAX for one, is not for a person."""
+    return f"{type(error).__name__}: {(str(error).splitlines() or [''])[0]}"
 
 
 def effect_from_file(path: Path) -> Effect:
@@ -34,7 +79,8 @@ def effect_from_file(path: Path) -> Effect:
         raise EffectError(f"{path}: cannot be run: {type(error).__name__}: {error}") from error
     if not hasattr(module, "EFFECT"):
         raise EffectError(f"{path}: defines no EFFECT; end it with EFFECT = Effect(name, sentence, parameters, apply)")
-    return checked(module.EFFECT, str(path))
+    effect = checked(module.EFFECT, str(path))
+    return replace(effect, apply=_Told(effect.apply, effect.name, path))
 
 
 def checked(effect: object, origin: str) -> Effect:

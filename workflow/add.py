@@ -7,7 +7,7 @@ from datetime import date
 from pathlib import Path
 
 from updamp.diagnosis.verdict import VERDICT_JSON, FittedParameter, Verdict
-from updamp.effects.user_effect import effect_from_file
+from updamp.effects.own_effects import own_effect
 from updamp.model.calibration import present_name
 from updamp.model.rig_files import load_any
 from updamp.rig.errors import RigError
@@ -62,7 +62,7 @@ def add(rig: Path, names: Sequence[str], folder: Path, options: AddOptions | Non
     source, verdict = _diagnosis(rig, folder)
     of_rig(verdict, source, loaded.name)
     names = tuple(dict.fromkeys(names)) or _identified(verdict, source)
-    own = {effect_from_file(path).name: path for path in options.own}
+    own = {own_effect(path).name: path for path in options.own}
     out = options.out or rig.with_name(f"{rig.stem}+{'+'.join(names)}.toml")
     kept = frozenset(effect.name for effect in present) - frozenset(names)
     fitted = fitted_effects(verdict, names, kept)

@@ -5,8 +5,8 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from updamp.diagnosis.verdict import Verdict
+from updamp.effects.own_effects import own_effect
 from updamp.effects.placed import effect_called
-from updamp.effects.user_effect import effect_from_file
 from updamp.rig.effects import RigEffect
 
 
@@ -48,7 +48,7 @@ def already_there(present: Sequence[RigEffect], names: Sequence[str], rig: Path,
 
 
 def _absent(effect: RigEffect) -> bool:
-    defined = effect_from_file(effect.file) if effect.file else effect_called(effect.name)
+    defined = own_effect(effect.file) if effect.file else effect_called(effect.name)
     return defined is not None and dict(effect.values) == defined.at_null()
 
 

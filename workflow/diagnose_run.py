@@ -29,7 +29,7 @@ from updamp.diagnosis.verdict import VERDICT_JSON, MissingForce, NextMeasurement
 from updamp.effects.catalogue import catalogue
 from updamp.effects.chosen import code_of
 from updamp.effects.effect import Effect
-from updamp.effects.user_effect import effect_from_file
+from updamp.effects.own_effects import own_effects
 from updamp.hbm.analysis.settings import Setting
 from updamp.hbm.continuation.predictor_corrector import BranchStoppedError
 from updamp.model.rig_files import is_modal, load_any, load_rig
@@ -154,7 +154,7 @@ def _of_stated(
 def _effects(inputs: ComparisonInputs, options: DiagnoseOptions) -> tuple[Effect, ...]:
     """Those of the catalogue and the user's own that the rig file does not have yet."""
     present = {one.effect.name for one in inputs.rig_effects}
-    known = [*catalogue().values(), *(effect_from_file(path) for path in options.own)]
+    known = [*catalogue().values(), *own_effects(options.own, inputs.before_effects)]
     return tuple(effect for effect in known if effect.name not in present)
 
 
