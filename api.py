@@ -167,7 +167,7 @@ def compare(
 
     files = CompareFiles(_path(rig, "rig"), _path(measurement, "measurement"), _path(out, "out"))
     comparison, _ = run_compare(files, mesh, jobs, Console(quiet=quiet), _names(finer))
-    return ComparisonResult(comparison, files.report)
+    return ComparisonResult(comparison, files.report_of_comparison)
 
 
 @on_one_blas_thread

@@ -58,4 +58,4 @@ def compare(
             console.print(Text.assemble(("calibrated", "yellow"), f" {far}"), soft_wrap=True)
         for finding in comparison.findings:
             console.print(Text.assemble(("finding   ", "yellow"), finding.text), soft_wrap=True)
-        console.print(f"{files.report}", highlight=False, soft_wrap=True)
+        console.print(f"{files.report_of_comparison}", highlight=False, soft_wrap=True)

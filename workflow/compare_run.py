@@ -54,6 +54,11 @@ class CompareFiles:
     def report(self) -> Path:
         return self.out / "report.html"
 
+    @property
+    def report_of_comparison(self) -> Path:
+        """Beside that of a diagnosis which the folder holds: hours of work, not to be replaced by minutes'."""
+        return self.out / "comparison.html" if (self.out / "diagnosis.json").is_file() else self.report
+
 
 def run_compare(
     files: CompareFiles,
@@ -92,10 +97,10 @@ def run_compare(
         for run in comparison.unlike_repeats:
             display.note("check", run.text)
         COMPARISON_JSON.write(files.comparison, comparison)
-        write_report(comparison, files.report, pictures_of(files.out))
+        write_report(comparison, files.report_of_comparison, pictures_of(files.out))
         write_pictures(comparison, files.out)
         record_comparison(files.rig, tuple(one.effect.name for one in inputs.rig_effects), comparison)
-        display.done("files", f"{files.comparison}, {files.report}")
+        display.done("files", f"{files.comparison}, {files.report_of_comparison}")
     return comparison, fit
 
 

@@ -84,3 +84,16 @@ def test_a_finer_preset_that_memory_does_not_hold_can_be_left_out(
         finer("small", None, tmp_path)
     with pytest.raises(ValueError, match=r"mesh\.full: .* GB are free.* take fewer$"):
         finer("small", ["full"], tmp_path)
+
+
+def test_the_report_of_a_diagnosis_is_not_replaced(measurement: Path, tmp_path: Path) -> None:
+    """They were of one name, and one folder for all steps is there so that finite elements are computed once."""
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "diagnosis.json").write_text("{}", encoding="utf-8")
+    (out / "report.html").write_text("of the diagnosis", encoding="utf-8")
+    result = compare(RIG, measurement, "--out", out)
+    assert result.exit_code == 0, result.output
+    assert "comparison.html" in result.output
+    assert (out / "report.html").read_text(encoding="utf-8") == "of the diagnosis"
+    assert "Beam" in (out / "comparison.html").read_text(encoding="utf-8")
