@@ -24,6 +24,7 @@ from updamp.diagnosis.verdict import Verdict
 from updamp.effects.catalogue import catalogue
 from updamp.effects.effect import Effect, EffectParameter
 from updamp.effects.rig_model import RigModel
+from updamp.effects.structure import with_point_element
 from updamp.hbm.compilation_cache import keep_compiled
 from updamp.hbm.continuation.continuation import ContinuationOptions
 from updamp.hbm.continuation.curve import CurveRequest, whole_curve
@@ -52,7 +53,7 @@ __all__ = [
     "EffectParameter", "MaximumResonance", "Measurement", "MeasurementError", "ModalRig", "Model", "PhaseResonance",
     "Resonance", "ResonanceCondition", "ResonanceOptions", "Rig", "RigError", "RigModel", "SearchEffort", "Verdict",
     "add_effect", "build_model", "catalogue", "compare", "diagnose", "keep_compiled", "load_measurement", "load_rig",
-    "resonance", "response_curve",
+    "resonance", "response_curve", "with_point_element",
 ]  # fmt: skip
 
 File = str | PathLike[str]

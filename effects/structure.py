@@ -65,6 +65,15 @@ def with_joint_element(model: RigModel, name: str, law: ContactLaw, **entries: f
     return replace(model, elements=(*model.elements, added), time_samples=max(model.time_samples, _SAMPLES))
 
 
+def with_point_element(model: RigModel, name: str, point: str, law: ContactLaw, **entries: float) -> RigModel:
+    """The model with an element between one of its points and the ground; entries: of the law's parameters.
+
+    raises: ValueError where the model lacks the point
+    """
+    added = _element(name, (point,), law, entries)
+    return replace(model_with(model, (point,)), elements=(*model.elements, added))
+
+
 def model_with(model: RigModel, points: tuple[str, ...]) -> RigModel:
     """raises: ValueError where the model lacks one of the points"""
     if missing := [point for point in points if point not in model.components.points]:

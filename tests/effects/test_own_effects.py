@@ -108,3 +108,14 @@ def test_own_code_that_fails_is_told_with_its_place(tmp_path, model, changed, pl
 def test_an_effect_without_a_place_is_no_failure(tmp_path: Path, model: RigModel) -> None:
     (effect,) = own_effects([file(tmp_path, last='raise ValueError("no place")')], model)
     assert isinstance(effect, Effect)
+
+
+def test_the_example_of_the_page_is_usable(tmp_path: Path, model: RigModel) -> None:
+    """The stop of docs/effects.md, at another point: this model has no tips."""
+    page = (Path(__file__).parents[2] / "docs" / "effects.md").read_text(encoding="utf-8")
+    (code,) = [part.split("```")[0] for part in page.split("```python\n") if "class Stop" in part]
+    path = tmp_path / "soft_stop.py"
+    path.write_text(code.replace("blade_right.tip.x", model.excitation), encoding="utf-8")
+    (effect,) = own_effects([path], model)
+    element = effect.apply(model, effect.at_typical()).elements[-1]
+    assert (element.name, element.points) == ("stop", (model.excitation,))
