@@ -160,7 +160,10 @@ def _effect(name: str, file: Path | None, path: str) -> Effect:
     if file is None:
         found = effect_called(name)
         if found is None:
-            raise RigError(f'{path}.name = "{name}": no such effect; {_instead(name, tuple(catalogue()))}')
+            raise RigError(
+                f'{path}.name = "{name}": no such effect; {_instead(name, tuple(catalogue()))}; one of your own needs '
+                'the Python file that defines it, such as file = "my_effect.py"'
+            )
         return found
     try:
         effect = own_effect(file)

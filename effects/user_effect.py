@@ -11,6 +11,7 @@ from pathlib import Path
 
 from updamp.effects.effect import Effect, EffectParameter, Values
 from updamp.effects.rig_model import RigModel
+from updamp.rig.fields import Quantity
 
 
 class EffectError(ValueError):
@@ -100,6 +101,16 @@ def _problem(p: EffectParameter) -> str:
         return "null, lower, upper and typical have to be finite"
     if not p.lower <= p.null <= p.upper:
         return f"null = {p.null:g} has to lie within lower = {p.lower:g} and upper = {p.upper:g}"
+    if p.unit and not _is_unit(p.unit):
+        return f'unit = "{p.unit}": no such unit; write it as "N*s/m", or "" where there is none'
     if not p.lower <= p.typical <= p.upper or p.typical == p.null:
         return f"typical = {p.typical:g} has to lie within the bounds and apart from null = {p.null:g}"
     return ""
+
+
+def _is_unit(text: str) -> bool:
+    try:
+        Quantity(text, f"1 {text}").to_si(f"1 {text}")
+    except ValueError:
+        return False
+    return True

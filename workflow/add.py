@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
@@ -93,19 +94,18 @@ def remove(rig: Path, names: Sequence[str], out: Path | None = None, replace: bo
 
     names: of effects; "calibration" for the table of that name
     replace: put the new file in the place of `out`
-    raises: ValueError with every problem found, one a line; RigError for a rig file that cannot be used
+    raises: ValueError with every problem found, one a line; RigError for a rig file that cannot be used without them
     """
-    loaded = load_any(rig)
-    there = tuple(effect.name for effect in loaded.effects)
-    removable = (*there, *(("calibration",) if loaded.calibration else ()))
+    text = rig.read_text(encoding="utf-8")
+    there, is_calibrated = _removable(rig, text, names)
+    removable = (*there, *(("calibration",) if is_calibrated else ()))
     names = tuple(dict.fromkeys(names))
     out = out or rig.with_name(f"{rig.stem}-{'-'.join(names)}.toml")
     has = f"it has {', '.join(removable)}" if removable else "it has no effects"
     problems = [f"{rig}: {name} is not there; {has}" for name in names if name not in removable]
     if problems := [*problems, *name_in_use(out, rig, replace)]:
         raise ValueError("\n".join(problems))
-    text = rig_text.moved(rig.read_text(encoding="utf-8"), rig.parent, out.parent)
-    text = rig_text.without_effects(text, names)
+    text = rig_text.without_effects(rig_text.moved(text, rig.parent, out.parent), names)
     if "calibration" in names:
         text = rig_text.without_calibration(text)
     history, left = read_history(rig), tuple(name for name in there if name not in names)
@@ -114,8 +114,25 @@ def remove(rig: Path, names: Sequence[str], out: Path | None = None, replace: bo
         out.name, _relative_path(rig, out), "", "", date.today().isoformat(),
     )  # fmt: skip
     _write(rig, out, text, step)
-    calibrated = bool(loaded.calibration) and "calibration" not in names
-    return Changed(out, step, ("the calibration stays: to take it off too, name calibration",) if calibrated else ())
+    stays = is_calibrated and "calibration" not in names
+    return Changed(out, step, ("the calibration stays: to take it off too, name calibration",) if stays else ())
+
+
+def _removable(rig: Path, text: str, names: Sequence[str]) -> tuple[tuple[str, ...], bool]:
+    """Names of its effects, and whether it is calibrated. An effect that the file cannot be read with, such as one of
+    which the Python file is gone, can be taken off too: the new file is read before it appears.
+
+    raises: RigError for a rig file that cannot be read for anything else
+    """
+    try:
+        loaded = load_any(rig)
+    except RigError:
+        with suppress(ValueError, KeyError):
+            there = rig_text.effect_names(text)
+            if set(names) & set(there):
+                return there, rig_text.is_calibrated(text)
+        raise
+    return tuple(effect.name for effect in loaded.effects), bool(loaded.calibration)
 
 
 # --- what a diagnosis says ---

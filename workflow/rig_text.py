@@ -25,6 +25,10 @@ def effect_names(text: str) -> tuple[str, ...]:
     return tuple(str(entry["name"]) for entry in _effects(tomlkit.parse(text)))
 
 
+def is_calibrated(text: str) -> bool:
+    return "calibration" in tomlkit.parse(text)
+
+
 def with_effect(text: str, effect: EffectText) -> str:
     """The effect at the end of the file's effects, or with these values in the place of the one of its name."""
     document = tomlkit.parse(text)

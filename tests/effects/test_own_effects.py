@@ -77,6 +77,15 @@ def test_a_name_of_the_catalogue_is_refused(tmp_path: Path) -> None:
         own_effect(file(tmp_path, name="edge_gap"))
 
 
+def test_a_unit_that_there_is_not_is_refused(tmp_path: Path) -> None:
+    path = file(tmp_path)
+    path.write_text(
+        path.read_text(encoding="utf-8").replace('1.0, "", "a guess"', '1.0, "blorp", "a guess"'), encoding="utf-8"
+    )
+    with pytest.raises(EffectError, match='parameter "size" of "mine": unit = "blorp": no such unit'):
+        own_effect(path)
+
+
 def test_two_of_one_name_are_refused(tmp_path: Path, model: RigModel) -> None:
     other = tmp_path / "other"
     other.mkdir()

@@ -453,6 +453,20 @@ def test_run_takes_the_new_file_and_traces_curves_only(rig, diagnosed, tmp_path)
     assert curve.complete
 
 
+def test_an_effect_whose_file_is_gone_can_be_taken_off(rig, tmp_path):
+    """Nothing else could be done with the rig file either."""
+    own = tmp_path / "oily.py"
+    own.write_text(OWN, encoding="utf-8")
+    table = '\n[[effects]]\nname = "oily"\nfile = "oily.py"\nvalues = { factor = 0.5 }\n'
+    before = rig.read_text(encoding="utf-8")
+    rig.write_text(before + table, encoding="utf-8")
+    assert effects_of(rig) == {"oily": {"factor": 0.5}}
+    own.unlink()
+    with pytest.raises(RigError, match="no such file"):
+        remove(rig, ("edge_gap",))
+    assert remove(rig, ("oily",)).rig.read_text(encoding="utf-8") == before
+
+
 # --- effects that were fitted together ---
 
 
