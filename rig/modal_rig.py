@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, StringConstraints, model_validator
+from pydantic import BeforeValidator, Field, StringConstraints, model_validator
 
 from updamp.rig.effects import Calibration, CalibrationTable, Effects
 from updamp.rig.fields import InputTable, Quantity
@@ -78,6 +78,11 @@ class Mode(InputTable):
         return {point: scale * self._entry(value) for point, value in self.shape.items()}
 
 
+def _with_usual(stated: Any) -> Any:
+    """What a table leaves out is as where there is none."""
+    return {**_BALANCE.model_dump(), **stated} if isinstance(stated, Mapping) else stated
+
+
 class ModalRig(InputTable):
     """Exactly the keys of a modal rig file, checked, in SI. A mode does not move at points that its shape leaves out.
 
@@ -88,7 +93,7 @@ class ModalRig(InputTable):
     name: Name
     excitation: Point
     modes: Annotated[Mapping[Name, Mode], Field(min_length=1)]
-    harmonic_balance: HarmonicBalance = _BALANCE
+    harmonic_balance: Annotated[HarmonicBalance, BeforeValidator(_with_usual)] = _BALANCE
     effects: Effects = ()
     calibration: CalibrationTable = Calibration()
 

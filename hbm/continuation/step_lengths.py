@@ -58,8 +58,8 @@ class StepLengths:
     def __post_init__(self) -> None:
         if not 0 < self.smallest_step < self.first_step <= self.largest_step:
             raise ValueError(
-                f"steps {self.smallest_step}, {self.first_step}, {self.largest_step}: "
-                "0 < smallest_step < first_step <= largest_step is needed"
+                f"smallest_step = {self.smallest_step}, first_step = {self.first_step}, largest_step = "
+                f"{self.largest_step}: 0 < smallest_step < first_step <= largest_step is needed"
             )
         if self.frequency_scale <= 0:
             raise ValueError(f"frequency_scale = {self.frequency_scale}: it must be positive")

@@ -144,3 +144,9 @@ def test_check_shows_each_mode_where_it_is_driven_and_where_it_moves(write):
     assert rows["peak receptance at beam.drive.x"][0] == f"{peak:.4g}"
     assert rows["loss factor at resonance"] == ["0.006", "0.02", "-"]
     assert rows["shape at beam.end.x"][1:] == ["0", "kg^-1/2"]
+
+
+def test_what_a_table_of_harmonic_balance_leaves_out_is_as_without_one() -> None:
+    usual = load_modal(RIGS / "brake_reuss.toml").harmonic_balance
+    changed = load_modal(RIGS / "brake_reuss.toml", {"harmonic_balance.harmonics": [1, 3, 5]}).harmonic_balance
+    assert (changed.harmonics, changed.time_samples, changed.cycles) == ((1, 3, 5), usual.time_samples, usual.cycles)
