@@ -25,12 +25,12 @@ def _runs(ip: tuple[float, ...], oop: tuple[float, ...], upwards: bool = False) 
 
 # Nothing jumps, three assemblies, all that the fit may need.
 EASY = KindOfTest("easy", RIG, TestPlan(SIX_CURVES, assemblies=3, points=40), NoiseLevels())
-# The reference rig at the paper's upper three levels: in IP contacts open before they slip and the response jumps,
-# upwards elsewhere than downwards; in OOP they slip.
+# The reference rig with uniform pressure, each mode at a level at which contacts stick and two at which they do not: in
+# IP they open before they slip and the response jumps, upwards elsewhere than downwards; in OOP they slip.
 JUMPING = KindOfTest(
     "jumping",
     RIG.with_name("virtual_rig_jumping.toml"),
-    TestPlan((*_runs((4.0, 10.0, 17.0), (4.0, 10.0, 17.0)), *_runs((17.0,), (17.0,), True)), assemblies=3, points=40),
+    TestPlan((*_runs((4.0, 8.0, 17.0), (8.0, 17.0, 34.0)), *_runs((17.0,), (34.0,), True)), assemblies=3, points=40),
     NoiseLevels(),
 )
 # What there is time for at the end of a test campaign: one assembly, two levels of each mode, few points, more noise.

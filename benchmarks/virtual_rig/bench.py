@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.benchmarks.virtual_rig.bodies import Bodies
-from updamp.benchmarks.virtual_rig.load_shares import load_shares
+from updamp.rig.pressure import UniformPressure
 from updamp.rig.rig import Rig
 
 Floats = NDArray[np.float64]
@@ -125,14 +125,19 @@ BODIES = ("blade_left", "blade_right", "damper")
 
 
 def bench_of(rig: Rig, bodies: Bodies) -> Bench:
-    """The rig as its file says, nothing hidden; what both faces carry is that of eq. (5) of Pesaresi et al. (2017)."""
+    """The rig as its file says, nothing hidden: uniform pressure after eq. (5) of Pesaresi et al. (2017).
+
+    raises: ValueError for a rig whose file states another pressure
+    """
     contact, angle, n = rig.contact, rig.platform.underside_angle, len(bodies.area)
-    carried = rig.load.pull / (cos(angle) + contact.friction_coefficient * sin(angle))
+    if not isinstance(contact.pressure, UniformPressure):
+        raise ValueError(f"contact.pressure of {rig.name}: the laboratory knows uniform pressure alone")
+    pressure = rig.load.pull / (bodies.area.sum() * (cos(angle) + contact.friction_coefficient * sin(angle)))
     patches = Patches(
         mu=np.full(n, contact.friction_coefficient),
         kt=contact.tangential_stiffness * bodies.area,
         kn=contact.normal_stiffness * bodies.area,
-        n0=carried * load_shares(rig, bodies),
+        n0=pressure * bodies.area,
         gap=np.zeros(n),
         viscosity=np.zeros(n),
     )
