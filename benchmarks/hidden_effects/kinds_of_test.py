@@ -6,17 +6,21 @@ from pathlib import Path
 from types import MappingProxyType
 
 from updamp.benchmarks.virtual_rig.measurement import RIG
+from updamp.benchmarks.virtual_rig.periodic import SolverOptions
 from updamp.benchmarks.virtual_rig.plan import SIX_CURVES, NoiseLevels, PlannedRun, TestPlan
 
 
 @dataclass(frozen=True)
 class KindOfTest:
-    """rig: its file, which the diagnosis is given and the laboratory measures with something hidden in it"""
+    """rig: its file, which the diagnosis is given and the laboratory measures with something hidden in it
+    solver: of the laboratory, with as many harmonics as settle the peaks
+    """
 
     name: str
     rig: Path
     plan: TestPlan
     noise: NoiseLevels
+    solver: SolverOptions = SolverOptions()
 
 
 def _runs(ip: tuple[float, ...], oop: tuple[float, ...], upwards: bool = False) -> tuple[PlannedRun, ...]:
@@ -32,6 +36,7 @@ JUMPING = KindOfTest(
     RIG.with_name("virtual_rig_jumping.toml"),
     TestPlan((*_runs((4.0, 8.0, 17.0), (8.0, 17.0, 34.0)), *_runs((17.0,), (34.0,), True)), assemblies=3, points=40),
     NoiseLevels(),
+    SolverOptions(harmonics=11),
 )
 # What there is time for at the end of a test campaign: one assembly, two levels of each mode, few points, more noise.
 SCARCE = KindOfTest(

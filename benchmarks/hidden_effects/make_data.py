@@ -47,7 +47,9 @@ def make_case(case: Case, layout: Layout, rig: Rig | None = None) -> Made:
     draws = layout.truth(case.name).with_suffix(".draws.json")
     draws.parent.mkdir(parents=True, exist_ok=True)
     layout.truth(case.name).unlink(missing_ok=True)
-    make_measurement(folder, plan, case.hidden, case.seed, test.noise, rig, preset=case.laboratory, sealed=draws)
+    make_measurement(
+        folder, plan, case.hidden, case.seed, test.noise, rig, case.laboratory, sealed=draws, options=test.solver
+    )
     record = read(draws) or {}
     seconds = time.perf_counter() - started
     write_whole(layout.truth(case.name), truth_of(case, record, seconds))
