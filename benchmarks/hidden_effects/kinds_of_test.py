@@ -1,7 +1,7 @@
 """The tests that the benchmark makes of a rig: an easy one, one of a rig that jumps, and one with few data."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 
@@ -20,7 +20,7 @@ class KindOfTest:
     rig: Path
     plan: TestPlan
     noise: NoiseLevels
-    solver: SolverOptions = SolverOptions()
+    solver: SolverOptions = field(default_factory=SolverOptions)
 
 
 def _runs(ip: tuple[float, ...], oop: tuple[float, ...], upwards: bool = False) -> tuple[PlannedRun, ...]:
