@@ -35,9 +35,9 @@ def apply(model: RigModel, values: Values) -> RigModel:
 
 def _residual_of(model: RigModel, blade: str) -> Floats | float:
     """(n_rows, n_rows) [m/N]; 0 where the model has none. As built, times what calibration has made of that of all."""
-    if blade not in model.residual_of:
-        return 0.0
     as_built = sum(float(np.trace(each)) for each in model.residual_of.values())
+    if blade not in model.residual_of or as_built == 0:
+        return 0.0
     return float(np.trace(model.components.residual)) / as_built * model.residual_of[blade]
 
 

@@ -23,16 +23,17 @@ def refuse_unusable(effect: Effect, path: Path, model: RigModel) -> None:
     raises: OwnCodeError naming the effect and the file where the effect cannot be applied at its typical values, or the
         force of what it adds to the model cannot be computed or is not finite
     """
+    path, before = path.resolve(), {group.law for group in model.groups}
     try:
         changed = effect.apply(model, effect.at_typical())
-        groups = changed.groups
+        added = [group for group in changed.groups if group.law not in before]
     except (ValueError, KeyError):
         return
+    except TypeError as error:  # of a law that is no frozen dataclass, a hash
+        raise OwnCodeError(f'{path}: what the effect "{effect.name}" adds cannot be used: {in_words(error)}') from error
     w = float(np.sqrt(np.max(model.components.omega_squared)))
-    before = {group.law for group in model.groups}
-    for group in groups:
-        if group.law not in before:
-            _refuse_force(effect, path.resolve(), group, changed, w)
+    for group in added:
+        _refuse_force(effect, path, group, changed, w)
 
 
 def _refuse_force(effect: Effect, path: Path, group: ElementGroup, model: RigModel, w: float) -> None:

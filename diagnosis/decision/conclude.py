@@ -103,9 +103,8 @@ def _candidate(
 
 def _fitted(found: SearchResult) -> dict[tuple[str, ...], tuple[FittedEffect, ...]]:
     """Values of all effects of every fit."""
-    effects = {s.effect.name: s.effect for s in found.scored}
     return {
-        names: tuple(FittedEffect(name, fitted_parameters(refit, effects[name])) for name in names)
+        names: tuple(FittedEffect(e.name, fitted_parameters(refit, e)) for e in refit.fitted.parametrisation.effects)
         for names, refit in found.refits.items()
     }
 

@@ -114,6 +114,14 @@ def test_own_code_that_fails_is_told_with_its_place(tmp_path, model, changed, pl
         with_effects(model, [ChosenEffect(own_effect(path), {"size": 1.0}, file=path)])
 
 
+def test_a_law_that_can_be_changed_is_refused(tmp_path: Path, model: RigModel) -> None:
+    """Compiled functions are kept by law."""
+    path = file(tmp_path)
+    path.write_text(path.read_text(encoding="utf-8").replace("dataclass(frozen=True)", "dataclass"), encoding="utf-8")
+    with pytest.raises(OwnCodeError, match='what the effect "mine" adds cannot be used: TypeError: unhashable type'):
+        own_effects([path], model)
+
+
 def test_an_effect_without_a_place_is_no_failure(tmp_path: Path, model: RigModel) -> None:
     (effect,) = own_effects([file(tmp_path, last='raise ValueError("no place")')], model)
     assert isinstance(effect, Effect)
