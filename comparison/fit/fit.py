@@ -34,6 +34,7 @@ _DIGITS = 1e-5
 _LINEAR = 0.2
 # Scatter of the parameters of a single assembly, as a share of what they are expected to scatter by.
 _ALONE = 1e-3
+_SETTLED = "settled"
 
 
 @dataclass(frozen=True)
@@ -119,42 +120,83 @@ def fit(
     prior = prior_scatter(parametrisation, plan)
     common = at_start if at_start is not None else predict_branches(parametrisation, start, plan, None, branches_of)
     spread = np.where(np.isfinite(parametrisation.deviation), parametrisation.deviation, 0.0)
-    best = compare_at(parametrisation, start, plan, tuple(common), scatter or prior, None, spread)
-    reach, moved, settled = options.largest_step, options.retraced, False
-    checked, message = None, f"not settled in {options.rounds} rounds"
-    step: Callable[..., Compared] = _moved
+    first = compare_at(parametrisation, start, plan, tuple(common), scatter or prior, None, spread)
+    rounds = _Rounds(parametrisation, plan, scatter, prior, options, progress, branches_of, known)
+    now = _Reached(first, options.largest_step, options.retraced)
     for _ in range(options.rounds):
-        ahead = _round(parametrisation, plan, best, scatter, prior, reach)
-        here = reweighed(parametrisation, plan, best, ahead.scatter)
-        if known(ahead):
-            best, moved, message = ahead, False, "leads to what is known"
+        now = rounds.after(now)
+        if now.ended:
             break
-        gain = objective(parametrisation, here) - objective(parametrisation, ahead)
-        if gain < max(options.tolerance, options.share * here.weighed):
-            if not moved:
-                # what is still to be gained is, to first order: two standard deviations at most
-                best, settled, message = ahead, True, "settled"
-                break
-            best, moved = _traced(parametrisation, plan, best, branches_of), False
-            if checked is not None and objective(parametrisation, checked) < objective(parametrisation, best):
-                # what was moved since seemed lower and is not: from here on only what is traced counts
-                best, step = checked, _traced
-            checked = best
-            continue
-        solved, again = step(parametrisation, plan, ahead, branches_of, best), step is _traced
-        if options.retraced and not again and _rises(parametrisation, here, solved):
-            solved, again = _traced(parametrisation, plan, ahead, branches_of), True
-        progress(_fall(here, solved))
-        if _rises(parametrisation, here, solved):
-            reach /= 3
-            if reach < 0.01 * options.largest_step:
-                message = "no step lowers chi-square any more"
-                break
-            continue
-        best, reach = solved, min(1.5 * reach, options.largest_step)
-        moved = options.retraced and not again
-    best = _traced(parametrisation, plan, best, branches_of) if moved else best
-    return _result(parametrisation, _weighed(parametrisation, plan, best, scatter, prior), settled, message)
+    best = _traced(parametrisation, plan, now.best, branches_of) if now.moved else now.best
+    message = now.ended or f"not settled in {options.rounds} rounds"
+    return _result(
+        parametrisation, _weighed(parametrisation, plan, best, scatter, prior), now.ended == _SETTLED, message
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Reached:
+    """best: with the branches of where it stands, or near; reach: of the next step; moved: whether its branches are not
+    traced; checked: the last that was traced where first order promised nothing more; only_traced: whether what is
+    moved is not to be trusted any more; ended: how, "" where it goes on"""
+
+    best: Compared
+    reach: float
+    moved: bool
+    checked: Compared | None = None
+    only_traced: bool = False
+    ended: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class _Rounds:
+    """What all rounds of a fit share, as `fit` has it."""
+
+    parametrisation: Parametrisation
+    plan: Plan
+    scatter: Scatter | None
+    prior: Scatter
+    options: FitOptions
+    progress: Progress
+    branches_of: Branches
+    known: Callable[[Compared], bool]
+
+    def after(self, now: _Reached) -> _Reached:
+        """One round further."""
+        p, plan, options = self.parametrisation, self.plan, self.options
+        ahead = _round(p, plan, now.best, self.scatter, self.prior, now.reach)
+        here = reweighed(p, plan, now.best, ahead.scatter)
+        if self.known(ahead):
+            return replace(now, best=ahead, moved=False, ended="leads to what is known")
+        if objective(p, here) - objective(p, ahead) < max(options.tolerance, options.share * here.weighed):
+            # what is still to be gained is, to first order: two standard deviations at most
+            return self._checked(now) if now.moved else replace(now, best=ahead, ended=_SETTLED)
+        solved, is_traced = self._solved(now, ahead, here)
+        self.progress(_fall(here, solved))
+        if _rises(p, here, solved):
+            shorter = now.reach / 3
+            ended = "no step lowers chi-square any more" if shorter < 0.01 * options.largest_step else ""
+            return replace(now, reach=shorter, ended=ended)
+        longer = min(1.5 * now.reach, options.largest_step)
+        return replace(now, best=solved, reach=longer, moved=options.retraced and not is_traced)
+
+    def _checked(self, now: _Reached) -> _Reached:
+        """Traced where it stands. What was moved since the last time may have seemed lower and not be: from there on
+        only what is traced counts."""
+        p, before = self.parametrisation, now.checked
+        best, only_traced = _traced(p, self.plan, now.best, self.branches_of), now.only_traced
+        if before is not None and objective(p, before) < objective(p, best):
+            best, only_traced = before, True
+        return replace(now, best=best, moved=False, checked=best, only_traced=only_traced)
+
+    def _solved(self, now: _Reached, ahead: Compared, here: Compared) -> tuple[Compared, bool]:
+        """Where the round leads, with branches of that place; whether these are traced."""
+        p, plan = self.parametrisation, self.plan
+        if not now.only_traced:
+            moved = _moved(p, plan, ahead, self.branches_of, now.best)
+            if not (self.options.retraced and _rises(p, here, moved)):
+                return moved, False
+        return _traced(p, plan, ahead, self.branches_of), True
 
 
 def _moved(
@@ -165,9 +207,7 @@ def _moved(
     return compare_at(parametrisation, there.u, plan, branches, there.scatter, there.offsets)
 
 
-def _traced(
-    parametrisation: Parametrisation, plan: Plan, there: Compared, branches_of: Branches, _near: Compared | None = None
-) -> Compared:
+def _traced(parametrisation: Parametrisation, plan: Plan, there: Compared, branches_of: Branches) -> Compared:
     """The same with branches traced there, where the model has a response at the beginning of every run."""
     try:
         branches = predict_branches(parametrisation, there.u, plan, None, branches_of)
