@@ -58,17 +58,25 @@ class ChosenEffect:
 def with_effects(model: RigModel, chosen: Sequence[ChosenEffect]) -> RigModel:
     """The model with all of them, in the order of the rig file.
 
-    raises: ValueError naming the effect that the model has no place for, and how to take it off the file; OwnCodeError
-        for one of the user's own whose code fails
+    raises: ValueError naming the effect that the model has no place for, and how to take it off the file
     """
     for one in chosen:
-        if one.file is not None:
-            refuse_unusable(one.effect, one.file, model)
         try:
             model = one.apply(model)
         except ValueError as error:
             raise ValueError(f"{error} (to take it off: updamp remove)") from error
     return model
+
+
+def with_tried_effects(model: RigModel, chosen: Sequence[ChosenEffect]) -> RigModel:
+    """As `with_effects`, the user's own tried first: once, where a model is made, and not at each step of a fit.
+
+    raises: ValueError likewise; OwnCodeError for one of the user's own whose code fails
+    """
+    for one in chosen:
+        if one.file is not None:
+            refuse_unusable(one.effect, one.file, model)
+    return with_effects(model, chosen)
 
 
 def read_effects(tables: object, folder: Path) -> tuple[RigEffect, ...]:

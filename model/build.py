@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.effects.chosen import resolved, with_effects
+from updamp.effects.chosen import resolved, with_tried_effects
 from updamp.effects.rig_model import PointElement, RigModel
 from updamp.fem.lumped_damper import DAMPER_MODELS
 from updamp.fem.reduced_model import ReducedModel
@@ -37,7 +37,7 @@ def rig_model(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> RigModel:
     As in Pesaresi et al. (2017) the dynamic problem starts from the preload without tangential force.
     raises: ValueError naming an effect or factor that the rig has no place for
     """
-    return with_effects(rig_before_effects(reduced, rest, rig), resolved(rig.effects))
+    return with_tried_effects(rig_before_effects(reduced, rest, rig), resolved(rig.effects))
 
 
 def rig_before_effects(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> RigModel:
@@ -53,7 +53,7 @@ def modal_model(rig: ModalRig) -> RigModel:
 
     raises: ValueError naming an effect or factor that the model has no place for
     """
-    return with_effects(modal_before_effects(rig), resolved(rig.effects))
+    return with_tried_effects(modal_before_effects(rig), resolved(rig.effects))
 
 
 def modal_before_effects(rig: ModalRig) -> RigModel:

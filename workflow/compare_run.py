@@ -14,7 +14,7 @@ from updamp.comparison.comparison import COMPARISON_JSON, Comparison, CurvePair,
 from updamp.comparison.findings.stated_values import WITHOUT_DAMPER, compare_features, needed
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.prediction.branch_tasks import Branches, InTurn, Report, by_processes
-from updamp.effects.chosen import ChosenEffect, resolved, with_effects
+from updamp.effects.chosen import ChosenEffect, resolved, with_effects, with_tried_effects
 from updamp.effects.rig_model import RigModel
 from updamp.measurement.load import load_measurement
 from updamp.measurement.measurement import Measurement
@@ -139,7 +139,7 @@ def comparison_inputs(
     """
     modal = is_modal(files.rig)
     inputs = _of_modal_rig(files) if modal else _of_rig(files, preset, workers, display, finer, dimensions)
-    model = with_effects(inputs.before_effects, inputs.rig_effects)
+    model = with_tried_effects(inputs.before_effects, inputs.rig_effects)
     asked = (*inputs.measurement.questions, *measured_against_model(model, inputs.measurement))
     for question in asked:
         display.note("question", question)

@@ -102,10 +102,11 @@ def _candidate(
 
 
 def _fitted(found: SearchResult) -> dict[tuple[str, ...], tuple[FittedEffect, ...]]:
-    """Values of all effects of every fit."""
+    """Values of all effects of every fit that was left to settle."""
     return {
         names: tuple(FittedEffect(e.name, fitted_parameters(refit, e)) for e in refit.fitted.parametrisation.effects)
         for names, refit in found.refits.items()
+        if (trial := found.evidence.trial_of(names)) is not None and trial.full
     }
 
 

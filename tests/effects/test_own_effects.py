@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from support.small_model import parametrisation
 
-from updamp.effects.chosen import ChosenEffect, with_effects
+from updamp.effects.chosen import ChosenEffect, with_tried_effects
 from updamp.effects.effect import Effect
 from updamp.effects.own_effects import own_effect, own_effects
 from updamp.effects.rig_model import RigModel
@@ -111,7 +111,7 @@ def test_own_code_that_fails_is_told_with_its_place(tmp_path, model, changed, pl
     assert '"mine"' in str(told.value)
     assert "\n" not in str(told.value)
     with pytest.raises(OwnCodeError, match=said):
-        with_effects(model, [ChosenEffect(own_effect(path), {"size": 1.0}, file=path)])
+        with_tried_effects(model, [ChosenEffect(own_effect(path), {"size": 1.0}, file=path)])
 
 
 def test_a_law_that_can_be_changed_is_refused(tmp_path: Path, model: RigModel) -> None:
