@@ -46,6 +46,7 @@ class Refit:
     at_bound: parameter that stands at a bound beyond which it makes no sense, "" if none
     own_numerics: whether the numerical error is that of the model with the effects (`baseline.with_own_numerics`)
     also: other minima that the data do not tell from this one (`other_sizes.py`), without their branches
+    elsewhere: other minima, which the data do tell from this one (`minima.py`), likewise
     """
 
     effects: tuple[Effect, ...]
@@ -55,6 +56,7 @@ class Refit:
     at_bound: str
     own_numerics: bool = False
     also: tuple[Fit, ...] = ()
+    elsewhere: tuple[Fit, ...] = ()
 
     @property
     def mean_squared_misfit(self) -> float:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext, best_first, better_of, nearly
 from updamp.diagnosis.candidate_models.fit_tasks import FitTask, FittedCandidate
+from updamp.diagnosis.candidate_models.minima import minima
 from updamp.diagnosis.candidate_models.refit import Refit
 from updamp.diagnosis.selection.beside import beside
 from updamp.diagnosis.selection.single_effects import refits_with_own_numerics
@@ -13,7 +14,7 @@ from updamp.effects.effect import Effect
 def try_pairs(fits: FitContext, effects: Sequence[Effect], singles: CandidateFits) -> CandidateFits:
     """Second effects beside the best single one, where that leaves a misfit or explains it by more of itself than there
     can be, or by a calibration that nobody would believe, and beside the next one where it explains nearly as much:
-    with a second effect beside them the two may change places."""
+    with a second effect beside them the two may change places; and so may several minima of the same."""
     start, criteria = fits.start, fits.criteria
     full = best_first({names: r for names, r in singles.items() if r.trial.full})
     settled = [r.refit for r in full]
@@ -25,7 +26,8 @@ def try_pairs(fits: FitContext, effects: Sequence[Effect], singles: CandidateFit
     found: CandidateFits = {}
     if start.fitted.parametrisation.base.contacts is None:
         return _all_pairs(fits, effects, settled, singles)
-    for first in (settled[0], *(r for r in settled[1:2] if nearly(r, settled[0], start, criteria))):
+    firsts = (settled[0], *(r for r in settled[1:2] if nearly(r, settled[0], start, criteria)))
+    for first in (minimum for r in firsts for minimum in minima(r, start, criteria)):
         partners = _explaining_partners(fits, found)
         others = [e for e in effects if e.name in partners] if partners else effects
         found = better_of(found, beside(fits, first, others, singles))

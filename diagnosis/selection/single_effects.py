@@ -12,6 +12,7 @@ from updamp.diagnosis.candidate_models.candidate_fits import (
     reporting,
 )
 from updamp.diagnosis.candidate_models.fit_tasks import FitTask, FittedCandidate, without_branches
+from updamp.diagnosis.candidate_models.minima import knowing_of
 from updamp.diagnosis.candidate_models.other_sizes import SIZE_FACTORS, as_likely, have_two_signs
 from updamp.diagnosis.candidate_models.refit import Refit, fails_badly
 from updamp.diagnosis.criteria import Criteria
@@ -85,19 +86,30 @@ def refits_with_own_numerics(fits: FitContext, found: CandidateFits) -> Candidat
     again = fits.full(left, own_numerics=True)
     if any(fits.explains(r.trial) for r in again.values()):
         return again
-    return again | _turned_round(fits, left, again)
+    turned = _turned_round(fits, left)
+    return {
+        r.trial.effects: lowest
+        for r in left
+        if (lowest := _lowest(r, again.get(r.trial.effects), turned.get(r.trial.effects))) is not r
+    }
 
 
-def _turned_round(fits: FitContext, fitted: Sequence[FittedCandidate], again: CandidateFits) -> CandidateFits:
-    """Likewise from the other sign, where that is better: a coarse mesh may show an effect of the right sign so weakly
-    that a fit on it ends at the wrong one."""
+def _turned_round(fits: FitContext, fitted: Sequence[FittedCandidate]) -> CandidateFits:
+    """Likewise from the other sign: a coarse mesh may show an effect of the right sign so weakly that a fit on it ends
+    at the wrong one."""
     tries = [
         FitTask(r.refit.effects, (), True, near=r.refit.fitted, own_numerics=True, size=-1.0)
         for r in fitted
         if have_two_signs(r.refit.effects)
     ]
-    found = fits.results(tries) if tries else {}
-    return {names: r for names, r in found.items() if names not in again or r.refit.drop > again[names].refit.drop}
+    return fits.results(tries) if tries else {}
+
+
+def _lowest(given: FittedCandidate, own: FittedCandidate | None, turned: FittedCandidate | None) -> FittedCandidate:
+    """The better one of two signs, with the numerical error of its own model where there is such a fit; it knows of the
+    minima that the others ended at."""
+    lowest = max((r for r in (own or given, turned) if r is not None), key=lambda r: r.refit.drop)
+    return knowing_of(lowest, [r for r in (given, own, turned) if r is not None])
 
 
 def other_sizes(fits: FitContext, found: CandidateFits) -> CandidateFits:

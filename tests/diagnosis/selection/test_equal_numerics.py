@@ -19,7 +19,8 @@ from updamp.effects.effect import Effect
 
 def fitted(name: str, misfit: float, drop: float, own: bool = False, full: bool = True) -> FittedCandidate:
     effect = Effect(name, f"there is {name}", (), lambda model, _: model)
-    refit = Refit((effect,), SimpleNamespace(), drop, drop, "", own)
+    made_up = SimpleNamespace(u=[1.0], parametrisation=SimpleNamespace(columns=lambda _: slice(0, 1)))
+    refit = Refit((effect,), made_up, drop, drop, "", own)
     return FittedCandidate(refit, Trial((name,), misfit, drop, drop, 0.9, "", full, unseen=0.9))
 
 

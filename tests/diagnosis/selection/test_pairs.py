@@ -108,6 +108,30 @@ def test_when_a_second_effect_is_looked_for(monkeypatch, misfit, at_bound, devia
     assert bool(calls) == tried
 
 
+def test_a_second_effect_is_looked_for_beside_each_minimum_of_the_first(monkeypatch):
+    """Alone, a gradient of the wrong sign left less than one of the right sign; with the flexible clamp that was
+    missing too it was the other way round (case 051 of the draw 7)."""
+    wrong, right = (SimpleNamespace(u=[u], compared=SimpleNamespace(mean_squared_misfit=2.0)) for u in (0.79, -0.62))
+    for fitted in (wrong, right):
+        fitted.parametrisation = SimpleNamespace(base=SimpleNamespace(contacts=object()))
+    begun = []
+
+    def beside(_, first, effects, __):
+        begun.append(first.fitted.u)
+        r = refit(*first.effects, THREE, drop=3000.0 if first.fitted is right else 2500.0)
+        return singles(r) if THREE in effects else {}
+
+    monkeypatch.setattr(pairs, "beside", beside)
+    monkeypatch.setattr("updamp.diagnosis.candidate_models.minima.assessed", lambda _, fitted, effects, __: (
+        replace(refit(*effects, drop=1900.0), fitted=fitted)
+    ))  # fmt: skip
+    alone = singles(replace(refit(ONE, drop=2000.0), fitted=wrong, elsewhere=(right,)))
+    start = SimpleNamespace(fitted=wrong, freedom=Freedom(64.0), unseen_freedom=Freedom(32.0), stated=1)
+    found = pairs.try_pairs(FitContext(start, Criteria(), lambda _: None, fit_here), (ONE, THREE), alone)
+    assert begun == [[0.79], [-0.62]]
+    assert found["one", "three"].refit.drop == 3000.0
+
+
 @pytest.mark.parametrize(("full", "drop", "kept"), [(False, 3990.0, True), (False, 100.0, False), (True, 3990.0, None)])
 def test_a_second_effect_that_explains_with_a_first_is_fitted_alone_from_its_size_there(monkeypatch, full, drop, kept):
     """Its short fit had ended where it is absent (case 035 of the draw 86180929: a zero harmonic beside a gap of a
