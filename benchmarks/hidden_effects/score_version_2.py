@@ -16,7 +16,7 @@ from updamp.benchmarks.hidden_effects.goals import OUTSIDE, Goal, goal_of_counts
 from updamp.benchmarks.hidden_effects.judgement import CONFIDENTLY_WRONG, CORRECT
 from updamp.benchmarks.hidden_effects.kinds_of_test import KINDS_OF_TEST
 from updamp.benchmarks.hidden_effects.layout import HERE, Layout, read, write_whole
-from updamp.benchmarks.hidden_effects.score import DOCS, put_into, score_all
+from updamp.benchmarks.hidden_effects.score import DOCS, put_into, score_all, with_kept
 from updamp.benchmarks.hidden_effects.scored_case import ScoredCase
 from updamp.benchmarks.hidden_effects.tables import KINDS, case_table, goal_table
 from updamp.benchmarks.hidden_effects.version_2 import version_2
@@ -115,19 +115,40 @@ def commits_of(layout: Layout, cases: Sequence[ScoredCase]) -> tuple[str, ...]:
     return tuple(sorted({str(one.get("commit", "")) for one in ran}))
 
 
+def earlier_commits(earlier: Path, draw: int) -> tuple[str, ...]:
+    """Of the verdicts in a file of results, none where there is no such file. raises: ValueError for another draw"""
+    before = read(earlier)
+    if before is None:
+        return ()
+    if before["draw"] != draw:
+        raise ValueError(f"{earlier} has cases of the draw {before['draw']}, not {draw}: name another file")
+    commit = before["commit"]
+    return (commit,) if isinstance(commit, str) else tuple(commit)
+
+
 def main(
     draw: Annotated[int, typer.Option(help="the number that the cases were drawn from")],
     folder: Annotated[Path, typer.Option(help="with truth/, expected/ and verdicts/")] = Layout().folder,
     out: Annotated[Path, typer.Option("--results", help="every case and the counts")] = HERE / "results_v2.json",
     docs: Annotated[Path, typer.Option(help="page whose tables are written anew")] = DOCS,
+    keep: Annotated[
+        bool, typer.Option("--keep", help="cases of the results there are that have no verdict now")
+    ] = False,
 ) -> None:
     """Score all cases that have a verdict."""
     layout = Layout(folder)
-    cases, _ = score_all(layout)
+    cases, missing = score_all(layout)
+    commits = set(commits_of(layout, cases))
+    if keep:
+        try:
+            commits |= set(earlier_commits(out, draw))
+        except ValueError as error:
+            raise typer.BadParameter(str(error), param_hint="--results") from None
+        cases, _ = with_kept(cases, missing, out)
     if not cases:
         typer.echo(f"{folder}: no verdicts; make some with run.py --draw {draw}", err=True)
         raise typer.Exit(1)
-    found = results(cases, draw, commits_of(layout, cases))
+    found = results(cases, draw, sorted(commits))
     write_whole(out, found)
     docs.write_text(put_into(docs.read_text(encoding="utf-8"), document(cases, found), MARKS), encoding="utf-8")
     typer.echo(goal_table(goals(cases)))

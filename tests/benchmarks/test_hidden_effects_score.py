@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import typer
 
 from updamp.benchmarks.hidden_effects import score, score_version_2
 from updamp.benchmarks.hidden_effects.cases import Case
@@ -318,6 +319,23 @@ def test_the_second_version_is_counted_in_all_and_for_each_test(second: Layout, 
     assert found["outside"] == found["outside_right"] == outside
     assert found["confidently_wrong"] == found["false_alarms"] == 0
     assert found["intervals"] == found["intervals_hold"] > 0
+
+
+def test_the_second_version_may_be_scored_in_parts(second: Layout, tmp_path: Path) -> None:
+    """From session to session: what was scored is kept, by whatever commit; cases of another draw are not."""
+    whole = scored_again(second, tmp_path)
+    page, out = tmp_path / "page.md", tmp_path / "results_v2.json"
+    before = json.loads(out.read_text())
+    for path in second.verdict("*").parent.glob("case_*/run.json"):
+        path.unlink()
+    first = version_2(DRAW)[100]
+    store(second, first, verdict(truly(first)))
+    score_version_2.main(DRAW, second.folder, out, page, keep=True)
+    after = json.loads(out.read_text())
+    assert after["counts"]["cases"] == whole["cases"] + 1
+    assert after["cases"][:100] == before["cases"]
+    with pytest.raises(typer.BadParameter, match=f"draw {DRAW}, not {DRAW + 1}"):
+        score_version_2.main(DRAW + 1, second.folder, out, page, keep=True)
 
 
 def test_what_fails_in_the_second_version_counts_where_it_belongs(second: Layout, tmp_path: Path) -> None:
