@@ -55,7 +55,7 @@ def with_calibration(text: str, factors: Mapping[str, float], origin: str) -> st
     """The factors on top of those that are there: a fit finds them about the rig file as it is."""
     document = tomlkit.parse(text)
     if "calibration" not in document:
-        _end_with_empty_line(document)
+        _end_with_empty_line(document, document)
         document["calibration"] = tomlkit.table()
     table: Any = document["calibration"]
     table["origin"] = origin
@@ -119,11 +119,13 @@ def _append(document: tomlkit.TOMLDocument, effect: EffectText) -> None:
     table = tomlkit.table()
     _state(table, effect)
     if isinstance(entries, AoT):
-        if list(document)[-1] != "effects":
+        if list(document)[-1] == "effects":
+            _end_with_empty_line(document, entries[-1])
+        else:
             table.add(tomlkit.nl())
         entries.append(table)
         return
-    _end_with_empty_line(document)
+    _end_with_empty_line(document, document)
     tables = tomlkit.aot()
     tables.append(table)
     document["effects"] = tables
@@ -144,7 +146,8 @@ def _ended(document: tomlkit.TOMLDocument) -> str:
     return tomlkit.dumps(document).rstrip("\n") + "\n"
 
 
-def _end_with_empty_line(document: tomlkit.TOMLDocument) -> None:
+def _end_with_empty_line(document: tomlkit.TOMLDocument, last: tomlkit.TOMLDocument | Table) -> None:
+    """last: what ends the document, which the line is put into"""
     text = tomlkit.dumps(document)
     for _ in range(2 - (len(text) - len(text.rstrip("\n")))):
-        document.add(tomlkit.nl())
+        last.add(tomlkit.nl())

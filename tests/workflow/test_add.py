@@ -167,6 +167,7 @@ def test_effects_stack_and_come_off_again(rig, diagnosed):
     one = add(rig, ["edge_gap"], diagnosed).rig
     two = add(one, ["shaker_attachment"], diagnosed).rig
     assert list(effects_of(two)) == ["edge_gap", "shaker_attachment"]
+    assert two.read_text(encoding="utf-8").count("\n\n[[effects]]\n") == 2, "empty lines between tables"
     result = updamp("remove", two, "edge_gap", "--out", two.with_name("second.toml"), "--debug")
     assert result.exit_code == 0, result.output
     assert list(effects_of(two.with_name("second.toml"))) == ["shaker_attachment"]
