@@ -27,8 +27,10 @@ def knowing_of(chosen: FittedCandidate, fits: Sequence[FittedCandidate]) -> Fitt
 
 
 def minima(refit: Refit, start: Baseline, criteria: Criteria) -> list[Refit]:
-    """Of the same effects, the one that was chosen first."""
-    return [refit, *(assessed(start.fitted, fitted, refit.effects, criteria) for fitted in refit.elsewhere)]
+    """All that are known, those first that are solved with the fewest harmonics: beside each a search is made, which is
+    several times quicker there."""
+    others = [assessed(start.fitted, fitted, refit.effects, criteria) for fitted in refit.elsewhere]
+    return sorted([refit, *others], key=lambda r: len(r.fitted.parametrisation.base.harmonics.orders))
 
 
 def _signs(refit: Refit) -> tuple[float, ...]:

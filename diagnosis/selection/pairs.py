@@ -14,7 +14,7 @@ from updamp.effects.effect import Effect
 def try_pairs(fits: FitContext, effects: Sequence[Effect], singles: CandidateFits) -> CandidateFits:
     """Second effects beside the best single one, where that leaves a misfit or explains it by more of itself than there
     can be, or by a calibration that nobody would believe, and beside the next one where it explains nearly as much:
-    with a second effect beside them the two may change places; and so may several minima of the same."""
+    with a second effect beside them the two may change places."""
     start, criteria = fits.start, fits.criteria
     full = best_first({names: r for names, r in singles.items() if r.trial.full})
     settled = [r.refit for r in full]
@@ -26,11 +26,22 @@ def try_pairs(fits: FitContext, effects: Sequence[Effect], singles: CandidateFit
     found: CandidateFits = {}
     if start.fitted.parametrisation.base.contacts is None:
         return _all_pairs(fits, effects, settled, singles)
-    firsts = (settled[0], *(r for r in settled[1:2] if nearly(r, settled[0], start, criteria)))
-    for first in (minimum for r in firsts for minimum in minima(r, start, criteria)):
+    for first in (settled[0], *(r for r in settled[1:2] if nearly(r, settled[0], start, criteria))):
         partners = _explaining_partners(fits, found)
         others = [e for e in effects if e.name in partners] if partners else effects
-        found = better_of(found, beside(fits, first, others, singles))
+        found = better_of(found, _beside_its_minima(fits, first, others, singles))
+    return found
+
+
+def _beside_its_minima(
+    fits: FitContext, first: Refit, effects: Sequence[Effect], singles: CandidateFits
+) -> CandidateFits:
+    """Beside one minimum of the first effect after the other, until a pair explains the data."""
+    found: CandidateFits = {}
+    for minimum in minima(first, fits.start, fits.criteria):
+        found = better_of(found, beside(fits, minimum, effects, singles))
+        if _explaining_partners(fits, found):
+            break
     return found
 
 

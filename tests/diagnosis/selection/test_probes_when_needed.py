@@ -28,7 +28,9 @@ def task(name: str) -> FitTask:
 def fitted(names: tuple[str, ...], misfit: float, full: bool = False, deviations: float = 0.0) -> FittedCandidate:
     drop = 100.0 * (400.0 - misfit)
     compared = SimpleNamespace(mean_squared_misfit=misfit)
-    refit = Refit(tuple(EFFECTS[n] for n in names), SimpleNamespace(compared=compared), drop, drop, "")
+    solved = SimpleNamespace(base=SimpleNamespace(harmonics=SimpleNamespace(orders=(1, 2, 3))))
+    made_up = SimpleNamespace(compared=compared, parametrisation=solved)
+    refit = Refit(tuple(EFFECTS[n] for n in names), made_up, drop, drop, "")
     trial = Trial(names, misfit, drop, drop, 0.9, "", full, unseen=misfit if full else 0.0, deviations=deviations)
     return FittedCandidate(refit, trial)
 
