@@ -19,6 +19,7 @@ from updamp.hbm.continuation.curve_records import CurveRequest, put_together
 from updamp.hbm.continuation.detached import apart, middle, missing, within
 from updamp.hbm.continuation.extremes import with_extremes_solved
 from updamp.hbm.continuation.half_problem import HalfProblem
+from updamp.hbm.continuation.hardly_felt import with_hardly_felt_resonances
 from updamp.hbm.continuation.pieces import BranchSegment, Pieces
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.continuation.segments import from_end, segment_from
@@ -150,7 +151,7 @@ def _from_further_starts(
 
 def _finished(system: NonlinearSystem, request: CurveRequest, pieces: Pieces) -> ResponseCurve:
     parts = [(part.segment.records, part.backwards, part.gap) for part in pieces.parts()]
-    curve = put_together(pieces.first.records, parts)
+    curve = with_hardly_felt_resonances(system, request, put_together(pieces.first.records, parts))
     beside = within(request.window, (apart(pieces.first.records, *chain) for chain in pieces.detached()))
     scale_w = request.options.scale_w(request.window)
     curve = replace(curve, detached=tuple(one for one in beside if missing(curve, [middle(one)], scale_w)))

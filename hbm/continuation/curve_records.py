@@ -176,6 +176,16 @@ COLUMNS = (
 )  # fmt: skip
 
 
+def with_point(
+    system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, point: BranchPoint, before: int
+) -> ResponseCurve:
+    """The curve with one more point, before the one of that number."""
+    added = Records(system, request, 0.0)
+    added.add(point)
+    columns = {name: np.insert(getattr(curve, name), before, added.columns[name][0], axis=0) for name in COLUMNS}
+    return replace(curve, **columns)
+
+
 def empty_curve(request: CurveRequest, system: NonlinearSystem) -> ResponseCurve:
     none = np.zeros(0)
     return ResponseCurve(

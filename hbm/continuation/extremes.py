@@ -5,14 +5,13 @@ Between points a step of arc apart an extreme depends on where they happen to li
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.continuation.branch import BranchPoint, point_at
-from updamp.hbm.continuation.curve_records import COLUMNS, CurveRequest, Records
+from updamp.hbm.continuation.curve_records import CurveRequest, with_point
 from updamp.hbm.continuation.response_curve import Extreme, ResponseCurve
 from updamp.hbm.continuation.sweeps import swept
 from updamp.hbm.newton.metric import Metric, Move
@@ -79,13 +78,7 @@ def _with_point_at(
     if there or curve.after_gap[extreme.near][1:].any():
         return curve
     point = _between(system, request, curve, extreme)
-    if point is None:
-        return curve
-    added = Records(system, request, 0.0)
-    added.add(point)
-    after = extreme.near.start + extreme.after
-    columns = {name: np.insert(getattr(curve, name), after, added.columns[name][0], axis=0) for name in COLUMNS}
-    return replace(curve, **columns)
+    return curve if point is None else with_point(system, request, curve, point, extreme.near.start + extreme.after)
 
 
 def _between(

@@ -48,6 +48,10 @@ class SmallAmplitude:
         """Displacement of a named point in the mode."""
         return complex(self.shapes[self.free.row(point), mode])
 
+    def motion(self, mode: int, excited: int, w: float) -> Complex:
+        """(n_rows,) displacement of the mode alone under a unit force on one row [m/N]; w: [rad/s]"""
+        return np.asarray(self.shapes[:, mode] * self.shapes[excited, mode] / (self.squared[mode] - w**2))
+
     def peak(self, point: str, excitation: str, mode: int) -> float:
         """Receptance at the mode's resonance, of the mode alone [m/N]"""
         return abs(self.at(point, mode) * self.at(excitation, mode)) / float(self.squared[mode].imag)

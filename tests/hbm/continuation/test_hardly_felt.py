@@ -1,0 +1,95 @@
+"""Resonances that the elements hardly feel, against the linear structure's own response."""
+
+from dataclasses import replace
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from updamp.hbm.contact.jenkins import Jenkins, JenkinsParameters
+from updamp.hbm.contact.springs import CubicParameters, CubicSpring
+from updamp.hbm.continuation.curve import CurveRequest, whole_curve
+from updamp.hbm.continuation.hardly_felt import with_hardly_felt_resonances
+from updamp.hbm.harmonics import Harmonics
+from updamp.hbm.problem.elements import ElementGroup
+from updamp.hbm.problem.linear_model import from_matrices
+from updamp.hbm.problem.system import Excitation, NonlinearSystem
+
+CHAIN = 2 * np.eye(5) - np.eye(5, k=1) - np.eye(5, k=-1)
+OMEGA_SQUARED, MODES = np.linalg.eigh(CHAIN)
+ROW = np.array([[0]])
+
+
+def cubic(stiffness):
+    return ElementGroup(CubicSpring(), CubicParameters(jnp.array([stiffness])), ROW)
+
+
+def slider(stiffness, limit):
+    return ElementGroup(Jenkins(), JenkinsParameters(jnp.array([stiffness]), jnp.array([limit])), ROW)
+
+
+def damped(K, ratio):
+    omega_squared, X = np.linalg.eigh(K)
+    return X @ np.diag(2 * ratio * np.sqrt(omega_squared)) @ X.T
+
+
+def traced(K, C, element, group, observed, window, force=0.1, upwards=True):
+    n, rows = len(K), np.eye(len(K))
+    linear = from_matrices(np.eye(n), C, K, rows[[element]], {"driven": rows[0], "observed": rows[observed]})
+    system = NonlinearSystem(linear, (group,), Harmonics((1, 3)), time_samples=64)
+    excitation, window = Excitation(linear.row("driven"), force), tuple(np.array(window) / (2 * np.pi))
+    request = CurveRequest("chain", excitation, window, ("observed",), upwards=upwards)
+    return system, request, whole_curve(system, request)
+
+
+def largest(K, C, observed, window):
+    """Of the linear structure's receptance in the window, from its matrices"""
+    w = np.linspace(*window, 2001)
+    resonances = np.sqrt(np.linalg.eigvalsh(K))
+    w = np.concatenate([w, *(r * (1 + np.linspace(-2e-3, 2e-3, 4001)) for r in resonances)])
+    w = w[(window[0] < w) & (w < window[1])]
+    dynamic = K - w[:, None, None] ** 2 * np.eye(len(K)) + 1j * w[:, None, None] * C
+    return np.abs(np.linalg.solve(dynamic, np.eye(len(K), 1))[:, observed, 0]).max()
+
+
+@pytest.mark.parametrize("upwards", [True, False])
+@pytest.mark.parametrize("ratio", [1e-3, 1e-2])
+@pytest.mark.parametrize("window", [(0.7, 1.85), (0.4, 2.1), (0.9, 1.1)])
+def test_a_mode_with_a_node_at_the_element_has_its_peak(window, ratio, upwards):
+    """Five masses in a row, an element at the middle one: two modes rest there."""
+    C = damped(CHAIN, ratio)
+    curve = traced(CHAIN, C, 2, cubic(1e-9), 0, window, upwards=upwards)[2]
+    assert curve.complete
+    assert curve.peak("observed")[1] == pytest.approx(largest(CHAIN, C, 0, window), rel=1e-4)
+
+
+def test_a_slipping_element_leaves_such_a_peak_where_it_is_from_either_end():
+    peaks = [
+        traced(CHAIN, damped(CHAIN, 1e-3), 2, slider(0.5, 0.1), 0, (0.7, 1.85), upwards=upwards)[2].peak("observed")
+        for upwards in (True, False)
+    ]
+    assert peaks[0] == pytest.approx(peaks[1], rel=1e-6)
+    of_node_modes = abs(sum(MODES[0, k] ** 2 / (OMEGA_SQUARED[k] - 1 + 2e-3j) for k in (1, 3)))
+    assert peaks[0][1] == pytest.approx(of_node_modes, rel=1e-4)
+
+
+@pytest.mark.parametrize(("coupling", "ratio"), [(1e-4, 1e-5), (1e-3, 1e-5), (1e-2, 1e-4), (1e-2, 1e-3), (3e-2, 1e-3)])
+def test_a_resonance_that_moves_the_element_a_little_in_a_narrow_band_has_its_peak(coupling, ratio):
+    """By up to a third of its motion: the way there and back again is longer than a step, that across it is not."""
+    K = np.array([[1.0, -coupling], [-coupling, 1.69]])
+    C = 2 * ratio * np.diag([1.0, 1.3])
+    curve = traced(K, C, 0, cubic(1e-9), 1, (1.1, 1.5), force=0.01)[2]
+    assert curve.complete
+    assert curve.peak("observed")[1] == pytest.approx(largest(K, C, 1, (1.1, 1.5)), rel=1e-3)
+
+
+def test_nothing_is_put_in_where_the_elements_have_moved_the_resonance():
+    """A hardening resonance far above that of small amplitudes, where the branch passes in long steps."""
+    K, C = np.array([[1.0]]), np.array([[0.005]])
+    system, request, curve = traced(K, C, 0, cubic(1.0), 0, (0.6, 2.0), force=0.02)
+    assert curve.peak("observed")[0] > 1.2 / (2 * np.pi)
+    coarse = replace(request, options=replace(request.options, largest_step=1.0))
+    far = whole_curve(system, coarse)
+    passing = np.abs(np.diff(far.frequency[np.abs(far.frequency - 1 / (2 * np.pi)) < 0.01])).max()
+    assert passing > 0.005 / (4 * np.pi), "steps are longer than half the width"
+    assert with_hardly_felt_resonances(system, coarse, far) is far
