@@ -91,6 +91,7 @@ def measured_against_model(
     runs = {run.name: run for run in reversed(measurement.runs)}  # one of each test
     enough = [run for run in reversed(runs.values()) if len(run) >= options.straight.points]
     questions += [_few(run, options.straight.points) for run in runs.values() if len(run) < options.straight.points]
+    questions += [text for run in enough if (text := _largest_at_an_end(run))]
     if enough:
         near = float(np.median([_peak(run)[0] for run in enough]))
         found = small_amplitude(model, near)
@@ -116,6 +117,19 @@ def _few(run: MeasuredRun, points: int) -> str:
     return (
         f"run '{run.name}' has {len(run)} frequencies: fewer than {points} do not show a resonance (frequency, "
         "damping, height and phase); is the file whole?"
+    )
+
+
+def _largest_at_an_end(run: MeasuredRun) -> str:
+    """Where no channel has a top between the ends of the measured frequencies; "" where one has"""
+    sizes = np.abs([run.receptance(channel) for channel in run.channels])
+    tops = (sizes[:, 1:-1] >= sizes[:, :-2]) & (sizes[:, 1:-1] >= sizes[:, 2:])
+    if tops.any():
+        return ""
+    low, high = float(run.frequency.min()), float(run.frequency.max())
+    return (
+        f"run '{run.name}' has no resonance between {low:g} and {high:g} Hz, where it was measured: its response only "
+        "rises or falls; what is said of its resonance is of the end that is highest; was it left out?"
     )
 
 

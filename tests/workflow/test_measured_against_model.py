@@ -85,3 +85,14 @@ def test_amplitudes_alone_tell_no_sign() -> None:
 def test_a_model_that_is_excited_elsewhere_is_not_compared() -> None:
     with pytest.raises(MeasurementError, match=f'excitation = "{TIP}": the rig file excites the model at "{DRIVE}"'):
         measured_against_model(two_modes(), swept_arm(excitation=TIP))
+
+
+def test_a_run_without_its_resonance_is_asked_about() -> None:
+    """Measured beside it alone, the end of the window was told as the resonance."""
+    (run,) = swept_arm().runs
+    top = int(np.argmax(np.abs(run.receptance("drive"))))
+    beside = slice(top + 4, None)
+    cut = replace(run, frequency=run.frequency[beside], force=run.force[beside], response=run.response[..., beside])
+    (question,) = measured_against_model(two_modes(), replace(swept_arm(), runs=(cut,)))
+    assert "has no resonance between 40.1" in question
+    assert measured_against_model(two_modes(), swept_arm()) == []
