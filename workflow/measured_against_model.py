@@ -12,6 +12,7 @@ from difflib import get_close_matches
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.comparison.findings.backbone import highest
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.problem.small_amplitude import SmallAmplitude
 from updamp.measurement.measurement import MeasuredRun, Measurement, MeasurementError
@@ -31,12 +32,15 @@ class QuestionOptions:
     exact: how close to a known factor an amplitude is for it to be asked about; odd: a factor that is asked about in
     any case: mode shapes are hardly wrong by as much
     straight: which points tell a modal constant
+    turned: of a quarter of a turn, by which an oscillator's phase turns between its half-power points, the least and
+        the most (all changes added up) that nothing is asked about: where a sweep jumps it turns by up to two quarters
     """
 
     frequency: float = 0.2
     exact: float = 0.06
     odd: float = 5.0
     straight: StraightLine = field(default_factory=StraightLine)
+    turned: tuple[float, float] = (0.5, 3.0)
 
 
 FREQUENCY_UNITS = {"kHz": 1e3, "mHz": 1e-3, "rad/s": 1 / (2 * np.pi), "1/min": 1 / 60}
@@ -180,6 +184,8 @@ def _sizes(units: Sequence[str]) -> str:
 def _channel(
     model: RigModel, found: SmallAmplitude, run: MeasuredRun, name: str, point: str, options: QuestionOptions
 ) -> Iterator[str]:
+    if name not in run.without_phase and (guess := _turn(run, name, options)):
+        yield guess
     measured = modal_fit(run.frequency, run.receptance(name), options.straight)
     if measured is None:
         return
@@ -205,6 +211,33 @@ def _channel(
             f"{where}: it moves against the model at the resonance at {frequency:.4g} Hz; is "
             f"channels.{name}.direction right (with a minus sign where the sensor looks the other way), and its point?"
         )
+
+
+def _turn(run: MeasuredRun, name: str, options: QuestionOptions) -> str:
+    """What the phase's unit may be where it hardly turns through a resonance, or wildly; "" where there is nothing to
+    ask, or half of the height is not reached on both sides."""
+    order = np.argsort(run.frequency)
+    frequency, receptance = run.frequency[order], run.receptance(name)[order]
+    size = np.abs(receptance)
+    top = highest(size)
+    below = size < size[top] / np.sqrt(2)
+    if not (below[:top].any() and below[top:].any()):
+        return ""
+    before, after = int(np.flatnonzero(below[:top])[-1]), top + int(np.flatnonzero(below[top:])[0])
+    turns = np.diff(np.unwrap(np.angle(receptance[before : after + 1]))) / (np.pi / 2)
+    least, most = options.turned
+    if abs(turns.sum()) >= least and np.abs(turns).sum() <= most:
+        return ""
+    how, unit = (
+        (f"turns by {90 * abs(turns.sum()):.2g} degrees", "radians taken for degrees")
+        if np.abs(turns).sum() <= most
+        else ("leaps to and fro", "degrees taken for radians")
+    )
+    return (
+        f"channel '{name}' (run '{run.name}'): its phase {how} between {frequency[before]:.4g} and "
+        f"{frequency[after]:.4g} Hz, through a resonance where it turns by 90 at least; are its phases {unit}, or "
+        "without meaning?"
+    )
 
 
 def _mode_of(run: MeasuredRun, found: SmallAmplitude, frequency: float, options: QuestionOptions) -> tuple[int, bool]:

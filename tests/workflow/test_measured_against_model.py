@@ -96,3 +96,13 @@ def test_a_run_without_its_resonance_is_asked_about() -> None:
     (question,) = measured_against_model(two_modes(), replace(swept_arm(), runs=(cut,)))
     assert "has no resonance between 40.1" in question
     assert measured_against_model(two_modes(), swept_arm()) == []
+
+
+@pytest.mark.parametrize(
+    ("factor", "says"), [(np.pi / 180, "radians taken for degrees"), (180 / np.pi, "degrees taken for radians")]
+)
+def test_a_phase_in_the_wrong_unit_is_asked_about(factor: float, says: str) -> None:
+    (run,) = swept_arm().runs
+    response = np.abs(run.response) * np.exp(1j * factor * np.unwrap(np.angle(run.response), axis=-1))
+    questions = measured_against_model(two_modes(), replace(swept_arm(), runs=(replace(run, response=response),)))
+    assert sum(says in question for question in questions) == 2
