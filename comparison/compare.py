@@ -1,5 +1,6 @@
 """Lay a model over a measurement: calibrate what is known only roughly, and say where it still fails."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -36,7 +37,7 @@ from updamp.effects.chosen import ChosenEffect
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.newton.observe import ContactState, contact_states
 from updamp.measurement.measurement import Measurement
-from updamp.model.calibration import LOSS_FACTOR
+from updamp.model.calibration import LOSS_FACTOR, together_of_mode
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -134,6 +135,7 @@ def comparison_of(
         adequate=not found,
         findings=found,
         calibration=calibrated_factors(fitted),
+        calibrated_modes=calibrated_modes(fitted),
         curves=curve_pairs(plan, names, before, after),
         residuals=tuple(_point_residuals(fitted, plan, names)),
         measured_backbones=of_tests,
@@ -183,6 +185,17 @@ def calibrated_factors(fitted: Fit) -> tuple[Calibrated, ...]:
     for n, u, s in zip(fitted.parametrisation.nuisances, fitted.u, fitted.uncertainty, strict=False):
         after, lower, upper = (float(np.exp(u + z * s)) for z in (0.0, -1.96, 1.96))
         entries.append(Calibrated(n.name, "", 1.0, n.deviation, after, lower, upper))
+    return tuple(entries)
+
+
+def calibrated_modes(fitted: Fit) -> tuple[Calibrated, ...]:
+    """Of each mode of a rig given by several, what the factors on all and on this one alone are together."""
+    known = fitted.parametrisation.nuisances
+    entries = []
+    for name, places in together_of_mode([n.name for n in known], fitted.parametrisation.base.modes).items():
+        deviation = math.hypot(*(known[i].deviation for i in places))
+        u, s = float(sum(fitted.u[i] for i in places)), fitted.uncertainty_of_sum(places)
+        entries.append(Calibrated(name, "", 1.0, deviation, *(float(np.exp(u + z * s)) for z in (0.0, -1.96, 1.96))))
     return tuple(entries)
 
 

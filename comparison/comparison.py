@@ -186,6 +186,7 @@ class Comparison:
     response_unit, force_unit: "m" and "N", or what stands for them where channels are not calibrated
     contact_states: for each curve's name "OOP 17 N": share of contacts stuck, slipping, separating, open at the peak
     unlike_repeats: runs that are to be looked at, whatever the model does
+    calibrated_modes: of a rig given by several modes, what the factors on all modes and on each are together
     """
 
     title: str
@@ -209,6 +210,7 @@ class Comparison:
     response_unit: str = "m"
     force_unit: str = "N"
     unlike_repeats: tuple[UnlikeRun, ...] = ()
+    calibrated_modes: tuple[Calibrated, ...] = ()
 
 
 # `comparison.json`, every number kept to the last digit: the fields of `Comparison` by their names, and `schema`;

@@ -117,6 +117,17 @@ def _of_each_mode(modes: Sequence[str]) -> tuple[Nuisance, ...]:
     )
 
 
+def together_of_mode(names: Sequence[str], modes: Sequence[str]) -> dict[str, tuple[int, int]]:
+    """Places among the names of the factor on all modes and of the one on each by itself, under what they are together:
+    the product is what a test of that mode tells."""
+    return {
+        f"{nuisance.sentence} of the mode '{mode}'": (names.index(nuisance.name), names.index(own))
+        for mode in modes
+        for nuisance in OF_MODES
+        if nuisance.name in names and (own := f"{mode}_{nuisance.name}") in names
+    }
+
+
 OF_STRUCTURE, OF_CONTACTS = (YOUNGS_MODULUS, LOSS_FACTOR), (FRICTION, TANGENTIAL, NORMAL, PRELOAD)
 OF_RIG, OF_MODES = (*OF_STRUCTURE, *OF_CONTACTS), (MODAL_STIFFNESS, LOSS_FACTOR, MODAL_MASS)
 

@@ -82,12 +82,17 @@ class Fit:
         return self.compared.values - float(np.sum(told))
 
     @property
+    def covariance_given_numerics(self) -> Floats:
+        """(n, n) of the model's parameters, with the numerical error taken as it was found"""
+        n = self.parametrisation.n_of_model
+        own, crossed, of_numerics = self.covariance[:n, :n], self.covariance[:n, n:], self.covariance[n:, n:]
+        return np.asarray(own - crossed @ np.linalg.pinv(of_numerics) @ crossed.T)
+
+    @property
     def given_numerics(self) -> Floats:
         """(p,) deviations with the numerical error taken as it was found, 0 for that error itself"""
-        n, found = self.parametrisation.n_of_model, np.zeros(len(self.u))
-        own, crossed, of_numerics = self.covariance[:n, :n], self.covariance[:n, n:], self.covariance[n:, n:]
-        left = own - crossed @ np.linalg.pinv(of_numerics) @ crossed.T
-        found[:n] = np.sqrt(np.maximum(np.diag(left), 0.0))
+        found = np.zeros(len(self.u))
+        found[: self.parametrisation.n_of_model] = np.sqrt(np.maximum(np.diag(self.covariance_given_numerics), 0.0))
         return found
 
     @property
@@ -95,6 +100,12 @@ class Fit:
         """(p,) deviations of u with those that finer numerics may move it by, counted once: what intervals are made
         of"""
         return np.hypot(self.given_numerics, self.parametrisation.numerics.uncertainty(len(self.u)))
+
+    def uncertainty_of_sum(self, places: Sequence[int]) -> float:
+        """Likewise of the sum of some of the model's parameters, which may be far better known than each"""
+        of_numerics = float(np.sum(self.parametrisation.numerics.uncertainty(len(self.u))[list(places)]))
+        variance = float(self.covariance_given_numerics[np.ix_(places, places)].sum())
+        return float(np.hypot(np.sqrt(max(variance, 0.0)), of_numerics))
 
 
 def fit(

@@ -16,6 +16,12 @@ def render(report: Report) -> Content | None:
         return None
     head = ("Parameter", "Rig file", "Calibrated", "95 % interval", "Change", "Change / prior deviation")
     html = table(head, [_row(each) for each in calibration])
+    if of_modes := report.comparison.calibrated_modes:
+        html += (
+            "<p>Of each mode, the factor on all modes and the one on it alone together: what the test tells, often far "
+            "better than each of the two.</p>"
+        )
+        html += table(head, [_row(each) for each in of_modes])
     far = [each.name for each in calibration if each.far]
     if far:
         html += (
