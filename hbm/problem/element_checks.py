@@ -5,6 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.hbm.harmonics import whole_number
+
 # Sliders divide by their stiffness; laws that divide by others name them (`divides_by`): a box without normal stiffness
 # had never slipped. A small one holds a load that does not vary. Other bounds are the laws' own (`at_least`, `above`).
 _SLIDERS, _NOT_NEGATIVE = ("kt",), ("kn", "mu", "limit")
@@ -18,6 +20,9 @@ def refuse_impossible(law: Any, parameters: Any, rows: Any) -> None:
     if isinstance(law, type):
         raise ValueError(f"{law.__name__} is a class: give a law of it, such as {law.__name__}(...)")
     name, shape = type(law).__name__, np.shape(rows)
+    cycles = getattr(law, "cycles", 1)
+    if (whole_number(cycles) or 0) < 1:
+        raise ValueError(f"{name}: cycles = {cycles}; a whole number of 1 or more is needed, {name}() has enough")
     wanted = getattr(law, "parameters", tuple)
     if missing := [entry for entry in getattr(wanted, "_fields", ()) if not hasattr(parameters, entry)]:
         raise ValueError(f"{name}: its parameters are {wanted.__name__}; {', '.join(missing)} is missing")

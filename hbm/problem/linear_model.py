@@ -117,8 +117,8 @@ def from_matrices(
     M, C, K: (n, n), M and K symmetric; C too where a resonance is to be followed
     relative: (n_relative, n) rows that pick the relative displacements; points: name -> (n,) row
 
-    raises: ValueError naming a matrix of another shape, one that is not finite, M or K where it is not symmetric, M
-        where it is not positive definite
+    raises: ValueError naming a matrix of another shape, one that is complex or not finite, M or K where it is not
+        symmetric, M where it is not positive definite
     """
     points = points or {}
     n = len(M)
@@ -153,6 +153,11 @@ def _refuse_matrix(name: str, matrix: Floats, shape: tuple[int, ...], symmetric:
     the digits."""
     if matrix.shape != shape:
         raise ValueError(f"{name} has shape {matrix.shape}: {shape} is needed")
+    if np.iscomplexobj(matrix):
+        raise ValueError(
+            f"{name} is complex; a real one is needed. Structural damping of loss factor eta is given to the model: "
+            "replace(model, hysteretic=eta * np.diag(model.omega_squared))"
+        )
     if not np.isfinite(matrix).all():
         raise ValueError(f"{name} has entries that are not finite")
     if symmetric and not is_symmetric(matrix):

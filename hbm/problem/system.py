@@ -14,7 +14,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.harmonics import Harmonics
+from updamp.hbm.harmonics import Harmonics, whole_number
 from updamp.hbm.problem.elements import ElementGroup, departure_only, departures
 from updamp.hbm.problem.elements_together import departures_only_together, departures_together
 from updamp.hbm.problem.linear_model import LinearModel, stuck_on
@@ -31,11 +31,23 @@ _EPS = float(np.finfo(float).eps)
 class Excitation:
     """Harmonic point force force*cos(w t) on one row of the linear model.
 
-    row: row number; force: amplitude [N]
+    row: row number, from 0 on, as `LinearModel.row` of a point tells it; force: amplitude [N]
+
+    raises: ValueError for a row that is no whole number or negative, and for a complex force
     """
 
     row: int
     force: float
+
+    def __post_init__(self) -> None:
+        row = whole_number(self.row)
+        if row is None or row < 0:
+            raise ValueError(
+                f"row = {self.row}: a row of the linear model, from 0 on; that of a point is model.row(name)"
+            )
+        if isinstance(self.force, complex):
+            raise ValueError(f"force = {self.force}: an amplitude is a real number; its phase is 0")
+        object.__setattr__(self, "row", row)
 
     def at(self, parameter: float) -> tuple[float, "Excitation"]:
         """parameter: the angular frequency"""

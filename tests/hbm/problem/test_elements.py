@@ -11,11 +11,13 @@ from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
 from updamp.hbm.contact.law import ContactLaw
 from updamp.hbm.contact.power_law_damper import PowerLawDamper, PowerLawParameters
-from updamp.hbm.contact.springs import CubicParameters, CubicSpring
+from updamp.hbm.contact.springs import CubicParameters, CubicSpring, UnilateralParameters
+from updamp.hbm.contact.stops import Clearance
+from updamp.hbm.contact.threshold_damper import ThresholdDamper, ThresholdDamperParameters
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.problem.elements import ElementGroup, element_forces, force_only
 from updamp.hbm.problem.linear_model import from_matrices
-from updamp.hbm.problem.system import NonlinearSystem
+from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 
 @pytest.mark.parametrize(
@@ -63,6 +65,12 @@ def test_parameters_that_cannot_be_are_refused(law: ContactLaw, entries: dict[st
     [
         (PowerLawDamper(1.0), PowerLawParameters(np.ones(1), np.full(1, 0.3)), r"exponent = \[0.3\] must be 1 or more"),
         (IwanMicroslip(), IwanParameters(*np.array([[1.0], [-1.5], [0.0]])), r"exponent = \[-1.5\] must be above -1"),
+        (PowerLawDamper(1.0), PowerLawParameters(-np.ones(1), np.ones(1)), r"force = \[-1.\] must be 0 or more"),
+        (IwanMicroslip(), IwanParameters(*np.array([[1.0], [0.5], [-1.0]])), r"nearness = \[-1.\] must be 0 or more"),
+        (IwanMicroslip(), IwanParameters(*np.array([[-1.0], [0.5], [0.0]])), r"lost = \[-1.\] must be 0 or more"),
+        (Clearance(), UnilateralParameters(np.ones(1), -np.ones(1)), r"gap = \[-1.\] must be 0 or more"),
+        (ThresholdDamper(), ThresholdDamperParameters(np.ones(1), np.zeros(1)), r"threshold = \[0.\] must be above 0"),
+        (Jenkins(cycles=0), JenkinsParameters(np.ones(1), np.ones(1)), "Jenkins: cycles = 0; a whole number of 1"),
         (
             CubicSpring(),
             JenkinsParameters(np.ones(1), np.ones(1)),
@@ -74,6 +82,21 @@ def test_parameters_that_cannot_be_are_refused(law: ContactLaw, entries: dict[st
 def test_what_a_law_cannot_be_given_is_refused(law: ContactLaw, parameters: tuple[np.ndarray, ...], said: str) -> None:
     with pytest.raises(ValueError, match=said):
         ElementGroup(law, parameters, np.array([[0]]))
+
+
+def test_a_power_law_needs_a_velocity_at_which_its_force_is_stated() -> None:
+    with pytest.raises(ValueError, match="reference = 0 m/s must be positive"):
+        PowerLawDamper(0.0)
+
+
+@pytest.mark.parametrize(
+    ("row", "force", "said"),
+    [(-1, 1.0, "row = -1: a row of the linear model"), (0.5, 1.0, "row = 0.5"), (0, 1j, "force = 1j: an amplitude is")],
+)
+def test_an_excitation_that_cannot_be_is_refused(row: int, force: float, said: str) -> None:
+    """Row -1 was the last one."""
+    with pytest.raises(ValueError, match=said):
+        Excitation(row, force)
 
 
 def test_a_free_motion_has_no_mean_that_could_be_held() -> None:

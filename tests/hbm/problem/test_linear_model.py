@@ -86,6 +86,8 @@ def test_unknown_point_names_those_there_are(chain):
         ({"K": np.array([[2.0, 1.0], [0.0, 2.0]])}, "K is not symmetric"),
         ({"M": np.array([[1.0, 0.1], [0.0, 1.0]])}, "M is not symmetric"),
         ({"C": np.eye(3)}, r"C has shape \(3, 3\)"),
+        ({"K": np.eye(2) * (2 + 0.02j)}, r"K is complex; .* hysteretic=eta"),
+        ({"C": np.eye(2) * 0.02j}, "C is complex"),
         ({"K": np.full((2, 2), np.nan)}, "K has entries that are not finite"),
         ({"relative": np.array([1.0, 0.0])}, r"relative has shape \(2,\)"),
         ({"points": {"tip": np.ones(3)}}, r"point 'tip' has shape \(3,\): \(2,\) is needed"),
