@@ -146,7 +146,7 @@ def from_matrices(
 
 
 def _without_mass(M: Floats) -> str:
-    """Which motion has no mass, or a negative one: by the diagonal, else the coordinate with the largest share in it."""
+    """Which motion has no mass, or a negative one: by the diagonal, else the coordinate with the largest share."""
     at = int(np.argmin(np.diag(M)))
     if M[at, at] <= 0:
         return f"M[{at}, {at}] = {M[at, at]:g}; every degree of freedom needs a mass, or is condensed into the others"
