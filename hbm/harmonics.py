@@ -7,6 +7,7 @@ axis, for the harmonics in use only; complex amplitude X_k = Xc_k - i Xs_k.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +16,15 @@ Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 
+def whole_number(value: Any) -> int | None:
+    """As which a number is meant, 64.0 as 64; None where it is no whole number"""
+    whole = isinstance(value, int | np.integer) or (isinstance(value, float | np.floating) and value.is_integer())
+    return int(value) if whole else None
+
+
 @dataclass(frozen=True)
 class Harmonics:
-    """The harmonics kept, ascending, such as (0, 1, 2, 3).
+    """The harmonics kept, ascending, such as (0, 1, 2, 3); any sequence of whole numbers becomes a tuple of integers.
 
     raises: ValueError where orders are not ascending non-negative integers with the first harmonic among them
     """
@@ -25,11 +32,14 @@ class Harmonics:
     orders: tuple[int, ...]
 
     def __post_init__(self) -> None:
-        if list(self.orders) != sorted(set(self.orders)) or min(self.orders, default=-1) < 0 or 1 not in self.orders:
+        given = list(self.orders) if np.iterable(self.orders) else [self.orders]
+        orders = tuple(k for each in given if (k := whole_number(each)) is not None)
+        ascending = list(orders) == sorted(set(orders)) and np.iterable(self.orders)
+        if len(orders) < len(given) or not ascending or min(orders, default=-1) < 0 or 1 not in orders:
             raise ValueError(
-                f"harmonics = {list(self.orders)}: give ascending non-negative integers with 1 among them, "
-                "such as [0, 1, 2, 3]"
+                f"harmonics = {given}: give ascending non-negative integers with 1 among them, such as [0, 1, 2, 3]"
             )
+        object.__setattr__(self, "orders", orders)
 
     @cached_property
     def n_coefficients(self) -> int:

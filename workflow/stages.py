@@ -173,10 +173,10 @@ PEAKS = Stage(
     part_of=(RESONANCE,),
 )
 
-STABILITY = Stage(name="stability", version=5, sections=(), after=(CURVE,), choices=("force",))
+STABILITY = Stage(name="stability", version=6, sections=(), after=(CURVE,), choices=("force",))
 
 # Branches at the curve's force that are no part of it; the resonance followed in force may lead to some.
-DETACHED = Stage(name="detached", version=1, sections=(), after=(CURVE,), choices=("force",))
+DETACHED = Stage(name="detached", version=2, sections=(), after=(CURVE,), choices=("force",))
 
 # A few periods from the peak, marched in time.
 MARCHED_PEAK = Stage(name="marched_peak", version=1, sections=(), after=(CURVE,), choices=("force",))

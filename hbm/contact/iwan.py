@@ -50,6 +50,7 @@ class IwanMicroslip:
     parameters: ClassVar[type] = IwanParameters
     directions: ClassVar[int] = 1
     rate_dependent: ClassVar[bool] = False
+    at_least: ClassVar[Mapping[str, float]] = {"lost": 0.0, "nearness": 0.0}
     above: ClassVar[Mapping[str, float]] = {"exponent": -1.0}
 
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: IwanParameters) -> jax.Array:

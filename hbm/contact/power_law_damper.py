@@ -18,7 +18,7 @@ _AT_REST = 1e-12
 
 
 class PowerLawParameters(NamedTuple):
-    """force: at the reference velocity [N]; exponent: p, 1 or more [-]"""
+    """force: at the reference velocity, 0 or more [N]; exponent: p, 1 or more [-]"""
 
     force: jax.Array
     exponent: jax.Array
@@ -33,13 +33,19 @@ class PowerLawDamper:
     a cycle: pi force A (w A / reference) at p = 1, a dashpot's, and 8/3 force A (w A / reference)^2 at p = 2.
 
     reference: velocity at which the force is stated [m/s]
+
+    raises: ValueError for a reference velocity that is not positive
     """
 
     reference: float
     parameters: ClassVar[type] = PowerLawParameters
     directions: ClassVar[int] = 1
     rate_dependent: ClassVar[bool] = True
-    at_least: ClassVar[Mapping[str, float]] = {"exponent": 1.0}
+    at_least: ClassVar[Mapping[str, float]] = {"force": 0.0, "exponent": 1.0}
+
+    def __post_init__(self) -> None:
+        if not 0 < self.reference < np.inf:
+            raise ValueError(f"PowerLawDamper: reference = {self.reference:g} m/s must be positive")
 
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: PowerLawParameters) -> jax.Array:
         relative = velocity / self.reference

@@ -1,7 +1,8 @@
 """What is met, or lets go, beyond a gap: springs with a corner that branches are followed across."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -42,6 +43,8 @@ class Clearance(Stop):
 
     A negative stiffness is that of something pressed that opens, and is missed from there on.
     """
+
+    at_least: ClassVar[Mapping[str, float]] = {"gap": 0.0}
 
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: UnilateralParameters) -> jax.Array:
         u, gap = displacement, parameters.gap

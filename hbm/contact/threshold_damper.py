@@ -1,5 +1,6 @@
 """A damper that acts only beyond a displacement."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
@@ -33,6 +34,7 @@ class ThresholdDamper:
     parameters: ClassVar[type] = ThresholdDamperParameters
     directions: ClassVar[int] = 1
     rate_dependent: ClassVar[bool] = True
+    above: ClassVar[Mapping[str, float]] = {"threshold": 0.0}
 
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: ThresholdDamperParameters) -> jax.Array:
         beyond = jnp.maximum(jnp.abs(displacement), parameters.threshold)

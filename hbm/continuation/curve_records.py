@@ -95,6 +95,8 @@ class CurveRequest:
 
 def refuse_window(window: tuple[float, float]) -> None:
     """raises: ValueError for a window [Hz] that does not rise from a positive frequency"""
+    if np.shape(window) != (2,):
+        raise ValueError(f"window = {window}: two frequencies in Hz are needed, a lower and a higher one")
     low, high = window
     if not 0 < low < high < np.inf:
         raise ValueError(f"window = {low:g} to {high:g} Hz: a lower and a higher frequency are needed, above 0")

@@ -118,7 +118,8 @@ def residual_alone(system: NonlinearSystem, excitation: Forcing, x: Floats, w: f
 
 
 def linear_solution(system: NonlinearSystem, w: float, excitation: Excitation) -> Floats:
-    """All elements stuck: the natural first guess."""
+    """All elements stuck: the natural first guess. raises: ValueError for a row that the model does not have"""
+    system.refuse_row(excitation.row)
     return Receptance(system, w).excitation(excitation)
 
 

@@ -1,9 +1,12 @@
 """What a group of elements cannot be: said when it is made, not as an odd number or a foreign error later."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from updamp.hbm.harmonics import whole_number
 
 # Sliders divide by their stiffness; laws that divide by others name them (`divides_by`): a box without normal stiffness
 # had never slipped. A small one holds a load that does not vary. Other bounds are the laws' own (`at_least`, `above`).
@@ -18,6 +21,9 @@ def refuse_impossible(law: Any, parameters: Any, rows: Any) -> None:
     if isinstance(law, type):
         raise ValueError(f"{law.__name__} is a class: give a law of it, such as {law.__name__}(...)")
     name, shape = type(law).__name__, np.shape(rows)
+    cycles = getattr(law, "cycles", 1)
+    if (whole_number(cycles) or 0) < 1:
+        raise ValueError(f"{name}: cycles = {cycles}; a whole number of 1 or more is needed, {name}() has enough")
     wanted = getattr(law, "parameters", tuple)
     if missing := [entry for entry in getattr(wanted, "_fields", ()) if not hasattr(parameters, entry)]:
         raise ValueError(f"{name}: its parameters are {wanted.__name__}; {', '.join(missing)} is missing")
@@ -36,6 +42,40 @@ def refuse_impossible(law: Any, parameters: Any, rows: Any) -> None:
     for entry, bound in getattr(law, "above", {}).items():
         if not np.all(np.asarray(getattr(parameters, entry)) > bound):
             raise ValueError(f"{name}: {entry} = {_told(getattr(parameters, entry))} must be above {bound:g}")
+
+
+def refuse_rows(groups: Sequence[Any], n_relative: int) -> None:
+    """groups: of `problem.elements.ElementGroup`
+
+    raises: ValueError naming a row that is not there, one that two elements have, or one that none has
+    """
+    rows = np.concatenate([np.ravel(group.rows) for group in groups])
+    there = f"the model's relative displacements are rows 0 to {n_relative - 1}, each for exactly one element"
+    if len(beyond := rows[(rows < 0) | (rows >= n_relative)]):
+        raise ValueError(f"rows: an element acts on row {beyond[0]}; {there}")
+    times = np.bincount(rows, minlength=n_relative)
+    if len(twice := np.flatnonzero(times > 1)):
+        raise ValueError(f"rows: {times[twice[0]]} elements act on row {twice[0]}; {there}: give each a row of its own")
+    if len(none := np.flatnonzero(times == 0)):
+        raise ValueError(f"rows: no element acts on row {none[0]}; {there}: leave the row out, or give it an element")
+
+
+def whole_rows(rows: Any) -> NDArray[np.int64]:
+    """Rows as integers, whole numbers written as floats too. raises: ValueError naming those that are none"""
+    given = np.asarray(rows)
+    if np.issubdtype(given.dtype, np.integer):
+        return given
+    if not np.issubdtype(given.dtype, np.floating) or not np.array_equal(given, np.round(given)):
+        raise ValueError(f"rows = {_told(rows)}: whole numbers are needed, those of rows of `relative`, from 0 on")
+    return given.astype(np.int64)
+
+
+def as_arrays(parameters: Any) -> Any:
+    """Parameters with lists made arrays."""
+    if not hasattr(parameters, "_fields") or not any(isinstance(value, list | tuple) for value in parameters):
+        return parameters
+    made = (np.asarray(v, dtype=np.float64) if isinstance(v, list | tuple) else v for v in parameters)
+    return type(parameters)(*made)
 
 
 def _refuse_entry(what: str, value: NDArray[Any], n_elements: int) -> None:

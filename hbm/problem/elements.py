@@ -22,7 +22,7 @@ from updamp.hbm.contact.law import (
 from updamp.hbm.contact.memoryless import MemorylessForces, MemorylessLaw
 from updamp.hbm.contact.sticking import overshoot_between_samples
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.problem.element_checks import refuse_impossible
+from updamp.hbm.problem.element_checks import as_arrays, refuse_impossible, whole_rows
 from updamp.hbm.problem.laws_in_jax import (
     compiled_force,
     compiled_loop_areas,
@@ -46,7 +46,7 @@ STICKING_SAMPLES = 128
 class ElementGroup:
     """Elements of one law.
 
-    parameters: the law's NamedTuple, each entry (n_elements, ...)
+    parameters: the law's NamedTuple, each entry (n_elements, ...); lists become arrays
     rows: (n_elements, law.directions) rows of the linear model that the elements act on
     copies: (n_elements,) how many that move alike each stands for (hbm/problem/mirror.py); None: one
 
@@ -59,6 +59,8 @@ class ElementGroup:
     copies: Floats | None = None
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "rows", whole_rows(self.rows))
+        object.__setattr__(self, "parameters", as_arrays(self.parameters))
         refuse_impossible(self.law, self.parameters, self.rows)
 
     def reference_stiffness(self) -> Floats:

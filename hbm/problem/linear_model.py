@@ -117,8 +117,8 @@ def from_matrices(
     M, C, K: (n, n), M and K symmetric; C too where a resonance is to be followed
     relative: (n_relative, n) rows that pick the relative displacements; points: name -> (n,) row
 
-    raises: ValueError naming a matrix of another shape, one that is not finite, M or K where it is not symmetric, M
-        where it is not positive definite
+    raises: ValueError naming a matrix of another shape, one that is complex or not finite, M or K where it is not
+        symmetric, M where it is not positive definite, a point without any motion
     """
     points = points or {}
     n = len(M)
@@ -127,10 +127,12 @@ def from_matrices(
     _refuse_matrix("relative", np.asarray(relative), (len(relative), n), symmetric=False)
     for name, row in points.items():
         _refuse_matrix(f"point '{name}'", np.asarray(row), (n,), symmetric=False)
+        if not np.any(row):
+            raise ValueError(f"point '{name}' is a row of zeros: it sees no motion; give the coordinates' shares")
     try:
         omega_squared, X = scipy.linalg.eigh(K, M)
     except np.linalg.LinAlgError:
-        raise ValueError("M is not positive definite: every motion needs a mass") from None
+        raise ValueError(f"M is not positive definite: {_without_mass(np.asarray(M))}") from None
     rows = np.vstack([relative, *points.values()])
     return LinearModel(
         omega_squared=omega_squared,
@@ -140,6 +142,19 @@ def from_matrices(
         viscous=X.T @ C @ X,
         n_relative=len(relative),
         points=tuple(points),
+    )
+
+
+def _without_mass(M: Floats) -> str:
+    """Which motion has no mass, or a negative one: by the diagonal, else the coordinate with the largest share."""
+    at = int(np.argmin(np.diag(M)))
+    if M[at, at] <= 0:
+        return f"M[{at}, {at}] = {M[at, at]:g}; every degree of freedom needs a mass, or is condensed into the others"
+    values, vectors = np.linalg.eigh(M)
+    at = int(np.argmax(np.abs(vectors[:, 0])))
+    return (
+        f"a motion with the largest share in degree of freedom {at}, counted from 0, has the mass {values[0]:.3g}; "
+        "every motion needs a positive one"
     )
 
 
@@ -153,6 +168,11 @@ def _refuse_matrix(name: str, matrix: Floats, shape: tuple[int, ...], symmetric:
     the digits."""
     if matrix.shape != shape:
         raise ValueError(f"{name} has shape {matrix.shape}: {shape} is needed")
+    if np.iscomplexobj(matrix):
+        raise ValueError(
+            f"{name} is complex; a real one is needed. Structural damping of loss factor eta is given to the model: "
+            "replace(model, hysteretic=eta * np.diag(model.omega_squared))"
+        )
     if not np.isfinite(matrix).all():
         raise ValueError(f"{name} has entries that are not finite")
     if symmetric and not is_symmetric(matrix):

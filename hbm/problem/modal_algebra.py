@@ -130,7 +130,16 @@ class DirectResponse:
         i = self.inverse
         frequencies = np.multiply.outer(np.asarray(self.orders, dtype=float), self.w)
         stiffness = [dynamic_stiffness(i.omega_squared, i.hysteretic, i.viscous, kw) for kw in frequencies.ravel()]
-        return np.stack([scipy.linalg.inv(each) for each in stiffness]).reshape(*frequencies.shape, *i.viscous.shape)
+        return np.stack([_graded_inverse(each) for each in stiffness]).reshape(*frequencies.shape, *i.viscous.shape)
+
+
+def _graded_inverse(stiffness: Complex) -> Complex:
+    """Of a matrix whose rows may be of very different size, as those of modes with hardly any mass are: each row and
+    column over the same power of 2, which rounds nothing off, it is inverted without a warning."""
+    sizes = np.abs(np.diagonal(stiffness))
+    scale = np.exp2(-np.round(np.log2(np.where(sizes > 0, sizes, 1.0)) / 2))
+    both = np.outer(scale, scale)
+    return np.asarray(both * scipy.linalg.inv(both * stiffness))
 
 
 def _one_by_one(matrices: Complex, loads: Complex) -> Complex:

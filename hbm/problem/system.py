@@ -14,7 +14,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.harmonics import Harmonics
+from updamp.hbm.harmonics import Harmonics, whole_number
+from updamp.hbm.problem.element_checks import refuse_rows
 from updamp.hbm.problem.elements import ElementGroup, departure_only, departures
 from updamp.hbm.problem.elements_together import departures_only_together, departures_together
 from updamp.hbm.problem.linear_model import LinearModel, stuck_on
@@ -31,11 +32,23 @@ _EPS = float(np.finfo(float).eps)
 class Excitation:
     """Harmonic point force force*cos(w t) on one row of the linear model.
 
-    row: row number; force: amplitude [N]
+    row: row number, from 0 on, as `LinearModel.row` of a point tells it; force: amplitude [N]
+
+    raises: ValueError for a row that is no whole number or negative, and for a complex force
     """
 
     row: int
     force: float
+
+    def __post_init__(self) -> None:
+        row = whole_number(self.row)
+        if row is None or row < 0:
+            raise ValueError(
+                f"row = {self.row}: a row of the linear model, from 0 on; that of a point is model.row(name)"
+            )
+        if isinstance(self.force, complex):
+            raise ValueError(f"force = {self.force}: an amplitude is a real number; its phase is 0")
+        object.__setattr__(self, "row", row)
 
     def at(self, parameter: float) -> tuple[float, "Excitation"]:
         """parameter: the angular frequency"""
@@ -91,15 +104,19 @@ class NonlinearSystem:
     as_a_whole: bool = False
 
     def __post_init__(self) -> None:
-        self.harmonics.refuse_too_few(self.time_samples)
+        if (samples := whole_number(self.time_samples)) is None:
+            raise ValueError(f"time_samples = {self.time_samples}: a whole number of samples a period is needed")
+        object.__setattr__(self, "time_samples", samples)
+        self.harmonics.refuse_too_few(samples)
         if not self.groups:
             raise ValueError("no elements: of a linear structure a `CubicSpring` of coefficient 0 makes a system")
-        rows = np.concatenate([g.rows.ravel() for g in self.groups])
-        if not np.array_equal(np.sort(rows), np.arange(self.free.n_relative)):
-            raise ValueError(
-                f"the elements act on {len(rows)} rows; each of the model's {self.free.n_relative} relative "
-                "displacements must belong to exactly one element"
-            )
+        refuse_rows(self.groups, self.free.n_relative)
+
+    def refuse_row(self, row: int) -> None:
+        """raises: ValueError where the model has no such row to be driven at"""
+        if not 0 <= row < self.free.n_rows:
+            points = ", ".join(f"{self.free.row(name)} is point '{name}'" for name in self.free.points[:6])
+            raise ValueError(f"row = {row}: the model has rows 0 to {self.free.n_rows - 1}{points and f'; {points}'}")
 
     @cached_property
     def reference_stiffness(self) -> Floats:
@@ -204,6 +221,7 @@ class NonlinearSystem:
 
     def half_driven_at(self, row: int) -> "tuple[NonlinearSystem, Mirror] | None":
         """`half`, where a force on this row is its own mirror image too, and what leads back to the whole."""
+        self.refuse_row(row)
         if self.as_a_whole:
             return None
         if self.mirror is None:

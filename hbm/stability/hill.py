@@ -26,6 +26,9 @@ Complex = NDArray[np.complex128]
 Integers = NDArray[np.int64]
 
 BEYOND = 3.0  # times the highest harmonic: slower modes keep their mass
+# Mean harmonic about which modes are symmetric. About 0 itself the copies at +i w/2 and -i w/2 of an exponent of period
+# doubling have means -1/2 and +1/2: of two such exponents both copies of one, and none of the other, could be taken.
+CENTRE = -0.05  # of the two the one at +i w/2
 LARGE = 1500  # unknown forces: from there on factors are of single precision
 
 
@@ -129,11 +132,12 @@ def symmetric_exponents(problem: HillProblem) -> Complex:
     """(2 m,) by falling real part [1/s]: those of the response, where contacts answer to all perturbations alike.
 
     Of all copies s + i k w, shifted by k harmonics and truncated, they are the ones whose modes are the most symmetric
-    in their harmonics (Lazarus and Thomas 2010; Guillot et al. 2020).
+    in their harmonics (Lazarus and Thomas 2010; Guillot et al. 2020): the copies of one exponent have their means a
+    harmonic apart, so that an interval of length 1 about `CENTRE` has one of each.
     """
     values, vectors = problem.eigen(problem.contact)
     mean = np.arange(-problem.order, problem.order + 1) @ _harmonic_shares(problem, vectors)
-    kept = np.argsort(np.abs(mean), kind="stable")[: 2 * len(problem.structure)]
+    kept = np.argsort(np.abs(mean - CENTRE), kind="stable")[: 2 * len(problem.structure)]
     return values[kept][np.argsort(-values[kept].real)]
 
 

@@ -37,10 +37,15 @@ def test_change_of_harmonics_keeps_the_motion():
     np.testing.assert_array_equal(many.change_to(few, more), c)
 
 
-@pytest.mark.parametrize("orders", [(), (0, 2), (1, 1), (3, 1), (-1, 1)])
+@pytest.mark.parametrize("orders", [(), (0, 2), (1, 1), (3, 1), (-1, 1), (1, 2.5), (1, "3"), 3])
 def test_bad_orders_are_named(orders):
     with pytest.raises(ValueError, match="ascending"):
         Harmonics(orders)
+
+
+def test_a_list_or_whole_numbers_written_as_floats_will_do():
+    assert hash(Harmonics([1, 3])) == hash(Harmonics((1.0, 3.0))) == hash(Harmonics((1, 3)))
+    assert Harmonics(np.arange(3.0)).slices == Harmonics((0, 1, 2)).slices
 
 
 def test_too_few_samples():

@@ -1,5 +1,7 @@
 """Forces of a group of elements, whatever the number of harmonics."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from support.peers import friction, one_degree_of_freedom
@@ -11,11 +13,14 @@ from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
 from updamp.hbm.contact.law import ContactLaw
 from updamp.hbm.contact.power_law_damper import PowerLawDamper, PowerLawParameters
-from updamp.hbm.contact.springs import CubicParameters, CubicSpring
+from updamp.hbm.contact.springs import CubicParameters, CubicSpring, UnilateralParameters
+from updamp.hbm.contact.stops import Clearance
+from updamp.hbm.contact.threshold_damper import ThresholdDamper, ThresholdDamperParameters
+from updamp.hbm.continuation.curve import CurveRequest, whole_curve
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.problem.elements import ElementGroup, element_forces, force_only
 from updamp.hbm.problem.linear_model import from_matrices
-from updamp.hbm.problem.system import NonlinearSystem
+from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 
 @pytest.mark.parametrize(
@@ -63,6 +68,12 @@ def test_parameters_that_cannot_be_are_refused(law: ContactLaw, entries: dict[st
     [
         (PowerLawDamper(1.0), PowerLawParameters(np.ones(1), np.full(1, 0.3)), r"exponent = \[0.3\] must be 1 or more"),
         (IwanMicroslip(), IwanParameters(*np.array([[1.0], [-1.5], [0.0]])), r"exponent = \[-1.5\] must be above -1"),
+        (PowerLawDamper(1.0), PowerLawParameters(-np.ones(1), np.ones(1)), r"force = \[-1.\] must be 0 or more"),
+        (IwanMicroslip(), IwanParameters(*np.array([[1.0], [0.5], [-1.0]])), r"nearness = \[-1.\] must be 0 or more"),
+        (IwanMicroslip(), IwanParameters(*np.array([[-1.0], [0.5], [0.0]])), r"lost = \[-1.\] must be 0 or more"),
+        (Clearance(), UnilateralParameters(np.ones(1), -np.ones(1)), r"gap = \[-1.\] must be 0 or more"),
+        (ThresholdDamper(), ThresholdDamperParameters(np.ones(1), np.zeros(1)), r"threshold = \[0.\] must be above 0"),
+        (Jenkins(cycles=0), JenkinsParameters(np.ones(1), np.ones(1)), "Jenkins: cycles = 0; a whole number of 1"),
         (
             CubicSpring(),
             JenkinsParameters(np.ones(1), np.ones(1)),
@@ -74,6 +85,67 @@ def test_parameters_that_cannot_be_are_refused(law: ContactLaw, entries: dict[st
 def test_what_a_law_cannot_be_given_is_refused(law: ContactLaw, parameters: tuple[np.ndarray, ...], said: str) -> None:
     with pytest.raises(ValueError, match=said):
         ElementGroup(law, parameters, np.array([[0]]))
+
+
+def test_a_power_law_needs_a_velocity_at_which_its_force_is_stated() -> None:
+    with pytest.raises(ValueError, match="reference = 0 m/s must be positive"):
+        PowerLawDamper(0.0)
+
+
+@pytest.mark.parametrize(
+    ("row", "force", "said"),
+    [(-1, 1.0, "row = -1: a row of the linear model"), (0.5, 1.0, "row = 0.5"), (0, 1j, "force = 1j: an amplitude is")],
+)
+def test_an_excitation_that_cannot_be_is_refused(row: int, force: float, said: str) -> None:
+    """Row -1 was the last one."""
+    with pytest.raises(ValueError, match=said):
+        Excitation(row, force)
+
+
+def test_lists_and_whole_floats_will_do_for_parameters_rows_and_samples() -> None:
+    group = ElementGroup(CubicSpring(), CubicParameters([1.0]), [[0.0]])  # type: ignore[arg-type]
+    system = one_degree_of_freedom(0.1, group, (0, 1), 64)
+    same = ElementGroup(CubicSpring(), CubicParameters(np.ones(1)), np.array([[0]]))
+    assert replace(system, time_samples=64.0).time_samples == 64  # type: ignore[arg-type]
+    x = np.ones((1, 1, 3))
+    found, wanted = (force_only(each, x, 1.0, system.harmonics, 64) for each in (group, same))
+    np.testing.assert_array_equal(found, wanted)
+    with pytest.raises(ValueError, match=r"time_samples = 64.5: a whole number"):
+        replace(system, time_samples=64.5)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        ([[3]], "an element acts on row 3; the model's relative displacements are rows 0 to 0"),
+        ([[-1]], "an element acts on row -1;"),
+        ([[0], [0]], "2 elements act on row 0;"),
+        ([[0.5]], r"rows = \[\[0.5\]\]: whole numbers"),
+    ],
+)
+def test_rows_that_are_not_there_or_taken_are_named(rows: list[list[int]], said: str) -> None:
+    with pytest.raises(ValueError, match=said):
+        one_degree_of_freedom(0.1, _cubic(rows), (0, 1), 64)
+
+
+def test_a_row_without_an_element_is_named() -> None:
+    linear = from_matrices(np.eye(2), np.eye(2), np.eye(2), np.eye(2))
+    with pytest.raises(ValueError, match=r"no element acts on row 1; .* leave the row out"):
+        NonlinearSystem(linear, (_cubic([[0]]),), Harmonics((1, 3)), 64)
+
+
+def _cubic(rows: list[list[int]]) -> ElementGroup:
+    return ElementGroup(CubicSpring(), CubicParameters(np.ones(len(rows))), rows)  # type: ignore[arg-type]
+
+
+def test_a_row_or_window_that_is_not_there_is_named_by_a_curve() -> None:
+    system = one_degree_of_freedom(0.1, _cubic([[0]]), (1, 3), 64)
+    request = CurveRequest("1", Excitation(99, 1.0), (0.1, 0.3), ("mass",))
+    for each in (system, replace(system, as_a_whole=True)):
+        with pytest.raises(ValueError, match="row = 99: the model has rows 0 to 1; 1 is point 'mass'"):
+            whole_curve(each, request)
+    with pytest.raises(ValueError, match=r"window = \(0.1, 0.2, 0.3\): two frequencies"):
+        replace(request, window=(0.1, 0.2, 0.3))  # type: ignore[arg-type]
 
 
 def test_a_free_motion_has_no_mean_that_could_be_held() -> None:

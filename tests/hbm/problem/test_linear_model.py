@@ -1,5 +1,6 @@
 """Springs added to modes and residual are exact: compared with the full matrices."""
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 import scipy.linalg
 
 from updamp.hbm.problem.linear_model import LinearModel, add_springs, from_matrices
+from updamp.hbm.problem.modal_algebra import DirectInverse
 
 
 @pytest.fixture
@@ -86,7 +88,15 @@ def test_unknown_point_names_those_there_are(chain):
         ({"K": np.array([[2.0, 1.0], [0.0, 2.0]])}, "K is not symmetric"),
         ({"M": np.array([[1.0, 0.1], [0.0, 1.0]])}, "M is not symmetric"),
         ({"C": np.eye(3)}, r"C has shape \(3, 3\)"),
+        ({"K": np.eye(2) * (2 + 0.02j)}, r"K is complex; .* hysteretic=eta"),
+        ({"C": np.eye(2) * 0.02j}, "C is complex"),
         ({"K": np.full((2, 2), np.nan)}, "K has entries that are not finite"),
+        ({"M": np.diag([1.0, 0.0])}, r"M is not positive definite: M\[1, 1\] = 0; every degree of freedom needs"),
+        (
+            {"M": np.array([[1.0, 3.0], [3.0, 8.0]])},
+            "M is not positive definite: .* degree of freedom 0, counted from 0",
+        ),
+        ({"points": {"tip": np.zeros(2)}}, "point 'tip' is a row of zeros"),
         ({"relative": np.array([1.0, 0.0])}, r"relative has shape \(2,\)"),
         ({"points": {"tip": np.ones(3)}}, r"point 'tip' has shape \(3,\): \(2,\) is needed"),
     ],
@@ -96,6 +106,17 @@ def test_matrices_that_cannot_be_are_refused(given, said):
     matrices = {"M": np.eye(2), "C": np.zeros((2, 2)), "K": 2 * np.eye(2), "relative": np.eye(1, 2), "points": {}}
     with pytest.raises(ValueError, match=said):
         from_matrices(**(matrices | given))
+
+
+def test_a_degree_of_freedom_with_hardly_any_mass_is_no_reason_to_warn():
+    """Each inverse had its warning of an ill-conditioned matrix, where rows differ in size alone."""
+    M, K, C = np.diag([1.0, 1e-18]), np.array([[2.0, -1.0], [-1.0, 2.0]]), np.array([[0.02, 0.01], [0.0, 0.02]])
+    model, w = from_matrices(M, C, K, np.eye(2)), 1.3
+    inverse = DirectInverse(model.omega_squared, model.hysteretic, model.viscous)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        H = model.phi @ inverse.at(w, (1,)).matrix(0) @ model.phi.T
+    np.testing.assert_allclose(H, np.linalg.inv(K - w**2 * M + 1j * w * C), rtol=1e-6)
 
 
 def test_gyroscopic_damping_is_taken_whole():
