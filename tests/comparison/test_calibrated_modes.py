@@ -1,4 +1,4 @@
-"""Of several modes, what the factor on all and the one on each are together is told, far better than each of the two."""
+"""Of several modes, the factor on all and the one on each together are told far better than each of the two."""
 
 from dataclasses import replace
 
@@ -14,7 +14,7 @@ def test_a_mode_measured_higher_has_its_stiffness_told(tmp_path) -> None:
     measurement = swept_arm(modes=("first", "second"))
     first, second = measurement.runs
     higher = replace(first, frequency=1.005 * first.frequency, response=first.response / 1.005**2)
-    comparison, fit = compare(two_modes(), replace(measurement, runs=(higher, second)))
+    comparison, _ = compare(two_modes(), replace(measurement, runs=(higher, second)))
     together = {each.name: each for each in comparison.calibrated_modes}
     for mode, factor in (("first", 1.005**2), ("second", 1.0)):
         found = together[f"modal stiffness of the mode '{mode}'"]
