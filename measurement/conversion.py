@@ -16,6 +16,7 @@ from updamp.measurement.sweep_checks import (
     check_force,
     check_frequencies,
     check_level,
+    check_not_zero,
     check_power,
     check_statements,
     in_order_of_the_sweep,
@@ -94,6 +95,8 @@ def _checked(
     for name, channel in recorded.items():
         here, table = f"{where} channel '{name}'", file.channels[name]
         check_channel(here, channel, sweep.frequency)
+        if name != file.force_channel:
+            check_not_zero(here, channel, sweep.frequency)
         if table.uncalibrated:
             stands_for = f"1 {table.unit} stands for 1 {QUANTITIES[table.quantity].si}"
             notes.append(f"{here} is not calibrated: {stands_for}, and results are in {table.unit}")

@@ -48,6 +48,17 @@ def check_channel(where: str, channel: RecordedChannel, frequency: Floats) -> No
         raise MeasurementError(f"{where}: its noise has values that are negative or no finite numbers; mend the file")
 
 
+def check_not_zero(where: str, channel: RecordedChannel, frequency: Floats) -> None:
+    """raises: MeasurementError where the first harmonic of a response is zero: amplitudes are compared by their ratios"""
+    zero = channel.amplitude[channel.harmonics.index(1)] == 0
+    if zero.any():
+        raise MeasurementError(
+            f"{where}: response = 0 at {zero.sum()} of {len(zero)} frequencies, the first {frequency[zero][0]:g} Hz; no "
+            f"sensor that works reads exactly that: leave the channel out (channels of the run), or take these "
+            f"frequencies out of the file"
+        )
+
+
 def check_force(where: str, force: Complex, frequency: Floats) -> None:
     """raises: MeasurementError where it is zero: nothing can be divided by it"""
     zero = np.abs(force) == 0

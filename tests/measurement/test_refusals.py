@@ -82,7 +82,7 @@ def test_statements(tmp_path: Path, old: str, new: str, words: list[str]) -> Non
         assert word in message, message
 
 
-def with_value(channel: str, place: tuple[int, int], value: complex) -> RecordedSweep:
+def with_value(channel: str, place: tuple[int, int | slice], value: complex) -> RecordedSweep:
     sweep = recorded()
     amplitude = sweep.channels[channel].amplitude.copy()
     amplitude[place] = value
@@ -95,6 +95,8 @@ def with_value(channel: str, place: tuple[int, int], value: complex) -> Recorded
         (with_value("laser", (1, 7), complex(np.nan, 0)), ["laser", "1 of 82", f"{FREQUENCY[7]:g} Hz", "harmonic 3"]),
         (with_value("accelerometer", (0, 3), complex(0, np.inf)), ["accelerometer", "no finite number", "take these"]),
         (with_value("force", (0, 5), 0j), ["force = 0", "1 of 41", f"{FREQUENCY[5]:g} Hz"]),
+        (with_value("laser", (0, 5), 0j), ["'laser': response = 0", "1 of 41", f"{FREQUENCY[5]:g} Hz", "take these"]),
+        (with_value("laser", (0, slice(None)), 0j), ["'laser': response = 0", "41 of 41", "leave the channel out"]),
         (replace(recorded(), frequency=np.where(FREQUENCY > 430, FREQUENCY, np.nan)), ["frequency = nan"]),
         (replace(recorded(), frequency=np.round(FREQUENCY)), ["frequency = 428 Hz", "places 1 and 2", "average"]),
         (replace(recorded(), frequency=np.roll(FREQUENCY, 9)), ["turn round at 432", "place 9", "split"]),
