@@ -20,6 +20,7 @@ from updamp.measurement.sweep_checks import (
     check_power,
     check_statements,
     in_order_of_the_sweep,
+    turned_as_stated,
 )
 
 
@@ -84,7 +85,12 @@ def _all_recorded(
     """Channels of the names and the force's, and what was taken for granted of them."""
     recorded = {name: _recorded(where, file, sweep, name) for name in names}
     recorded[file.force_channel], notes = _recorded_force(where, file, run, sweep)
-    return recorded, [*notes, *_checked(where, file, sweep, recorded)]
+    notes += _checked(where, file, sweep, recorded)
+    for name, channel in recorded.items():
+        here = f"{where} channel '{name}'"
+        recorded[name], turned = turned_as_stated(here, channel, file.channels[name].direction)
+        notes += turned
+    return recorded, notes
 
 
 def _checked(
@@ -102,7 +108,7 @@ def _checked(
             notes.append(f"{here} is not calibrated: {stands_for}, and results are in {table.unit}")
         else:
             told = _told(sweep, file.label(name))
-            notes += check_statements(here, channel, table.quantity, table.unit, table.direction, told)
+            notes += check_statements(here, channel, table.quantity, table.unit, told)
     return notes
 
 

@@ -1,5 +1,7 @@
 """What a sweep must be before anything is computed from it: finite, ordered, driven, and in agreement with itself."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from updamp.measurement.measurement import MeasurementError
@@ -49,12 +51,12 @@ def check_channel(where: str, channel: RecordedChannel, frequency: Floats) -> No
 
 
 def check_not_zero(where: str, channel: RecordedChannel, frequency: Floats) -> None:
-    """raises: MeasurementError where the first harmonic of a response is zero: amplitudes are compared by their ratios"""
+    """raises: MeasurementError where the first harmonic of a response is zero: ratios of amplitudes are compared"""
     zero = channel.amplitude[channel.harmonics.index(1)] == 0
     if zero.any():
         raise MeasurementError(
-            f"{where}: response = 0 at {zero.sum()} of {len(zero)} frequencies, the first {frequency[zero][0]:g} Hz; no "
-            f"sensor that works reads exactly that: leave the channel out (channels of the run), or take these "
+            f"{where}: response = 0 at {zero.sum()} of {len(zero)} frequencies, the first {frequency[zero][0]:g} Hz; "
+            f"no sensor that works reads exactly that: leave the channel out (channels of the run), or take these "
             f"frequencies out of the file"
         )
 
@@ -94,9 +96,19 @@ def check_power(where: str, displacement: Complex, force: Complex, angular_frequ
         )
 
 
-def check_statements(
-    where: str, channel: RecordedChannel, quantity: str, unit: str, direction: str, told: str = ""
-) -> list[str]:
+def turned_as_stated(where: str, channel: RecordedChannel, direction: str) -> tuple[RecordedChannel, list[str]]:
+    """As it would read along the direction of measurement.toml, and what was done or taken for granted for that."""
+    wanted = (direction if direction[0] in "+-" else f"+{direction}").upper()
+    if channel.direction in ("", wanted):
+        return channel, []
+    if channel.direction[1:] != wanted[1:]:
+        note = f"{where}: the file's direction {channel.direction} is taken for the model's {wanted.lower()}"
+        return channel, [note]
+    note = f"{where}: the file's direction {channel.direction} is opposite to {wanted.lower()}; its sign is turned"
+    return replace(channel, amplitude=-channel.amplitude, direction=wanted), [note]
+
+
+def check_statements(where: str, channel: RecordedChannel, quantity: str, unit: str, told: str = "") -> list[str]:
     """What the file says of its channel against measurement.toml; returns what was taken for granted.
 
     told: what its reader said of the channel
@@ -118,9 +130,6 @@ def check_statements(
                     f'{where}: the file says {channel.unit}, measurement.toml unit = "{unit}"; correct one of them'
                     f"{f' ({told})' if told else ''}"
                 )
-    wanted = direction if direction[0] in "+-" else f"+{direction}"
-    if channel.direction and channel.direction.lower() != wanted:
-        notes.append(f"{where}: the file's direction {channel.direction} is taken for the model's {wanted}")
     return notes
 
 
