@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from updamp.measurement.measurement import MeasurementError
-from updamp.measurement.quantities import si_factor
+from updamp.measurement.quantities import label_factor, quantity_of_label, si_factor
 from updamp.measurement.recorded import Complex, Floats, RecordedChannel, RecordedSweep
 
 LEVEL_TOLERANCE = 0.25  # of the median measured against the stated level; RMS taken for peak is off by 0.29
@@ -97,11 +97,14 @@ def check_power(where: str, displacement: Complex, force: Complex, angular_frequ
 
 
 def turned_as_stated(where: str, channel: RecordedChannel, direction: str) -> tuple[RecordedChannel, list[str]]:
-    """As it would read along the direction of measurement.toml, and what was done or taken for granted for that."""
+    """With the sign that the file's own minus asks for, and what was done or taken for granted for that.
+
+    A plus is what programs write where nobody set a direction: it gives way to a minus in measurement.toml.
+    """
     wanted = (direction if direction[0] in "+-" else f"+{direction}").upper()
     if channel.direction in ("", wanted):
         return channel, []
-    if channel.direction[1:] != wanted[1:]:
+    if channel.direction[1:] != wanted[1:] or channel.direction[0] == "+":
         note = f"{where}: the file's direction {channel.direction} is taken for the model's {wanted.lower()}"
         return channel, [note]
     note = f"{where}: the file's direction {channel.direction} is opposite to {wanted.lower()}; its sign is turned"
@@ -121,8 +124,13 @@ def check_statements(where: str, channel: RecordedChannel, quantity: str, unit: 
         )
     if channel.unit:
         try:
-            stated = si_factor({"g": "g_0"}.get(channel.unit, channel.unit), quantity)
+            stated = label_factor(channel.unit, quantity)
         except ValueError:
+            if other := quantity_of_label(channel.unit):
+                raise MeasurementError(
+                    f"{where}: the file says {channel.unit}, the unit of a {other}; measurement.toml quantity = "
+                    f'"{quantity}", unit = "{unit}"; correct one of them{f" ({told})" if told else ""}'
+                ) from None
             notes.append(f"{where}: the file's unit '{channel.unit}' is not understood; {unit} is taken")
         else:
             if not np.isclose(stated, si_factor(unit, quantity), rtol=1e-6):

@@ -146,6 +146,8 @@ def test_a_record_towards_minus_is_turned_whatever_it_is_of(tmp_path: Path) -> N
         assert any(
             "channel 'accelerometer': the file's direction -X is opposite to +x" in a for a in turned.assumptions
         )
+    stated = load(tmp_path, spectra(), ('direction = "x"\nunit = "mm/s"', 'direction = "-x"\nunit = "mm/s"'))
+    assert any("direction +X is taken for the model's -x" in a for a in stated.assumptions)
     force_towards_minus = record(-data["force"], response=(1, -1))
     for responses in (ratios((1, 1)), ratios((1, -1), scale=-1.0)):
         assert_is_the_oscillator(load(tmp_path, force_towards_minus + responses, ('label = "1+X"', 'label = "1-X"')))
