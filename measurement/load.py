@@ -28,6 +28,7 @@ from updamp.measurement.measurement_file import (
 )
 from updamp.measurement.readers.registry import reader_of, usable_file
 from updamp.measurement.recorded import RecordedSweep, one_way
+from updamp.measurement.sample_checks import check_samples
 from updamp.measurement.stated_features import is_feature_file, read_features
 
 FEW_REPEATS = 3  # assemblies; with fewer the scatter between them is hardly known
@@ -73,10 +74,12 @@ class _Files:
             with path.open("rb") as file:
                 self.hashes[name] = hashlib.file_digest(file, "sha256").hexdigest()
 
-    def read(self, where: str, toml: Path, run: RunTable, labels: tuple[str, ...]) -> tuple[RecordedSweep, ...]:
-        data = self.folder / run.file
+    def read(self, where: str, toml: Path, file: MeasurementFile, run: RunTable) -> tuple[RecordedSweep, ...]:
+        data, labels = self.folder / run.file, file.labels
         usable_file(data)
         reader = reader_of(data, run.reader)
+        if reader.of_samples:
+            check_samples(f"{data}: run '{run.name}'", file, run, reader.name)
         options = validated(toml, run.options, reader.options, f"{where}.options.")
         key = (str(data), reader.name, options.model_dump_json(), *labels)
         if key not in self.sweeps:
@@ -115,13 +118,12 @@ def _with_runs(path: Path, file: MeasurementFile, files: _Files) -> Measurement:
 
 
 def _runs(path: Path, file: MeasurementFile, files: _Files) -> tuple[tuple[MeasuredRun, ...], list[str]]:
-    labels = (file.label(file.force_channel), *(file.label(n) for n in file.channels if n != file.force_channel))
     times = Counter(run.name for run in file.runs)
     runs: list[MeasuredRun] = []
     assumptions: list[tuple[str, str]] = []
     for number, run in enumerate(file.runs):
         where = f"runs[{number}]"
-        sweeps = files.read(where, path, run, labels)
+        sweeps = files.read(where, path, file, run)
         data = files.folder / run.file
         chosen, notes = _chosen(data, run, sweeps)
         assumptions += [(run.name, note) for note in notes]

@@ -180,6 +180,11 @@ class MeasurementFile(InputTable):
     def force_channel(self) -> str:
         return next(name for name, channel in self.channels.items() if channel.quantity == "force")
 
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Of all channels, the force first."""
+        return tuple(self.label(n) for n in sorted(self.channels, key=lambda name: name != self.force_channel))
+
     def label(self, channel: str) -> str:
         """How the data files call the channel."""
         return self.channels[channel].label or channel
