@@ -16,6 +16,7 @@ from updamp.measurement.sweep_checks import (
     check_force,
     check_frequencies,
     check_level,
+    check_magnitudes,
     check_not_zero,
     check_power,
     check_statements,
@@ -103,6 +104,8 @@ def _checked(
         check_channel(here, channel, sweep.frequency)
         if name != file.force_channel:
             check_not_zero(here, channel, sweep.frequency)
+        if table.phase == "none":
+            check_magnitudes(here, channel, sweep.frequency)
         if table.uncalibrated:
             stands_for = f"1 {table.unit} stands for 1 {QUANTITIES[table.quantity].si}"
             notes.append(f"{here} is not calibrated: {stands_for}, and results are in {table.unit}")

@@ -61,6 +61,19 @@ def check_not_zero(where: str, channel: RecordedChannel, frequency: Floats) -> N
         )
 
 
+def check_magnitudes(where: str, channel: RecordedChannel, frequency: Floats) -> None:
+    """raises: MeasurementError where a channel of amplitudes alone has one that is negative"""
+    values = channel.amplitude[channel.harmonics.index(1)]
+    negative = (values.real < 0) & ~values.imag.any()
+    if negative.any():
+        i = int(np.argmax(negative))
+        raise MeasurementError(
+            f'{where}: with phase = "none" its values are amplitudes, and {negative.sum()} of {len(values)} are '
+            f"negative, the first {values[i].real:g} at {frequency[i]:g} Hz; mend them, make amplitudes of values in "
+            f'dB (10^(dB/20) of their reference), or take phase = "none" out where the signs mean something'
+        )
+
+
 def check_force(where: str, force: Complex, frequency: Floats) -> None:
     """raises: MeasurementError where it is zero: nothing can be divided by it"""
     zero = np.abs(force) == 0
