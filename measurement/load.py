@@ -28,6 +28,7 @@ from updamp.measurement.measurement_file import (
 )
 from updamp.measurement.readers.registry import reader_of, usable_file
 from updamp.measurement.recorded import RecordedSweep, one_way
+from updamp.measurement.repeat_checks import check_numbers, copies
 from updamp.measurement.sample_checks import check_samples
 from updamp.measurement.stated_features import is_feature_file, read_features
 
@@ -91,6 +92,7 @@ class _Files:
 
 def _with_runs(path: Path, file: MeasurementFile, files: _Files) -> Measurement:
     runs, assumptions = _runs(path, file, files)
+    check_numbers(str(path), runs)
     if file.repeatability is not None and len(repeats := {run.repeat for run in runs}) > 1:
         raise MeasurementError(
             f"{path}: repeatability = {file.repeatability:g}: there are {len(repeats)} repeats among the runs, which "
@@ -107,7 +109,9 @@ def _with_runs(path: Path, file: MeasurementFile, files: _Files) -> Measurement:
         ),
         runs=runs,
         features=_features(file, files),
-        assumptions=tuple(dict.fromkeys([*_conventions(file), *assumptions, *_few_repeats(runs)])),
+        assumptions=tuple(
+            dict.fromkeys([*_conventions(file), *assumptions, *copies(str(path), runs), *_few_repeats(runs)])
+        ),
         hashes=files.hashes,
         repeatability=file.repeatability or 0.0,
         drift=file.frequency_drift or DRIFT,

@@ -175,6 +175,25 @@ def test_repeats_without_numbers(tmp_path: Path) -> None:
     assert "runs of one name are repeats" in refused(tmp_path, TOML + other)
 
 
+def test_one_repeat_is_listed_twice(tmp_path: Path) -> None:
+    again = TOML[TOML.index("[[runs]]") :] + "repeat = 1\n"  # the number that the file states
+    message = refused(tmp_path, TOML + again)
+    for word in ("measurement.toml", "run 'B 17 N' has repeat = 1 more than once", "listed twice"):
+        assert word in message, message
+
+
+def test_values_that_are_copied_are_asked_about(tmp_path: Path) -> None:
+    """As another repeat, and as another run."""
+    write_hdf5(tmp_path / "data.h5", [recorded(1), replace(recorded(1), repeat=2), recorded(3)])
+    toml = TOML.replace("data.csv", "data.h5")
+    again = toml[toml.index("[[runs]]") :].replace('name = "B 17 N"', 'name = "C"\nrun = "B 17 N"\nrepeat = 3')
+    path = tmp_path / "measurement.toml"
+    path.write_text(toml + again)
+    asked = [a for a in load_measurement(path).assumptions if "is it a copy?" in a]
+    assert ["run 'B 17 N' repeat 2 has the very values of run 'B 17 N' repeat 1" in a for a in asked] == [True, False]
+    assert "run 'C' repeat 3 has the very values of run 'B 17 N' repeat 3" in asked[1]
+
+
 def test_one_repeat_number_for_two_sweeps(tmp_path: Path) -> None:
     write_hdf5(tmp_path / "data.h5", [recorded(1), recorded(1)])
     assert "more than one sweep of the same repeat" in refused(tmp_path, name="data.h5")
