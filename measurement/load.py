@@ -29,7 +29,7 @@ from updamp.measurement.measurement_file import (
 from updamp.measurement.readers.registry import reader_of, usable_file
 from updamp.measurement.recorded import RecordedSweep, one_way
 from updamp.measurement.repeat_checks import check_numbers, copies
-from updamp.measurement.sample_checks import check_samples
+from updamp.measurement.sample_checks import check_samples, phases_not_used
 from updamp.measurement.stated_features import is_feature_file, read_features
 
 FEW_REPEATS = 3  # assemblies; with fewer the scatter between them is hardly known
@@ -142,6 +142,8 @@ def _runs(path: Path, file: MeasurementFile, files: _Files) -> tuple[tuple[Measu
                 repeat = 1
                 note = f"{data}: run '{run.name}': its repeat (assembly) is not stated; taken as number 1"
                 assumptions.append((run.name, note))
+            if given := phases_not_used(file, run):
+                assumptions.append((run.name, f"{data}: run '{run.name}': {given}"))
             _check_phases(f"{data}: run '{run.name}'", file, run, sweep)
             measured, notes = measured_run(data, file, run, sweep, repeat)
             runs.append(measured)

@@ -214,8 +214,9 @@ def _convention_problems(file: MeasurementFile) -> list[str]:
     lines = []
     for key in ("amplitude", "noise"):
         named = {name: getattr(channel, key) for name, channel in file.channels.items()}
-        if key == "noise":
-            named.pop(next((n for n, c in file.channels.items() if c.quantity == "force"), ""), None)
+        for name, channel in file.channels.items():
+            if channel.quantity == "force" and (key == "noise" or not channel.recorded):  # then it is the run's level
+                named.pop(name)
         open_ones = [name for name, value in named.items() if value is None]
         if open_ones and len(open_ones) < len(named):
             lines.append(

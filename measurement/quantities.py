@@ -50,7 +50,7 @@ def si_factor(unit: str, quantity: str, uncalibrated: bool = False) -> float:
         return Quantity(kind.si, f"1 {example}").to_si(f"1 {unit}")
     except ValueError as error:
         text = str(error).replace(f'"1 {example}"', f'"{example}"')
-        hint = '; for multiples of the standard gravity write "g_0" ("g" is gram)' if unit == "g" else ""
+        hint = '; for multiples of the standard gravity write "g_0" ("g" is gram, "G" gauss)' if unit in GRAVITY else ""
         raise ValueError(f'unit = "{unit}": for a {quantity}: {text}{hint}') from None
 
 

@@ -25,3 +25,11 @@ def check_samples(where: str, file: MeasurementFile, run: RunTable, reader: str)
                 f'{where}: channels.{name}.amplitude = "{table.amplitude}": {what}; samples are instantaneous values: '
                 f'state amplitude = "peak"'
             )
+
+
+def phases_not_used(file: MeasurementFile, run: RunTable) -> str:
+    """What the run's options give of channels that are stated to have no phase; "" where nothing."""
+    silent = {file.label(name) for name, channel in file.channels.items() if channel.phase == "none"}
+    keys = [f"options.{key}" for key in ("phase", "imaginary") if silent & set(run.options.get(key, ()))]
+    told = 'is not used for channels of phase = "none"; take that line out of the channel to use it'
+    return f"{' and '.join(keys)} {told}" if keys else ""

@@ -86,7 +86,8 @@ def usable_file(path: Path, largest: float = float("inf")) -> None:
         beside = (file.name for file in path.parent.iterdir()) if path.parent.is_dir() else ()
         raise MeasurementError(f"{path}: no such file; beside measurement.toml {near(path.name, sorted(beside))}")
     if not path.is_file():
-        raise MeasurementError(f"{path}: is a folder; name the data file itself")
+        kind = "a folder" if path.is_dir() else "a device or pipe, no file"
+        raise MeasurementError(f"{path}: is {kind}; name the data file itself")
     size = path.stat().st_size
     if size == 0:
         raise MeasurementError(f"{path}: the file is empty (0 bytes); export it again")

@@ -209,6 +209,8 @@ def _remedy(bad: str, form: CsvForm) -> str:
         return 'with decimal = "," numbers have a decimal comma and no points'
     if _is_number(bad.translate(_COMMAS)):
         return 'write numbers with a decimal point, or state in its run options = { decimal = "," } with its delimiter'
+    if bad.strip() and not any(sign.isdigit() for sign in bad):
+        return "take its line out (units belong into measurement.toml), or begin it with # as a comment"
     return "write numbers with a decimal point"
 
 

@@ -67,3 +67,10 @@ def test_degrees_that_are_called_radians(tmp_path: Path) -> None:
 def test_a_phase_that_is_the_amplitude_itself(tmp_path: Path) -> None:
     message = refused(tmp_path, PHASES.replace("angle", "laser"), force=np.abs(FORCE), laser=np.abs(LASER))
     assert 'options.phase: "laser" = "laser" is the column of the amplitude itself' in message
+
+
+def test_a_phase_beside_the_statement_that_there_is_none(tmp_path: Path) -> None:
+    toml = TOML.replace("[channels.laser]", '[channels.laser]\nphase = "none"')
+    columns = {"force": np.abs(FORCE), "laser": np.abs(LASER), "angle": np.degrees(np.angle(LASER / FORCE))}
+    said = load(tmp_path, PHASES, toml, **columns).assumptions
+    assert any('options.phase is not used for channels of phase = "none"' in a for a in said)

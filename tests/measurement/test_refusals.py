@@ -43,6 +43,9 @@ def refused(folder: Path, toml: str = TOML, sweep: RecordedSweep | None = None, 
         ('unit = "mm/s"', 'unit = "dB"\nuncalibrated = true', ['channels.laser.unit = "dB"', "10^(dB/20)"]),
         ('"17 N"', '"2 dB"', ['level = "2 dB"', "logarithmic"]),
         ('"g_0"', '"g"', ['unit = "g"', 'write "g_0"', "gram"]),
+        ('"g_0"', '"G"', ['unit = "G"', 'write "g_0"', "gauss"]),
+        ('"g_0"', '"gn"', ['unit = "gn"', 'write "g_0"']),
+        ('file = "data.csv"', 'file = "/dev/null"', ["/dev/null: is a device or pipe, no file"]),
         ('"17 N"', '"17"', ['level = "17"', "state its unit"]),
         ('"960 N"', '"960 mm"', ["damper_load", "960 mm", "wrong dimension"]),
         ('point = "mass.tip"', 'point = "mass.tpi"', ["channels.laser.point", "mass.tpi.x", "did you mean mass.tip.x"]),
@@ -297,3 +300,15 @@ def test_the_order_of_runs_is_that_of_all(tmp_path: Path, first: str, second: st
 def test_no_run_is_listed(tmp_path: Path) -> None:
     toml = "runs = []\n" + TOML[: TOML.index("[[runs]]")]
     assert "runs = []: state at least one run" in refused(tmp_path, toml)
+
+
+def test_what_is_wrong_in_a_table_is_named(tmp_path: Path) -> None:
+    write_long_csv(tmp_path / "data.csv", [recorded()])
+    good = (tmp_path / "data.csv").read_text()
+    (tmp_path / "data.csv").write_text(good.replace("frequency_Hz", "Frequency_Hz"))
+    message = refused(tmp_path)
+    assert "there is no 'frequency_Hz', 'Frequency_Hz' is none of these" in message
+    lines = good.splitlines()
+    (tmp_path / "data.csv").write_text("\n".join([lines[0], "-,-,-,Hz,-,-,N,N", *lines[1:], ""]))
+    message = refused(tmp_path)
+    assert 'line 2: frequency_Hz = "Hz": not a number; take its line out' in message
