@@ -64,6 +64,15 @@ class ChannelTable(InputTable):
     recorded: Annotated[bool, Field(strict=True, examples=[False])] = True
     uncalibrated: Annotated[bool, Field(strict=True, examples=[True])] = False
 
+    @model_validator(mode="before")
+    @classmethod
+    def _unit_of_its_quantity(cls, table: Any) -> Any:
+        """Where it is missing, with an example that suits the quantity."""
+        kind = QUANTITIES.get(str(table.get("quantity"))) if isinstance(table, dict) else None
+        if kind is not None and "unit" not in table:
+            raise ValueError(f'unit: missing; add it, such as unit = "{kind.example.split(maxsplit=1)[1]}"')
+        return table
+
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         _ = self.si_factor

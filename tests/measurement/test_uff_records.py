@@ -178,3 +178,11 @@ def test_gravity_by_its_usual_names_and_a_label_that_says_nothing(tmp_path: Path
         measurement = load(tmp_path, spectra().replace("m/s^2", unit), UFF_TOML.replace('"m/s^2"', '"g_0"'))
         said = any("the file's unit 'EU' is not understood; g_0 is taken" in a for a in measurement.assumptions)
         assert said == (unit == "EU")
+
+
+def test_amplitudes_alone_are_sent_to_csv(tmp_path: Path) -> None:
+    data = measured()
+    real = record(np.abs(data["acceleration"]), response=(2, 1), ordinate=ACCELERATION)
+    velocity = record(data["velocity"], response=(3, 1), ordinate=(11, "mm/s"))
+    message = refused(tmp_path, record(data["force"]) + real + velocity)
+    assert 'write amplitudes alone as CSV, reader = "csv_columns", with phase = "none"' in message
