@@ -16,9 +16,12 @@ from updamp.measurement.sweep_checks import (
     check_force,
     check_frequencies,
     check_level,
+    check_magnitudes,
+    check_not_zero,
     check_power,
     check_statements,
     in_order_of_the_sweep,
+    turned_as_stated,
 )
 
 
@@ -83,7 +86,12 @@ def _all_recorded(
     """Channels of the names and the force's, and what was taken for granted of them."""
     recorded = {name: _recorded(where, file, sweep, name) for name in names}
     recorded[file.force_channel], notes = _recorded_force(where, file, run, sweep)
-    return recorded, [*notes, *_checked(where, file, sweep, recorded)]
+    notes += _checked(where, file, sweep, recorded)
+    for name, channel in recorded.items():
+        here = f"{where} channel '{name}'"
+        recorded[name], turned = turned_as_stated(here, channel, file.channels[name].direction)
+        notes += turned
+    return recorded, notes
 
 
 def _checked(
@@ -94,12 +102,16 @@ def _checked(
     for name, channel in recorded.items():
         here, table = f"{where} channel '{name}'", file.channels[name]
         check_channel(here, channel, sweep.frequency)
+        if name != file.force_channel:
+            check_not_zero(here, channel, sweep.frequency)
+        if table.phase == "none":
+            check_magnitudes(here, channel, sweep.frequency)
         if table.uncalibrated:
             stands_for = f"1 {table.unit} stands for 1 {QUANTITIES[table.quantity].si}"
             notes.append(f"{here} is not calibrated: {stands_for}, and results are in {table.unit}")
         else:
             told = _told(sweep, file.label(name))
-            notes += check_statements(here, channel, table.quantity, table.unit, table.direction, told)
+            notes += check_statements(here, channel, table.quantity, table.unit, told)
     return notes
 
 

@@ -28,6 +28,8 @@ from updamp.measurement.measurement_file import (
 )
 from updamp.measurement.readers.registry import reader_of, usable_file
 from updamp.measurement.recorded import RecordedSweep, one_way
+from updamp.measurement.repeat_checks import check_numbers, copies
+from updamp.measurement.sample_checks import check_samples, phases_not_used
 from updamp.measurement.stated_features import is_feature_file, read_features
 
 FEW_REPEATS = 3  # assemblies; with fewer the scatter between them is hardly known
@@ -73,10 +75,12 @@ class _Files:
             with path.open("rb") as file:
                 self.hashes[name] = hashlib.file_digest(file, "sha256").hexdigest()
 
-    def read(self, where: str, toml: Path, run: RunTable, labels: tuple[str, ...]) -> tuple[RecordedSweep, ...]:
-        data = self.folder / run.file
+    def read(self, where: str, toml: Path, file: MeasurementFile, run: RunTable) -> tuple[RecordedSweep, ...]:
+        data, labels = self.folder / run.file, file.labels
         usable_file(data)
         reader = reader_of(data, run.reader)
+        if reader.of_samples:
+            check_samples(f"{data}: run '{run.name}'", file, run, reader.name)
         options = validated(toml, run.options, reader.options, f"{where}.options.")
         key = (str(data), reader.name, options.model_dump_json(), *labels)
         if key not in self.sweeps:
@@ -88,6 +92,7 @@ class _Files:
 
 def _with_runs(path: Path, file: MeasurementFile, files: _Files) -> Measurement:
     runs, assumptions = _runs(path, file, files)
+    check_numbers(str(path), runs)
     if file.repeatability is not None and len(repeats := {run.repeat for run in runs}) > 1:
         raise MeasurementError(
             f"{path}: repeatability = {file.repeatability:g}: there are {len(repeats)} repeats among the runs, which "
@@ -104,7 +109,9 @@ def _with_runs(path: Path, file: MeasurementFile, files: _Files) -> Measurement:
         ),
         runs=runs,
         features=_features(file, files),
-        assumptions=tuple(dict.fromkeys([*_conventions(file), *assumptions, *_few_repeats(runs)])),
+        assumptions=tuple(
+            dict.fromkeys([*_conventions(file), *assumptions, *copies(str(path), runs), *_few_repeats(runs)])
+        ),
         hashes=files.hashes,
         repeatability=file.repeatability or 0.0,
         drift=file.frequency_drift or DRIFT,
@@ -115,13 +122,12 @@ def _with_runs(path: Path, file: MeasurementFile, files: _Files) -> Measurement:
 
 
 def _runs(path: Path, file: MeasurementFile, files: _Files) -> tuple[tuple[MeasuredRun, ...], list[str]]:
-    labels = (file.label(file.force_channel), *(file.label(n) for n in file.channels if n != file.force_channel))
     times = Counter(run.name for run in file.runs)
     runs: list[MeasuredRun] = []
     assumptions: list[tuple[str, str]] = []
     for number, run in enumerate(file.runs):
         where = f"runs[{number}]"
-        sweeps = files.read(where, path, run, labels)
+        sweeps = files.read(where, path, file, run)
         data = files.folder / run.file
         chosen, notes = _chosen(data, run, sweeps)
         assumptions += [(run.name, note) for note in notes]
@@ -136,6 +142,8 @@ def _runs(path: Path, file: MeasurementFile, files: _Files) -> tuple[tuple[Measu
                 repeat = 1
                 note = f"{data}: run '{run.name}': its repeat (assembly) is not stated; taken as number 1"
                 assumptions.append((run.name, note))
+            if given := phases_not_used(file, run):
+                assumptions.append((run.name, f"{data}: run '{run.name}': {given}"))
             _check_phases(f"{data}: run '{run.name}'", file, run, sweep)
             measured, notes = measured_run(data, file, run, sweep, repeat)
             runs.append(measured)

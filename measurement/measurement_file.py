@@ -64,6 +64,15 @@ class ChannelTable(InputTable):
     recorded: Annotated[bool, Field(strict=True, examples=[False])] = True
     uncalibrated: Annotated[bool, Field(strict=True, examples=[True])] = False
 
+    @model_validator(mode="before")
+    @classmethod
+    def _unit_of_its_quantity(cls, table: Any) -> Any:
+        """Where it is missing, with an example that suits the quantity."""
+        kind = QUANTITIES.get(str(table.get("quantity"))) if isinstance(table, dict) else None
+        if kind is not None and "unit" not in table:
+            raise ValueError(f'unit: missing; add it, such as unit = "{kind.example.split(maxsplit=1)[1]}"')
+        return table
+
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         _ = self.si_factor
@@ -180,6 +189,11 @@ class MeasurementFile(InputTable):
     def force_channel(self) -> str:
         return next(name for name, channel in self.channels.items() if channel.quantity == "force")
 
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Of all channels, the force first."""
+        return tuple(self.label(n) for n in sorted(self.channels, key=lambda name: name != self.force_channel))
+
     def label(self, channel: str) -> str:
         """How the data files call the channel."""
         return self.channels[channel].label or channel
@@ -209,8 +223,9 @@ def _convention_problems(file: MeasurementFile) -> list[str]:
     lines = []
     for key in ("amplitude", "noise"):
         named = {name: getattr(channel, key) for name, channel in file.channels.items()}
-        if key == "noise":
-            named.pop(next((n for n, c in file.channels.items() if c.quantity == "force"), ""), None)
+        for name, channel in file.channels.items():
+            if channel.quantity == "force" and (key == "noise" or not channel.recorded):  # then it is the run's level
+                named.pop(name)
         open_ones = [name for name, value in named.items() if value is None]
         if open_ones and len(open_ones) < len(named):
             lines.append(

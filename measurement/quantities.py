@@ -1,6 +1,8 @@
 """Sensors' readings to peak displacements (or forces) in SI."""
 
+import re
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +30,10 @@ QUANTITIES: Mapping[str, SensorQuantity] = {
 # What a stated amplitude is to be multiplied by to give the peak value.
 AMPLITUDES: Mapping[str, float] = {"peak": 1.0, "rms": float(np.sqrt(2)), "peak_to_peak": 0.5}
 
+# The standard gravity as people and programs call it; to pint they are gram, gauss and nothing.
+GRAVITY: Mapping[str, str] = dict.fromkeys(("g", "G", "gn", "g_n", "g0"), "g_0")
+_POWER = re.compile(r"(?<=[A-Za-z])(-?\d)")  # a digit behind a letter
+
 
 def si_factor(unit: str, quantity: str, uncalibrated: bool = False) -> float:
     """One of the unit in SI, 1 where it is not calibrated.
@@ -44,23 +50,37 @@ def si_factor(unit: str, quantity: str, uncalibrated: bool = False) -> float:
         return Quantity(kind.si, f"1 {example}").to_si(f"1 {unit}")
     except ValueError as error:
         text = str(error).replace(f'"1 {example}"', f'"{example}"')
-        hint = '; for multiples of the standard gravity write "g_0" ("g" is gram)' if unit == "g" else ""
+        hint = '; for multiples of the standard gravity write "g_0" ("g" is gram, "G" gauss)' if unit in GRAVITY else ""
         raise ValueError(f'unit = "{unit}": for a {quantity}: {text}{hint}') from None
 
 
 def spellings(label: str) -> tuple[str, ...]:
-    """Of a unit in a data file, whose capitals are not to be relied on."""
-    return label, label.lower(), label.capitalize()
+    """Of a unit in a data file, whose capitals are not to be relied on, nor its sign of a power ("m/s2", "mm s-1")."""
+    plain = _POWER.sub(r"^\1", label.strip("()[] "))
+    return tuple(dict.fromkeys((label, plain, plain.lower(), plain.capitalize())))
 
 
 def label_factor(label: str, quantity: str) -> float:
-    """As `si_factor`, of a label in a data file. raises: ValueError"""
-    for spelled in spellings(label):
+    """As `si_factor`, of a label in a data file; an acceleration in g or G is one of gravity. raises: ValueError"""
+    gravity = [f"{label.strip('()[] ').lower()}_0"] if quantity == "acceleration" else []
+    for spelled in (*gravity, *(GRAVITY.get(one, one) for one in spellings(label))):
         try:
             return si_factor(spelled, quantity)
         except ValueError:
             continue
     raise ValueError(f'unit = "{label}": not understood as that of a {quantity}')
+
+
+def quantity_of_label(label: str) -> str:
+    """What else than it should a label in a data file measures: a quantity, or a voltage; "" where nobody can say."""
+    for quantity in QUANTITIES:
+        with suppress(ValueError):
+            label_factor(label, quantity)
+            return quantity
+    with suppress(ValueError):
+        Quantity("V", "1 V").to_si(f"1 {label}")
+        return "voltage"
+    return ""
 
 
 def to_displacement(amplitude: Complex, angular_frequency: Floats, quantity: str, phase_of: str | None) -> Complex:

@@ -40,9 +40,9 @@ class RecordedChannel:
     @property
     def has_phase(self) -> bool:
         """Whether any value of the first harmonic is not real, as near a resonance it is; where there is no first
-        harmonic nothing is known against it."""
+        harmonic, or nothing but zeros, nothing is known against it."""
         first = self.amplitude[[k == 1 for k in self.harmonics]]
-        return bool(not first.size or first.imag.any())
+        return bool(not first.any() or first.imag.any())
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,9 +1,11 @@
 """What a sweep must be before anything is computed from it: finite, ordered, driven, and in agreement with itself."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from updamp.measurement.measurement import MeasurementError
-from updamp.measurement.quantities import si_factor
+from updamp.measurement.quantities import label_factor, quantity_of_label, si_factor
 from updamp.measurement.recorded import Complex, Floats, RecordedChannel, RecordedSweep
 
 LEVEL_TOLERANCE = 0.25  # of the median measured against the stated level; RMS taken for peak is off by 0.29
@@ -48,6 +50,30 @@ def check_channel(where: str, channel: RecordedChannel, frequency: Floats) -> No
         raise MeasurementError(f"{where}: its noise has values that are negative or no finite numbers; mend the file")
 
 
+def check_not_zero(where: str, channel: RecordedChannel, frequency: Floats) -> None:
+    """raises: MeasurementError where the first harmonic of a response is zero: ratios of amplitudes are compared"""
+    zero = channel.amplitude[channel.harmonics.index(1)] == 0
+    if zero.any():
+        raise MeasurementError(
+            f"{where}: response = 0 at {zero.sum()} of {len(zero)} frequencies, the first {frequency[zero][0]:g} Hz; "
+            f"no sensor that works reads exactly that: leave the channel out (channels of the run), or take these "
+            f"frequencies out of the file"
+        )
+
+
+def check_magnitudes(where: str, channel: RecordedChannel, frequency: Floats) -> None:
+    """raises: MeasurementError where a channel of amplitudes alone has one that is negative"""
+    values = channel.amplitude[channel.harmonics.index(1)]
+    negative = (values.real < 0) & ~values.imag.any()
+    if negative.any():
+        i = int(np.argmax(negative))
+        raise MeasurementError(
+            f'{where}: with phase = "none" its values are amplitudes, and {negative.sum()} of {len(values)} are '
+            f"negative, the first {values[i].real:g} at {frequency[i]:g} Hz; mend them, make amplitudes of values in "
+            f'dB (10^(dB/20) of their reference), or take phase = "none" out where the signs mean something'
+        )
+
+
 def check_force(where: str, force: Complex, frequency: Floats) -> None:
     """raises: MeasurementError where it is zero: nothing can be divided by it"""
     zero = np.abs(force) == 0
@@ -83,9 +109,22 @@ def check_power(where: str, displacement: Complex, force: Complex, angular_frequ
         )
 
 
-def check_statements(
-    where: str, channel: RecordedChannel, quantity: str, unit: str, direction: str, told: str = ""
-) -> list[str]:
+def turned_as_stated(where: str, channel: RecordedChannel, direction: str) -> tuple[RecordedChannel, list[str]]:
+    """With the sign that the file's own minus asks for, and what was done or taken for granted for that.
+
+    A plus is what programs write where nobody set a direction: it gives way to a minus in measurement.toml.
+    """
+    wanted = (direction if direction[0] in "+-" else f"+{direction}").upper()
+    if channel.direction in ("", wanted):
+        return channel, []
+    if channel.direction[1:] != wanted[1:] or channel.direction[0] == "+":
+        note = f"{where}: the file's direction {channel.direction} is taken for the model's {wanted.lower()}"
+        return channel, [note]
+    note = f"{where}: the file's direction {channel.direction} is opposite to {wanted.lower()}; its sign is turned"
+    return replace(channel, amplitude=-channel.amplitude, direction=wanted), [note]
+
+
+def check_statements(where: str, channel: RecordedChannel, quantity: str, unit: str, told: str = "") -> list[str]:
     """What the file says of its channel against measurement.toml; returns what was taken for granted.
 
     told: what its reader said of the channel
@@ -98,8 +137,13 @@ def check_statements(
         )
     if channel.unit:
         try:
-            stated = si_factor({"g": "g_0"}.get(channel.unit, channel.unit), quantity)
+            stated = label_factor(channel.unit, quantity)
         except ValueError:
+            if other := quantity_of_label(channel.unit):
+                raise MeasurementError(
+                    f"{where}: the file says {channel.unit}, the unit of a {other}; measurement.toml quantity = "
+                    f'"{quantity}", unit = "{unit}"; correct one of them{f" ({told})" if told else ""}'
+                ) from None
             notes.append(f"{where}: the file's unit '{channel.unit}' is not understood; {unit} is taken")
         else:
             if not np.isclose(stated, si_factor(unit, quantity), rtol=1e-6):
@@ -107,9 +151,6 @@ def check_statements(
                     f'{where}: the file says {channel.unit}, measurement.toml unit = "{unit}"; correct one of them'
                     f"{f' ({told})' if told else ''}"
                 )
-    wanted = direction if direction[0] in "+-" else f"+{direction}"
-    if channel.direction and channel.direction.lower() != wanted:
-        notes.append(f"{where}: the file's direction {channel.direction} is taken for the model's {wanted}")
     return notes
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from updamp.comparison.fit.failing_model import as_many, independent
 from updamp.comparison.fit.roughness import freedom, roughness, shrunk
 from updamp.comparison.prediction.run_condition import DERIVATIVES, HeldResponse, RunCondition
-from updamp.measurement.measurement import DRIFT, GAIN, MeasuredRun, Measurement
+from updamp.measurement.measurement import DRIFT, GAIN, MeasuredRun, Measurement, MeasurementError
 
 Floats = NDArray[np.float64]
 
@@ -207,7 +207,7 @@ def _observations(run: MeasuredRun, test: int, condition: RunCondition, measurem
     turn = run.force / np.abs(run.force)
     columns, noise = [np.log(run.frequency)], [np.full(len(run), measurement.frequency_error)]
     for point, k in condition.sensors:
-        amplitude = run.amplitude(points[point], k) / turn**k
+        amplitude = _nowhere_zero(run, points[point], k) / turn**k
         deviation = _deviation(run, points[point], k)
         columns += [np.log(np.abs(amplitude)), np.unwrap(np.angle(amplitude))]
         unknown = points[point] in run.without_phase
@@ -219,6 +219,17 @@ def _observations(run: MeasuredRun, test: int, condition: RunCondition, measurem
         w = 2 * np.pi * run.frequency
         level = np.log(np.abs(held) * w**condition.control.derivatives / condition.control.level)
     return Observations(run.name, test, run.repeat, np.column_stack(columns), np.column_stack(noise), log_force, level)
+
+
+def _nowhere_zero(run: MeasuredRun, channel: str, k: int) -> NDArray[np.complex128]:
+    """Its amplitudes. raises: MeasurementError where one is zero and has no logarithm"""
+    amplitude = run.amplitude(channel, k)
+    if (zero := amplitude == 0).any():
+        raise MeasurementError(
+            f"run '{run.name}' channel '{channel}' harmonic {k}: response = 0 at {zero.sum()} of {len(run)} "
+            f"frequencies, the first {run.frequency[zero][0]:g} Hz; leave the harmonic or these frequencies out"
+        )
+    return amplitude
 
 
 def _deviation(run: MeasuredRun, channel: str, k: int) -> Floats:

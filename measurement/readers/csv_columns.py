@@ -1,6 +1,6 @@
 """CSV with columns of its own for each channel, one line a frequency: as a spreadsheet has it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from updamp.measurement.measurement import MeasurementError, near
+from updamp.measurement.readers.column_checks import check_columns, check_radians
 from updamp.measurement.readers.gather import group_rows, repeat_number, sweep_direction, text_of
 from updamp.measurement.readers.registry import register
 from updamp.measurement.readers.table import Codes, CsvForm, Table, header_of, read_table
@@ -58,9 +59,13 @@ def read_csv_columns(path: Path, labels: tuple[str, ...], options: ColumnOptions
     )
     used = {options.frequency, *present, *parts, *marks}
     others = tuple(name for name in header if name not in used)
-    notes = (*table.notes, *_granted(path, labels[0], {*options.phase, *options.imaginary}, present))
+    groups = group_rows(run, repeat, sweep)
+    check_columns(path, table, options.phase, labels[0])
+    if options.phase_unit == "rad":
+        check_radians(path, table, options.phase, groups)
+    notes = (*table.notes, *_granted(path, labels[0], options, present, others))
     found = []
-    for rows in group_rows(run, repeat, sweep):
+    for rows in groups:
         name = text_of(run, rows)
         channels = {label: RecordedChannel(_amplitude(table, options, label, rows)[None]) for label in present}
         number = repeat_number(path, name, text_of(repeat, rows))
@@ -81,11 +86,20 @@ def _check_keys(path: Path, labels: tuple[str, ...], options: ColumnOptions) -> 
                 )
 
 
-def _granted(path: Path, force: str, with_phase: set[str], present: list[str]) -> tuple[str, ...]:
+def _granted(
+    path: Path, force: str, options: ColumnOptions, present: list[str], others: Sequence[str]
+) -> tuple[str, ...]:
     """Where the responses have phases and the force has none: what they are taken to refer to."""
+    with_phase = {*options.phase, *options.imaginary}
     if force not in present or force in with_phase or not with_phase:
         return ()
-    return (f"{path.name}: no phase is named for the force, '{force}'; the others are taken as against the force",)
+    note = f"{path.name}: no phase is named for the force, '{force}'; the others are taken as against the force"
+    if options.imaginary and others:
+        note += (
+            f". Is one of the columns not used, {', '.join(others)}, its imaginary part? Then name it, such as "
+            f'options.imaginary = {{ "{force}" = "{others[0]}" }}'
+        )
+    return (note,)
 
 
 def _amplitude(table: Table, options: ColumnOptions, label: str, rows: NDArray[np.intp]) -> Complex:

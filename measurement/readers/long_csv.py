@@ -1,7 +1,7 @@
 """CSV in long form: one line an amplitude."""
 
 import csv
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -69,6 +69,15 @@ def _check_header(path: Path, header: tuple[str, ...]) -> None:
     unknown = [name for name in header if name not in COLUMNS]
     if missing or unknown:
         raise MeasurementError(
-            f"{path}: header = {','.join(header)[:80]!r}: wanted is {','.join(COLUMNS)}; where each channel has "
+            f"{path}: header = {','.join(header)[:80]!r}: wanted is {','.join(COLUMNS)}"
+            f"{_differing(missing, unknown)}; where each channel has "
             f'columns of its own, reader = "csv_columns"; for time signals reader = "time_csv"'
         )
+
+
+def _differing(missing: Sequence[str], unknown: Sequence[str]) -> str:
+    """In words, which columns are in the way, where most are there."""
+    if len(missing) > len(COLUMNS) // 2:
+        return ""
+    lines = [f"there is no '{name}'" for name in missing] + [f"'{name[:40]}' is none of these" for name in unknown]
+    return f" ({', '.join(lines)})"

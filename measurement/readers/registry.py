@@ -24,12 +24,14 @@ class ReadFunction(Protocol):
 
 @dataclass(frozen=True)
 class Reader:
-    """endings: of the files it reads unless measurement.toml names another; options: its keys in `options = {...}`"""
+    """endings: of the files it reads unless measurement.toml names another; options: its keys in `options = {...}`;
+    of_samples: whether its files hold time signals, which it makes amplitudes from itself"""
 
     name: str
     endings: tuple[str, ...]
     options: type[InputTable]
     read: ReadFunction
+    of_samples: bool = False
 
 
 class NoOptions(InputTable):
@@ -40,7 +42,7 @@ _READERS: dict[str, Reader] = {}
 
 
 def register(
-    name: str, endings: tuple[str, ...] = (), options: type[InputTable] = NoOptions
+    name: str, endings: tuple[str, ...] = (), options: type[InputTable] = NoOptions, of_samples: bool = False
 ) -> Callable[[ReadFunction], ReadFunction]:
     """Decorator of a reader's function. raises: ValueError where the name or an ending is taken"""
 
@@ -48,7 +50,7 @@ def register(
         registered = {ending for reader in _READERS.values() for ending in reader.endings}
         if name in _READERS or registered & set(endings):
             raise ValueError(f"reader '{name}' for {endings}: the name or an ending is taken already")
-        _READERS[name] = Reader(name, endings, options, read)
+        _READERS[name] = Reader(name, endings, options, read, of_samples)
         return read
 
     return add
@@ -84,7 +86,8 @@ def usable_file(path: Path, largest: float = float("inf")) -> None:
         beside = (file.name for file in path.parent.iterdir()) if path.parent.is_dir() else ()
         raise MeasurementError(f"{path}: no such file; beside measurement.toml {near(path.name, sorted(beside))}")
     if not path.is_file():
-        raise MeasurementError(f"{path}: is a folder; name the data file itself")
+        kind = "a folder" if path.is_dir() else "a device or pipe, no file"
+        raise MeasurementError(f"{path}: is {kind}; name the data file itself")
     size = path.stat().st_size
     if size == 0:
         raise MeasurementError(f"{path}: the file is empty (0 bytes); export it again")

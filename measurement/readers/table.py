@@ -181,13 +181,13 @@ def _check_rows(path: Path, width: int, rows: list[list[str]], before: int) -> N
     for i, row in enumerate(rows):
         if len(row) != width:
             raise MeasurementError(
-                f"{path}: line {_line_of(path, before + i)}, {','.join(row)[:60]!r}, has {len(row)} columns, the "
+                f"{path}: line {line_of(path, before + i)}, {','.join(row)[:60]!r}, has {len(row)} columns, the "
                 f"header {width}; the file is cut off or its columns are parted otherwise (decimal commas need "
                 f"semicolons between columns)"
             )
 
 
-def _line_of(path: Path, row: int) -> int:
+def line_of(path: Path, row: int) -> int:
     """Number in the file, from 1, of a row below the header: empty lines and comments are counted here."""
     with path.open(encoding="utf-8-sig", newline="") as file:
         lines = (number for number, line in enumerate(file, 1) if line.strip() and not line.startswith("#"))
@@ -200,7 +200,7 @@ def _numbers(path: Path, column: str, texts: Sequence[str], before: int, form: C
     except ValueError:
         i, bad = next((i, text) for i, text in enumerate(texts) if not _is_number(form.plain(text)))
         raise MeasurementError(
-            f'{path}: line {_line_of(path, before + i)}: {column} = "{bad[:60]}": not a number; {_remedy(bad, form)}'
+            f'{path}: line {line_of(path, before + i)}: {column} = "{bad[:60]}": not a number; {_remedy(bad, form)}'
         ) from None
 
 
@@ -209,6 +209,8 @@ def _remedy(bad: str, form: CsvForm) -> str:
         return 'with decimal = "," numbers have a decimal comma and no points'
     if _is_number(bad.translate(_COMMAS)):
         return 'write numbers with a decimal point, or state in its run options = { decimal = "," } with its delimiter'
+    if bad.strip() and not any(sign.isdigit() for sign in bad):
+        return "take its line out (units belong into measurement.toml), or begin it with # as a comment"
     return "write numbers with a decimal point"
 
 

@@ -21,7 +21,7 @@ class TimeCsvOptions(TimeOptions, CsvForm):
     step: Annotated[str, Field(examples=["frequency_Hz"])] = "frequency_Hz"
 
 
-@register("time_csv", options=TimeCsvOptions)
+@register("time_csv", options=TimeCsvOptions, of_samples=True)
 def read_time_csv(path: Path, labels: tuple[str, ...], options: TimeCsvOptions) -> tuple[RecordedSweep, ...]:
     """One sweep: its steps are the stretches over which the commanded frequency is constant and time does not start
     again."""

@@ -25,6 +25,7 @@ FUNCTIONS = {  # record 6, field 1
 # What data set 164 has for a metre and a newton (a value over it is in SI), in as few digits as programs write.
 LENGTHS = {"m": 1.0, "mm": 1e3, "cm": 100.0, "ft": 3.28084, "in": 39.3701, "um": 1e6}
 FORCES = {"N": 1.0, "mN": 1e3, "cN": 100.0, "kN": 1e-3, "lbf": 0.224809, "kgf": 0.101972, "pdl": 7.23301}
+_AMPLITUDES_ALONE = '; write amplitudes alone as CSV, reader = "csv_columns", with phase = "none" for the channel'
 Place = tuple[int, str]  # node (0 where none is stated) and direction
 _DIRECTED = re.compile(r"(\d+)([+-][XYZ])")
 
@@ -165,6 +166,7 @@ def unusable(record: Record, as_force: bool) -> str:
             f"is of function type {kind} ({FUNCTIONS.get(kind, 'another')}) with abscissa type {abscissa}"
             f"{'' if np.iscomplexobj(record['data']) else ' and real values'}; wanted are complex spectra (0 or 12) or "
             f"frequency response functions (4) over frequency (18): power spectra and coherences have no phase"
+            f"{_AMPLITUDES_ALONE if kind in (0, 4, 12) and not np.iscomplexobj(record['data']) else ''}"
         )
     if as_force and is_ratio(record):
         return "is a frequency response function, divided by a force, and no force"

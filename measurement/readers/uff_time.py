@@ -31,7 +31,7 @@ from updamp.measurement.readers.uff_runs import Part, parts_of
 from updamp.measurement.recorded import RecordedChannel, RecordedSweep
 
 
-@register("uff_time", options=TimeOptions)
+@register("uff_time", options=TimeOptions, of_samples=True)
 def read_uff_time(path: Path, labels: tuple[str, ...], options: TimeOptions) -> tuple[RecordedSweep, ...]:
     """One sweep for each run and repeat (version number) in the file."""
     records = uff_records(path)

@@ -43,6 +43,10 @@ def refused(folder: Path, toml: str = TOML, sweep: RecordedSweep | None = None, 
         ('unit = "mm/s"', 'unit = "dB"\nuncalibrated = true', ['channels.laser.unit = "dB"', "10^(dB/20)"]),
         ('"17 N"', '"2 dB"', ['level = "2 dB"', "logarithmic"]),
         ('"g_0"', '"g"', ['unit = "g"', 'write "g_0"', "gram"]),
+        ('unit = "N"\n', "", ["channels.force.unit: missing", 'such as unit = "N"']),
+        ('"g_0"', '"G"', ['unit = "G"', 'write "g_0"', "gauss"]),
+        ('"g_0"', '"gn"', ['unit = "gn"', 'write "g_0"']),
+        ('file = "data.csv"', 'file = "/dev/null"', ["/dev/null: is a device or pipe, no file"]),
         ('"17 N"', '"17"', ['level = "17"', "state its unit"]),
         ('"960 N"', '"960 mm"', ["damper_load", "960 mm", "wrong dimension"]),
         ('point = "mass.tip"', 'point = "mass.tpi"', ["channels.laser.point", "mass.tpi.x", "did you mean mass.tip.x"]),
@@ -82,7 +86,7 @@ def test_statements(tmp_path: Path, old: str, new: str, words: list[str]) -> Non
         assert word in message, message
 
 
-def with_value(channel: str, place: tuple[int, int], value: complex) -> RecordedSweep:
+def with_value(channel: str, place: tuple[int, int | slice], value: complex) -> RecordedSweep:
     sweep = recorded()
     amplitude = sweep.channels[channel].amplitude.copy()
     amplitude[place] = value
@@ -95,6 +99,8 @@ def with_value(channel: str, place: tuple[int, int], value: complex) -> Recorded
         (with_value("laser", (1, 7), complex(np.nan, 0)), ["laser", "1 of 82", f"{FREQUENCY[7]:g} Hz", "harmonic 3"]),
         (with_value("accelerometer", (0, 3), complex(0, np.inf)), ["accelerometer", "no finite number", "take these"]),
         (with_value("force", (0, 5), 0j), ["force = 0", "1 of 41", f"{FREQUENCY[5]:g} Hz"]),
+        (with_value("laser", (0, 5), 0j), ["'laser': response = 0", "1 of 41", f"{FREQUENCY[5]:g} Hz", "take these"]),
+        (with_value("laser", (0, slice(None)), 0j), ["'laser': response = 0", "41 of 41", "leave the channel out"]),
         (replace(recorded(), frequency=np.where(FREQUENCY > 430, FREQUENCY, np.nan)), ["frequency = nan"]),
         (replace(recorded(), frequency=np.round(FREQUENCY)), ["frequency = 428 Hz", "places 1 and 2", "average"]),
         (replace(recorded(), frequency=np.roll(FREQUENCY, 9)), ["turn round at 432", "place 9", "split"]),
@@ -171,6 +177,25 @@ def test_repeats_without_numbers(tmp_path: Path) -> None:
     assert "listed twice" in refused(tmp_path, TOML + run)
     other = run.replace("data.csv", "second.csv").replace('mode = "B"', 'mode = "A"')
     assert "runs of one name are repeats" in refused(tmp_path, TOML + other)
+
+
+def test_one_repeat_is_listed_twice(tmp_path: Path) -> None:
+    again = TOML[TOML.index("[[runs]]") :] + "repeat = 1\n"  # the number that the file states
+    message = refused(tmp_path, TOML + again)
+    for word in ("measurement.toml", "run 'B 17 N' has repeat = 1 more than once", "listed twice"):
+        assert word in message, message
+
+
+def test_values_that_are_copied_are_asked_about(tmp_path: Path) -> None:
+    """As another repeat, and as another run."""
+    write_hdf5(tmp_path / "data.h5", [recorded(1), replace(recorded(1), repeat=2), recorded(3)])
+    toml = TOML.replace("data.csv", "data.h5")
+    again = toml[toml.index("[[runs]]") :].replace('name = "B 17 N"', 'name = "C"\nrun = "B 17 N"\nrepeat = 3')
+    path = tmp_path / "measurement.toml"
+    path.write_text(toml + again)
+    asked = [a for a in load_measurement(path).assumptions if "is it a copy?" in a]
+    assert ["run 'B 17 N' repeat 2 has the very values of run 'B 17 N' repeat 1" in a for a in asked] == [True, False]
+    assert "run 'C' repeat 3 has the very values of run 'B 17 N' repeat 3" in asked[1]
 
 
 def test_one_repeat_number_for_two_sweeps(tmp_path: Path) -> None:
@@ -276,3 +301,15 @@ def test_the_order_of_runs_is_that_of_all(tmp_path: Path, first: str, second: st
 def test_no_run_is_listed(tmp_path: Path) -> None:
     toml = "runs = []\n" + TOML[: TOML.index("[[runs]]")]
     assert "runs = []: state at least one run" in refused(tmp_path, toml)
+
+
+def test_what_is_wrong_in_a_table_is_named(tmp_path: Path) -> None:
+    write_long_csv(tmp_path / "data.csv", [recorded()])
+    good = (tmp_path / "data.csv").read_text()
+    (tmp_path / "data.csv").write_text(good.replace("frequency_Hz", "Frequency_Hz"))
+    message = refused(tmp_path)
+    assert "there is no 'frequency_Hz', 'Frequency_Hz' is none of these" in message
+    lines = good.splitlines()
+    (tmp_path / "data.csv").write_text("\n".join([lines[0], "-,-,-,Hz,-,-,N,N", *lines[1:], ""]))
+    message = refused(tmp_path)
+    assert 'line 2: frequency_Hz = "Hz": not a number; take its line out' in message

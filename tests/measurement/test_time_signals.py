@@ -86,7 +86,7 @@ def test_nothing_is_left_after_settling(tmp_path: Path, settle: str, words: str)
     ]
     (tmp_path / "data.csv").write_text("\n".join(lines) + "\n")
     path = tmp_path / "measurement.toml"
-    path.write_text(TOML + OPTIONS.format("time_csv").replace("0.1 s", settle))
+    path.write_text(TOML.replace('"rms"', '"peak"') + OPTIONS.format("time_csv").replace("0.1 s", settle))
     with pytest.raises(MeasurementError, match=words):
         load_measurement(path)
 
@@ -146,3 +146,27 @@ def test_sample_of_pyuff_is_fitted_only_with_a_frequency_it_has() -> None:
         read_uff_time(path, ("Mic 01",), TimeOptions.model_validate({"frequency": "430 Hz"}))
     with pytest.raises(MeasurementError, match="no record 'force', the force; there are Mic 01"):
         read_uff_time(path, ("force",), TimeOptions())
+
+
+@pytest.mark.parametrize("reader", ["time_csv", "uff_time"])
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("exp(+iwt)", "exp(-iwt)", 'time_convention = "exp(-iwt)"'),
+        ('"mm/s"', '"mm/s"\nphase_of = "displacement"', 'channels.laser.phase_of = "displacement"'),
+        ('"peak"\n\n[channels.acc', '"rms"\n\n[channels.acc', 'channels.laser.amplitude = "rms"'),
+        ('"peak"\n\n[channels.las', '"peak_to_peak"\n\n[channels.las', 'channels.force.amplitude = "peak_to_peak"'),
+    ],
+)
+def test_what_holds_for_spectra_has_no_meaning_for_samples(
+    tmp_path: Path, reader: str, old: str, new: str, words: str
+) -> None:
+    toml = TOML.replace('"rms"', '"peak"')
+    assert old in toml
+    (tmp_path / "data.csv").write_text("time_s,frequency_Hz,force,laser\n0,430,1,1\n")
+    path = tmp_path / "measurement.toml"
+    path.write_text(toml.replace(old, new) + OPTIONS.format(reader))
+    with pytest.raises(MeasurementError) as error:
+        load_measurement(path)
+    for word in ("data.csv", "run 'B 17 N'", words, f"{reader} reads time signals", ": "):
+        assert word in str(error.value), str(error.value)

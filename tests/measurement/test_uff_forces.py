@@ -131,3 +131,23 @@ def test_an_uncalibrated_force_divides_in_its_own_unit(tmp_path: Path) -> None:
     volts = ('unit = "N"', 'unit = "V"\nuncalibrated = true\nrecorded = false'), ('level = "17 N"', 'level = "17 V"')
     assert_is_the_oscillator(load(tmp_path, ratios(below="V"), *volts))
     assert 'divided by a force in "N", the force is uncalibrated in "V"' in refused(tmp_path, ratios(), *volts)
+
+
+def test_a_record_towards_minus_is_turned_whatever_it_is_of(tmp_path: Path) -> None:
+    """A response as spectrum and over force, and the force itself, which its functions are divided by too."""
+    data = measured()
+    velocity = record(data["velocity"], response=(3, 1), ordinate=(11, "mm/s"))
+    minus = ('label = "2+X"', 'label = "2-X"')
+    towards = {"response": (2, -1), "ordinate": (12, "m/s^2")}
+    ratio = record(-data["acceleration"] / data["force"], function=4, reference=(1, 1), below=(13, "N"), **towards)
+    for one in (record(-data["acceleration"], **towards), ratio):
+        turned = load(tmp_path, NEWTONS + one + velocity, minus)
+        assert_is_the_oscillator(turned)
+        assert any(
+            "channel 'accelerometer': the file's direction -X is opposite to +x" in a for a in turned.assumptions
+        )
+    stated = load(tmp_path, spectra(), ('direction = "x"\nunit = "mm/s"', 'direction = "-x"\nunit = "mm/s"'))
+    assert any("direction +X is taken for the model's -x" in a for a in stated.assumptions)
+    force_towards_minus = record(-data["force"], response=(1, -1))
+    for responses in (ratios((1, 1)), ratios((1, -1), scale=-1.0)):
+        assert_is_the_oscillator(load(tmp_path, force_towards_minus + responses, ('label = "1+X"', 'label = "1-X"')))

@@ -151,3 +151,38 @@ def test_six_digits_of_even_spacing_are_said(tmp_path: Path) -> None:
     write_uff58(path, [recorded()])
     toml = TOML.replace("data.csv", "data.uff")
     assert not any("six digits" in a for a in load(tmp_path, path.read_bytes(), toml).assumptions)
+
+
+@pytest.mark.parametrize("unit", ["m/s2", "m/s²", "(m/s^2)", "M/S^2", "m s-2", "m/s**2"])
+def test_usual_spellings_of_a_unit(tmp_path: Path, unit: str) -> None:
+    measurement = load(tmp_path, spectra().replace("m/s^2", unit))
+    assert_is_the_oscillator(measurement)
+    assert not any("not understood" in a for a in measurement.assumptions)
+    assert 'measurement.toml unit = "mm/s^2"' in refused(
+        tmp_path, spectra().replace("m/s^2", unit), UFF_TOML.replace('"m/s^2"', '"mm/s^2"')
+    )
+
+
+@pytest.mark.parametrize(
+    ("unit", "quantity"), [("mm/s", "velocity"), ("um", "displacement"), ("N", "force"), ("mV", "voltage")]
+)
+def test_the_unit_of_another_quantity_is_refused(tmp_path: Path, unit: str, quantity: str) -> None:
+    message = refused(tmp_path, spectra().replace("m/s^2", unit))
+    words = (f"the file says {unit}, the unit of a {quantity}", 'quantity = "acceleration"', "'B 17 N'", "data.uff")
+    for word in words:
+        assert word in message, message
+
+
+def test_gravity_by_its_usual_names_and_a_label_that_says_nothing(tmp_path: Path) -> None:
+    for unit in ("g", "G", "gn", "EU"):
+        measurement = load(tmp_path, spectra().replace("m/s^2", unit), UFF_TOML.replace('"m/s^2"', '"g_0"'))
+        said = any("the file's unit 'EU' is not understood; g_0 is taken" in a for a in measurement.assumptions)
+        assert said == (unit == "EU")
+
+
+def test_amplitudes_alone_are_sent_to_csv(tmp_path: Path) -> None:
+    data = measured()
+    real = record(np.abs(data["acceleration"]), response=(2, 1), ordinate=ACCELERATION)
+    velocity = record(data["velocity"], response=(3, 1), ordinate=(11, "mm/s"))
+    message = refused(tmp_path, record(data["force"]) + real + velocity)
+    assert 'write amplitudes alone as CSV, reader = "csv_columns", with phase = "none"' in message

@@ -134,3 +134,10 @@ def test_frequencies_are_known_as_well_as_is_stated(tmp_path):
     stated = load_measurement(written(tmp_path, "repeatability = 0.03", "repeatability = 0.03\nfrequency_error = 4e-4"))
     assert (plan_of(stated).observations[0].noise[:, 0] == 4e-4).all()
     assert (plan_of(load_measurement(written(tmp_path))).observations[0].noise[:, 0] == 2e-6).all()
+
+
+def test_a_force_that_is_the_level_needs_no_sort_of_amplitude(tmp_path: Path) -> None:
+    plain = load_measurement(written(tmp_path)).runs[0]
+    rms = load_measurement(written(tmp_path, 'phase = "none"', 'phase = "none"\namplitude = "rms"')).runs[0]
+    np.testing.assert_array_equal(rms.force, plain.force)
+    np.testing.assert_allclose(rms.amplitude("gauge"), np.sqrt(2) * plain.amplitude("gauge"), rtol=1e-12)

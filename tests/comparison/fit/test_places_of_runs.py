@@ -7,7 +7,7 @@ import pytest
 
 from updamp.comparison.fit.observations import plan_of
 from updamp.comparison.prediction.run_condition import same_sweeps
-from updamp.measurement.measurement import Channel, MeasuredRun, Measurement
+from updamp.measurement.measurement import Channel, MeasuredRun, Measurement, MeasurementError
 
 
 def run(name: str, level: float, upwards: bool, repeat: int, taken: int) -> MeasuredRun:
@@ -42,3 +42,11 @@ def test_they_go_from_the_first_to_the_last_and_those_at_one_level_stand_togethe
 def test_without_an_order_or_company_they_are_in_the_middle():
     assert [c.place for c in conditions(*(replace(r, taken=0) for r in FIRST))] == [0.0, 0.0]
     assert conditions(FIRST[0])[0].place == 0.0
+
+
+def test_a_zero_has_no_logarithm_and_is_named():
+    first = FIRST[0]
+    response = first.response.copy()
+    response[0, 0, 4] = 0
+    with pytest.raises(MeasurementError, match=r"run '1 N' channel 'tip' harmonic 1: response = 0 at 1 of 12"):
+        conditions(replace(first, response=response))
