@@ -38,11 +38,13 @@ def with_hardly_felt_resonances(system: NonlinearSystem, request: CurveRequest, 
 
 @dataclass(frozen=True, eq=False)
 class _Resonance:
-    """Of one of the modes at small amplitudes. share: of the least response on the curve, how large its own is"""
+    """Of one of the modes at small amplitudes. share: of the least response on the curve, how large its own is; window:
+    width of the window [Hz]"""
 
     modes: SmallAmplitude
     mode: int
     share: float
+    window: float
 
     @property
     def frequency(self) -> float:
@@ -57,8 +59,9 @@ class _Resonance:
     @property
     def distances(self) -> Floats:
         """From it [Hz], each twice the one before, until the mode's own response, which falls as the distance grows,
-        has become as small as the least one."""
-        return self.half_width * 2.0 ** np.arange(max(np.ceil(np.log2(self.share)), 0.0) + 1)
+        has become as small as the least one, or the window ends."""
+        farthest = min(self.share, self.window / self.half_width)
+        return self.half_width * 2.0 ** np.arange(max(np.ceil(np.log2(farthest)), 0.0) + 1)
 
     def motion(self, system: NonlinearSystem, excitation: Excitation, frequency: float) -> Floats:
         """(n_relative, n_coefficients) of the elements, by the mode alone [m]"""
@@ -84,7 +87,7 @@ def _resonances(system: NonlinearSystem, request: CurveRequest, curve: ResponseC
         own = np.abs(modes.motion(i, request.excitation.row, 2 * np.pi * float(modes.frequencies[i]))[told])
         share = float((own / np.maximum(least, np.finfo(float).tiny)).max())
         if share > request.options.largest_step:
-            yield _Resonance(modes, i, share)
+            yield _Resonance(modes, i, share, high - low)
 
 
 def _passes(curve: ResponseCurve, frequency: float, step: float) -> list[int]:

@@ -83,6 +83,15 @@ def test_a_resonance_that_moves_the_element_a_little_in_a_narrow_band_has_its_pe
     assert curve.peak("observed")[1] == pytest.approx(largest(K, C, 1, (1.1, 1.5)), rel=1e-3)
 
 
+def test_a_point_that_hardly_moves_elsewhere_has_its_peak():
+    """The told point is driven through the resonance alone: beside it its response is next to nothing."""
+    K = np.array([[1.0, -1e-12], [-1e-12, 1.69]])
+    C = np.diag([2e-3, 2e-3])
+    curve = traced(K, C, 0, cubic(1e-9), 1, (1.1, 1.5), force=0.01)[2]
+    assert curve.complete
+    assert curve.peak("observed")[1] == pytest.approx(largest(K, C, 1, (1.1, 1.5)), rel=1e-3)
+
+
 def test_nothing_is_put_in_where_the_elements_have_moved_the_resonance():
     """A hardening resonance far above that of small amplitudes, where the branch passes in long steps."""
     K, C = np.array([[1.0]]), np.array([[0.005]])
