@@ -183,8 +183,7 @@ def calibrated_factors(fitted: Fit) -> tuple[Calibrated, ...]:
     """As factors on the rig file's values."""
     entries = []
     for n, u, s in zip(fitted.parametrisation.nuisances, fitted.u, fitted.uncertainty, strict=False):
-        after, lower, upper = (float(np.exp(u + z * s)) for z in (0.0, -1.96, 1.96))
-        entries.append(Calibrated(n.name, "", 1.0, n.deviation, after, lower, upper))
+        entries.append(_calibrated(n.name, n.deviation, float(u), float(s)))
     return tuple(entries)
 
 
@@ -194,9 +193,15 @@ def calibrated_modes(fitted: Fit) -> tuple[Calibrated, ...]:
     entries = []
     for name, places in together_of_mode([n.name for n in known], fitted.parametrisation.base.modes).items():
         deviation = math.hypot(*(known[i].deviation for i in places))
-        u, s = float(sum(fitted.u[i] for i in places)), fitted.uncertainty_of_sum(places)
-        entries.append(Calibrated(name, "", 1.0, deviation, *(float(np.exp(u + z * s)) for z in (0.0, -1.96, 1.96))))
+        u = float(fitted.u[list(places)].sum())
+        entries.append(_calibrated(name, deviation, u, fitted.uncertainty_of_sum(places)))
     return tuple(entries)
+
+
+def _calibrated(name: str, prior_deviation: float, u: float, deviation: float) -> Calibrated:
+    """As a factor; u, deviation: of its logarithm"""
+    after, lower, upper = (float(np.exp(u + z * deviation)) for z in (0.0, -1.96, 1.96))
+    return Calibrated(name, "", 1.0, prior_deviation, after, lower, upper)
 
 
 def _point_residuals(fitted: Fit, plan: Plan, names: Mapping[str, str]) -> list[PointResidual]:

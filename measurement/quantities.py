@@ -62,8 +62,7 @@ def spellings(label: str) -> tuple[str, ...]:
 
 def label_factor(label: str, quantity: str) -> float:
     """As `si_factor`, of a label in a data file; an acceleration in g or G is one of gravity. raises: ValueError"""
-    gravity = [f"{label.strip('()[] ').lower()}_0"] if quantity == "acceleration" else []
-    for spelled in (*gravity, *(GRAVITY.get(one, one) for one in spellings(label))):
+    for spelled in (GRAVITY.get(one, one) for one in spellings(label)):
         try:
             return si_factor(spelled, quantity)
         except ValueError:

@@ -12,7 +12,7 @@ from difflib import get_close_matches
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.findings.backbone import highest
+from updamp.comparison.findings.backbone import half_power_frequency, highest, tops
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.problem.small_amplitude import SmallAmplitude
 from updamp.measurement.measurement import MeasuredRun, Measurement, MeasurementError
@@ -126,9 +126,7 @@ def _few(run: MeasuredRun, points: int) -> str:
 
 def _largest_at_an_end(run: MeasuredRun) -> str:
     """Where no channel has a top between the ends of the measured frequencies; "" where one has"""
-    sizes = np.abs([run.receptance(channel) for channel in run.channels])
-    tops = (sizes[:, 1:-1] >= sizes[:, :-2]) & (sizes[:, 1:-1] >= sizes[:, 2:])
-    if tops.any():
+    if any(len(tops(np.abs(run.receptance(channel)))) for channel in run.channels):
         return ""
     low, high = float(run.frequency.min()), float(run.frequency.max())
     return (
@@ -220,10 +218,10 @@ def _turn(run: MeasuredRun, name: str, options: QuestionOptions) -> str:
     frequency, receptance = run.frequency[order], run.receptance(name)[order]
     size = np.abs(receptance)
     top = highest(size)
-    below = size < size[top] / np.sqrt(2)
-    if not (below[:top].any() and below[top:].any()):
+    low, high = (half_power_frequency(frequency, size, top, side) for side in (-1, 1))
+    if np.isnan([low, high]).any():
         return ""
-    before, after = int(np.flatnonzero(below[:top])[-1]), top + int(np.flatnonzero(below[top:])[0])
+    before, after = np.searchsorted(frequency, low, "right") - 1, np.searchsorted(frequency, high)
     turns = np.diff(np.unwrap(np.angle(receptance[before : after + 1]))) / (np.pi / 2)
     least, most = options.turned
     if abs(turns.sum()) >= least and np.abs(turns).sum() <= most:

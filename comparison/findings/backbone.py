@@ -59,8 +59,13 @@ def read_resonance(frequency: Floats, receptance: Complex, force: Floats) -> Res
 def highest(size: Floats) -> int:
     """Place of the highest top, at the ends only where there is none inside: there a curve may climb to another mode's
     resonance."""
-    tops = np.flatnonzero((size[1:-1] >= size[:-2]) & (size[1:-1] >= size[2:])) + 1
-    return int(tops[np.argmax(size[tops])]) if len(tops) else int(np.argmax(size))
+    inner = tops(size)
+    return int(inner[np.argmax(size[inner])]) if len(inner) else int(np.argmax(size))
+
+
+def tops(size: Floats) -> NDArray[np.intp]:
+    """Places that no neighbour is higher than, those at the ends left out."""
+    return 1 + np.flatnonzero((size[1:-1] >= size[:-2]) & (size[1:-1] >= size[2:]))
 
 
 def half_power_frequency(f: Floats, size: Floats, i: int, side: int) -> float:

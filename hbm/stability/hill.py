@@ -28,7 +28,7 @@ Integers = NDArray[np.int64]
 BEYOND = 3.0  # times the highest harmonic: slower modes keep their mass
 # Mean harmonic about which modes are symmetric. About 0 itself the copies at +i w/2 and -i w/2 of an exponent of period
 # doubling have means -1/2 and +1/2: of two such exponents both copies of one, and none of the other, could be taken.
-CENTRE = -0.05  # of the two the one at +i w/2
+CENTRE = -0.05  # any small shift tells the two apart: to this side, the one at +i w/2 is kept
 LARGE = 1500  # unknown forces: from there on factors are of single precision
 
 
