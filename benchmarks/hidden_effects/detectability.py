@@ -8,6 +8,10 @@ runs as the laboratory draws them. What nuisance parameters can imitate counts a
 that updamp allows them, and so does the error of the model that is fitted: what its mesh, once calibrated, and its
 harmonics change, run by run. Expected score z = sqrt(s^T C^-1 s); visibility: z over what it would be without these.
 
+First order in the nuisance parameters reaches no further than a share of a resonance's half-width, and an effect may
+shift resonances by several. So the signature is that of a bench whose nuisance parameters have brought the stuck
+resonances back, less what these do to first order: their prior has the same cost wherever the curves are linearised.
+
 All curves are the laboratory's own, so what is detectable does not depend on how well the diagnosis works.
 """
 
@@ -25,6 +29,7 @@ from typing import Annotated
 
 import numpy as np
 import scipy.linalg
+import scipy.optimize
 import typer
 from numpy.typing import NDArray
 
@@ -34,7 +39,7 @@ from updamp.benchmarks.hidden_effects.kinds_of_test import EASY, KINDS_OF_TEST, 
 from updamp.benchmarks.hidden_effects.layout import Layout, read, write_whole
 from updamp.benchmarks.hidden_effects.version_2 import Draw, Only, chosen_cases
 from updamp.benchmarks.virtual_rig.assembled import assembled
-from updamp.benchmarks.virtual_rig.bench import BODIES, Bench, Hidden, bench_of
+from updamp.benchmarks.virtual_rig.bench import BODIES, Bench, bench_of
 from updamp.benchmarks.virtual_rig.bodies import LABORATORY, bodies_of
 from updamp.benchmarks.virtual_rig.laboratory import grid, quick_sweep, windows, with_hidden
 from updamp.benchmarks.virtual_rig.periodic import NotSolvedError, SolverOptions
@@ -78,6 +83,9 @@ FACTORS = (
 )
 E_MODULUS = 4  # place of Young's modulus, whose half is a drift of the frequencies
 
+# Share of a half-width to which resonances are brought back: what first order leaves out goes with its square.
+ALIGNED = 0.01
+
 
 @dataclass(frozen=True)
 class Expected:
@@ -91,7 +99,9 @@ class Expected:
 class Background:
     """Of a bench with nothing hidden, in a test.
 
-    frequencies: (runs, points) [Hz]; plain: (runs, channels, points) log receptance
+    frequencies: (runs, points) [Hz]; options: of the laboratory's solver
+    plain: (runs, channels, points) log receptance
+    columns: (n, factors) derivatives by the logarithms of FACTORS
     noise: covariance of one mean over the assemblies, with scatter; allowed: with nuisance parameters and the fitted
         model's error too
     """
@@ -99,15 +109,18 @@ class Background:
     test: KindOfTest
     bench: Bench
     frequencies: Floats
+    options: SolverOptions
     plain: Complex
+    columns: Floats
     noise: Floats
     allowed: Floats
 
-    def signature(self, hidden: Hidden) -> Floats:
+    def signature(self, changed: Bench) -> Floats:
         """(runs * channels * points * 2,) change of log(receptance), real and imaginary; 0 where nothing settles"""
-        bench = with_hidden(self.bench, [hidden], load_rig(self.test.rig))
-        changed = log_receptance(bench, self.frequencies, self.test.plan)
-        return np.nan_to_num(as_real(difference(changed, self.plain)))
+        logs = bringing_back(changed, self.bench)
+        there = log_receptance(scaled(changed, logs), self.frequencies, self.test.plan, self.options)
+        change = as_real(difference(there, self.plain))
+        return np.where(np.isfinite(change), change - self.columns @ logs, 0.0)
 
 
 def log_receptance(
@@ -147,15 +160,42 @@ def background(name: str, preset: str, fitted: str) -> Background:
     bench = bench_of(rig, bodies_of(rig, preset))
     still = assembled(bench)
     frequencies = np.array([grid(*quick_sweep(still, run), plan, windows(still)[run.mode]) for run in plan.runs])
-    plain = log_receptance(bench, frequencies, plan)
-    stepped = [log_receptance(f.apply(bench, np.exp(f.step)), frequencies, plan) for f in FACTORS]
+    return background_of(bench, like(bench_of(rig, bodies_of(rig, fitted)), bench), test, frequencies)
+
+
+def background_of(
+    bench: Bench, model: Bench, test: KindOfTest, frequencies: Floats, options: SolverOptions = SolverOptions()
+) -> Background:
+    """model: of the mesh that is fitted; frequencies: (runs, points) [Hz]"""
+    of = partial(log_receptance, frequencies=frequencies, plan=test.plan)
+    plain = of(bench, options=options)
+    stepped = [of(f.apply(bench, np.exp(f.step)), options=options) for f in FACTORS]
     columns = [np.nan_to_num(as_real(difference(one, plain))) / f.step for f, one in zip(FACTORS, stepped, strict=True)]
-    noise, allowed = covariances(plain, np.array(columns).T, test)
-    model = like(bench_of(rig, bodies_of(rig, fitted)), bench)
-    for other in (log_receptance(model, frequencies, plan), log_receptance(bench, frequencies, plan, COARSE)):
+    J = np.array(columns).T
+    noise, allowed = covariances(plain, J, test)
+    for other in (of(model, options=options), of(bench, options=COARSE)):
         error = np.nan_to_num(as_real(difference(other, plain)))[:, None] * _of_each_run(plain.shape)
         allowed = allowed + error @ error.T
-    return Background(test, bench, frequencies, plain, noise, allowed)
+    return Background(test, bench, frequencies, options, plain, J, noise, allowed)
+
+
+def scaled(bench: Bench, logs: Floats) -> Bench:
+    """logs: (factors,) logarithms of FACTORS"""
+    for factor, log in zip(FACTORS, logs, strict=True):
+        bench = factor.apply(bench, float(np.exp(log)))
+    return bench
+
+
+def bringing_back(changed: Bench, bench: Bench) -> Floats:
+    """(factors,) logarithms with which the changed bench's stuck resonances are the bench's: least squares of the
+    distances in shares of a half-width and of the logarithms in the deviations that are allowed."""
+    wanted, allowed = assembled(bench).stuck_frequencies(2), np.array([f.allowed for f in FACTORS])
+
+    def residual(deviations: Floats) -> Floats:
+        apart = assembled(scaled(changed, allowed * deviations)).stuck_frequencies(2) / wanted - 1
+        return np.concatenate([apart / (ALIGNED * bench.loss_factor / 2), deviations])
+
+    return allowed * scipy.optimize.least_squares(residual, np.zeros(len(FACTORS)), xtol=1e-6).x
 
 
 def like(model: Bench, bench: Bench) -> Bench:
@@ -220,7 +260,8 @@ class Computed:
 def compute(case: Case, layout: Layout) -> Computed:
     started = time.perf_counter()
     b = background(case.test, case.laboratory, case.fitted)
-    signatures = {one.name: b.signature(one) for one in case.hidden}
+    rig = load_rig(b.test.rig)
+    signatures = {one.name: b.signature(with_hidden(b.bench, [one], rig)) for one in case.hidden}
     found = expected(signatures, b.noise, b.allowed)
     effects = {name: asdict(one) for name, one in found.items()}
     content = {"case": case.name, "digest": case.digest, "code": code_version(*CODE), "effects": effects}

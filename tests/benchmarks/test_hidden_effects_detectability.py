@@ -1,15 +1,19 @@
 """Expected score and visibility: on covariances that can be done by hand, and on the laboratory's smallest mesh."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from support.plain_rig import TINY
 
-from updamp.benchmarks.hidden_effects import detectability
 from updamp.benchmarks.hidden_effects.detectability import (
+    E_MODULUS,
     FACTORS,
+    Background,
     as_real,
+    background_of,
+    bringing_back,
     covariances,
     difference,
     expected,
@@ -69,7 +73,7 @@ def test_covariance_is_that_of_noise_gains_and_drift_as_drawn() -> None:
     shape = (len(PLAN.runs), len(PLAN.channels), PLAN.points)
     plain = np.full(shape, np.log(1e-6) + 0.3j)
     columns = np.zeros((plain.size * 2, len(FACTORS)))
-    columns[:, detectability.E_MODULUS] = 50.0
+    columns[:, E_MODULUS] = 50.0
     noise, allowed = covariances(plain, columns)
     rng = np.random.default_rng(4)
     drawn = np.zeros((4000, *shape), dtype=complex)
@@ -140,3 +144,34 @@ def test_a_point_without_a_motion_changes_nothing() -> None:
         noise, allowed = covariances(one, columns)
         found.append(expected({"a": signature}, noise, allowed)["a"])
     assert found[1].score == pytest.approx(found[0].score, rel=1e-3)
+
+
+@pytest.fixture(scope="module")
+def nothing_hidden(bench: Bench) -> Background:
+    """Two runs, the model that is fitted being the laboratory's own."""
+    plan = TestPlan((PlannedRun("IP", 1.0), PlannedRun("OOP", 4.0)), 2, 8)
+    resonances = assembled(bench).stuck_frequencies(2)
+    frequencies = np.linspace(0.995, 1.005, 8) * resonances[:, None]
+    return background_of(bench, bench, replace(EASY, plan=plan), frequencies, QUICK)
+
+
+def _stiffer(bench: Bench, percent: float) -> Bench:
+    """Young's modulus of all bodies."""
+    return FACTORS[E_MODULUS].apply(bench, 1 + percent / 100)
+
+
+def test_a_bench_is_brought_back_by_what_moved_it(bench: Bench) -> None:
+    logs = bringing_back(_stiffer(bench, 1.0), bench)
+    assert logs[E_MODULUS] == pytest.approx(-np.log(1.01), rel=0.05)
+
+
+def test_what_calibration_makes_up_for_is_not_seen_however_far_it_shifts_resonances(
+    bench: Bench, nothing_hidden: Background
+) -> None:
+    """2 % of Young's modulus: two allowed deviations, and four half-widths, where first order has long failed."""
+    b, stiffer = nothing_hidden, _stiffer(bench, 2.0)
+    found = expected({"E": b.signature(stiffer)}, b.noise, b.allowed)["E"]
+    assert found.score < 2.5
+    unshifted = log_receptance(stiffer, b.frequencies, b.test.plan, QUICK)
+    first_order = np.nan_to_num(as_real(difference(unshifted, b.plain)))
+    assert expected({"E": first_order}, b.noise, b.allowed)["E"].score > 100
