@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from updamp.comparison.curves import curve_pairs
 from updamp.comparison.findings.all_findings import all_findings
 from updamp.comparison.findings.backbone import measured_backbones, model_backbones
 from updamp.comparison.findings.findings import lack_of_fit, misfits
+from updamp.comparison.findings.phase_lag import PhaseLag, fitted_lag, lag_finding, phase_lag
 from updamp.comparison.findings.stated_values import feature_findings
 from updamp.comparison.findings.unlike_repeats import unlike_repeats
 from updamp.comparison.fit.calibration import calibration
@@ -34,6 +35,7 @@ from updamp.comparison.prediction.model_at import ModelAt
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch, at_sizes
 from updamp.effects.chosen import ChosenEffect
+from updamp.effects.phase_lag import EFFECT as PHASE_LAG
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.newton.observe import ContactState, contact_states
 from updamp.measurement.measurement import Measurement
@@ -56,12 +58,14 @@ class CalibrationResult:
     """What a comparison rests on, and all of it that takes long.
 
     before, after: branches as the rig file has the model and as calibrated, one a condition
+    lag: fitted together with the calibration, None where measured phases do not ask for it
     """
 
     plan: Plan
     before: tuple[PredictedBranch, ...]
     fit: Fit
     after: tuple[PredictedBranch, ...]
+    lag: PhaseLag | None = None
 
 
 def compare(
@@ -99,19 +103,35 @@ def calibrate(
     rig_effects: Sequence[ChosenEffect] = (),
     branches_of: Branches = in_turn,
 ) -> CalibrationResult:
-    """As for `compare`, of a measurement with runs."""
-    options = options or CompareOptions()
-    plan = plan_of(measurement, options.harmonics)
+    """As for `compare`, of a measurement with runs. Where all measured phases lag the model's by one angle, together
+    with that angle."""
+    plan = plan_of(measurement, (options or CompareOptions()).harmonics)
     parametrisation, plain = apply_numerical_gate(model, rig_effects, plan, finer or {}, progress, branches_of)
-    start = np.zeros(len(parametrisation))
-    before = starting_at(parametrisation, start, plan, plain, branches_of)
+    before = starting_at(parametrisation, np.zeros(len(parametrisation)), plan, plain, branches_of)
     del plain
+    found = _calibrated_from(before, parametrisation, plan, progress, branches_of)
+    read = phase_lag(found.fit, found.plan, found.after)
+    if read is None:
+        return found
+    lagging = replace(parametrisation, effects=(PHASE_LAG,))
+    at_rest = predict_branches(lagging, np.zeros(len(lagging)), plan, None, branches_of)
+    again = _calibrated_from(at_rest, lagging, plan, progress, branches_of)
+    return replace(again, lag=fitted_lag(again.fit))
+
+
+def _calibrated_from(
+    before: Sequence[PredictedBranch],
+    parametrisation: Parametrisation,
+    plan: Plan,
+    progress: Progress,
+    branches_of: Branches,
+) -> CalibrationResult:
     progress("calibration")
     found = calibration(parametrisation, plan, before, progress, branches_of)
     plan, fitted = with_noise_of_sensors(plan, found.noise), found.fit
     progress("curves")
     after = predict_branches(parametrisation, fitted.u, plan, fitted.compared.branches, branches_of)
-    return CalibrationResult(plan, before, fitted, tuple(at_sizes(branch, fitted.u) for branch in after))
+    return CalibrationResult(plan, tuple(before), fitted, tuple(at_sizes(branch, fitted.u) for branch in after))
 
 
 def comparison_of(
@@ -129,7 +149,8 @@ def comparison_of(
     of_tests, of_model = measured_backbones(plan, names), model_backbones(plan, names, after)
     first_order = misfits(fitted, plan, [damping_share(b, loss_factor) for b in after])
     repeats = of_repeats(fitted, plan)
-    found = all_findings(fitted, plan, after, first_order, names, of_tests, of_model, repeats)
+    told = all_findings(fitted, plan, after, first_order, names, of_tests, of_model, repeats)
+    found = told if calibrated.lag is None else (lag_finding(calibrated.lag), *told)
     return Comparison(
         title=measurement.title,
         adequate=not found,

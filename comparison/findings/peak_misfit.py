@@ -24,7 +24,7 @@ from updamp.comparison.prediction.predicted_branch import PredictedBranch
 Floats = NDArray[np.float64]
 
 # No top is placed better than to this share of the half-width: steps are a fifth of it.
-_PLACED = 0.02
+PLACED = 0.02
 # Steepest slope of an oscillator's amplitude, of its peak's height by the half-width.
 _STEEPEST = 2 / (3 * np.sqrt(3))
 _LEAST_STEP = 1e-6  # of a parameter, for derivatives
@@ -227,5 +227,5 @@ def _scatter(
     rough = swept.branch.rough_at(swept.places(sensors))
     jagged = np.append(rough[:, 0], rough[np.arange(s), 1 + 2 * np.array(sensors)])
     own = (together * scatter.drift**2 + np.diag(noise**2)) / len(runs)
-    own += together * (_PLACED * half_width) ** 2 + np.diag(jagged**2)
+    own += together * (PLACED * half_width) ** 2 + np.diag(jagged**2)
     return np.concatenate([of_parameters, gains]), by_parameter, own

@@ -31,10 +31,12 @@ _OF_TOP, _OF_PLACE = 0.7, 0.32
 @dataclass(frozen=True, eq=False)
 class Tops:
     """One entry a sensor. value: (2 s,) logarithms of the frequencies [Hz], then of the heights; loss_factor: (s,) nan
-    where the phase does not tell"""
+    where the phase does not tell; phase: (s,) mean over the points about the top [rad], nan where they do not enclose
+    it"""
 
     value: Floats
     loss_factor: Floats
+    phase: Floats
 
 
 def tops_of_run(o: Observations, sensors: Sequence[int]) -> Tops:
@@ -42,7 +44,8 @@ def tops_of_run(o: Observations, sensors: Sequence[int]) -> Tops:
     of_sensor = [_log_receptance(o, j) for j in sensors]
     tops = [_top(o.frequency, log_receptance) for log_receptance in of_sensor]
     loss = [_loss_factor(o.frequency, log_receptance) for log_receptance in of_sensor]
-    return Tops(np.array(tops).T.ravel(), np.array(loss))
+    phase = [_phase(log_receptance[five_about(highest(log_receptance.real))]) for log_receptance in of_sensor]
+    return Tops(np.array(tops).T.ravel(), np.array(loss), np.array(phase))
 
 
 def reading_noise(o: Observations, sensors: Sequence[int]) -> Floats:
@@ -88,6 +91,11 @@ def _loss_factor(frequency: Floats, log_receptance: Complex) -> float:
     return read_resonance(frequency, np.exp(log_receptance), np.ones(len(frequency))).loss_factor
 
 
+def _phase(log_receptance: Complex) -> float:
+    """Mean over the five points about a top."""
+    return float(np.mean(np.unwrap(log_receptance.imag))) if len(log_receptance) == FIVE else float("nan")
+
+
 @dataclass(frozen=True, eq=False)
 class SweptBranch:
     """A branch on the parts that the sweep visits, densely. place: (n,); observed: (n, m); slopes: (n, p, m) by the
@@ -125,14 +133,16 @@ class SweptBranch:
         """At the frequencies of the run, shifted for each sensor until the top lies among them where the run's does; by
         points about its own top where the sweep does not pass those."""
         measured, of_model = tops_of_run(o, sensors).value, self.tops(sensors)
-        tops, loss = [], []
+        tops, loss, phase = [], [], []
         for k, j in enumerate(sensors):
             i, part = highest(_log_size(o, j)), self._part(j)
             by_itself = (float(of_model[k]), float(of_model[len(sensors) + k]))
             top = _shifted_top(part, o.frequency[five_about(i)], min(i, FIVE // 2), float(measured[k]), by_itself)
             tops.append(top)
-            loss.append(_loss_factor(*part.at(o.frequency * np.exp(top[0] - measured[k]))))
-        return Tops(np.array(tops).T.ravel(), np.array(loss))
+            shift = np.exp(top[0] - measured[k])
+            loss.append(_loss_factor(*part.at(o.frequency * shift)))
+            phase.append(_phase(part.at(o.frequency[five_about(i)] * shift)[1]))
+        return Tops(np.array(tops).T.ravel(), np.array(loss), np.array(phase))
 
     def _part(self, sensor: int) -> "_Part":
         """The part with the top: what the sweep passes before it jumps, or afterwards."""

@@ -16,7 +16,7 @@ from updamp.comparison.findings.peak_misfit import PeakMisfit
 from updamp.comparison.fit.observations import Plan
 
 # Share of the mean by which levels may differ that share a sentence.
-_ALIKE = 1 / 3
+ALIKE = 1 / 3
 # Misfit of the damping, of its logarithm, that is worth an aside, and the one up to which it is right.
 _LOSSES, _NO_LOSSES = 0.1, 0.05
 
@@ -69,7 +69,7 @@ def without_peak_findings(tests: Sequence[int], plan: Plan) -> tuple[Finding, ..
 
 def _are_alike(group: Sequence[PeakMisfit]) -> bool:
     logs = np.log1p([m.relative for m in group])
-    return bool(np.all(np.abs(logs - logs.mean()) <= _ALIKE * abs(logs.mean())))
+    return bool(np.all(np.abs(logs - logs.mean()) <= ALIKE * abs(logs.mean())))
 
 
 def _of_group(

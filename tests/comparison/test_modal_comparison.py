@@ -7,42 +7,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.held_beam import MODE, held_beam, of_beam
 
-from updamp.comparison.compare import compare
 from updamp.comparison.comparison import COMPARISON_JSON, Comparison
 from updamp.measurement.load import load_measurement
-from updamp.measurement.measurement import Channel, MeasuredRun, Measurement
-from updamp.model.build import modal_model
-from updamp.model.rig_files import load_modal
+from updamp.measurement.measurement import Measurement
 from updamp.report.page import write_report
 
 RIGS = Path(__file__).parents[2] / "rigs"
 DATA = Path(__file__).parents[3] / "shared" / "data" / "brb" / "response_controlled.csv"
-MODE = "first bending"
-LEVELS = (5.0, 30.0, 80.0)
-
-
-def beam(frequencies: tuple[float, ...], loss_factors: tuple[float, ...]) -> Measurement:
-    """Acceleration held, so that the force drops at resonance; both with noise of 0.1 %. Modal mass 2 kg."""
-    rng = np.random.default_rng(3)
-    runs = []
-    for level, f0, eta in zip(LEVELS, frequencies, loss_factors, strict=True):
-        f = np.linspace(79.0, 81.4, 49)
-        w, w0 = 2 * np.pi * f, 2 * np.pi * f0
-        x = level / w**2 * np.exp(0.4j) * (1 + 1e-4 * rng.standard_normal(len(f)))
-        noise = 1e-3 / np.sqrt(2) * (rng.standard_normal((2, len(f))) * [[1], [1j]]).sum(axis=0)
-        force = x * 2.0 * (w0**2 * (1 + 1j * eta) - w**2) * (1 + noise)
-        runs.append(
-            MeasuredRun(
-                f"{level:g} m/s2", MODE, True, "response", level, 1, ("a",), (1,), f, force, x[None, None],
-                level_unit="m/s^2",
-            )
-        )  # fmt: skip
-    return Measurement("Beam", 0.0, "beam.drive.x", (Channel("a", "beam.drive.x"),), tuple(runs))
-
-
-def of_brake_reuss(measurement: Measurement) -> Comparison:
-    return compare(modal_model(load_modal(RIGS / "brake_reuss.toml")), measurement)[0]
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +23,7 @@ def measured() -> Comparison:
     """As if the runs were exact but for the roughness that they show: then the model fails grossly."""
     if not DATA.is_file():
         pytest.skip(f"{DATA} is missing: the beam's data are under GPL-3.0 and are kept beside the checkout")
-    return of_brake_reuss(replace(brake_reuss(), repeatability=0.0))
+    return of_beam(replace(brake_reuss(), repeatability=0.0))
 
 
 def brake_reuss() -> Measurement:
@@ -59,7 +32,7 @@ def brake_reuss() -> Measurement:
 
 @pytest.fixture(scope="module")
 def synthetic() -> Comparison:
-    return of_brake_reuss(beam((80.40, 80.15, 80.45), (0.0030, 0.0060, 0.0135)))
+    return of_beam(held_beam((80.40, 80.15, 80.45), (0.0030, 0.0060, 0.0135)))
 
 
 def page_of(comparison: Comparison, path: Path) -> str:
@@ -108,7 +81,7 @@ def test_brake_reuss_report_names_levels_in_the_unit_that_was_held(measured: Com
 @pytest.mark.long
 def test_stated_repeatability_is_the_least_noise(measured: Comparison) -> None:
     """Errors are in units of it: those of all eight runs, with offsets of the only assembly fitted too."""
-    stated = of_brake_reuss(brake_reuss())
+    stated = of_beam(brake_reuss())
     assert not stated.adequate
     assert 1.5 < np.sqrt(stated.chi2_after / stated.values) < 5
     assert stated.chi2_after < 1e-3 * measured.chi2_after
@@ -133,7 +106,7 @@ def test_synthetic_growth_and_sentences(synthetic: Comparison, tmp_path: Path) -
 
 def test_a_linear_beam_is_calibrated_and_found_adequate() -> None:
     """Another frequency, damping and mass than the rig file's: calibrated, not a misfit."""
-    comparison = of_brake_reuss(beam((80.2,) * 3, (0.0045,) * 3))
+    comparison = of_beam(held_beam((80.2,) * 3, (0.0045,) * 3))
     assert comparison.findings == ()
     factor = {c.name: c.after for c in comparison.calibration}
     assert factor["modal_stiffness"] == pytest.approx((80.2 / 80.38) ** 2, rel=3e-4)
