@@ -134,7 +134,7 @@ STATIC_CONTACT = Stage(
 )
 CURVE = Stage(
     name="curve",
-    version=16,
+    version=17,
     sections=(
         "damper_model",
         "material.loss_factor",

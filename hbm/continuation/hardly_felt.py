@@ -2,44 +2,65 @@
 
 A branch is stepped along by how far the elements move (hbm/newton/metric.py). A resonance at whose mode they rest, such
 as one with a node there, is no way at all for them: a step passes over it, though elsewhere it may be the highest of
-all. What elements hardly feel they hardly change: such a resonance is that of the structure at small amplitudes. One
-that moves them by a step or more has shifted it, and is seen.
+all. Such a resonance is that of the structure on elements as stiff as they are on top of the branch's motion there.
+Where a step has passed over its frequency a point is solved at it; where it moves the elements by more than a step, or
+no such point is found near, the branch is traced across it. One that moves them much is not passed over: it keeps ahead
+of the branch up to the peak, to which the steps lead.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.continuation.branch import point_at
+from updamp.hbm.continuation.branch import BranchPoint, point_at
+from updamp.hbm.continuation.continuation import BranchStoppedError, continue_branch
 from updamp.hbm.continuation.curve_records import CurveRequest, with_point
+from updamp.hbm.continuation.predictor_corrector import CONNECTED
 from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.hbm.continuation.retracing import TracedBranch
+from updamp.hbm.newton.metric import Metric
 from updamp.hbm.newton.newton import solve
-from updamp.hbm.problem.small_amplitude import SmallAmplitude, element_stiffness, modes_on
+from updamp.hbm.problem.small_amplitude import SmallAmplitude, element_stiffness, modes_on, stiffness_about
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 Floats = NDArray[np.float64]
 
+# Half-widths from a resonance to where it is traced across from, at least: there it adds 1/8 of its height. Where it
+# has been shifted by more, a branch from there does not lead across, and one from farther out is traced.
+_FLANKS = 8.0
+
 
 def with_hardly_felt_resonances(system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve) -> ResponseCurve:
-    """The curve with points at the resonances of small amplitudes wherever a step has passed over one that is there,
-    and on both sides of it, until no step is longer than its distance from the resonance."""
-    for resonance in _resonances(system, request, curve):
-        without, curve = curve, _with_top(system, request, curve, resonance)
-        if curve is without:
-            continue
-        for distance in resonance.distances:
-            for frequency in (resonance.frequency - distance, resonance.frequency + distance):
-                for i in _passes(curve, frequency, distance):
-                    curve = _with_point_after(system, request, curve, resonance, i, frequency)
+    """The curve with points at resonances wherever a step has passed over one that is there, and on both sides of it,
+    until no step is longer than its distance from the resonance."""
+    for at_rest in _resonances(system, request, curve):
+        for place in _passes(curve, at_rest.frequency, at_rest.half_width):
+            if (found := _passed(system, curve, at_rest, place)) is not None:
+                curve = _with_resonance(system, request, curve, *found)
+    return curve
+
+
+def _with_resonance(
+    system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, resonance: "_Resonance", place: int
+) -> ResponseCurve:
+    """place: number of the point after which the branch passes over it"""
+    without, curve = curve, _with_top(system, request, curve, resonance, place)
+    if curve is without:
+        return curve
+    for distance in resonance.distances:
+        for frequency in (resonance.frequency - distance, resonance.frequency + distance):
+            for i in _passes(curve, frequency, distance):
+                point = _point_after(system, request, curve, resonance, i, frequency)
+                curve = curve if point is None else with_point(system, request, curve, point, i + 1)
     return curve
 
 
 @dataclass(frozen=True, eq=False)
 class _Resonance:
-    """Of one of the modes at small amplitudes. share: of the least response on the curve, how large its own is; window:
-    width of the window [Hz]"""
+    """Of one of the modes, at small amplitudes or on top of a motion. share: of the least response on the curve, how
+    large its own is; window: width of the window [Hz]"""
 
     modes: SmallAmplitude
     mode: int
@@ -75,13 +96,17 @@ def _resonances(system: NonlinearSystem, request: CurveRequest, curve: ResponseC
     """Of damped modes in the window, that could change the response at a told point by as much as a step may"""
     if not len(curve):
         return
-    near = float(np.mean(request.window))
     free = system.free
-    modes = modes_on(free, element_stiffness(system.groups, free.n_relative, near), 2 * np.pi * near)
+
+    def modes_near(f: float) -> SmallAmplitude:
+        return modes_on(free, element_stiffness(system.groups, free.n_relative, f), 2 * np.pi * f)
+
+    frequencies = modes_near(float(np.mean(request.window))).frequencies
     told = [free.row(point) for point in request.peaks_at]
     least = np.array([np.abs(curve.receptance(point)).min() for point in request.peaks_at])
     low, high = request.window
-    for i in np.flatnonzero((low < modes.frequencies) & (modes.frequencies < high)).tolist():
+    for i in np.flatnonzero((low < frequencies) & (frequencies < high)).tolist():
+        modes = modes_near(float(frequencies[i]))
         if not modes.loss_factor(i) > np.finfo(float).eps:
             continue
         own = np.abs(modes.motion(i, request.excitation.row, 2 * np.pi * float(modes.frequencies[i]))[told])
@@ -105,29 +130,121 @@ def _is_there(request: CurveRequest, curve: ResponseCurve, place: int) -> bool:
     return bool((change > request.options.largest_step * size).any())
 
 
+def _passed(
+    system: NonlinearSystem, curve: ResponseCurve, at_rest: _Resonance, place: int
+) -> tuple[_Resonance, int] | None:
+    """The resonance as it is on top of the branch's motion where the branch passes over it, and the number of the point
+    after which; None where the branch does not: it moves the elements so much that it keeps ahead of the branch.
+
+    Sought from where the branch passes over the resonance at small amplitudes, from step to step.
+    """
+    tried: set[int] = set()
+    while place not in tried and 0 <= place < len(curve) - 1 and not curve.after_gap[place + 1]:
+        tried.add(place)
+        here = _on_top(system, curve, at_rest, place)
+        ends = curve.frequency[place : place + 2]
+        if ends.min() < here.frequency < ends.max():
+            return (here, place) if np.ptp(ends) > here.half_width else None
+        ahead = (here.frequency - ends[1]) * (ends[1] - ends[0]) > 0
+        place += 1 if ahead else -1
+    return None
+
+
+def _on_top(system: NonlinearSystem, curve: ResponseCurve, at_rest: _Resonance, place: int) -> _Resonance:
+    """Of the mode most like the one at small amplitudes."""
+    x = curve.displacement[place : place + 2].mean(axis=0)
+    w = 2 * np.pi * float(curve.frequency[place : place + 2].mean())
+    modes = modes_on(system.free, stiffness_about(system, x, w), w)
+    alike = np.abs(at_rest.modes.coordinates[:, at_rest.mode] @ modes.coordinates)
+    return replace(at_rest, modes=modes, mode=int(np.argmax(alike)))
+
+
 def _with_top(
-    system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, resonance: _Resonance
+    system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, resonance: _Resonance, place: int
 ) -> ResponseCurve:
-    """With a point at the resonance wherever the branch has passed over it and it is there: not where what the elements
-    do has moved it elsewhere."""
-    for i in _passes(curve, resonance.frequency, resonance.half_width):
-        found = _with_point_after(system, request, curve, resonance, i, resonance.frequency)
-        if found is not curve and _is_there(request, found, i + 1):
-            curve = found
-    return curve
+    """With a point at the resonance where it is there. Where it moves the elements by more than a step, or no such point
+    is found near, the branch is traced across it."""
+    metric = Metric.at(curve.displacement[place], system.harmonics, request.options.scale_w(request.window))
+    motion = resonance.motion(system, request.excitation, resonance.frequency)
+    felt = metric.length((motion, 0.0)) > request.options.largest_step
+    top = None if felt else _point_after(system, request, curve, resonance, place, resonance.frequency)
+    if top is None:
+        return _with_points_after(system, request, curve, place, _across(system, request, curve, resonance, place))
+    found = with_point(system, request, curve, top, place + 1)
+    return found if _is_there(request, found, place + 1) else curve
 
 
-def _with_point_after(
+def _with_points_after(
+    system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, place: int, points: Sequence[BranchPoint]
+) -> ResponseCurve:
+    """Without any there is a gap: what happens in it is not known."""
+    for k, point in enumerate(points):
+        curve = with_point(system, request, curve, point, place + 1 + k)
+    if points:
+        return curve
+    after_gap = curve.after_gap.copy()
+    after_gap[place + 1] = True
+    return replace(curve, after_gap=after_gap)
+
+
+def _across(
+    system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, resonance: _Resonance, place: int
+) -> list[BranchPoint]:
+    """Points that lead across the resonance, from its one flank to the other, in steps of half its half-width at most;
+    none where a branch from the one does not lead to the other. Traced upwards whichever way the curve runs, so that
+    the points are the same."""
+    low, high = ends = np.sort(curve.frequency[place : place + 2])
+    way = slice(None, None, 1 if curve.frequency[place] == low else -1)
+    for distance in resonance.distances[resonance.distances >= _FLANKS * resonance.half_width]:
+        at = np.clip(resonance.frequency + distance * np.array([-1.0, 1.0]), low, high)
+        flanks = [_point_after(system, request, curve, resonance, place, float(f)) for f in at]
+        points, inside = _between(system, request, resonance, *flanks), at != ends
+        if points:
+            return points[0 if inside[0] else 1 : None if inside[1] else -1][way]
+        if not inside.any():
+            break
+    return []
+
+
+def _between(
+    system: NonlinearSystem,
+    request: CurveRequest,
+    resonance: _Resonance,
+    low: BranchPoint | None,
+    high: BranchPoint | None,
+) -> list[BranchPoint]:
+    """Both flanks and what was traced from the lower to the upper one; none where one is missing, or where it does not
+    lead there."""
+    if low is None or high is None:
+        return []
+    window = low.frequency, high.frequency
+    scale = resonance.half_width / 2 / request.options.largest_step / (window[1] - window[0])
+    options = replace(request.options, recoveries=CONNECTED, frequency_scale=scale)
+    start, end = (
+        point_at(one.solution, request.excitation, options.scale_w(window), (0 * one.x, 1.0), 0.0)
+        for one in (low, high)
+    )
+    points = [start]
+    try:
+        points += continue_branch(system, request.excitation, window, options, True, [start])
+    except BranchStoppedError:
+        return []
+    if TracedBranch.through(points).chord_at(end, end.metric, np.inf) is None:
+        return []
+    return [*points[:-1], end]
+
+
+def _point_after(
     system: NonlinearSystem,
     request: CurveRequest,
     curve: ResponseCurve,
     resonance: _Resonance,
     place: int,
     frequency: float,
-) -> ResponseCurve:
-    """With a point at the frequency, between that of a number and the next one; as it is where none is found within
-    their distance of where it is sought: that is another branch. It is sought where the chord between them has it, with
-    what the mode does on top."""
+) -> BranchPoint | None:
+    """A point at the frequency, between that of a number and the next one; None where none is found within their
+    distance of where it is sought: that is another branch. It is sought where the chord between them has it, with what
+    the mode does on top."""
     ends, at_ends = curve.frequency[place : place + 2], curve.displacement[place : place + 2]
 
     def by_mode(f: float) -> Floats:
@@ -137,9 +254,8 @@ def _with_point_after(
     guess = start + (frequency - ends[0]) / (ends[1] - ends[0]) * change + by_mode(frequency)
     solution = solve(system, request.excitation, guess, 2 * np.pi * frequency, request.options.newton)
     if not solution.converged:
-        return curve
+        return None
     chord = at_ends[1] - at_ends[0], 2 * np.pi * float(ends[1] - ends[0])
     point = point_at(solution, request.excitation, request.options.scale_w(request.window), chord, 0.0)
-    if point.metric.length((solution.x - guess, 0.0)) > point.metric.length(chord):
-        return curve
-    return with_point(system, request, curve, point, place + 1)
+    near = point.metric.length((solution.x - guess, 0.0)) <= point.metric.length(chord)
+    return point if near else None

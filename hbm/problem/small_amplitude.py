@@ -13,8 +13,9 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.problem.elements import ElementGroup, force_only
+from updamp.hbm.problem.elements import ElementGroup, element_forces, force_only
 from updamp.hbm.problem.linear_model import LinearModel
+from updamp.hbm.problem.system import NonlinearSystem
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -29,11 +30,13 @@ class SmallAmplitude:
     """Complex modes at one frequency.
 
     squared: (k,) of the angular frequency, rising real part, imaginary part from damping [rad^2/s^2]
-    shapes: (n_rows, k) of the linear model's rows, squares of the modal coordinates adding up to 1 [kg^-1/2]
+    coordinates: (k, k) of each in the modes of the linear model, squares adding up to 1
+    shapes: (n_rows, k) of the linear model's rows [kg^-1/2]
     """
 
     free: LinearModel
     squared: Complex
+    coordinates: Complex
     shapes: Complex
 
     @property
@@ -69,7 +72,7 @@ def modes_on(free: LinearModel, K: Complex, w: float) -> SmallAmplitude:
     order = np.argsort(squared.real)
     squared, X = squared[order], X[:, order]
     X = X / np.sqrt(np.einsum("ik,ik->k", X, X))
-    return SmallAmplitude(free, squared, (free.phi - R @ WP) @ X)
+    return SmallAmplitude(free, squared, X, (free.phi - R @ WP) @ X)
 
 
 def response_on(free: LinearModel, K: Complex, w: float, excited: int) -> Complex:
@@ -94,4 +97,21 @@ def element_stiffness(groups: tuple[ElementGroup, ...], n: int, near: float) -> 
                 K[group.rows[:, i], group.rows[:, d]] = _FIRST.amplitude(force[:, i], 1) / _SMALL
     least = _ROUND_OFF * np.abs(K).max(initial=0.0)
     K = np.where(np.abs(K.real) > least, K.real, 0.0) + 1j * np.where(np.abs(K.imag) > least, K.imag, 0.0)
+    return np.asarray((K + K.T) / 2)
+
+
+def stiffness_about(system: NonlinearSystem, x: Floats, w: float) -> Complex:
+    """(n, n) complex, as `element_stiffness`, of a small vibration on top of a motion with its frequency: the part of
+    the tangents' first harmonic that turns with the phase. What the vibration's phase against the motion's adds is left
+    out: of a cubic spring half as much to either side.
+
+    x: (n_relative, n_coefficients) of the motion [m]; w [rad/s]
+    """
+    harmonics, n = system.harmonics, system.free.n_relative
+    first, K = harmonics.slices[1], np.zeros((n, n), complex)
+    for group in system.groups:
+        tangent = element_forces(group, x[group.rows], w, harmonics, system.time_samples).tangent
+        (cc, cs), (sc, ss) = np.moveaxis(tangent[:, :, first, :, first], (2, 4), (0, 1))
+        of_each = (cc + ss) / 2 + 1j * (cs - sc) / 2
+        np.add.at(K, (group.rows[:, :, None], group.rows[:, None, :]), of_each)
     return np.asarray((K + K.T) / 2)

@@ -8,6 +8,7 @@ import pytest
 
 from updamp.hbm.contact.jenkins import Jenkins, JenkinsParameters
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
+from updamp.hbm.continuation.continuation import ContinuationOptions
 from updamp.hbm.continuation.curve import CurveRequest, whole_curve
 from updamp.hbm.continuation.hardly_felt import with_hardly_felt_resonances
 from updamp.hbm.harmonics import Harmonics
@@ -102,3 +103,27 @@ def test_nothing_is_put_in_where_the_elements_have_moved_the_resonance():
     passing = np.abs(np.diff(far.frequency[np.abs(far.frequency - 1 / (2 * np.pi)) < 0.01])).max()
     assert passing > 0.005 / (4 * np.pi), "steps are longer than half the width"
     assert with_hardly_felt_resonances(system, coarse, far) is far
+
+
+def shifted(driving, window, upwards, options=None):
+    """A sharp mode that moves a hardening element a tenth as much as the strongly damped one does, told where it is
+    nearly alone; hardly driven. The element's amplitude in the other mode stiffens it."""
+    shapes = np.array([[1.0, 0.1]])
+    points = {"driven": np.array([1.0, driving]), "observed": np.array([0.02, 1.0])}
+    linear = from_matrices(np.eye(2), np.diag([0.15, 2e-4]), np.diag([1, 1.25**2]), shapes, points)
+    system = NonlinearSystem(linear, (cubic(0.3),), Harmonics((1, 3)), time_samples=128)
+    options = options or ContinuationOptions()
+    excitation = Excitation(linear.row("driven"), 0.1)
+    return whole_curve(system, CurveRequest("two", excitation, window, ("observed",), upwards=upwards, options=options))
+
+
+@pytest.mark.parametrize("driving", [1e-4, 2e-3])
+def test_a_resonance_that_was_shifted_by_half_widths_has_its_peak_in_any_window_from_either_end(driving):
+    """By one half-width with the weaker driving, by nine with the stronger one."""
+    dense = shifted(driving, (0.195, 0.203), True, ContinuationOptions(largest_step=0.02, first_step=0.01))
+    assert len(dense) >= 150
+    for window in ((0.18, 0.22), (0.1, 0.3), (0.02, 1.0)):
+        for upwards in (True, False):
+            curve = shifted(driving, window, upwards)
+            assert curve.complete
+            assert curve.peak("observed") == pytest.approx(dense.peak("observed"), rel=1e-3)
