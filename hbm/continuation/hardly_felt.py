@@ -162,8 +162,8 @@ def _on_top(system: NonlinearSystem, curve: ResponseCurve, at_rest: _Resonance, 
 def _with_top(
     system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, resonance: _Resonance, place: int
 ) -> ResponseCurve:
-    """With a point at the resonance where it is there. Where it moves the elements by more than a step, or no such point
-    is found near, the branch is traced across it."""
+    """With a point at the resonance where it is there. Where it moves the elements by more than a step, or no point at
+    it is found near, the branch is traced across."""
     metric = Metric.at(curve.displacement[place], system.harmonics, request.options.scale_w(request.window))
     motion = resonance.motion(system, request.excitation, resonance.frequency)
     felt = metric.length((motion, 0.0)) > request.options.largest_step
