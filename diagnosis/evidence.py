@@ -42,6 +42,7 @@ class Trial:
     farthest: what stands farthest from where it was stated to be (`baseline.farthest_off`); deviations: how many of its
         prior ones
     parameters: of its effects; if_repeatable: had other repeatabilities been stated, none where repeats tell
+    may_be_absent: effect whose intervals hold its null values, "" if none or the fit is not full
     """
 
     effects: tuple[str, ...]
@@ -56,6 +57,7 @@ class Trial:
     parameters: int = 1
     if_repeatable: tuple[IfRepeatable, ...] = ()
     unseen: float = float("nan")
+    may_be_absent: str = ""
 
 
 @dataclass(frozen=True)

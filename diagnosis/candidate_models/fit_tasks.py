@@ -12,6 +12,7 @@ from updamp.comparison.fit.prediction_error import PredictionError, prediction_e
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.diagnosis.candidate_models.baseline import Baseline, farthest_off, with_own_numerics
 from updamp.diagnosis.candidate_models.if_repeatable import if_repeatable
+from updamp.diagnosis.candidate_models.intervals import may_be_absent
 from updamp.diagnosis.candidate_models.other_sizes import fit_from_size, with_size
 from updamp.diagnosis.candidate_models.refit import FULL, Refit, Starts, assessed, refit
 from updamp.diagnosis.criteria import Criteria
@@ -111,7 +112,8 @@ def _run(shared: tuple[Baseline, Criteria], task: FitTask) -> FittedCandidate | 
     if not task.full:
         return FittedCandidate(r, trial)
     parameters = sum(len(e.parameters) for e in task.effects)
-    return FittedCandidate(r, replace(trial, parameters=parameters, if_repeatable=if_repeatable(r.fitted, start)))
+    absent, others = may_be_absent(r.fitted, task.effects), if_repeatable(r.fitted, start)
+    return FittedCandidate(r, replace(trial, parameters=parameters, may_be_absent=absent, if_repeatable=others))
 
 
 def _refit(start: Baseline, criteria: Criteria, a: FitTask) -> Refit | None:

@@ -111,10 +111,9 @@ def _fitted(found: SearchResult) -> dict[tuple[str, ...], tuple[FittedEffect, ..
 
 
 def _not_fitted(tested: EffectScore, criteria: Criteria) -> str:
-    if tested.visibility < criteria.visibility:
-        return not_identifiable(tested.visibility)
     if tested.score < criteria.search.score:
-        return "the score test sees nothing of it"
+        hidden = tested.visibility < criteria.visibility
+        return not_identifiable(tested.visibility) if hidden else "the score test sees nothing of it"
     return "others explain more; it was not fitted, or the model with it has no response"
 
 

@@ -138,6 +138,8 @@ def _against_the_fit(trial: Trial, evidence: Evidence, criteria: Criteria) -> st
         return "others explain more"
     if trial.at_bound:
         return f"{trial.at_bound} would have to be beyond what is physical"
+    if trial.may_be_absent:
+        return f"the interval of {trial.may_be_absent} holds none of it"
     if np.isfinite(trial.held_out) and trial.held_out > _allowed(evidence, criteria):
         return "runs that the fit never saw are not predicted better"
     return ""

@@ -27,15 +27,15 @@ def by_score(start: Baseline, scored: Sequence[Score], criteria: Criteria) -> li
     scored: about the model of `start`
 
     Without contacts fits are quick, and first order about a model whose curves jump says little of how much an effect
-    would explain: all that calibration cannot imitate are worth one, in full.
+    would explain: all that may show are worth one, in full.
     """
-    visible = _visible(scored, criteria)
+    showing = _may_show(scored, criteria)
     if start.fitted.parametrisation.base.contacts is None:
-        return [FitTask((s.effect,), (), full=True) for s in visible]
+        return [FitTask((s.effect,), (), full=True) for s in showing]
     far = not fails_badly(start.fitted) and _is_far_from_given(start)
     return [
         FitTask((s.effect,), _starts(s.step), False, as_given=_sizes(s.effect) if far or s.effect.finite_step else ())
-        for s in visible
+        for s in showing
         if _is_worth_a_fit(s, start, criteria)
     ]
 
@@ -64,7 +64,7 @@ def by_turns(
     scored: as `by_score`
     """
     of_score = {task.effects[0].name: task for task in by_score(start, scored, criteria)}
-    seen = {s.effect.name: s.effect for s in _visible(scored, criteria)}
+    seen = {s.effect.name: s.effect for s in _may_show(scored, criteria)}
     starts = _probed(start, [e for e in effects if e.name in seen], progress, workers)
     ordered = _by_turns(tuple(starts), tuple(of_score))
     calibrated = {name: task.starts for name, task in of_score.items()}
@@ -80,9 +80,10 @@ def _probed(
     return {p.effect.name: (p.start,) for p in probes(start, effects, progress, workers)}
 
 
-def _visible(scored: Sequence[Score], criteria: Criteria) -> list[Score]:
-    """Those that calibration cannot imitate."""
-    return [s for s in scored if s.visibility >= criteria.visibility]
+def _may_show(scored: Sequence[Score], criteria: Criteria) -> list[Score]:
+    """Those that calibration cannot imitate, and those of which what it cannot imitate is in the data: a stiffer wire
+    shifts all resonances for the most part, and the rest of it may still be what is missing."""
+    return [s for s in scored if s.visibility >= criteria.visibility or s.score >= criteria.search.score]
 
 
 def _by_turns(one: Sequence[str], other: Sequence[str]) -> list[str]:

@@ -1,0 +1,48 @@
+"""Whether a fit leaves it open that an effect is absent; with made-up fits."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from updamp.diagnosis.candidate_models import intervals
+from updamp.diagnosis.candidate_models.intervals import may_be_absent
+from updamp.effects.effect import Effect, EffectParameter
+
+
+def parameter(name: str) -> EffectParameter:
+    return EffectParameter(name, 0.0, -10.0, 10.0, 2.0, "N", "of a test")
+
+
+SPRING = Effect("spring", "there is a spring", (parameter("stiffness"),), lambda model, _: model)
+CRACK = Effect("crack", "there is a crack", (parameter("left"), parameter("right")), lambda model, _: model)
+PLACES = {"spring": slice(0, 1), "crack": slice(1, 3)}
+
+
+def fitted(values: list[float], deviations: list[float]) -> SimpleNamespace:
+    """Of the spring and the crack, in N"""
+    spring, *crack = values
+    of = {"spring": {"stiffness": spring}, "crack": dict(zip(("left", "right"), crack, strict=True))}
+    p = SimpleNamespace(columns=PLACES.get, values=lambda _: of)
+    return SimpleNamespace(parametrisation=p, u=np.zeros(3), given_numerics=np.array(deviations) / 2.0)
+
+
+@pytest.fixture(autouse=True)
+def numerics(monkeypatch):
+    """What they may have moved, in typical sizes"""
+    moved = np.zeros(3)
+    monkeypatch.setattr(intervals, "moved_by_numerics", lambda _: moved)
+    return moved
+
+
+def test_an_effect_is_there_whose_interval_ends_before_none_of_it(numerics):
+    assert may_be_absent(fitted([2.0, 1.0, 1.0], [1.0, 0.1, 0.1]), [SPRING, CRACK]) == ""
+    assert may_be_absent(fitted([2.0, 1.0, 1.0], [1.03, 0.1, 0.1]), [SPRING, CRACK]) == "spring"
+    assert intervals.intervals(fitted([2.0, 0, 0], [1.0, 0, 0]), SPRING)[0] == pytest.approx((0.04, 3.96))
+    numerics[0] = 0.2
+    assert may_be_absent(fitted([2.0, 1.0, 1.0], [1.0, 0.1, 0.1]), [SPRING, CRACK]) == "spring"
+
+
+def test_of_several_parameters_one_that_is_known_not_to_be_null_is_enough():
+    assert may_be_absent(fitted([9.0, 0.1, 5.0], [1.0, 1.0, 1.0]), [SPRING, CRACK]) == ""
+    assert may_be_absent(fitted([9.0, 0.1, 1.0], [1.0, 1.0, 1.0]), [SPRING, CRACK]) == "crack"
