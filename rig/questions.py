@@ -13,6 +13,7 @@ from itertools import combinations
 
 import numpy as np
 
+from updamp.rig.pressure import FePressure
 from updamp.rig.rig import Rig
 from updamp.rig.size import VECTORS_A_MODE, size_of
 
@@ -111,6 +112,19 @@ def _contact(rig: Rig, usual: Usual) -> Iterator[str]:
                 f"contact.{key} = {stiffness:g} N/m^3 ({stiffness / 1e9:g} N/mm^3): contacts have 1e3 to 1e6 N/mm^3; "
                 f'is it meant in another unit, such as "60000 N/mm^3"?'
             )
+    yield from _two_limits(rig)
+
+
+def _two_limits(rig: Rig) -> Iterator[str]:
+    """At rest friction is limited in t1 and t2 apart, whatever the law (fem/static_contact/unilateral_contact.py)."""
+    pressure, friction = rig.contact.pressure, rig.contact.friction_coefficient
+    if rig.contact.law == "coulomb_circle" and isinstance(pressure, FePressure) and pressure.friction and friction > 0:
+        yield (
+            f'contact.law = "coulomb_circle" limits friction in the plane, but contact.pressure.model = "fe" limits it '
+            f"in each direction by itself: at rest a patch may carry up to {math.sqrt(2) * friction:.3g} N of friction "
+            f"a newton of pressing force, where the law allows {friction:g}; is that meant? With the law "
+            f'"jenkins_box" both have the same limits; contact.pressure.friction = false leaves friction out at rest'
+        )
 
 
 def _study(rig: Rig, usual: Usual) -> Iterator[str]:
