@@ -13,6 +13,7 @@ from itertools import combinations
 
 import numpy as np
 
+from updamp.rig.damper_mass import damper_mass
 from updamp.rig.pressure import FePressure
 from updamp.rig.rig import Rig
 from updamp.rig.size import VECTORS_A_MODE, size_of
@@ -50,6 +51,7 @@ def questions(rig: Rig, usual: Usual | None = None) -> list[str]:
     return [
         *_material(rig, usual),
         *_dimensions(rig, usual),
+        *_wires(rig),
         *_contact(rig, usual),
         *_reduction(rig, usual),
         *_study(rig, usual),
@@ -91,6 +93,19 @@ def _dimensions(rig: Rig, usual: Usual) -> Iterator[str]:
         yield (
             f"damper.apex_flat = {damper.apex_flat * 1e3:g} mm: has no meaning without an apex, apex_height = 0: the "
             f"damper's top is where its faces end, {top * 1e3:.6g} mm wide; is an apex meant?"
+        )
+
+
+def _wires(rig: Rig) -> Iterator[str]:
+    """Pesaresi et al. 2017, eq. (1): the damper on its wires resonates along them above all that is looked at."""
+    name, highest = max(((name, mode.window[1]) for name, mode in rig.study.modes.items()), key=lambda one: one[1])
+    mass, stiffness = damper_mass(rig), rig.wire.axial_stiffness
+    least = mass * (2 * math.pi * highest) ** 2
+    if stiffness <= least:
+        yield (
+            f"wire.axial_stiffness = {stiffness:g} N/m: not above m w^2 = {least:.3g} N/m, eq. (1) of Pesaresi et al. "
+            f"2017, with the damper's mass m = {mass * 1e3:.3g} g and w at {_hertz(highest)}, the upper end of "
+            f"study.modes.{name}.window; is it in another unit, are stiffer wires meant, or a lower window?"
         )
 
 
