@@ -34,8 +34,3 @@ def area(outline: Floats) -> float:
     """Inside a polygon that does not cross itself, by its corners (n, 2) [m^2]."""
     x, y = outline.T
     return float(abs(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2)
-
-
-def damper_mass(rig: Rig) -> float:
-    """[kg]"""
-    return rig.material.density * rig.blade.width * area(damper_outline(rig))

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from updamp.geometry.outlines import damper_mass
 from updamp.model.small_amplitude import without_contacts
 from updamp.parameter_study.families import CurveName
 from updamp.parameter_study.solved_study import SolvedStudy
+from updamp.rig.damper_mass import damper_mass
 
 
 @dataclass(frozen=True)

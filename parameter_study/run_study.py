@@ -1,7 +1,7 @@
 """A parameter study at work: stages that variants share, then the curves that are not there yet, in order."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -76,9 +76,16 @@ def run_parameter_study(study: ParameterStudy, out: Path, jobs: int, display: Di
     for name, job in prepared.items():
         if name not in curves:
             missing[name] = tracing.failures.get(job.key, NOT_TRACED)
-    display.done(_BAR, f"{len(curves)} of {len(named)} known")
+    display.done(_BAR, counted(curves.values(), len(named)))
     seconds = time.perf_counter() - started
     return StudyRun(SolvedStudy(study, out, rig, variants, curves, missing, seconds), interrupted)
+
+
+def counted(curves: Collection[ResponseCurve], total: int) -> str:
+    """How many of the study's curves there are, and how many of these are the whole branch through their window."""
+    complete = sum(curve.complete for curve in curves)
+    reasons = "; study.html has the reasons of the others" if complete < total else ""
+    return f"{len(curves)} of {total} known, {complete} of them complete{reasons}"
 
 
 def _variants(study: ParameterStudy, rig: Rig, out: Path, display: Display) -> dict[str, SolvedDesign]:

@@ -29,6 +29,8 @@ class RigError(ValueError):
 def explain(error: ValidationError, model: type[BaseModel]) -> Iterator[str]:
     """One line a problem: key (dotted path) = value: what is wrong and what would be allowed."""
     for problem in error.errors(include_url=False):
+        if _counts_wrong_entries(problem):
+            continue
         path, table, field = _locate(problem["loc"], model)
         match problem["type"]:
             case "value_error":
@@ -48,6 +50,16 @@ def explain(error: ValidationError, model: type[BaseModel]) -> Iterator[str]:
                 yield f"{path} = {_written(problem['input'])}: a name is a letter, then letters, digits, _ or -"
             case _:
                 yield f"{path} = {_written(problem['input'])}: {_pydantic(path, problem, field)}"
+
+
+def _counts_wrong_entries(problem: ErrorDetails) -> bool:
+    """Whether a list is called too short that is long enough with its wrong entries, which have lines of their own."""
+    stated = problem["input"]
+    return (
+        problem["type"] == "too_short"
+        and isinstance(stated, list | tuple | Mapping)
+        and len(stated) >= problem["ctx"]["min_length"]
+    )
 
 
 def _pydantic(path: str, problem: ErrorDetails, field: FieldInfo | None) -> str:

@@ -13,6 +13,8 @@ from itertools import combinations
 
 import numpy as np
 
+from updamp.rig.damper_mass import damper_mass
+from updamp.rig.pressure import FePressure
 from updamp.rig.rig import Rig
 from updamp.rig.size import VECTORS_A_MODE, size_of
 
@@ -49,6 +51,7 @@ def questions(rig: Rig, usual: Usual | None = None) -> list[str]:
     return [
         *_material(rig, usual),
         *_dimensions(rig, usual),
+        *_wires(rig),
         *_contact(rig, usual),
         *_reduction(rig, usual),
         *_study(rig, usual),
@@ -93,6 +96,19 @@ def _dimensions(rig: Rig, usual: Usual) -> Iterator[str]:
         )
 
 
+def _wires(rig: Rig) -> Iterator[str]:
+    """Pesaresi et al. 2017, eq. (1): the damper on its wires resonates along them above all that is looked at."""
+    name, highest = max(((name, mode.window[1]) for name, mode in rig.study.modes.items()), key=lambda one: one[1])
+    mass, stiffness = damper_mass(rig), rig.wire.axial_stiffness
+    least = mass * (2 * math.pi * highest) ** 2
+    if stiffness <= least:
+        yield (
+            f"wire.axial_stiffness = {stiffness:g} N/m: not above m w^2 = {least:.3g} N/m, eq. (1) of Pesaresi et al. "
+            f"2017, with the damper's mass m = {mass * 1e3:.3g} g and w at {_hertz(highest)}, the upper end of "
+            f"study.modes.{name}.window; is it in another unit, are stiffer wires meant, or a lower window?"
+        )
+
+
 def _reduction(rig: Rig, usual: Usual) -> Iterator[str]:
     if (modes := rig.reduction.modes) > usual.modes:
         mesh = next(iter(rig.mesh))
@@ -111,6 +127,19 @@ def _contact(rig: Rig, usual: Usual) -> Iterator[str]:
                 f"contact.{key} = {stiffness:g} N/m^3 ({stiffness / 1e9:g} N/mm^3): contacts have 1e3 to 1e6 N/mm^3; "
                 f'is it meant in another unit, such as "60000 N/mm^3"?'
             )
+    yield from _two_limits(rig)
+
+
+def _two_limits(rig: Rig) -> Iterator[str]:
+    """At rest friction is limited in t1 and t2 apart, whatever the law (fem/static_contact/unilateral_contact.py)."""
+    pressure, friction = rig.contact.pressure, rig.contact.friction_coefficient
+    if rig.contact.law == "coulomb_circle" and isinstance(pressure, FePressure) and pressure.friction and friction > 0:
+        yield (
+            f'contact.law = "coulomb_circle" limits friction in the plane, but contact.pressure.model = "fe" limits it '
+            f"in each direction by itself: at rest a patch may carry up to {math.sqrt(2) * friction:.3g} N of friction "
+            f"a newton of pressing force, where the law allows {friction:g}; is that meant? With the law "
+            f'"jenkins_box" both have the same limits; contact.pressure.friction = false leaves friction out at rest'
+        )
 
 
 def _study(rig: Rig, usual: Usual) -> Iterator[str]:

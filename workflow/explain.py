@@ -109,7 +109,7 @@ def _flat(value: Any, path: str) -> Iterator[tuple[str, Any]]:
     if isinstance(value, Mapping):
         for name, entry in value.items():
             yield from _flat(entry, f"{path}.{name}" if path else name)
-    else:
+    elif value is not None:  # a key that is not set, as one that is not stated
         yield path, value
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from updamp.fem.reduced_model import ReducedModel
 from updamp.fem.static_contact.rest_state import StaticContact
+from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.model.build import rig_model
 from updamp.model.small_amplitude import modes_by_name
 from updamp.rig.questions import empty_windows, misnamed, possible_resonances, undivided_windows
@@ -34,13 +35,15 @@ def window_questions(windows: Mapping[str, tuple[float, float]], products: Produ
 
 def lowest_resonances(products: Products, point: str) -> dict[str, float]:
     """mode -> frequency [Hz] of its resonance at the lowest force that there is: where it is followed from, all but
-    linear, else the peak of the curve at the lowest force. point: where peaks are taken"""
-    found: dict[str, float] = {}
+    linear, else the peak of the curve at the lowest force. Of a curve that is not complete the largest response may be
+    no resonance, such as an end of the window: nothing is said of it here (the run says why it is not complete).
+    point: where peaks are taken"""
+    lowest: dict[str, ResponseCurve] = {}
     for one in sorted((entry.product for entry in products.curves), key=lambda curve: -curve.force):
-        if len(one):
-            found[one.mode] = one.peak(point)[0]
+        lowest[one.mode] = one
+    peaks = {mode: one.peak(point)[0] for mode, one in lowest.items() if one.complete and len(one)}
     begun = {entry.product.mode: entry.product for entry in products.resonances if len(entry.product)}
-    return found | {mode: float(one.frequency[0]) for mode, one in begun.items()}
+    return peaks | {mode: float(one.frequency[0]) for mode, one in begun.items()}
 
 
 def misnamed_modes(products: Products, point: str) -> list[str]:

@@ -4,7 +4,7 @@ from typing import ClassVar
 
 from updamp.design.responses.response import Response, response
 from updamp.design.solved_design import SolvedDesign
-from updamp.geometry.outlines import damper_mass
+from updamp.rig.damper_mass import damper_mass
 
 
 @response("damper_mass")

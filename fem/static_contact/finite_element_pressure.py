@@ -90,7 +90,7 @@ def finite_element(reduced: ReducedModel, rig: Rig, options: ContactOptions | No
     Where the pull acts (`pull_on`) matters: on the ends it bends a slender damper, which then bears near its ends.
     Faces are in rigid unilateral contact (no layer of contact stiffness: the only compliance is that of the bodies,
     modes and residual). Without friction nothing holds the damper along z; it then keeps its place there (least
-    rigid motion).
+    rigid motion). Friction is limited in each direction by itself, whatever contact.law says (rig/questions.py asks).
 
     raises: StaticContactError if the contact problem is not solved
     """

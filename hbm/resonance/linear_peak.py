@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from updamp.hbm.problem.linear_model import LinearModel, is_symmetric
+from updamp.hbm.problem.mirror import AGREEMENT
 from updamp.hbm.problem.small_amplitude import SmallAmplitude, element_stiffness, modes_on, response_on
 from updamp.hbm.resonance.resonance import ResonanceProblem, ResonanceState
 
@@ -17,14 +18,15 @@ def linear_peak(
     """The linear response at its resonance in `window` [Hz]. Contacts that are open at rest stay so at small forces.
 
     mode_frequency: [Hz], the mode next to it is taken; by default the one that responds most
-    raises: ValueError where no mode lies in the window, the mode is not damped, or damping is not symmetric
+    raises: ValueError where no mode that is driven and seen lies in the window, the mode is not damped, or damping is
+        not symmetric
     """
     _refuse_gyroscopic(problem.system.free)
     system, n = problem.system, problem.system.free.n_relative
     near = float(np.mean(window))
     stiffness = element_stiffness(system.groups, n, near)
     modes = modes_on(system.free, stiffness, 2 * np.pi * near)
-    asked_for = _modes_asked_for(modes, window, mode_frequency)
+    asked_for = _modes_asked_for(problem, modes, window, mode_frequency)
 
     def response(w: float) -> Complex:
         return response_on(system.free, stiffness, w, problem.excited)
@@ -53,15 +55,15 @@ def _refuse_gyroscopic(free: LinearModel) -> None:
         )
 
 
-def _modes_asked_for(modes: SmallAmplitude, window: tuple[float, float], mode_frequency: float | None) -> list[int]:
-    """Numbers of the modes in the window, or of the one next to a frequency [Hz]."""
-    inside = np.flatnonzero((window[0] <= modes.frequencies) & (modes.frequencies <= window[1])).tolist()
+def _modes_asked_for(
+    problem: ResonanceProblem, modes: SmallAmplitude, window: tuple[float, float], mode_frequency: float | None
+) -> list[int]:
+    """Numbers of the modes in the window that the force drives and the point shows, or of the one next to a frequency
+    [Hz]."""
+    there = _moves(modes, problem.excited) & _moves(modes, problem.observed)
+    inside = np.flatnonzero(there & _within(modes, window)).tolist()
     if not inside:
-        lowest = ", ".join(f"{f:.4g}" for f in modes.frequencies[:6])
-        raise ValueError(
-            f"no mode between {window[0]:g} and {window[1]:g} Hz at forces so small that nothing slips or opens; the "
-            f"lowest are {lowest} Hz"
-        )
+        raise ValueError(_no_mode(problem, modes, window))
     if mode_frequency is not None:
         inside = [min(inside, key=lambda i: abs(modes.frequencies[i] - mode_frequency))]
     for undamped in (i for i in inside if not modes.loss_factor(i) > np.finfo(float).eps):
@@ -70,3 +72,43 @@ def _modes_asked_for(modes: SmallAmplitude, window: tuple[float, float], mode_fr
             "opens: its resonance has no height to begin at; give the structure some"
         )
     return inside
+
+
+def _within(modes: SmallAmplitude, window: tuple[float, float]) -> NDArray[np.bool_]:
+    return np.asarray((window[0] <= modes.frequencies) & (modes.frequencies <= window[1]))
+
+
+def _moves(modes: SmallAmplitude, row: int) -> NDArray[np.bool_]:
+    """(k,) whether each mode moves a row, but for what mirror images differ by."""
+    size = np.abs(modes.shapes[row])
+    return np.asarray(size > AGREEMENT * size.max())
+
+
+def _no_mode(problem: ResonanceProblem, modes: SmallAmplitude, window: tuple[float, float]) -> str:
+    """Which modes lie in the window and why none of them resonates; that there are none; which ones do."""
+    said = f"between {window[0]:g} and {window[1]:g} Hz at forces so small that nothing slips or opens"
+    seen = modes.frequencies[_moves(modes, problem.excited) & _moves(modes, problem.observed)]
+    lowest = f"the lowest that are driven and seen are at {', '.join(f'{f:.4g}' for f in seen[:6])} Hz"
+    every, further = _of_the_whole(problem, modes, float(np.mean(window)))
+    driven, inside = _moves(every, problem.excited + further), _within(every, window)
+    still = (
+        ("not driven from where the force acts", every.frequencies[inside & ~driven]),
+        ("driven and not seen at the point that is followed", every.frequencies[inside & driven]),
+    )
+    found = [f"{', '.join(f'{f:.4g}' for f in at)} Hz {why}" for why, at in still if len(at)]
+    if not found:
+        return f"no mode {said}: widen the window, or give another; {lowest}"
+    return (
+        f"no mode that is driven and seen {said}; there are modes at {', and at '.join(found)} (in a mode that is "
+        "antisymmetric about the middle the middle stands still): choose another point, or another window; "
+        f"{lowest}"
+    )
+
+
+def _of_the_whole(problem: ResonanceProblem, modes: SmallAmplitude, near: float) -> tuple[SmallAmplitude, int]:
+    """Modes of all motions, not only those that the force drives, and how many rows further on their points are."""
+    if problem.whole is None:
+        return modes, 0
+    free = problem.whole.free
+    stiffness = element_stiffness(problem.whole.groups, free.n_relative, near)
+    return modes_on(free, stiffness, 2 * np.pi * near), free.n_relative - problem.system.free.n_relative

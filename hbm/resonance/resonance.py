@@ -30,13 +30,13 @@ PHASE_TOLERANCE = 1e-7  # [rad]; an error e of the phase is one of e^2 / 2 of th
 @dataclass(frozen=True, eq=False)
 class ResonanceProblem:
     """excited, observed: rows of the linear model that the force acts on and whose first harmonic is followed
-    near: factors at a similar point, to solve by iteration with them in place of new ones
-    """
+    near: factors at a similar point, to iterate with; whole: the structure where `system` is the half that is driven"""
 
     system: NonlinearSystem
     excited: int
     observed: int
     near: DirectForces | None = None
+    whole: NonlinearSystem | None = None
 
     def excitation(self, log_force: float) -> Excitation:
         """log_force: ln of the force in N"""

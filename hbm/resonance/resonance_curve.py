@@ -138,7 +138,8 @@ def trace_resonance(system: NonlinearSystem, request: ResonanceRequest) -> Itera
     solved, start = (driven[0] if driven else system), request.start
     if driven and start is not None:
         start = replace(start, z=driven[1].halved(start.z))
-    problem = ResonanceProblem(solved, solved.free.row(request.excited), solved.free.row(request.point))
+    excited, observed = solved.free.row(request.excited), solved.free.row(request.point)
+    problem = ResonanceProblem(solved, excited, observed, whole=system if driven else None)
     rows: list[dict[str, Any]] = []
     n, n_coefficients = system.free.n_relative, system.harmonics.n_coefficients
     shapes = {"response": (n_coefficients,), "displacement": (n, n_coefficients), "states": (len(ContactState),)}

@@ -16,9 +16,10 @@ from updamp.design.tracked_modes import mode_references, tracked_mode
 from updamp.fem.finite_element_model import finite_element_model
 from updamp.fem.static_contact.static_contact import static_contact
 from updamp.geometry.build_mesh import build_mesh
-from updamp.geometry.outlines import area, blade_outline, damper_mass, damper_outline
+from updamp.geometry.outlines import area, blade_outline, damper_outline
 from updamp.model.build import rig_model
 from updamp.model.rig_files import load_rig
+from updamp.rig.damper_mass import damper_mass
 
 RIG = Path(__file__).parents[1] / "data" / "short_faces.toml"
 

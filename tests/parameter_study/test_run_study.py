@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rich.console import Console
+from support.curves import softening_curve
 from support.parameter_study import STUDY, run, study_folder
 
 from updamp.fem.contact_places import nearest_patch
@@ -19,7 +20,9 @@ from updamp.parameter_study.design_numbers import design_numbers
 from updamp.parameter_study.families import CurveName
 from updamp.parameter_study.mode_peak import window_of_mode
 from updamp.parameter_study.outputs import check_findings, write_outputs
+from updamp.parameter_study.run_study import counted, run_parameter_study
 from updamp.parameter_study.solved_study import loop_at
+from updamp.parameter_study.study_file import read_parameter_study
 from updamp.workflow.progress import Display
 
 CURVES = 4
@@ -105,6 +108,20 @@ def test_a_variant_that_cannot_be_built_leaves_the_others(tmp_path):
     missing = {name.variant: reason for name, reason in result.missing.items()}
     assert "determine only" in missing["50/50"]
     assert missing["film"] == "not traced yet"
+
+
+def test_the_last_line_says_how_many_of_the_known_curves_are_complete():
+    whole, stopped = softening_curve(), softening_curve(stopped="the branch stops")
+    assert counted([whole, whole], 2) == "2 of 2 known, 2 of them complete"
+    assert counted([whole, stopped], 3).startswith("2 of 3 known, 1 of them complete; study.html has the reasons")
+
+
+def test_the_last_line_stands_in_the_terminal(solved, file, capsys):
+    study = read_parameter_study(file)
+    with Display(Console(width=200)) as display:
+        run_parameter_study(study, study.out, 1, display, solve=False)
+    complete = sum(curve.complete for curve in solved.curves.values())
+    assert f"{CURVES} of {CURVES} known, {complete} of them complete" in capsys.readouterr().out
 
 
 def whole_curves(stages: Path) -> dict[Path, int]:

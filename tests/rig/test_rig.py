@@ -422,3 +422,10 @@ def test_digest_sees_its_own_keys_only() -> None:
     assert rig.digest("contact") != other.digest("contact")
     assert rig.digest("contact.friction_coefficient") != other.digest("contact.friction_coefficient")
     assert rig.digest("blade", "damper") != rig.digest("blade")
+
+
+def test_a_list_whose_entries_are_wrong_is_not_told_to_be_too_short() -> None:
+    with pytest.raises(RigError) as raised:
+        load_rig(REFERENCE, {"study.force_levels": ["0 N"]})
+    _, *lines = str(raised.value).splitlines()
+    assert lines == ['study.force_levels[0] = "0 N": out of range: allowed is above 0 N and at most 1e+09 N']

@@ -73,6 +73,16 @@ def test_an_effect_that_is_new_is_named():
     assert not [part for part in told["curve OOP"].split(", ") if part.endswith("-> ")], told["curve OOP"]
 
 
+def test_a_key_that_is_not_set_is_no_change():
+    """The polynomial of the reference rig has a `map` that may be stated in place of its coefficients."""
+    old, new = load_rig(RIG), load_rig(RIG, {"contact.pressure": {"model": "uniform"}})
+    one_way = [change.path for verdict in explain(new, old, "small") for change in verdict.changes]
+    back = [change.path for verdict in explain(old, new, "small") for change in verdict.changes]
+    for paths in (one_way, back):
+        assert "contact.pressure.model" in paths
+        assert "contact.pressure.map" not in paths
+
+
 def test_the_command_says_so(tmp_path):
     other = tmp_path / "other.toml"
     other.write_text(RIG.read_text().replace("friction_coefficient = 0.6", "friction_coefficient = 0.4"))
