@@ -1,5 +1,6 @@
 """A law of one direction between two places, in place of one place and the ground."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -29,6 +30,16 @@ class BetweenPoints:
     @property
     def rate_dependent(self) -> bool:
         return self.inner.rate_dependent
+
+    @property
+    def at_least(self) -> Mapping[str, float]:
+        """As the inner law has it, for hbm/problem/element_checks.py."""
+        return dict(getattr(self.inner, "at_least", {}))
+
+    @property
+    def above(self) -> Mapping[str, float]:
+        """As the inner law has it."""
+        return dict(getattr(self.inner, "above", {}))
 
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
         return _on_both(self.inner.force(_across(displacement), _across(velocity), parameters))
