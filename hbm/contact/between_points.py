@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.contact.law import ContactLaw, StickingLaw, force_for_analysis
+from updamp.hbm.contact.one_sided import OneSidedLaw
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,11 @@ class BetweenPoints:
         if not isinstance(self.inner, StickingLaw):
             return np.zeros(len(displacement), dtype=bool)
         return self.inner.surely_sticks(displacement[:, :1] - displacement[:, 1:], parameters, overshoot)
+
+    def one_sided(self, parameters: Any) -> NDArray[np.bool_]:
+        if isinstance(self.inner, OneSidedLaw):
+            return self.inner.one_sided(parameters)
+        return np.zeros(len(parameters[0]), dtype=bool)
 
 
 def _across(motion: jax.Array) -> jax.Array:
