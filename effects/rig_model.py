@@ -92,8 +92,9 @@ class RigModel:
 
     @cached_property
     def system(self) -> NonlinearSystem:
-        """The coupled problem."""
-        return NonlinearSystem(self.free, self.groups, self.harmonics, self.time_samples, self._mirror)
+        """The coupled problem. Without harmonic 0 the mean is held, as the tables say (workflow/summary.py)."""
+        kept = self.harmonics, self.time_samples
+        return NonlinearSystem(self.free, self.groups, *kept, self._mirror, mean_held=True)
 
     @cached_property
     def _mirror(self) -> Mirror | None:

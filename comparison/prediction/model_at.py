@@ -109,7 +109,7 @@ def _system_of(there: ModelAt, changed: RigModel, contacts_alone: bool = False) 
     groups = changed.groups if there.mirror is None else half_groups(changed.groups, _mirror_of(changed))
     own = (*there.system.groups, *groups[len(there.system.groups) :])
     kept = tuple(a if _equal_groups(a, b) else b for a, b in zip(own, groups, strict=True))
-    return NonlinearSystem(free, kept, changed.harmonics, changed.time_samples)
+    return NonlinearSystem(free, kept, changed.harmonics, changed.time_samples, mean_held=True)
 
 
 def _free(there: ModelAt, changed: RigModel) -> LinearModel:

@@ -1,5 +1,6 @@
 """A law of one direction between two places, in place of one place and the ground."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -9,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.contact.law import ContactLaw, StickingLaw, force_for_analysis
+from updamp.hbm.contact.one_sided import OneSidedLaw
 
 
 @dataclass(frozen=True)
@@ -30,6 +32,16 @@ class BetweenPoints:
     def rate_dependent(self) -> bool:
         return self.inner.rate_dependent
 
+    @property
+    def at_least(self) -> Mapping[str, float]:
+        """As the inner law has it, for hbm/problem/element_checks.py."""
+        return dict(getattr(self.inner, "at_least", {}))
+
+    @property
+    def above(self) -> Mapping[str, float]:
+        """As the inner law has it."""
+        return dict(getattr(self.inner, "above", {}))
+
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
         return _on_both(self.inner.force(_across(displacement), _across(velocity), parameters))
 
@@ -43,6 +55,11 @@ class BetweenPoints:
         if not isinstance(self.inner, StickingLaw):
             return np.zeros(len(displacement), dtype=bool)
         return self.inner.surely_sticks(displacement[:, :1] - displacement[:, 1:], parameters, overshoot)
+
+    def one_sided(self, parameters: Any) -> NDArray[np.bool_]:
+        if isinstance(self.inner, OneSidedLaw):
+            return self.inner.one_sided(parameters)
+        return np.zeros(len(parameters[0]), dtype=bool)
 
 
 def _across(motion: jax.Array) -> jax.Array:

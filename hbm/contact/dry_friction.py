@@ -1,6 +1,7 @@
 """Dry friction that has no stick left: its force depends on the velocity alone."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
@@ -14,7 +15,7 @@ _BETWEEN = 8
 
 
 class DryFrictionParameters(NamedTuple):
-    """force: while it slides [N]"""
+    """force: while it slides, 0 or more [N]"""
 
     force: jax.Array
 
@@ -25,6 +26,7 @@ class RoundedFriction(ABC):
     parameters: ClassVar[type] = DryFrictionParameters
     directions: ClassVar[int] = 1
     rate_dependent: ClassVar[bool] = True
+    at_least: ClassVar[Mapping[str, float]] = {"force": 0.0}
 
     @abstractmethod
     def creep_of(self, velocity: jax.Array) -> jax.Array | float:
@@ -64,9 +66,18 @@ class DryFriction(RoundedFriction):
     where the motion is fast.
 
     creep: velocity below which it resists as a dashpot of force / creep does [m/s]
+
+    raises: ValueError for a creep that is not positive
     """
 
     creep: float
+
+    def __post_init__(self) -> None:
+        if not 0 < self.creep < np.inf:
+            raise ValueError(
+                f"DryFriction: creep = {self.creep:g} m/s must be positive; well below the velocities of the motion it "
+                "comes near to Coulomb's law"
+            )
 
     def creep_of(self, velocity: jax.Array) -> float:
         return self.creep

@@ -89,5 +89,9 @@ class UnilateralSpring:
         k, beyond = parameters.stiffness, np.maximum(displacement - parameters.gap, 0.0)
         return Sampled(k * beyond, k * (beyond > 0))
 
+    def one_sided(self, parameters: Any) -> NDArray[np.bool_]:
+        """(n_elements,) where it pushes one way alone from rest on; with a negative gap it is pressed at rest."""
+        return (np.asarray(parameters.stiffness) != 0) & (np.asarray(parameters.gap) >= 0)
+
     def reference_stiffness(self, parameters: UnilateralParameters) -> jax.Array:
         return jnp.zeros(1)

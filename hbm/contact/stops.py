@@ -46,6 +46,9 @@ class Clearance(Stop):
 
     at_least: ClassVar[Mapping[str, float]] = {"gap": 0.0}
 
+    def one_sided(self, parameters: Any) -> NDArray[np.bool_]:
+        return np.zeros(np.shape(parameters.gap), dtype=bool)
+
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: UnilateralParameters) -> jax.Array:
         u, gap = displacement, parameters.gap
         return parameters.stiffness * (u - jnp.clip(u, -gap, gap))

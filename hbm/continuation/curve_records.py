@@ -66,7 +66,7 @@ class CurveRequest:
         and whether the window holds the resonance is asked at the first
 
     raises: ValueError for a window that does not rise from a positive frequency, a force that is not positive, no
-        point, and a point told that is not observed
+        point, a point told that is not observed, and names given as one string
     """
 
     mode: str
@@ -83,6 +83,8 @@ class CurveRequest:
         refuse_window(self.window)
         if not 0 < force < np.inf:
             raise ValueError(f"force = {force:g} N: a curve needs a positive one")
+        _refuse_string("points", self.points)
+        _refuse_string("told", self.told)
         if not self.peaks_at:
             raise ValueError("points: at least one is needed, at which the peak is told")
         if missing := [point for point in self.told if point not in self.points]:
@@ -91,6 +93,12 @@ class CurveRequest:
     @property
     def peaks_at(self) -> tuple[str, ...]:
         return self.told or self.points[:1]
+
+
+def _refuse_string(what: str, names: Any) -> None:
+    """Its letters would be taken for names."""
+    if isinstance(names, str):
+        raise ValueError(f"{what} = '{names}': a tuple of names is needed, such as {(names,)}")
 
 
 def refuse_window(window: tuple[float, float]) -> None:

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.harmonics import whole_number
+from updamp.hbm.contact.one_sided import OneSidedLaw
+from updamp.hbm.harmonics import Harmonics, whole_number
 
 # Sliders divide by their stiffness; laws that divide by others name them (`divides_by`): a box without normal stiffness
 # had never slipped. A small one holds a load that does not vary. Other bounds are the laws' own (`at_least`, `above`).
@@ -58,6 +59,37 @@ def refuse_rows(groups: Sequence[Any], n_relative: int) -> None:
         raise ValueError(f"rows: {times[twice[0]]} elements act on row {twice[0]}; {there}: give each a row of its own")
     if len(none := np.flatnonzero(times == 0)):
         raise ValueError(f"rows: no element acts on row {none[0]}; {there}: leave the row out, or give it an element")
+
+
+def refuse_unmoved(groups: Sequence[Any], moves: NDArray[np.bool_]) -> None:
+    """groups: of `problem.elements.ElementGroup`; moves: (n_relative,) whether any motion is seen on a row
+
+    raises: ValueError naming an element that sees none on any of its rows
+    """
+    for group in groups:
+        if len(still := group.rows[~moves[group.rows].any(axis=1)]):
+            which = f"rows {still[0].tolist()} of it are" if len(still[0]) > 1 else f"row {still[0][0]} of it is"
+            raise ValueError(
+                f"relative: {which} all zeros, where a {type(group.law).__name__} acts, which would see no motion: "
+                "give the coordinates' shares, or leave row and element out"
+            )
+
+
+def refuse_moving_mean(groups: Sequence[Any], harmonics: Harmonics) -> None:
+    """groups: of `problem.elements.ElementGroup`, whose elements move the mean position that is held without harmonic 0
+
+    raises: ValueError naming the law, the row and the harmonics
+    """
+    if 0 in harmonics.orders:
+        return
+    for group in groups:
+        if not isinstance(group.law, OneSidedLaw) or not (pushes := group.law.one_sided(group.parameters)).any():
+            continue
+        raise ValueError(
+            f"harmonics = {harmonics.orders}: the {type(group.law).__name__} on row {group.rows[pushes][0][0]} pushes "
+            f"one way alone and moves the mean position: add harmonic 0, such as {(0, 1, 2, 3)}; where the mean is to "
+            "be held, NonlinearSystem(..., mean_held=True)"
+        )
 
 
 def whole_rows(rows: Any) -> NDArray[np.int64]:

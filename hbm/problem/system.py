@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.harmonics import Harmonics, whole_number
-from updamp.hbm.problem.element_checks import refuse_rows
+from updamp.hbm.problem.element_checks import refuse_moving_mean, refuse_rows, refuse_unmoved
 from updamp.hbm.problem.elements import ElementGroup, departure_only, departures
 from updamp.hbm.problem.elements_together import departures_only_together, departures_together
 from updamp.hbm.problem.linear_model import LinearModel, stuck_on
@@ -91,9 +91,11 @@ class NonlinearSystem:
 
     mirror: what might be a symmetry of the problem; whether it is one, `half` finds out. None: it is looked for where
         the excitation is known (hbm/problem/mirror_search.py), unless `as_a_whole`
+    mean_held: whether elements that push one way alone are taken without harmonic 0, the mean position held
 
-    raises: ValueError where there is no group, where the rows of the groups overlap or leave some out, and where the
-        time samples do not resolve the highest harmonic
+    raises: ValueError where there is no group, where the rows of the groups overlap or leave some out, where the
+        time samples do not resolve the highest harmonic, where an element sees no motion, and where one pushes one way
+        alone without harmonic 0
     """
 
     free: LinearModel
@@ -102,6 +104,7 @@ class NonlinearSystem:
     time_samples: int
     mirror: Mirror | None = None
     as_a_whole: bool = False
+    mean_held: bool = False
 
     def __post_init__(self) -> None:
         if (samples := whole_number(self.time_samples)) is None:
@@ -111,6 +114,16 @@ class NonlinearSystem:
         if not self.groups:
             raise ValueError("no elements: of a linear structure a `CubicSpring` of coefficient 0 makes a system")
         refuse_rows(self.groups, self.free.n_relative)
+        if not self.as_a_whole:  # in half the motions an element in the middle may be at rest
+            refuse_unmoved(self.groups, self._moves)
+        if not self.mean_held:
+            refuse_moving_mean(self.groups, self.harmonics)
+
+    @property
+    def _moves(self) -> NDArray[np.bool_]:
+        """(n_relative,)"""
+        n = self.free.n_relative
+        return np.asarray(self.free.phi[:n].any(axis=1) | self.free.residual[:n].any(axis=1))
 
     def refuse_row(self, row: int) -> None:
         """raises: ValueError where the model has no such row to be driven at"""
@@ -130,11 +143,18 @@ class NonlinearSystem:
     def stuck(self) -> LinearModel:
         """The structure with every element on its reference springs.
 
-        raises: ValueError where harmonic 0 is kept and a mode has no stiffness
+        raises: ValueError where harmonic 0 is kept and a mode has no stiffness, or a negative one
         """
         stuck = stuck_on(self.free, self.reference_stiffness)
         squared = stuck.omega_squared
-        if 0 in self.harmonics.orders and len(squared) and squared.min() <= len(squared) * _EPS * squared.max():
+        round_off = len(squared) * _EPS * np.abs(squared).max(initial=0.0)
+        if 0 in self.harmonics.orders and len(squared) and squared.min() < -round_off:
+            raise ValueError(
+                f"harmonic 0: a motion of the structure with all contacts stuck has a negative stiffness, omega^2 = "
+                f"{squared.min():.4g} rad^2/s^2: it does not rest where displacements are counted from; give K about "
+                "the position in which it rests, or look for a wrong sign in it"
+            )
+        if 0 in self.harmonics.orders and len(squared) and squared.min() <= round_off:
             raise ValueError(
                 "harmonic 0: a motion of the structure with all contacts stuck has no stiffness, so that no mean force "
                 "can be held; leave harmonic 0 out, such as Harmonics((1, 3, 5)), or hold the structure"

@@ -28,7 +28,12 @@ from updamp.hbm.resonance.resonance_predictor import (
     ahead,
     difference,
 )
-from updamp.hbm.resonance.resonance_steps import ResonanceOptions, ResonanceSteps, ResonanceStoppedError
+from updamp.hbm.resonance.resonance_steps import (
+    ResonanceOptions,
+    ResonanceOutsideError,
+    ResonanceSteps,
+    ResonanceStoppedError,
+)
 
 Floats = NDArray[np.float64]
 
@@ -71,7 +76,8 @@ def first_resonance(
     that is too far.
 
     mode_frequency: [Hz] of the linear mode, see `linear_peak`
-    raises: ResonanceStoppedError; ValueError where no mode lies in the window or the force is not positive
+    raises: ResonanceStoppedError, ResonanceOutsideError where what is found lies outside the window; ValueError where
+        no mode lies in the window or the force is not positive
     """
     options, log_force = options or ResonanceOptions(), _log_force(force)
     peak = linear_peak(problem, window, log_force, mode_frequency)
@@ -84,8 +90,10 @@ def first_resonance(
         if (start.converged and within) or log_force < lowest:
             break
         log_force -= np.log(10) / 2
-    if not (start.converged and within):
-        raise ResonanceStoppedError(start, Status.STALLED if start.converged else start.status)
+    if not start.converged:
+        raise ResonanceStoppedError(start, start.status)
+    if not within:
+        raise ResonanceOutsideError(start, window)
     if log_force == _log_force(force):
         return start
     (last,) = deque(_follow(problem, condition, start, [_log_force(force)], options.scale_w(window), options), maxlen=1)

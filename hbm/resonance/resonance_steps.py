@@ -79,6 +79,18 @@ class ResonanceStoppedError(Exception):
         )
 
 
+class ResonanceOutsideError(ResonanceStoppedError):
+    """A beginning that is solved, and lies outside the window [Hz]: another mode's."""
+
+    def __init__(self, solution: ResonanceSolution, window: tuple[float, float]) -> None:
+        super().__init__(solution, solution.status)
+        self.args = (
+            f"the resonance that is found at {self.force:.4g} N lies at {self.frequency:.6g} Hz, outside the window "
+            f"from {window[0]:g} to {window[1]:g} Hz: widen the window so that it holds it, give a `start` inside, "
+            "such as the peak of a response curve, or another condition",
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class ResonanceSteps:
     """Finds the resonance that follows those so far."""

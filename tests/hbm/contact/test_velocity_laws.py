@@ -41,10 +41,14 @@ def across(group: ElementGroup) -> ElementGroup:
     return ElementGroup(BetweenPoints(group.law), group.parameters, np.array([[0, 1]]))
 
 
+def between_two(force: float = FORCE) -> ElementGroup:
+    return ElementGroup(BetweenPoints(DryFriction(CREEP)), DryFrictionParameters(np.array([force])), np.array([[0, 1]]))
+
+
 GROUPS = {
     "power 1": damper(1.0), "power 1.8": damper(1.8), "power 3": damper(3.0), "friction": friction(),
     "threshold": threshold(), "coulomb": coulomb(),
-    "power between two": across(damper(1.8)), "friction between two": across(friction()),
+    "power between two": across(damper(1.8)), "friction between two": between_two(),
 }  # fmt: skip
 EACH = pytest.mark.parametrize("group", GROUPS.values(), ids=GROUPS)
 
@@ -159,7 +163,7 @@ def test_force_enters_linearly_and_nothing_is_evaluated_without_it() -> None:
 
 
 def test_between_two_points_the_relative_motion_counts_and_forces_are_opposite() -> None:
-    single, pair = friction(), across(friction())
+    single, pair = friction(), between_two()
     x = motion_of(pair)
     found, expected = (
         element_forces(pair, x, W, HARMONICS, 128),
@@ -168,3 +172,18 @@ def test_between_two_points_the_relative_motion_counts_and_forces_are_opposite()
     np.testing.assert_allclose(found.force, np.concatenate([expected.force, -expected.force], axis=1), atol=1e-14)
     together = np.repeat(motion_of(single), 2, axis=1)
     assert np.abs(force_only(pair, together, W, HARMONICS, 128)).max() < 1e-12 * FORCE
+
+
+@pytest.mark.parametrize("creep", [0.0, -1.0, np.nan, np.inf])
+def test_friction_needs_a_creep(creep: float) -> None:
+    """With 0 it divided by it, and below 0 it drove the motion."""
+    with pytest.raises(ValueError, match=f"DryFriction: creep = {creep:g} m/s must be positive"):
+        DryFriction(creep)
+    with pytest.raises(ValueError, match=f"CoulombFriction: share = {creep:g} must be positive"):
+        CoulombFriction(creep)
+
+
+def test_friction_that_drives_is_refused() -> None:
+    for make in (friction, coulomb, between_two):
+        with pytest.raises(ValueError, match=r"force = \[-0.01\] must be 0 or more"):
+            make(-0.01)

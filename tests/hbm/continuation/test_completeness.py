@@ -286,6 +286,8 @@ def test_half_width_does_not_depend_on_where_the_points_lie(offset):
         ({"force": -1.0}, "force = -1 N"),
         ({"force": np.nan}, "force = nan N"),
         ({"points": ()}, "points: at least one"),
+        ({"told": "tip"}, r"told = 'tip': a tuple of names is needed, such as \('tip',\)"),
+        ({"points": "mass"}, r"points = 'mass': a tuple of names is needed"),
         ({"told": ("elsewhere",)}, "told: 'elsewhere' is not observed"),
     ],
 )

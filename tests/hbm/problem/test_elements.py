@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from support.peers import friction, one_degree_of_freedom
 
+from updamp.hbm.contact.between_points import BetweenPoints
 from updamp.hbm.contact.coulomb_circle import CoulombCircle
 from updamp.hbm.contact.iwan import IwanMicroslip, IwanParameters
 from updamp.hbm.contact.jenkins import Jenkins, JenkinsParameters
@@ -13,14 +14,16 @@ from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
 from updamp.hbm.contact.law import ContactLaw
 from updamp.hbm.contact.power_law_damper import PowerLawDamper, PowerLawParameters
-from updamp.hbm.contact.springs import CubicParameters, CubicSpring, UnilateralParameters
-from updamp.hbm.contact.stops import Clearance
+from updamp.hbm.contact.springs import CubicParameters, CubicSpring, UnilateralParameters, UnilateralSpring
+from updamp.hbm.contact.stops import Clearance, Stop
 from updamp.hbm.contact.threshold_damper import ThresholdDamper, ThresholdDamperParameters
 from updamp.hbm.continuation.curve import CurveRequest, whole_curve
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.problem.elements import ElementGroup, element_forces, force_only
 from updamp.hbm.problem.linear_model import from_matrices
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
+
+ONE = Harmonics((1,))
 
 
 @pytest.mark.parametrize(
@@ -154,6 +157,48 @@ def test_a_free_motion_has_no_mean_that_could_be_held() -> None:
     with pytest.raises(ValueError, match=r"harmonic 0: a motion of the structure .* has no stiffness"):
         _ = NonlinearSystem(linear, (group,), Harmonics((0, 1)), 64).stuck
     assert len(NonlinearSystem(linear, (group,), Harmonics((1, 3)), 64).stuck.omega_squared) == 2
+
+
+def test_a_negative_stiffness_is_told_as_such() -> None:
+    group = ElementGroup(CubicSpring(), CubicParameters(np.ones(1)), np.array([[0]]))
+    linear = from_matrices(np.eye(1), np.eye(1), -np.eye(1), np.eye(1))
+    with pytest.raises(ValueError, match=r"harmonic 0: .* has a negative stiffness, omega\^2 = -1 rad"):
+        _ = NonlinearSystem(linear, (group,), Harmonics((0, 1)), 64).stuck
+
+
+def test_an_element_that_sees_no_motion_is_refused() -> None:
+    """It was accepted, and did nothing. One that moves in some of its directions is not."""
+    with pytest.raises(ValueError, match=r"relative: row 0 of it is all zeros, where a CubicSpring acts"):
+        NonlinearSystem(from_matrices(np.eye(1), np.eye(1), np.eye(1), np.zeros((1, 1))), (_cubic([[0]]),), ONE, 64)
+    box = ElementGroup(JenkinsBox(), friction(1, 0.4, 1.0, 1.0, np.ones(1)), np.arange(3)[None])
+    NonlinearSystem(from_matrices(np.eye(1), np.eye(1), np.eye(1), np.eye(3, 1)), (box,), ONE, 64)
+    with pytest.raises(ValueError, match=r"rows \[0, 1, 2\] of it are all zeros, where a JenkinsBox acts"):
+        NonlinearSystem(from_matrices(np.eye(1), np.eye(1), np.eye(1), np.zeros((3, 1))), (box,), ONE, 64)
+
+
+@pytest.mark.parametrize("law", [UnilateralSpring(), Stop(), BetweenPoints(Stop())])
+def test_what_pushes_one_way_alone_needs_harmonic_0(law: ContactLaw) -> None:
+    """Without it the peak of an oscillator with a stop was 4 % off in frequency, and nothing was said."""
+    free = from_matrices(np.eye(2), 0.02 * np.eye(2), np.eye(2), np.eye(law.directions, 2))
+    rows = np.arange(law.directions)[None]
+
+    def system(harmonics: tuple[int, ...], stiffness: float = 1.0, gap: float = 0.1, **given: bool) -> NonlinearSystem:
+        group = ElementGroup(law, UnilateralParameters(np.array([stiffness]), np.array([gap])), rows)
+        return NonlinearSystem(free, (group,), Harmonics(harmonics), 64, **given)
+
+    with pytest.raises(ValueError, match=rf"harmonics = \(1, 3\): the {type(law).__name__} on row 0 .* mean_held=True"):
+        system((1, 3))
+    assert not system((0, 1, 3)).mean_held
+    assert system((1, 3), mean_held=True).with_harmonics(ONE).harmonics == ONE
+    system((1, 3), stiffness=0.0)
+    system((1, 3), gap=-0.1)  # pressed at rest, as preloaded contacts are
+
+
+@pytest.mark.parametrize("law", [Clearance(), BetweenPoints(Clearance())])
+def test_what_pushes_both_ways_needs_no_harmonic_0(law: ContactLaw) -> None:
+    free = from_matrices(np.eye(2), 0.02 * np.eye(2), np.eye(2), np.eye(law.directions, 2))
+    group = ElementGroup(law, UnilateralParameters(np.ones(1), np.full(1, 0.1)), np.arange(law.directions)[None])
+    NonlinearSystem(free, (group,), ONE, 64)
 
 
 def test_a_motion_without_mass_is_refused() -> None:
