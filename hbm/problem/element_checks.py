@@ -1,5 +1,6 @@
 """What a group of elements cannot be: said when it is made, not as an odd number or a foreign error later."""
 
+import warnings
 from collections.abc import Sequence
 from typing import Any
 
@@ -75,20 +76,19 @@ def refuse_unmoved(groups: Sequence[Any], moves: NDArray[np.bool_]) -> None:
             )
 
 
-def refuse_moving_mean(groups: Sequence[Any], harmonics: Harmonics) -> None:
-    """groups: of `problem.elements.ElementGroup`, whose elements move the mean position that is held without harmonic 0
-
-    raises: ValueError naming the law, the row and the harmonics
-    """
+def warn_of_moving_mean(groups: Sequence[Any], harmonics: Harmonics) -> None:
+    """Where elements move the mean position, which is held without harmonic 0: naming the law, the row and the
+    harmonics. No error, since other codes solve such problems too. groups: of `problem.elements.ElementGroup`"""
     if 0 in harmonics.orders:
         return
     for group in groups:
         if not isinstance(group.law, OneSidedLaw) or not (pushes := group.law.one_sided(group.parameters)).any():
             continue
-        raise ValueError(
+        warnings.warn(
             f"harmonics = {harmonics.orders}: the {type(group.law).__name__} on row {group.rows[pushes][0][0]} pushes "
-            f"one way alone and moves the mean position: add harmonic 0, such as {(0, 1, 2, 3)}; where the mean is to "
-            "be held, NonlinearSystem(..., mean_held=True)"
+            f"one way alone and moves the mean position, which is held: add harmonic 0, such as {(0, 1, 2, 3)}; where "
+            "it is meant to be held, NonlinearSystem(..., mean_held=True) says so",
+            stacklevel=4,
         )
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.harmonics import Harmonics, whole_number
-from updamp.hbm.problem.element_checks import refuse_moving_mean, refuse_rows, refuse_unmoved
+from updamp.hbm.problem.element_checks import refuse_rows, refuse_unmoved, warn_of_moving_mean
 from updamp.hbm.problem.elements import ElementGroup, departure_only, departures
 from updamp.hbm.problem.elements_together import departures_only_together, departures_together
 from updamp.hbm.problem.linear_model import LinearModel, stuck_on
@@ -91,11 +91,11 @@ class NonlinearSystem:
 
     mirror: what might be a symmetry of the problem; whether it is one, `half` finds out. None: it is looked for where
         the excitation is known (hbm/problem/mirror_search.py), unless `as_a_whole`
-    mean_held: whether elements that push one way alone are taken without harmonic 0, the mean position held
+    mean_held: that the mean position is meant to be held where elements push one way alone and harmonic 0 is left
+        out, of which there is a warning otherwise
 
     raises: ValueError where there is no group, where the rows of the groups overlap or leave some out, where the
-        time samples do not resolve the highest harmonic, where an element sees no motion, and where one pushes one way
-        alone without harmonic 0
+        time samples do not resolve the highest harmonic, and where an element sees no motion
     """
 
     free: LinearModel
@@ -117,7 +117,7 @@ class NonlinearSystem:
         if not self.as_a_whole:  # in half the motions an element in the middle may be at rest
             refuse_unmoved(self.groups, self._moves)
         if not self.mean_held:
-            refuse_moving_mean(self.groups, self.harmonics)
+            warn_of_moving_mean(self.groups, self.harmonics)
 
     @property
     def _moves(self) -> NDArray[np.bool_]:

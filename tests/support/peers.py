@@ -42,7 +42,9 @@ def blades_and_damper_system(
     return NonlinearSystem(linear, (ElementGroup(law, parameters, rows),), Harmonics(orders), n_time)
 
 
-def one_degree_of_freedom(c: float, group: ElementGroup, orders: tuple[int, ...], n_time: int) -> NonlinearSystem:
+def one_degree_of_freedom(
+    c: float, group: ElementGroup, orders: tuple[int, ...], n_time: int, mean_held: bool = False
+) -> NonlinearSystem:
     one = np.eye(1)
     linear = from_matrices(one, c * one, one, one, {"mass": one[0]})
-    return NonlinearSystem(linear, (group,), Harmonics(orders), n_time)
+    return NonlinearSystem(linear, (group,), Harmonics(orders), n_time, mean_held=mean_held)

@@ -38,7 +38,7 @@ def against_a_stop(request):
     in frequency, it sends the branch back up."""
     stiffness = request.param
     stop = ElementGroup(UnilateralSpring(), UnilateralParameters(np.array([stiffness]), np.array([GAP])), ROW)
-    system = one_degree_of_freedom(0.01, stop, (1,), 8)
+    system = one_degree_of_freedom(0.01, stop, (1,), 8, mean_held=True)
     force = GAP * abs(1 - 1.35**2)  # touches at 1.35 rad/s
     return system, Excitation(system.free.row("mass"), force)
 
