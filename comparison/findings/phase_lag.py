@@ -39,7 +39,8 @@ class PhaseLag:
 
 
 def phase_lag(fit: Fit, plan: Plan, branches: Sequence[PredictedBranch]) -> PhaseLag | None:
-    """None where it does not stand out, or tests and sensors do not agree on it: all within a third of the mean.
+    """None where it does not stand out, or tests and sensors do not agree on it: all within a third of the mean; and
+    where it is larger than a lag can be, such as of a force of the wrong sign, which is asked about.
 
     Read of tests whose runs and whose model have smooth tops: where a sweep jumps, the phase there is where it happens
     to. branches: calibrated, one a condition
@@ -51,7 +52,7 @@ def phase_lag(fit: Fit, plan: Plan, branches: Sequence[PredictedBranch]) -> Phas
         return None
     each = np.concatenate([angles for angles, _ in read])
     mean = float(np.mean([np.mean(angles) for angles, _ in read]))
-    if np.any(np.abs(each - mean) > ALIKE * abs(mean)):
+    if np.any(np.abs(each - mean) > ALIKE * abs(mean)) or not PHASE_LAG.parameters[0].allows(mean):
         return None
     by_test = np.array([np.mean(angles) for angles, _ in read])
     spread = float(np.std(by_test, ddof=1) / np.sqrt(len(read))) if len(read) > 1 else 0.0

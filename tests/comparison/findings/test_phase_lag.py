@@ -65,3 +65,7 @@ def test_an_angle_that_grows_with_the_level_is_no_lag() -> None:
 def test_without_phases_no_angle_is_read() -> None:
     runs = tuple(replace(run, response=np.abs(run.response), without_phase=("a",)) for run in SOUND.runs)
     assert of_beam(replace(SOUND, runs=runs)).findings == ()
+
+
+def test_a_force_of_the_wrong_sign_is_no_lag() -> None:
+    assert "phase" not in {f.quantity for f in of_beam(lagging(SOUND, 180.0)).findings}
