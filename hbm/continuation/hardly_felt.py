@@ -36,9 +36,11 @@ def with_hardly_felt_resonances(system: NonlinearSystem, request: CurveRequest, 
     """The curve with points at resonances wherever a step has passed over one that is there, and on both sides of it,
     until no step is longer than its distance from the resonance."""
     for at_rest in _resonances(system, request, curve):
-        for place in _passes(curve, at_rest.frequency, at_rest.half_width):
-            if (found := _passed(system, curve, at_rest, place)) is not None:
-                curve = _with_resonance(system, request, curve, *found)
+        passes = _passes(curve, at_rest.frequency, at_rest.half_width)
+        found = [_passed(system, curve, at_rest, place) for place in passes]
+        there = {place: resonance for resonance, place in (one for one in found if one is not None)}
+        for place in sorted(there, reverse=True):  # what is put in after one does not change the numbers before
+            curve = _with_resonance(system, request, curve, there[place], place)
     return curve
 
 
@@ -195,15 +197,13 @@ def _across(
     the points are the same."""
     low, high = ends = np.sort(curve.frequency[place : place + 2])
     way = slice(None, None, 1 if curve.frequency[place] == low else -1)
-    for distance in resonance.distances[resonance.distances >= _FLANKS * resonance.half_width]:
+    distance, inside = _FLANKS * resonance.half_width, np.array([True, True])
+    points: list[BranchPoint] = []
+    while not points and inside.any():
         at = np.clip(resonance.frequency + distance * np.array([-1.0, 1.0]), low, high)
         flanks = [_point_after(system, request, curve, resonance, place, float(f)) for f in at]
-        points, inside = _between(system, request, resonance, *flanks), at != ends
-        if points:
-            return points[0 if inside[0] else 1 : None if inside[1] else -1][way]
-        if not inside.any():
-            break
-    return []
+        points, inside, distance = _between(system, request, resonance, *flanks), at != ends, 2 * distance
+    return points[0 if inside[0] else 1 : None if inside[1] else -1][way]
 
 
 def _between(
