@@ -2,12 +2,13 @@
 
 Not every point is computed. Where nothing slips or separates the response is the stuck structure's. The other points
 fall into parts, without gap or turning point inside. Between two turning points an odd number of real exponents grows:
-where the determinant at a point in the middle says so too, the whole part is unstable. Of the other parts the middle
-and the ends are computed, and points halfway between computed ones, the longest pieces first and those with ends that
-differ before others, until the curve's share of points is used up: a number and no time, or what is known would depend
-on the machine. The rest is taken to be as the two computed points around it. So what is assumed is that stability does
-not change twice between two computed points that agree, and that no branch crosses between two turning points. Of a
-small system all points of these parts are computed: a Duffing oscillator's stability may change from one to the next.
+where the determinant at a point in the middle says so too, the whole part is unstable; but for the turning point at its
+end, which may lie beyond the fold and is a part of its own. Of the other parts the middle and the ends are computed,
+and points halfway between computed ones, the longest pieces first and those with ends that differ before others, until
+the curve's share of points is used up: a number and no time, or what is known would depend on the machine. The rest is
+taken to be as the two computed points around it. So what is assumed is that stability does not change twice between two
+computed points that agree, and that no branch crosses between two turning points. Of a small system all points of these
+parts are computed: a Duffing oscillator's stability may change from one to the next.
 """
 
 import time
@@ -88,7 +89,8 @@ class Judgement:
 class Part:
     """Consecutive points from start to last (included) that may slip or separate, without turning point or gap.
 
-    against: whether it lies between turning points; None where that is not known
+    against: whether it lies between turning points; None where that is not known: beyond a gap, and of the turning
+        point at which a branch turns forward again, on whichever side of the fold it lies
     """
 
     start: int
@@ -110,17 +112,19 @@ def between_turning_points(frequency: Floats) -> NDArray[np.bool_]:
 
 
 def parts_of(curve: ResponseCurve) -> tuple[Part, ...]:
-    """Beyond a gap it is not known whether a part lies between turning points."""
+    """Without turning point or gap inside; `Part.against` says where a turning point is a part of its own."""
     against, turns = between_turning_points(curve.frequency), set(turning_points(curve.frequency))
+    forward = {i for i in turns if against[i]}
     known = int(np.flatnonzero(curve.after_gap)[0]) if curve.after_gap.any() else len(curve)
-    breaks = {i + 1 for i in turns} | set(np.flatnonzero(curve.after_gap))
+    breaks = {i + 1 for i in turns} | forward | set(np.flatnonzero(curve.after_gap))
     found: list[list[int]] = []
     for i in np.flatnonzero(curve.active > 0):
         if found and found[-1][-1] == i - 1 and i not in breaks:
             found[-1].append(int(i))
         else:
             found.append([int(i)])
-    return tuple(Part(run[0], run[-1], bool(against[run[0]]) if run[0] < known else None) for run in found)
+    runs = ((run, run[0] < known and run[0] not in forward) for run in found)
+    return tuple(Part(run[0], run[-1], bool(against[run[0]]) if tells else None) for run, tells in runs)
 
 
 def point_stability(
