@@ -156,7 +156,7 @@ CURVE = Stage(
 # A mode's resonance followed in the force, through all levels of the study; what goes into a curve goes into it.
 RESONANCE = Stage(
     name="resonance",
-    version=8,
+    version=9,
     sections=(*CURVE.sections, "excitation", "study.force_levels"),
     after=(STATIC_CONTACT,),
     optional=CURVE.optional,
@@ -173,7 +173,7 @@ PEAKS = Stage(
     part_of=(RESONANCE,),
 )
 
-STABILITY = Stage(name="stability", version=6, sections=(), after=(CURVE,), choices=("force",))
+STABILITY = Stage(name="stability", version=7, sections=(), after=(CURVE,), choices=("force",))
 
 # Branches at the curve's force that are no part of it; the resonance followed in force may lead to some.
 DETACHED = Stage(name="detached", version=2, sections=(), after=(CURVE,), choices=("force",))
