@@ -81,8 +81,8 @@ class Evidence:
     alike: pairs of effects whose signatures look alike, with the cosine
     farthest, deviations, if_repeatable: as for a `Trial`, of the model without effects
     independent, unseen_independent: values that count of their own for what the model lacks, of the runs of the fit and
-        of the rest; as_many: how many values count as one of these; noise_freedom: degrees of freedom of the sensors'
-        noise, infinite where it is stated
+        of the rest; as_one: how many times fewer these are than values; noise_freedom: degrees of freedom of the
+        sensors' noise, infinite where it is stated
     stated: how many calibrated parameters, drifts and gains there are, of which one stands farthest
     if_runs_drift: where that describes the data and no single effect does
     """
@@ -100,7 +100,7 @@ class Evidence:
     independent: float = 1.0
     unseen: float = float("nan")
     unseen_independent: float = 0.0
-    as_many: float = 1.0
+    as_one: float = 1.0
     noise_freedom: float = float("inf")
     stated: int = 1
     if_runs_drift: IfRunsDrift | None = None
@@ -130,4 +130,4 @@ def gain_over_fewer(effects: frozenset[str], gains: Mapping[frozenset[str], floa
 
 
 # `evidence.json`, every number kept to the last digit.
-EVIDENCE_JSON = JsonDocument(Evidence, "updamp evidence 6", "updamp diagnose")
+EVIDENCE_JSON = JsonDocument(Evidence, "updamp evidence 7", "updamp diagnose")

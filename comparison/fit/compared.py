@@ -8,7 +8,7 @@ from itertools import chain
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.fit.failing_model import independent, inflation, unlikelihood
+from updamp.comparison.fit.failing_model import inflation, unlikelihood
 from updamp.comparison.fit.matching import Matched, match
 from updamp.comparison.fit.observations import Observations, Plan
 from updamp.comparison.fit.scatter import (
@@ -64,11 +64,6 @@ class Compared:
     @property
     def values(self) -> int:
         return sum(len(a.residual) for a in self.assemblies)
-
-    @property
-    def independent(self) -> float:
-        """Values that count of their own for what the model lacks."""
-        return independent(self.values, self.as_many)
 
     @property
     def mean_squared_misfit(self) -> float:

@@ -28,7 +28,7 @@ class Freedom:
     """Degrees of freedom of a mean squared misfit.
 
     independent: values that count of their own. What little is wrong with a model, as a mesh, is the same for
-        neighbouring points, so that these count as one (`independent`); at least one counts
+        neighbouring points, so that these count for less (`as_one`); at least one counts
     noise: those of the variance that it is divided by, infinite where the noise is stated
     """
 
@@ -49,9 +49,15 @@ def as_many(points: float) -> float:
     return max(points / STRETCHES, 1.0)
 
 
-def independent(values: int, as_many: float) -> float:
-    """Values that count of their own for what a model lacks, of so many."""
-    return values / max(as_many, 1.0)
+def as_one(as_many: float, common: float) -> float:
+    """How many times fewer values count than there are: the design effect 1 + (m - 1) rho of m neighbours whose
+    residuals have the correlation rho (L. Kish, Survey Sampling (1965), sec. 5.4).
+
+    common: variance that is the same for neighbours, over that of the sensors' noise, which is not; infinite where the
+        two cannot be told apart, so that neighbours count as one
+    """
+    correlation = 1.0 if np.isinf(common) else common / (1 + common)
+    return float(1 + max(as_many - 1, 0.0) * correlation)
 
 
 def inflation(chi2: float, values: int, as_many: float) -> float:

@@ -1,6 +1,7 @@
-"""How far numerical error may have moved what a fit finds, and how far it moves resonances."""
+"""By how much numerical error may have moved what a fit finds, and resonances, and how large it is beside noise."""
 
 import numpy as np
+import scipy.linalg
 from numpy.typing import NDArray
 
 from updamp.comparison.fit.fit import Fit
@@ -19,6 +20,18 @@ def moved_frequencies(numerics: NumericalError, plan: Plan) -> str:
     for c in plan.conditions:
         most[c.mode] = max(most.get(c.mode, 0.0), float(np.abs(numerics.expected[c.name][:, 0]).max()))
     return ", ".join(f"{mode} {100 * share:.2g} %" for mode, share in most.items())
+
+
+def beside_noise(fitted: Fit) -> float:
+    """Variance of the numerical error, as unsure as it is and of what calibration cannot imitate, over that of the
+    sensors' noise, the mean of all values."""
+    p = fitted.parametrisation
+    _, columns = fitted.compared.equations(of_sensors=True)
+    n, deviation = len(p.nuisances), p.deviation[: len(p.nuisances)]
+    patterns = np.vstack([columns[:, p.n_of_model :], np.zeros((n, len(p) - p.n_of_model))])
+    basis = scipy.linalg.orth(np.vstack([columns[:, :n], np.diag(1 / deviation)]))
+    left = patterns - basis @ (basis.T @ patterns)
+    return float(np.sum(left**2)) / fitted.compared.values
 
 
 def moved_by_numerics(fitted: Fit) -> Floats:

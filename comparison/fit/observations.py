@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.fit.failing_model import as_many, independent
+from updamp.comparison.fit.failing_model import as_many, as_one
 from updamp.comparison.fit.roughness import freedom, roughness, shrunk
 from updamp.comparison.prediction.run_condition import DERIVATIVES, HeldResponse, RunCondition
 from updamp.measurement.measurement import DRIFT, GAIN, MeasuredRun, Measurement, MeasurementError
@@ -53,6 +53,9 @@ class Plan:
     repeatability: as stated, 0 where repeats tell; the observations' noise has it
     lacks_nothing: whether the model that is compared is taken to
     noise_read: whether the observations' noise was read off how rough the runs are, and is no better known than that
+    common: variance over that of the noise by which neighbouring points are off alike although the model lacks nothing,
+        as by its mesh (`moved_by_numerics.beside_noise`); infinite where that is not known, as without a finer mesh, or
+        of a repeatability that is stated, which says nothing of how much of it neighbours share
     """
 
     conditions: tuple[RunCondition, ...]
@@ -62,6 +65,7 @@ class Plan:
     repeatability: float = 0.0
     lacks_nothing: bool = False
     noise_read: bool = False
+    common: float = float("inf")
 
     @property
     def repeats(self) -> tuple[int, ...]:
@@ -82,8 +86,13 @@ class Plan:
 
     @property
     def independent(self) -> float:
-        """Values that count of their own for what a model lacks."""
-        return independent(self.values, self.as_many)
+        """Values that count of their own for what a model lacks which may lack nothing."""
+        return self.values / self.as_one
+
+    @property
+    def as_one(self) -> float:
+        """How many times fewer values count of their own than there are."""
+        return as_one(self.as_many, self.common)
 
     @property
     def noise_freedom(self) -> float:

@@ -16,6 +16,7 @@ from updamp.comparison.fit.calibration import calibration
 from updamp.comparison.fit.compared import predict_branches
 from updamp.comparison.fit.failing_model import Freedom
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
+from updamp.comparison.fit.moved_by_numerics import beside_noise
 from updamp.comparison.fit.noise_by_amplitude import with_noise_of_sensors
 from updamp.comparison.fit.numerical_gate import (
     HARMONICS,
@@ -104,6 +105,8 @@ def baseline(
     progress("calibration")
     found = calibration(parametrisation, train, at_start, progress, branches_of)
     whole = with_noise_of_sensors(plan, found.noise)
+    if whole.noise_read and finer:  # else it is not known how far the model is off along a curve
+        whole = replace(whole, common=beside_noise(found.fit))
     return Baseline(whole, training, kept, found.fit, found.repeatability, model, finer)
 
 

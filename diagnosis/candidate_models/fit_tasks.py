@@ -106,14 +106,24 @@ def _run(shared: tuple[Baseline, Criteria], task: FitTask) -> FittedCandidate | 
     names = tuple(e.name for e in task.effects)
     calibration = farthest_off(r.fitted)
     misfit, gain = r.mean_squared_misfit, r.delta_bic
+    parameters = sum(len(e.parameters) for e in task.effects)
     trial = Trial(
-        names, misfit, r.drop, gain, held_out.error, r.at_bound, task.full, *calibration, unseen=held_out.misfit
+        names,
+        misfit,
+        r.drop,
+        gain,
+        held_out.error,
+        r.at_bound,
+        task.full,
+        *calibration,
+        parameters,
+        (),
+        held_out.misfit,
     )
     if not task.full:
         return FittedCandidate(r, trial)
-    parameters = sum(len(e.parameters) for e in task.effects)
     absent, others = may_be_absent(r.fitted, task.effects), if_repeatable(r.fitted, start)
-    return FittedCandidate(r, replace(trial, parameters=parameters, may_be_absent=absent, if_repeatable=others))
+    return FittedCandidate(r, replace(trial, may_be_absent=absent, if_repeatable=others))
 
 
 def _refit(start: Baseline, criteria: Criteria, a: FitTask) -> Refit | None:
@@ -130,4 +140,4 @@ def _refit(start: Baseline, criteria: Criteria, a: FitTask) -> Refit | None:
         return None
     if found is None:
         return None
-    return replace(assessed(start.fitted, found, a.effects, criteria), own_numerics=a.own_numerics)
+    return replace(assessed(start.fitted, found, start.train_plan, a.effects, criteria), own_numerics=a.own_numerics)

@@ -29,7 +29,7 @@ def knowing_of(chosen: FittedCandidate, fits: Sequence[FittedCandidate]) -> Fitt
 def minima(refit: Refit, start: Baseline, criteria: Criteria) -> list[Refit]:
     """All that are known, those first that are solved with the fewest harmonics: beside each a search is made, which is
     several times quicker there."""
-    others = [assessed(start.fitted, fitted, refit.effects, criteria) for fitted in refit.elsewhere]
+    others = [assessed(start.fitted, fitted, start.train_plan, refit.effects, criteria) for fitted in refit.elsewhere]
     return sorted([refit, *others], key=lambda r: len(r.fitted.parametrisation.base.harmonics.orders))
 
 

@@ -83,12 +83,12 @@ def refit(
     if near is not None:
         solved = near.compared.branches or None
         again = fit(near.parametrisation, plan, near.u, base.compared.scatter, solved, _options(full))
-        return assessed(base, again, effects, criteria)
+        return assessed(base, again, plan, effects, criteria)
     p, given = base.parametrisation, as_given(base)
     extended = replace(p, effects=(*p.effects, *effects))
     if p.base.contacts is None:
         nested = _nested(base, plan, extended)
-        return None if nested is None else assessed(base, nested, effects, criteria)
+        return None if nested is None else assessed(base, nested, plan, effects, criteria)
     kinds = [
         [p.with_further(given, start) for start in starts.as_given],
         [p.with_further(base.u, start) for start in starts.calibrated],
@@ -99,7 +99,7 @@ def refit(
         if found and found[0].mean_squared_misfit <= 1:
             break
         fitted = _fit_from(base, plan, extended, kind, full)
-        found += [] if fitted is None else [assessed(base, fitted, effects, criteria)]
+        found += [] if fitted is None else [assessed(base, fitted, plan, effects, criteria)]
     return max(found, key=lambda r: r.drop, default=None)
 
 
@@ -200,17 +200,18 @@ def _options(full: bool) -> FitOptions:
     return FULL if full else _SHORT
 
 
-def assessed(base: Fit, found: Fit, effects: Sequence[Effect], criteria: Criteria) -> Refit:
+def assessed(base: Fit, found: Fit, plan: Plan, effects: Sequence[Effect], criteria: Criteria) -> Refit:
     drop = misfit(base.parametrisation, base.compared) - misfit(found.parametrisation, found.compared)
     parameters = sum(len(e.parameters) for e in effects)
-    delta_bic = gain_of_bic(drop, parameters, found.compared.independent, found.compared.as_many)
+    delta_bic = gain_of_bic(drop, parameters, plan.independent, plan.as_one)
     return Refit(tuple(effects), found, drop, delta_bic, _at_bound(found, effects, criteria))
 
 
-def gain_of_bic(drop: float, parameters: int, independent: float, as_many: float) -> float:
-    """Of the Bayesian information criterion (G. Schwarz, Ann. Statist. 6 (1978) 461), neighbouring points counted as
-    one: numerics are wrong all along a curve, and a thousand points do not ask for an effect that makes up for that."""
-    return drop / as_many - parameters * float(np.log(independent))
+def gain_of_bic(drop: float, parameters: int, independent: float, as_one: float) -> float:
+    """Of the Bayesian information criterion (G. Schwarz, Ann. Statist. 6 (1978) 461). Numerics are wrong all along a
+    curve, and a thousand points do not ask for an effect that makes up for that: neighbouring points count for less,
+    the more so the larger that is beside the noise (`Plan.as_one`)."""
+    return drop / as_one - parameters * float(np.log(independent))
 
 
 def _at_bound(found: Fit, effects: Sequence[Effect], criteria: Criteria) -> str:

@@ -103,7 +103,7 @@ def _named(best: Trial, accepted: Sequence[Trial], evidence: Evidence, criteria:
 
 def gain(trial: Trial, evidence: Evidence) -> float:
     """Of the information criterion, over the model without effects."""
-    return gain_of_bic(trial.drop, trial.parameters, evidence.independent, evidence.as_many)
+    return gain_of_bic(trial.drop, trial.parameters, evidence.independent, evidence.as_one)
 
 
 def reason_against(trial: Trial, evidence: Evidence, criteria: Criteria) -> str:

@@ -30,7 +30,7 @@ def beside(fits: FitContext, first: Refit, effects: Sequence[Effect], fewer: Can
     known = {frozenset(some): one.refit.delta_bic for some, one in fewer.items()}
     found: CandidateFits = {}
     for r in settled.values():
-        whole = assessed(start.fitted, r.refit.fitted, (*first.effects, *r.refit.effects), criteria)
+        whole = assessed(start.fitted, r.refit.fitted, start.train_plan, (*first.effects, *r.refit.effects), criteria)
         together = replace(whole, own_numerics=r.refit.own_numerics)
         names = tuple(e.name for e in together.effects)
         parameters = sum(len(e.parameters) for e in together.effects)

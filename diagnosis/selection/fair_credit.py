@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from updamp.comparison.fit.compared import misfit
 from updamp.comparison.fit.fit import Fit
+from updamp.comparison.fit.observations import Plan
 from updamp.diagnosis.candidate_models.baseline import calibrated_as
 from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext, best_first
 from updamp.diagnosis.candidate_models.fit_tasks import FitTask, FittedCandidate
@@ -34,16 +35,15 @@ def without_effects_again(fits: FitContext, found: CandidateFits) -> tuple[Fit, 
     return again.refit.fitted, again.trial
 
 
-def credited(found: Mapping[Names, FittedCandidate], before: Fit, without: Fit) -> CandidateFits:
+def credited(found: Mapping[Names, FittedCandidate], before: Fit, without: Fit, plan: Plan) -> CandidateFits:
     """Single effects against the better model without them; before: the one that they were compared with"""
     less = misfit(before.parametrisation, before.compared) - misfit(without.parametrisation, without.compared)
-    return {names: _credited(r, less) for names, r in found.items()}
+    return {names: _credited(r, less, plan) for names, r in found.items()}
 
 
-def _credited(one: FittedCandidate, less: float) -> FittedCandidate:
+def _credited(one: FittedCandidate, less: float, plan: Plan) -> FittedCandidate:
     drop = one.refit.drop - less
     parameters = sum(len(e.parameters) for e in one.refit.effects)
-    compared = one.refit.fitted.compared
-    gain = gain_of_bic(drop, parameters, compared.independent, compared.as_many)
+    gain = gain_of_bic(drop, parameters, plan.independent, plan.as_one)
     refit = replace(one.refit, drop=drop, delta_bic=gain)
     return replace(one, refit=refit, trial=replace(one.trial, drop=drop, delta_bic=gain))

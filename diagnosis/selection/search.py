@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.fit.failing_model import independent
 from updamp.comparison.fit.prediction_error import PredictionError, prediction_error
 from updamp.comparison.prediction.branch_tasks import BranchesBy
 from updamp.diagnosis.candidate_models.baseline import Baseline, farthest_off
@@ -75,7 +74,7 @@ def search(
         if without[1].delta_bic >= criteria.delta_bic and not any(fits.explains(r.trial) for r in singles.values()):
             progress("a better calibration was found on the way: from there once more")
             return search(replace(better, attempt=start.attempt + 1), effects, criteria, progress, runner, workers)
-        singles = credited(singles, base, without[0])
+        singles = credited(singles, base, without[0], plan)
         fits = replace(fits, start=better)
         held_out = replace(held_out, error=without[1].held_out, misfit=without[1].unseen)
     if elsewhere := try_other_places(fits, effects, singles):
@@ -128,10 +127,10 @@ def _evidence(
         _alike(scored, fits.criteria),
         *farthest_off(base),
         if_repeatable(base, start, BranchesBy(fits.workers)),
-        base.compared.independent,
+        start.train_plan.independent,
         held_out.misfit,
-        independent(held_out.values, base.compared.as_many),
-        base.compared.as_many,
+        held_out.values / start.train_plan.as_one,
+        start.train_plan.as_one,
         start.plan.noise_freedom,
         start.stated,
         free,

@@ -43,12 +43,18 @@ def try_singles(fits: FitContext, effects: Sequence[Effect], scored: Sequence[Sc
     half = (len(likely) + 1) // 2
     first = 1 if badly else half
     found = _in_turn(fits, (likely[:first], likely[first:half], likely[half:]), found)
+    found |= _settled(fits, found, 1)
     found |= _rivals(fits, _not_in(found, wanted), found)
-    best = best_first(found)[: criteria.search.full]
-    passing = [r for r in best if not r.trial.full and r.refit.delta_bic >= criteria.delta_bic]
-    close = [r for r in passing if _comes_close(r.refit, best[0].refit, start, criteria)]
-    found |= fits.full(close)
+    found |= _settled(fits, found, criteria.search.full)
     return found | refits_with_own_numerics(fits, found)
+
+
+def _settled(fits: FitContext, found: CandidateFits, most: int) -> CandidateFits:
+    """Full fits of the best ones: a short one has to gain something, and may stop half-way to what the data ask for."""
+    best = best_first(found)[:most]
+    gaining = [r for r in best if not r.trial.full and r.refit.delta_bic > 0]
+    close = [r for r in gaining if _comes_close(r.refit, best[0].refit, fits.start, fits.criteria)]
+    return fits.full(close) if close else {}
 
 
 def _in_turn(fits: FitContext, tasks: Iterable[Sequence[FitTask]], known: CandidateFits) -> CandidateFits:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support.jumping_beam import Joint, Mode, measured
 
-from updamp.comparison.fit.failing_model import STRETCHES, as_many, inflation, unlikelihood
+from updamp.comparison.fit.failing_model import STRETCHES, as_many, as_one, inflation, unlikelihood
 from updamp.comparison.fit.fit import prior_scatter
 from updamp.comparison.fit.fit_from_far import fit_from_far
 from updamp.comparison.fit.observations import plan_of
@@ -33,6 +33,15 @@ def test_the_mean_of_a_misfit_is_as_uncertain_as_the_inflated_noise_says() -> No
     residual = blocks + rng.standard_normal((4000, n))
     expected = inflation(float(np.mean(np.sum(residual**2, axis=1))), n, 10) / np.sqrt(n)
     assert np.std(residual.mean(axis=1)) == pytest.approx(expected, rel=0.05)
+
+
+@pytest.mark.parametrize("common", [0.0, 0.1, 1.5, float("inf")])
+def test_a_sum_of_correlated_values_scatters_as_one_of_so_many_fewer(common: float) -> None:
+    m, n, rng = 10, 400, np.random.default_rng(2)
+    alike, own = (1.0, 0.0) if np.isinf(common) else (common / (1 + common), 1 / (1 + common))
+    blocks = np.repeat(rng.standard_normal((8000, n // m)), m, axis=1)
+    residual = np.sqrt(alike) * blocks + np.sqrt(own) * rng.standard_normal((8000, n))
+    assert np.var(residual.mean(axis=1)) == pytest.approx(as_one(m, common) / n, rel=0.05)
 
 
 @pytest.mark.parametrize("points", [4, 15, 40, 400])

@@ -191,7 +191,7 @@ def test_evidence_is_kept_to_the_last_digit(tmp_path):
 # Of the clamped beam that others measured (docs/measured_resonators.md): eight values that count, most by one effect.
 SQUARE = Trial(("square",), 3.30, 220.0, 21.9, 1.6, "", True, unseen=2.0)
 CLEARANCE = Trial(("clearance", "slip"), 0.36, 330.0, 12.0, 0.4, "", True, unseen=0.1, parameters=2)
-FEW = {"tested": (), "trials": (SQUARE,), "independent": 8.0, "unseen_independent": 4.0, "as_many": 10.0}
+FEW = {"tested": (), "trials": (SQUARE,), "independent": 8.0, "unseen_independent": 4.0, "as_one": 10.0}
 
 
 @pytest.mark.parametrize(("drop", "group"), [(325.0, ("clearance", "square")), (200.0, ())])

@@ -8,12 +8,12 @@ import pytest
 from updamp.diagnosis.decision.explanations import explanations, in_words
 from updamp.diagnosis.evidence import Evidence, Trial
 
-AS_MANY, INDEPENDENT = 10.0, 100.0
+AS_ONE, INDEPENDENT = 10.0, 100.0
 PENALTY = float(np.log(INDEPENDENT))
-ONE = Trial(("slip",), 1.2, AS_MANY * (PENALTY + 6.0), 6.0, 1.1, "", True)
+ONE = Trial(("slip",), 1.2, AS_ONE * (PENALTY + 6.0), 6.0, 1.1, "", True)
 EQUAL = replace(ONE, effects=("spring",), excess=1.1)
-TWO = replace(ONE, effects=("slip", "spring"), drop=AS_MANY * (2 * PENALTY + 2.0), parameters=2)
-EVIDENCE = Evidence(9.0, 2.5, 1.0, (), (ONE, EQUAL), (TWO,), (), independent=INDEPENDENT, as_many=AS_MANY)
+TWO = replace(ONE, effects=("slip", "spring"), drop=AS_ONE * (2 * PENALTY + 2.0), parameters=2)
+EVIDENCE = Evidence(9.0, 2.5, 1.0, (), (ONE, EQUAL), (TWO,), (), independent=INDEPENDENT, as_one=AS_ONE)
 
 
 def test_probabilities_are_the_criterion_s_weights() -> None:

@@ -22,7 +22,7 @@ EVIDENCE = Evidence(
     independent=192.0,
     unseen=9.0,
     unseen_independent=72.0,
-    as_many=10.0,
+    as_one=10.0,
 )
 
 

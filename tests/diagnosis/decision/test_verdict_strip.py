@@ -30,7 +30,7 @@ EVIDENCE = Evidence(
     if_repeatable=stated(40.0),
     independent=VALUES / 10,
     unseen_independent=VALUES / 40,
-    as_many=10.0,
+    as_one=10.0,
 )
 
 

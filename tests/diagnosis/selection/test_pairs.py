@@ -132,12 +132,14 @@ def test_a_second_effect_is_looked_for_beside_one_minimum_after_the_other(monkey
         return {pair[0]: replace(pair[1], trial=replace(pair[1].trial, excess=left))}
 
     monkeypatch.setattr(pairs, "beside", beside)
-    monkeypatch.setattr("updamp.diagnosis.candidate_models.minima.assessed", lambda _, fitted, effects, __: (
+    monkeypatch.setattr("updamp.diagnosis.candidate_models.minima.assessed", lambda _, fitted, __, effects, ___: (
         replace(refit(*effects, drop=1900.0), fitted=fitted)
     ))  # fmt: skip
     alone = singles(replace(refit(ONE, drop=2000.0), fitted=wrong, elsewhere=(right,)))
     alone["one",] = replace(alone["one",], trial=replace(alone["one",].trial, excess=1.6))
-    start = SimpleNamespace(fitted=wrong, freedom=Freedom(64.0), unseen_freedom=Freedom(32.0), stated=1)
+    start = SimpleNamespace(
+        fitted=wrong, freedom=Freedom(64.0), unseen_freedom=Freedom(32.0), stated=1, train_plan=None
+    )
     found = pairs.try_pairs(FitContext(start, Criteria(), lambda _: None, fit_here), (ONE, THREE), alone)
     assert begun == begun_at
     assert found["one", "three"].refit.drop == 3000.0
