@@ -122,7 +122,7 @@ def _run(shared: tuple[Baseline, Criteria], task: FitTask) -> FittedCandidate | 
     )
     if not task.full:
         return FittedCandidate(r, trial)
-    absent, others = may_be_absent(r.fitted, task.effects), if_repeatable(r.fitted, start)
+    absent, others = may_be_absent(r.fitted), if_repeatable(r.fitted, start)
     return FittedCandidate(r, replace(trial, may_be_absent=absent, if_repeatable=others))
 
 

@@ -6,7 +6,6 @@ from dataclasses import replace
 from updamp.comparison.prediction.branch_tasks import BranchesBy
 from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext
 from updamp.diagnosis.candidate_models.fit_tasks import FittedCandidate, with_branches
-from updamp.diagnosis.candidate_models.intervals import may_be_absent
 from updamp.diagnosis.candidate_models.refit import Refit, assessed
 from updamp.diagnosis.evidence import gain_over_fewer
 from updamp.diagnosis.score_tests.score import scores
@@ -35,14 +34,6 @@ def beside(fits: FitContext, first: Refit, effects: Sequence[Effect], fewer: Can
         names = tuple(e.name for e in together.effects)
         parameters = sum(len(e.parameters) for e in together.effects)
         gain = gain_over_fewer(frozenset(names), known | {frozenset(names): together.delta_bic})
-        absent = may_be_absent(together.fitted, together.effects)
-        trial = replace(
-            r.trial,
-            effects=names,
-            drop=together.drop,
-            delta_bic=gain,
-            parameters=parameters,
-            may_be_absent=absent,
-        )
+        trial = replace(r.trial, effects=names, drop=together.drop, delta_bic=gain, parameters=parameters)
         found[names] = FittedCandidate(together, trial)
     return found
