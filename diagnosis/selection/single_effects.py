@@ -1,7 +1,8 @@
 """Which single effect explains the data: short fits of those that look most likely, full ones of the best."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from functools import cache, partial
 
 from updamp.diagnosis.candidate_models.baseline import Baseline
 from updamp.diagnosis.candidate_models.candidate_fits import (
@@ -24,8 +25,8 @@ from updamp.effects.effect import Effect
 def try_singles(fits: FitContext, effects: Sequence[Effect], scored: Sequence[Score]) -> CandidateFits:
     """Short refits of those that look most likely, full ones of the best. Where the model fails badly the first one is
     taken alone, by the score test and by what effects of typical size could do: what leaves nothing of a large misfit
-    is seldom one of several. What these could do is only asked of all where the score test alone has not led there:
-    that takes a third of a search.
+    is seldom one of several. What these could do is only asked of all where the score test alone has not led there, and
+    before one is named: that takes a third of a search.
 
     fits: about the model that each is added to, which may have some already
     """
@@ -33,18 +34,19 @@ def try_singles(fits: FitContext, effects: Sequence[Effect], scored: Sequence[Sc
     wanted = by_score(start, scored, criteria)
     if start.fitted.parametrisation.base.contacts is None:
         return fits.results(wanted)
+    by_probes = cache(partial(by_turns, start, effects, scored, criteria, fits.progress, fits.workers))
     found: CandidateFits = {}
     badly = fails_badly(start.fitted)
     if badly:
         found = _in_turn(fits, [with_probes(start, wanted[:1], fits.progress, fits.workers)], found)
         if _explaining(fits, found) is None:
-            wanted = by_turns(start, effects, scored, criteria, fits.progress, fits.workers)
+            wanted = by_probes()
     likely = wanted[: criteria.search.short]
     half = (len(likely) + 1) // 2
     first = 1 if badly else half
     found = _in_turn(fits, (likely[:first], likely[first:half], likely[half:]), found)
     found |= _settled(fits, found, 1)
-    found |= _rivals(fits, _not_in(found, wanted), found)
+    found |= _rivals(fits, by_probes, found)
     found |= _settled(fits, found, criteria.search.full)
     return found | refits_with_own_numerics(fits, found)
 
@@ -152,16 +154,16 @@ def _explaining(fits: FitContext, found: CandidateFits) -> FittedCandidate | Non
     return min(good, key=lambda r: r.trial.excess, default=None)
 
 
-def _rivals(fits: FitContext, left: Sequence[FitTask], found: CandidateFits) -> CandidateFits:
+def _rivals(fits: FitContext, by_probes: Callable[[], Sequence[FitTask]], found: CandidateFits) -> CandidateFits:
     """Where one explains the data, and they ask for it, the others as they come, two at a time, until neither comes
-    close: how likely they look is to first order, and nothing is to be named that was not held against what comes next
-    by the score test and by probes, which take turns."""
+    close: nothing is to be named that was not held against what comes next by the score test and by probes, which take
+    turns (`by_probes`). Where contacts begin to slip as an effect grows the score test sees nothing of it."""
     best, criteria = _explaining(fits, found), fits.criteria
     if best is None or best.refit.delta_bic < criteria.delta_bic:
         return {}
-    rivals: CandidateFits = {}
+    left, rivals = _not_in(found, by_probes()), CandidateFits()
     for first in range(0, len(left), 2):
-        two = fits.results(with_probes(fits.start, left[first : first + 2], fits.progress, fits.workers))
+        two = fits.results(left[first : first + 2])
         rivals |= two
         if not any(_comes_close(r.refit, best.refit, fits.start, criteria) for r in two.values()):
             break

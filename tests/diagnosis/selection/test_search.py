@@ -172,11 +172,11 @@ def test_the_next_likely_are_fitted_until_two_in_a_row_do_not_come_close():
         ]
 
     tasks = [FitTask((replace(SPRING, name=name),), (), full=False) for name in left]
-    found = single_effects._rivals(replace(fits, runner=runner), tasks, {("spring",): best})
+    found = single_effects._rivals(replace(fits, runner=runner), lambda: tasks, {("spring",): best})
     assert asked == ["poor", "as good", "poorer", "poorest"]
     assert set(found) == {(name,) for name in asked}
     unasked = replace(best, refit=replace(best.refit, delta_bic=0.0))
-    assert single_effects._rivals(replace(fits, runner=runner), tasks, {("spring",): unasked}) == {}
+    assert single_effects._rivals(replace(fits, runner=runner), lambda: tasks, {("spring",): unasked}) == {}
 
 
 def test_an_effect_without_a_place_in_the_model_is_refused_with_its_reason():
