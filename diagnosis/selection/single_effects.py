@@ -31,14 +31,14 @@ def try_singles(fits: FitContext, effects: Sequence[Effect], scored: Sequence[Sc
     fits: about the model that each is added to, which may have some already
     """
     start, criteria = fits.start, fits.criteria
-    wanted = by_score(start, scored, criteria)
+    seen = by_score(start, scored, criteria)
     if start.fitted.parametrisation.base.contacts is None:
-        return fits.results(wanted)
+        return fits.results(seen)
     by_probes = cache(partial(by_turns, start, effects, scored, criteria, fits.progress, fits.workers))
     found: CandidateFits = {}
-    badly = fails_badly(start.fitted)
+    badly, wanted = fails_badly(start.fitted), seen
     if badly:
-        found = _in_turn(fits, [with_probes(start, wanted[:1], fits.progress, fits.workers)], found)
+        found = _in_turn(fits, [with_probes(start, seen[:1], fits.progress, fits.workers)], found)
         if _explaining(fits, found) is None:
             wanted = by_probes()
     likely = wanted[: criteria.search.short]
@@ -46,16 +46,15 @@ def try_singles(fits: FitContext, effects: Sequence[Effect], scored: Sequence[Sc
     first = 1 if badly else half
     found = _in_turn(fits, (likely[:first], likely[first:half], likely[half:]), found)
     found |= _settled(fits, found, 1)
-    found |= _rivals(fits, by_probes, found)
+    found |= _rivals(fits, seen[: criteria.search.short], by_probes, found)
     found |= _settled(fits, found, criteria.search.full)
     return found | refits_with_own_numerics(fits, found)
 
 
 def _settled(fits: FitContext, found: CandidateFits, most: int) -> CandidateFits:
-    """Full fits of the best ones: a short one has to gain something, and may stop half-way to what the data ask for."""
+    """Full fits of the best ones."""
     best = best_first(found)[:most]
-    gaining = [r for r in best if not r.trial.full and r.refit.delta_bic > 0]
-    close = [r for r in gaining if _comes_close(r.refit, best[0].refit, fits.start, fits.criteria)]
+    close = [r for r in best if not r.trial.full and _gains_as_much(r.refit, best[0].refit, fits)]
     return fits.full(close) if close else {}
 
 
@@ -154,17 +153,26 @@ def _explaining(fits: FitContext, found: CandidateFits) -> FittedCandidate | Non
     return min(good, key=lambda r: r.trial.excess, default=None)
 
 
-def _rivals(fits: FitContext, by_probes: Callable[[], Sequence[FitTask]], found: CandidateFits) -> CandidateFits:
-    """Where one explains the data, and they ask for it, the others as they come, two at a time, until neither comes
-    close: nothing is to be named that was not held against what comes next by the score test and by probes, which take
-    turns (`by_probes`). Where contacts begin to slip as an effect grows the score test sees nothing of it."""
+def _rivals(
+    fits: FitContext, likely: Sequence[FitTask], by_probes: Callable[[], Sequence[FitTask]], found: CandidateFits
+) -> CandidateFits:
+    """Where one explains the data, and they ask for it, all that look likely by the score test, and the others as they
+    come by probes, which see what the score test does not where contacts begin to slip as an effect grows: two at a
+    time, until neither comes close. Nothing is to be named that was not held against these."""
     best, criteria = _explaining(fits, found), fits.criteria
     if best is None or best.refit.delta_bic < criteria.delta_bic:
         return {}
-    left, rivals = _not_in(found, by_probes()), CandidateFits()
-    for first in range(0, len(left), 2):
-        two = fits.results(left[first : first + 2])
+    left, seen = _not_in(found, by_probes()), [task.effects for task in likely]
+    others = [task for task in left if task.effects not in seen]
+    rivals = fits.results([task for task in left if task.effects in seen])
+    for first in range(0, len(others), 2):
+        two = fits.results(others[first : first + 2])
         rivals |= two
-        if not any(_comes_close(r.refit, best.refit, fits.start, criteria) for r in two.values()):
+        if not any(_gains_as_much(r.refit, best.refit, fits) for r in two.values()):
             break
     return rivals
+
+
+def _gains_as_much(one: Refit, best: Refit, fits: FitContext) -> bool:
+    """Whether it comes close to the best; a short fit may stop half-way, but has to gain something."""
+    return one.delta_bic > 0 and _comes_close(one, best, fits.start, fits.criteria)

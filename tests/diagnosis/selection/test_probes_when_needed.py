@@ -10,7 +10,7 @@ from updamp.comparison.fit.failing_model import Freedom
 from updamp.diagnosis.candidate_models.candidate_fits import FitContext
 from updamp.diagnosis.candidate_models.fit_tasks import FitTask, FittedCandidate
 from updamp.diagnosis.candidate_models.refit import Refit
-from updamp.diagnosis.criteria import Criteria
+from updamp.diagnosis.criteria import Criteria, SearchEffort
 from updamp.diagnosis.evidence import Trial
 from updamp.diagnosis.score_tests import candidates
 from updamp.diagnosis.score_tests.candidates import by_turns, with_probes
@@ -39,7 +39,7 @@ def fitted(names: tuple[str, ...], misfit: float, full: bool = False, deviations
 def search(monkeypatch):
     """Runs a search where effects leave what is given, and says of which ones were probed, all at once or some."""
 
-    def of(misfits: dict[str, float], misfit: float = 20.0, far_off: tuple[str, ...] = ()):
+    def of(misfits: dict[str, float], misfit: float = 20.0, far_off: tuple[str, ...] = (), short: int = 6):
         probed = []
         start = SimpleNamespace(
             fitted=SimpleNamespace(
@@ -65,7 +65,7 @@ def search(monkeypatch):
         monkeypatch.setattr(
             single_effects, "with_probes", lambda _, some, *__: probed.extend(t.name for t in some) or list(some)
         )
-        context = FitContext(start, Criteria(), lambda _: None, runner)
+        context = FitContext(start, Criteria(search=SearchEffort(short=short)), lambda _: None, runner)
         found = single_effects.try_singles(context, tuple(EFFECTS.values()), ())
         return probed, {names[0]: r.trial.full for names, r in found.items()}
 
@@ -73,9 +73,16 @@ def search(monkeypatch):
 
 
 def test_where_the_likeliest_by_the_score_test_explains_the_data_the_next_two_alone_are_held_against_it(search):
-    probed, found = search({"likeliest": 0.9, "second": 12.0, "third": 15.0, "fourth": 0.8, "fifth": 18.0})
+    left = {"likeliest": 0.9, "second": 12.0, "third": 15.0, "fourth": 0.8, "fifth": 18.0}
+    probed, found = search(left, short=1)
     assert probed == ["likeliest", "all"]
     assert found == {"likeliest": True, "second": False, "third": False}
+
+
+def test_all_that_look_likely_by_the_score_test_are_held_against_it(search):
+    """A gap at the edge, third by the score test, was not fitted since the second did not come close."""
+    left = {"likeliest": 0.9, "second": 12.0, "third": 15.0, "fourth": 0.8, "fifth": 18.0}
+    assert search(left, short=4)[1]["fourth"]
 
 
 def test_rivals_are_fitted_as_long_as_one_of_two_comes_close(search):

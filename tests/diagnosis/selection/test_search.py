@@ -165,18 +165,21 @@ def test_the_next_likely_are_fitted_until_two_in_a_row_do_not_come_close():
         return [
             replace(
                 best,
-                refit=SimpleNamespace(mean_squared_misfit=left[name] * best.refit.mean_squared_misfit),
+                refit=SimpleNamespace(mean_squared_misfit=left[name] * best.refit.mean_squared_misfit, delta_bic=9.0),
                 trial=replace(best.trial, effects=(name,)),
             )
             for name in (task.effects[0].name for task in tasks)
         ]
 
     tasks = [FitTask((replace(SPRING, name=name),), (), full=False) for name in left]
-    found = single_effects._rivals(replace(fits, runner=runner), lambda: tasks, {("spring",): best})
+    found = single_effects._rivals(replace(fits, runner=runner), [], lambda: tasks, {("spring",): best})
     assert asked == ["poor", "as good", "poorer", "poorest"]
     assert set(found) == {(name,) for name in asked}
+    asked.clear()
+    single_effects._rivals(replace(fits, runner=runner), tasks[2:], lambda: tasks, {("spring",): best})
+    assert asked == ["poorer", "poorest", "never reached", "poor", "as good"]  # first those that the score test sees
     unasked = replace(best, refit=replace(best.refit, delta_bic=0.0))
-    assert single_effects._rivals(replace(fits, runner=runner), lambda: tasks, {("spring",): unasked}) == {}
+    assert single_effects._rivals(replace(fits, runner=runner), [], lambda: tasks, {("spring",): unasked}) == {}
 
 
 def test_an_effect_without_a_place_in_the_model_is_refused_with_its_reason():
