@@ -166,8 +166,18 @@ def trace_resonance(system: NonlinearSystem, request: ResonanceRequest) -> Itera
         yield curve(stopped=str(stop))
         return
     reached = bool(rows[-1]["asked_for"]) and np.isclose(rows[-1]["force"], request.forces[-1])
-    turned = "the resonance turned back in force, or max_points were used up, before the last force was reached"
-    yield curve(complete=bool(reached), stopped="" if reached else turned)
+    forces = [row["force"] for row in rows]
+    yield curve(complete=bool(reached), stopped="" if reached else _why_short(forces, request))
+
+
+def _why_short(forces: Sequence[float], request: ResonanceRequest) -> str:
+    """forces: of the points in their order [N], of which the last one that is asked for is not reached"""
+    first, last = forces[0], forces[-1]
+    if (last - first) * (request.forces[-1] - first) <= 0:
+        farthest = max(forces, key=lambda force: abs(force - first))
+        return f"the resonance turned back in force, beyond {farthest:.4g} N"
+    options = request.options or ResonanceOptions()
+    return f"max_points = {options.max_points} were used up at {last:.4g} N; allow for more of them"
 
 
 def whole_resonance(system: NonlinearSystem, request: ResonanceRequest) -> ResonanceCurve:

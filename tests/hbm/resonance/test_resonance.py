@@ -133,6 +133,18 @@ def test_phase_resonance_of_the_duffing_oscillator(duffing):
     np.testing.assert_allclose(curve.loss_factor, d["c"] / w, rtol=1e-7)
 
 
+def test_a_resonance_that_ends_early_says_why(duffing):
+    request = ResonanceRequest(
+        "1", "mass", "mass", DUFFING_WINDOW, (1e-3, 0.3), PhaseResonance(), options=ResonanceOptions(max_points=3)
+    )
+    curve = whole_resonance(duffing[0], request)
+    assert not curve.complete
+    assert curve.stopped.startswith(f"max_points = 3 were used up at {curve.force[-1]:.4g} N")
+    assert resonance_curve._why_short([0.1, 0.2, 0.25, 0.15, 0.09], request) == (
+        "the resonance turned back in force, beyond 0.25 N"
+    )
+
+
 def test_maximum_is_a_maximum(blades):
     """Neighbours in phase, at the same force and solved afresh, are lower on both sides."""
     top = first_resonance(_problem(blades), MaximumResonance(1e-4), WINDOW, 40.0)
