@@ -19,6 +19,7 @@ from updamp.comparison.curves import curve_pairs
 from updamp.comparison.findings.all_findings import all_findings
 from updamp.comparison.findings.backbone import measured_backbones, model_backbones
 from updamp.comparison.findings.findings import lack_of_fit, misfits
+from updamp.comparison.findings.odd_points import odd_points
 from updamp.comparison.findings.phase_lag import PhaseLag, fitted_lag, lag_finding, phase_lag
 from updamp.comparison.findings.stated_values import feature_findings
 from updamp.comparison.findings.unlike_repeats import unlike_repeats
@@ -174,6 +175,7 @@ def comparison_of(
         response_unit=measurement.units[0],
         force_unit=measurement.units[1],
         unlike_repeats=unlike_repeats(fitted.compared, repeats, plan),
+        odd_points=odd_points(fitted.compared.matched, plan, names),
     )
 
 

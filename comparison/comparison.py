@@ -59,6 +59,36 @@ class UnlikeRun:
         )
 
 
+@dataclass(frozen=True)
+class OddPoint:
+    """A point of a run that is unlike the points next to it.
+
+    run, mode, level, repeat: as of an `UnlikeRun`; channel: its name; frequency: [Hz]; relative: of the amplitude,
+    degrees: of the phase, whichever is odd, the other nan; chance: probability of as much by chance
+    """
+
+    run: str
+    mode: str
+    level: str
+    repeat: int
+    channel: str
+    frequency: float
+    relative: float
+    degrees: float
+    chance: float
+
+    @property
+    def text(self) -> str:
+        if self.relative == self.relative:
+            size = f"{100 * abs(self.relative):.2g} % {'high' if self.relative > 0 else 'low'}"
+        else:
+            size = f"{abs(self.degrees):.2g} degrees {'early' if self.degrees > 0 else 'late'}"
+        return (
+            f"{self.mode} at {self.level}, repeat {self.repeat}: {self.channel} at {self.frequency:.6g} Hz reads "
+            f"{size} beside the points next to it; look at this point, or leave it out"
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class MeasuredCurve:
     """One repeat of a run at one channel. frequency: (n,) [Hz]; receptance: (n,) [m/N]; force: (n,) [N]
@@ -186,7 +216,7 @@ class Comparison:
     level_unit: of every `level`: that of the force, or SI unit of the response that was held
     response_unit, force_unit: "m" and "N", or what stands for them where channels are not calibrated
     contact_states: for each curve's name "OOP 17 N": share of contacts stuck, slipping, separating, open at the peak
-    unlike_repeats: runs that are to be looked at, whatever the model does
+    unlike_repeats, odd_points: runs and points that are to be looked at, whatever the model does
     calibrated_modes: of a rig given by several modes, what the factors on all modes and on each are together
     """
 
@@ -211,9 +241,15 @@ class Comparison:
     response_unit: str = "m"
     force_unit: str = "N"
     unlike_repeats: tuple[UnlikeRun, ...] = ()
+    odd_points: tuple[OddPoint, ...] = ()
     calibrated_modes: tuple[Calibrated, ...] = ()
+
+    @property
+    def to_look_at(self) -> tuple[str, ...]:
+        """Runs and points that are, in words."""
+        return tuple(run.text for run in self.unlike_repeats) + tuple(point.text for point in self.odd_points)
 
 
 # `comparison.json`, every number kept to the last digit: the fields of `Comparison` by their names, and `schema`;
 # complex as {"re", "im"}, nan as null.
-COMPARISON_JSON = JsonDocument(Comparison, "updamp comparison 2", "updamp compare")
+COMPARISON_JSON = JsonDocument(Comparison, "updamp comparison 3", "updamp compare")

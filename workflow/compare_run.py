@@ -94,8 +94,8 @@ def run_compare(
                 branches,
             )
         display.done("comparison", f"findings: {len(comparison.findings)}")
-        for run in comparison.unlike_repeats:
-            display.note("check", run.text)
+        for odd in comparison.to_look_at:
+            display.note("check", odd)
         COMPARISON_JSON.write(files.comparison, comparison)
         write_report(comparison, files.report_of_comparison, pictures_of(files.out))
         write_pictures(comparison, files.out)

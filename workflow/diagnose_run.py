@@ -255,8 +255,8 @@ def _report(
     )
     COMPARISON_JSON.write(files.comparison, comparison)
     write_report(comparison, files.report, pictures_of(files.out), verdict)
-    for run in comparison.unlike_repeats:
-        display.note("check", run.text)
+    for odd in comparison.to_look_at:
+        display.note("check", odd)
 
 
 def _progress_bar(display: Display) -> Callable[[str], None]:

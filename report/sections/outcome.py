@@ -14,7 +14,7 @@ FEW = 5  # findings that are not folded away
 BEFORE_SEARCH = """The model that the search for the missing effect began with: calibrated, without any effect that the
 verdict on top of this page names. What of it stands out of the scatter:"""
 
-UNLIKE = "Runs to look at, whatever the model does:"
+TO_LOOK_AT = "Runs and points to look at, whatever the model does:"
 
 
 def render(report: Report) -> Content:
@@ -26,8 +26,8 @@ def render(report: Report) -> Content:
         html = paragraph(BEFORE_SEARCH if comparison.findings else verdict_sentence(comparison))
     if comparison.findings:
         html += _findings([_finding(finding, comparison) for finding in comparison.findings])
-    if comparison.unlike_repeats:
-        html += paragraph(UNLIKE) + "".join(f"<p>{escape(run.text)}</p>" for run in comparison.unlike_repeats)
+    if comparison.to_look_at:
+        html += paragraph(TO_LOOK_AT) + "".join(f"<p>{escape(odd)}</p>" for odd in comparison.to_look_at)
     return Content(html + _cards(comparison))
 
 

@@ -21,7 +21,7 @@ from updamp.report.page import build_page, write_report
 from updamp.report.registry import SECTIONS
 from updamp.report.section import Content, Report, ReportSection
 from updamp.report.sections.outcome import SECTION as OUTCOME
-from updamp.report.sections.outcome import UNLIKE
+from updamp.report.sections.outcome import TO_LOOK_AT
 
 PNG = b"\x89PNG\r\n\x1a\n" + bytes(40)
 HOSTILE = '</script><img src=x onerror="window.broken=1">&<b>'
@@ -108,7 +108,7 @@ def test_runs_that_are_unlike_their_repeats_are_shown_on_top(comparison: Compari
     run = UnlikeRun("OOP 17 N", "OOP", "17 N", 2, 6.2, 1e-9)
     page = build_page(Report(replace(comparison, unlike_repeats=(run,)), None, {}), SECTIONS)
     assert run.text in page
-    assert UNLIKE not in build_page(Report(comparison, None, {}), SECTIONS)
+    assert TO_LOOK_AT not in build_page(Report(comparison, None, {}), SECTIONS)
 
 
 def test_volts_are_shown_as_volts_and_phases_that_nobody_recorded_not_at_all(comparison: Comparison) -> None:
