@@ -46,6 +46,9 @@ def try_singles(fits: FitContext, effects: Sequence[Effect], scored: Sequence[Sc
     first = 1 if badly else half
     found = _in_turn(fits, (likely[:first], likely[first:half], likely[half:]), found)
     found |= _settled(fits, found, 1)
+    if _explaining(fits, found) is None:
+        found |= _settled(fits, found, criteria.search.full)
+        found |= refits_with_own_numerics(fits, found)
     found |= _rivals(fits, seen[: criteria.search.short], by_probes, found)
     found |= _settled(fits, found, criteria.search.full)
     return found | refits_with_own_numerics(fits, found)
@@ -68,7 +71,6 @@ def _in_turn(fits: FitContext, tasks: Iterable[Sequence[FitTask]], known: Candid
         found |= fits.results(_not_in(found, some))
         promising = [r for r in best_first(found)[:1] if r.trial.excess < enough]
         found |= fits.full([r for r in promising if not r.trial.full])
-        found |= refits_with_own_numerics(fits, found)
     return found
 
 
