@@ -35,6 +35,9 @@ from updamp.effects.rig_model import RigModel
 Floats = NDArray[np.float64]
 # Fewest levels of a mode of which one is kept for judging.
 _ENOUGH = 3
+# Of a misfit beyond the scatter, that a round with the numerical error of where the last one ended has to take off for
+# another one to be made: less is within what rounds differ by (`Criteria.as_good`).
+_SHARE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,10 +181,22 @@ def unseen(start: Baseline) -> str:
 def with_own_numerics(found: Fit, start: Baseline, options: FitOptions) -> Fit:
     """The fit gone on with the numerical error of its own model: solved with more harmonics and time samples, and with
     what finer meshes change of that. Beside a jump a change that was found at other parameters, even those that the fit
-    begins with, is not the change where it ends: what can be solved at once is not added afterwards.
+    begins with, is not the change where it ends: what can be solved at once is not added afterwards. What meshes change
+    is asked for again where the fit ends, as long as that takes off a share of what the scatter does not account for.
 
     raises: BranchStoppedError where a finer model has no response at the beginning of a run
     """
+    best = _with_numerics_of_its_start(found, start, options)
+    while (before := best.compared.mean_squared_misfit) > 1:
+        again = _with_numerics_of_its_start(best, start, options)
+        after = again.compared.mean_squared_misfit
+        best = again if after < before else best
+        if before - after < _SHARE * (before - 1):
+            break
+    return best
+
+
+def _with_numerics_of_its_start(found: Fit, start: Baseline, options: FitOptions) -> Fit:
     p, solved = found.parametrisation, with_finer_harmonics(start.given)
     plain = replace(p, base=solved_as(p.base, solved), numerics=NumericalError())
     at = found.u[: len(plain)]
