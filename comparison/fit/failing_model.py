@@ -50,14 +50,12 @@ def as_many(points: float) -> float:
 
 
 def as_one(as_many: float, common: float) -> float:
-    """How many times fewer values count than there are: the design effect 1 + (m - 1) rho of m neighbours whose
-    residuals have the correlation rho (L. Kish, Survey Sampling (1965), sec. 5.4).
+    """How many times fewer values count than there are: the mean of m neighbours has the variance (1 + m c) / m where
+    they have c in common, that of the noise being 1 (as in `inflation`); at least one of them counts.
 
-    common: variance that is the same for neighbours, over that of the sensors' noise, which is not; infinite where the
-        two cannot be told apart, so that neighbours count as one
+    common: c; infinite where it is not known, so that neighbours count as one
     """
-    correlation = 1.0 if np.isinf(common) else common / (1 + common)
-    return float(1 + max(as_many - 1, 0.0) * correlation)
+    return float(min(1 + as_many * common, as_many)) if as_many > 1 else 1.0
 
 
 def inflation(chi2: float, values: int, as_many: float) -> float:
