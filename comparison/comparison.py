@@ -79,7 +79,7 @@ class OddPoint:
 
     @property
     def text(self) -> str:
-        if self.relative == self.relative:
+        if not np.isnan(self.relative):
             size = f"{100 * abs(self.relative):.2g} % {'high' if self.relative > 0 else 'low'}"
         else:
             size = f"{abs(self.degrees):.2g} degrees {'early' if self.degrees > 0 else 'late'}"

@@ -10,6 +10,7 @@ the points on both sides, or it may be the model that is a part of a step off in
 """
 
 from collections.abc import Iterator, Sequence
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from updamp.comparison.comparison import OddPoint
 from updamp.comparison.findings.findings import RISK, level_of
 from updamp.comparison.fit.at_sensors import left_at_sensors, recorded
 from updamp.comparison.fit.matching import Matched
+from updamp.comparison.fit.numerical_gate import with_unwrapped_phases
 from updamp.comparison.fit.observations import Plan
 
 Floats = NDArray[np.float64]
@@ -32,35 +34,35 @@ def odd_points(
 
     names: of the channels, by the model's points; risk: that runs without any have one named
     """
+    tested = sum(len(m.observations) * len(recorded(m)) for m in matched if _is_long_enough(m))
     found: dict[tuple[str, int, str, float], OddPoint] = {}
-    tested = 0
     for m in matched:
-        for point in _points(m, plan, names):
-            tested += 1
+        for point in _points(m, plan, names, risk / max(tested, 1)) if _is_long_enough(m) else ():
             key = point.run, point.repeat, point.channel, point.frequency
             if key not in found or point.chance < found[key].chance:
                 found[key] = point
-    odd = (point for point in found.values() if point.chance * tested < risk)
-    return tuple(sorted(odd, key=lambda point: point.chance))
+    return tuple(sorted(found.values(), key=lambda point: point.chance))
 
 
-def _points(m: Matched, plan: Plan, names: dict[str, str]) -> Iterator[OddPoint]:
+def _is_long_enough(m: Matched) -> bool:
+    return len(m.observations) > 2 * _SIDE
+
+
+def _points(m: Matched, plan: Plan, names: dict[str, str], chance: float) -> Iterator[OddPoint]:
+    """Those less likely than a chance."""
     o, condition = m.observations, plan.conditions[m.observations.test]
-    if len(o) <= 2 * _SIDE:
-        return
     as_measured = next(one for one in plan.observations if (one.test, one.repeat) == (o.test, o.repeat))
+    model = with_unwrapped_phases(o.observed - m.difference)
     for place, left in zip(recorded(m), left_at_sensors(m).T, strict=True):
         sensor, of_phase = divmod(int(place) - 1, 2)
-        model = o.observed[:, place] - m.difference[:, place]
-        model = np.unwrap(model) if of_phase else model
-        for i, (off, chance) in enumerate(_off(left, plan.noise_freedom)):
+        for i, (off, by_chance) in enumerate(_off(left, plan.noise_freedom)):
             by = off * float(o.noise[i, place])
-            if abs(by) < np.ptp(model[max(i - 1, 0) : i + 2]):
-                chance = 1.0
+            if by_chance >= chance or abs(by) < np.ptp(model[max(i - 1, 0) : i + 2, place]):
+                continue
             yield OddPoint(
                 condition.name, condition.mode, level_of(plan, o.test), o.repeat, names[condition.sensors[sensor][0]],
                 float(as_measured.frequency[i]), float("nan") if of_phase else float(np.expm1(by)),
-                float(np.degrees(by)) if of_phase else float("nan"), chance,
+                float(np.degrees(by)) if of_phase else float("nan"), by_chance,
             )  # fmt: skip
 
 
@@ -70,11 +72,15 @@ def _off(left: Floats, noise_freedom: float) -> Iterator[tuple[float, float]]:
     n = len(left)
     for i in range(n):
         first = min(max(i - _SIDE, 0), n - 2 * _SIDE - 1)
-        near = np.delete(np.arange(first, first + 2 * _SIDE + 1), i - first)
-        parabola = np.vander((near - i) / _SIDE, 3)
-        weights = np.linalg.pinv(parabola)[-1]  # of the six in the value at the point itself
-        off = float(left[i] - weights @ left[near])
-        around = float(np.sqrt(np.mean(left[near] ** 2)))
-        deviation = max(around, 1.0) * float(np.sqrt(1 + weights @ weights))
-        freedom = len(near) if around > 1 else noise_freedom
-        yield off, float(2 * student.sf(abs(off) / deviation, freedom))
+        near = np.delete(left[first : first + 2 * _SIDE + 1], i - first)
+        weights = _by_parabola(i - first)
+        around = float(np.sqrt(np.mean(near**2)))
+        off, deviation = float(left[i] - weights @ near), max(around, 1.0) * float(np.sqrt(1 + weights @ weights))
+        yield off, float(2 * student.sf(abs(off) / deviation, len(near) if around > 1 else noise_freedom))
+
+
+@cache
+def _by_parabola(place: int) -> Floats:
+    """(6,) weights of the others in what a parabola through them is at a place among seven."""
+    apart = np.delete(np.arange(2 * _SIDE + 1), place) - place
+    return np.asarray(np.linalg.pinv(np.vander(apart / _SIDE, 3))[-1])

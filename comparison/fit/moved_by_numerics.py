@@ -1,10 +1,10 @@
 """By how much numerical error may have moved what a fit finds, and resonances, and how large it is beside noise."""
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
 from updamp.comparison.fit.fit import Fit
+from updamp.comparison.fit.imitated import beyond, imitated
 from updamp.comparison.fit.linear_fit import within_bounds
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.numerical_error import NumericalError
@@ -29,8 +29,7 @@ def beside_noise(fitted: Fit) -> float:
     _, columns = fitted.compared.equations(of_sensors=True)
     n, deviation = len(p.nuisances), p.deviation[: len(p.nuisances)]
     patterns = np.vstack([columns[:, p.n_of_model :], np.zeros((n, len(p) - p.n_of_model))])
-    basis = scipy.linalg.orth(np.vstack([columns[:, :n], np.diag(1 / deviation)]))
-    left = patterns - basis @ (basis.T @ patterns)
+    left = beyond(imitated(columns[:, :n], deviation), patterns)
     return float(np.sum(left**2)) / fitted.compared.values
 
 

@@ -29,15 +29,14 @@ from updamp.comparison.fit.numerical_gate import (
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.numerical_error import NumericalError
+from updamp.diagnosis.criteria import Criteria
 from updamp.effects.chosen import ChosenEffect
 from updamp.effects.rig_model import RigModel
+from updamp.hbm.continuation.continuation import BranchStoppedError
 
 Floats = NDArray[np.float64]
 # Fewest levels of a mode of which one is kept for judging.
 _ENOUGH = 3
-# Of a misfit beyond the scatter, that a round with the numerical error of where the last one ended has to take off for
-# another one to be made: less is within what rounds differ by (`Criteria.as_good`).
-_SHARE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,20 +177,24 @@ def unseen(start: Baseline) -> str:
     return "runs that the fit never saw"
 
 
-def with_own_numerics(found: Fit, start: Baseline, options: FitOptions) -> Fit:
+def with_own_numerics(found: Fit, start: Baseline, options: FitOptions, criteria: Criteria = Criteria()) -> Fit:
     """The fit gone on with the numerical error of its own model: solved with more harmonics and time samples, and with
     what finer meshes change of that. Beside a jump a change that was found at other parameters, even those that the fit
     begins with, is not the change where it ends: what can be solved at once is not added afterwards. What meshes change
-    is asked for again where the fit ends, as long as that takes off a share of what the scatter does not account for.
+    is asked for again where the fit ends, as long as that takes off a share of what the scatter does not account for
+    (`Criteria.as_good`: less is no difference).
 
     raises: BranchStoppedError where a finer model has no response at the beginning of a run
     """
     best = _with_numerics_of_its_start(found, start, options)
     while (before := best.compared.mean_squared_misfit) > 1:
-        again = _with_numerics_of_its_start(best, start, options)
+        try:
+            again = _with_numerics_of_its_start(best, start, options)
+        except BranchStoppedError:
+            break  # what was found before stands
         after = again.compared.mean_squared_misfit
         best = again if after < before else best
-        if before - after < _SHARE * (before - 1):
+        if before - after < criteria.as_good * (before - 1):
             break
     return best
 

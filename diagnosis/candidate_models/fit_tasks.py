@@ -108,18 +108,9 @@ def _run(shared: tuple[Baseline, Criteria], task: FitTask) -> FittedCandidate | 
     misfit, gain = r.mean_squared_misfit, r.delta_bic
     parameters = sum(len(e.parameters) for e in task.effects)
     trial = Trial(
-        names,
-        misfit,
-        r.drop,
-        gain,
-        held_out.error,
-        r.at_bound,
-        task.full,
-        *calibration,
-        parameters,
-        (),
-        held_out.misfit,
-    )
+        names, misfit, r.drop, gain, held_out.error, r.at_bound, task.full, *calibration, parameters,
+        unseen=held_out.misfit,
+    )  # fmt: skip
     if not task.full:
         return FittedCandidate(r, trial)
     absent, others = may_be_absent(r.fitted), if_repeatable(r.fitted, start)
@@ -135,7 +126,7 @@ def _refit(start: Baseline, criteria: Criteria, a: FitTask) -> Refit | None:
             found = fit_from_size(a.near, a.effects, a.size, start)
         else:
             near = a.near if a.size == 1 else with_size(a.near, a.effects, a.size)
-            found = with_own_numerics(near, start, FULL)
+            found = with_own_numerics(near, start, FULL, criteria)
     except BranchStoppedError:
         return None
     if found is None:

@@ -9,10 +9,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
+from updamp.comparison.fit.imitated import beyond, imitated
 from updamp.diagnosis.score_tests.signature import Extended
 from updamp.effects.effect import Effect
 
@@ -60,18 +60,16 @@ def _scores(extended: Extended, of_sensors: bool) -> list[Score]:
     of_effects = np.zeros(len(p), dtype=bool)
     for effect in extended.effects:
         of_effects[p.columns(effect.name)] = True
-    nuisance = columns[:, ~of_effects]
-    # the prior as further rows, so that what it holds cannot imitate anything
-    prior = np.diag(1 / p.deviation[~of_effects])
-    rows = np.concatenate([residual, -compared.u[~of_effects] * np.diag(prior)])
-    basis = scipy.linalg.orth(np.vstack([nuisance, prior]))
-    left = rows - basis @ (basis.T @ rows)
+    deviation = p.deviation[~of_effects]
+    rows = np.concatenate([residual, -compared.u[~of_effects] / deviation])
+    basis = imitated(columns[:, ~of_effects], deviation)
+    left = beyond(basis, rows)
     found = []
     for effect in extended.effects:
         place = p.columns(effect.name)
-        raw = np.vstack([columns[:, place], np.zeros((len(prior), place.stop - place.start))])
+        raw = np.vstack([columns[:, place], np.zeros((len(deviation), place.stop - place.start))])
         bounds = p.lower[place], p.upper[place]
-        found.append(_score(effect, raw, raw - basis @ (basis.T @ raw), left, rows, bounds))
+        found.append(_score(effect, raw, beyond(basis, raw), left, rows, bounds))
     return found
 
 

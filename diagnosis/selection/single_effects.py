@@ -58,7 +58,7 @@ def _settled(fits: FitContext, found: CandidateFits, most: int) -> CandidateFits
     """Full fits of the best ones."""
     best = best_first(found)[:most]
     close = [r for r in best if not r.trial.full and _gains_as_much(r.refit, best[0].refit, fits)]
-    return fits.full(close) if close else {}
+    return fits.full(close)
 
 
 def _in_turn(fits: FitContext, tasks: Iterable[Sequence[FitTask]], known: CandidateFits) -> CandidateFits:
