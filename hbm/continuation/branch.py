@@ -73,8 +73,8 @@ def point_at(
     solution: Solution, excitation: Forcing, scale_w: float, direction: Move, step: float, after_gap: bool = False
 ) -> BranchPoint:
     """The solution with the branch's tangent there, on the side of `direction` (dx, dw)."""
-    harmonics = solution.equation.receptance.system.harmonics
-    metric = Metric.at(solution.x, harmonics, scale_w)
+    equation = solution.equation
+    metric = Metric.at(solution.x, equation.receptance.system.harmonics, scale_w, equation.least)
     dx, dw = _tangent(solution, excitation)
     length = metric.length((dx, dw))
     if metric.product((dx, dw), direction) < 0:
@@ -104,7 +104,7 @@ def branch_point(
     equation = evaluate(system, excitation, x, w)
     jacobian = equation.factorised()
     solution = Solution(x, w, Status.CONVERGED, 0, (equation.error,), equation, jacobian)
-    step = Metric.at(x, system.harmonics, scale_w).length(direction)
+    step = Metric.at(x, system.harmonics, scale_w, equation.least).length(direction)
     return point_at(solution, excitation, scale_w, direction, step)
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,9 @@ _MOST_MEAN = 1000.0
 _CARRYING = 1e5
 # What round-off lets a residual be known to, 1e-12 of the displacement, is 1e-9 of this share of it.
 _KNOWN = 1e-3
+# A displacement is summed from what each mode contributes, and known to some 1e-15 of the sum of their magnitudes: 1e-9
+# of this share of it. Far from where a structure is driven they may cancel to less.
+_SUMMED = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +33,7 @@ class Equation:
     """Residual r(x, w) = x - x_lin(w) + G(w) g(x) at one point, with all that Newton needs.
 
     w: [rad/s], or what varies along the branch in its place; residual: (n_relative, n_coefficients) [m]
-    force: amplitude of the excitation [N]
+    applied: the excitation there
     """
 
     x: Floats
@@ -37,7 +41,12 @@ class Equation:
     receptance: Receptance
     departure: Departure
     residual: Floats
-    force: float
+    applied: Excitation
+
+    @property
+    def force(self) -> float:
+        """Amplitude of the excitation [N]"""
+        return self.applied.force
 
     @property
     def error(self) -> float:
@@ -51,9 +60,15 @@ class Equation:
         are so stiff that the residual would stand for forces that count beside the excitation."""
         system = self.receptance.system
         displacement, stiffest = displacement_size(system, self.x), system.reference_stiffness.max(initial=0.0)
-        if not self.force * stiffest:
-            return displacement
-        return min(displacement, max(_CARRYING * abs(self.force) / stiffest, _KNOWN * displacement))
+        if self.force * stiffest:
+            displacement = min(displacement, max(_CARRYING * abs(self.force) / stiffest, _KNOWN * displacement))
+        return max(displacement, self.least)
+
+    @cached_property
+    def least(self) -> float:
+        """The least displacement [m] that a residual, or the length of a step, is measured by: one that stands above
+        the round-off of the modal sums that it is made of."""
+        return _SUMMED * self.receptance.summed(self.applied)
 
     def factorised(self, near: DirectForces | None = None) -> Jacobian:
         """near: factors at a similar point, to do without new ones
@@ -90,7 +105,7 @@ def evaluate(system: NonlinearSystem, excitation: Forcing, x: Floats, w: float) 
     receptance = Receptance(system, frequency)
     departure = system.departure(x, frequency)
     residual = x - receptance.motion(applied, departure.value)
-    return Equation(x, w, receptance, departure, residual, applied.force)
+    return Equation(x, w, receptance, departure, residual, applied)
 
 
 def evaluate_together(
@@ -105,7 +120,7 @@ def evaluate_together(
     rows = slice(system.free.n_relative)
     residual = x - ReceptanceAlong(system, frequencies).motion(applied[0][1].row, forces, value, rows)
     return [
-        Equation(of, w, Receptance(system, applied[i][0]), departures[i], residual[..., i].copy(), applied[i][1].force)
+        Equation(of, w, Receptance(system, applied[i][0]), departures[i], residual[..., i].copy(), applied[i][1])
         for i, (of, w) in enumerate(places)
     ]
 

@@ -34,14 +34,15 @@ class Metric:
     scale_w: float
 
     @staticmethod
-    def at(x: Floats, harmonics: Harmonics, scale_w: float) -> "Metric":
-        """x: (n_relative, n_coefficients) [m]"""
+    def at(x: Floats, harmonics: Harmonics, scale_w: float, least: float = 0.0) -> "Metric":
+        """x: (n_relative, n_coefficients) [m]; least: the least vibration that displacements are measured against, so
+        that round-off is no way (`Equation.least`) [m]"""
         weights = np.ones(harmonics.n_coefficients)
         mean = 0.0
         if 0 in harmonics.orders:
             weights[harmonics.slices[0]] = 0.0
             mean = float(np.linalg.norm(x[:, harmonics.slices[0]]))
-        vibration = max(float(np.linalg.norm(weights * x)), _LEAST * mean, np.finfo(float).tiny)
+        vibration = max(float(np.linalg.norm(weights * x)), _LEAST * mean, least, np.finfo(float).tiny)
         weights /= vibration
         if 0 in harmonics.orders:
             weights[harmonics.slices[0]] = MEAN / (vibration + MEAN * mean)

@@ -57,6 +57,15 @@ class Receptance:
         response[:, self.system.harmonics.slices[1].start] += excitation.force * stuck.residual[rows, excitation.row]
         return np.asarray(response)
 
+    def summed(self, excitation: Excitation) -> float:
+        """Largest sum of the magnitudes [m] of what each mode, and the residual flexibility, contribute to a relative
+        row's motion under the excitation alone."""
+        stuck, harmonics = self.system.stuck, self.system.harmonics
+        first = self.through_modes(self._modal_load(excitation))[:, harmonics.slices[1]]
+        shares = np.abs(stuck.phi[: stuck.n_relative]) @ np.linalg.norm(first, axis=1)
+        shares += np.abs(excitation.force * stuck.residual[: stuck.n_relative, excitation.row])
+        return float(shares.max(initial=0.0))
+
     def motion(self, excitation: Excitation, forces: Floats, rows: slice | Integers | None = None) -> Floats:
         """`excitation` less `apply`, by one modal solution: of `rows` where the elements carry these forces."""
         stuck, n = self.system.stuck, self.system.stuck.n_relative

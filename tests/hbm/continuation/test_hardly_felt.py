@@ -127,3 +127,16 @@ def test_a_resonance_that_was_shifted_by_half_widths_has_its_peak_in_any_window_
             curve = shifted(driving, window, upwards)
             assert curve.complete
             assert curve.peak("observed") == pytest.approx(dense.peak("observed"), rel=1e-3)
+
+
+@pytest.mark.parametrize("law", [cubic(2e-2), slider(0.3, 1e-3)])
+@pytest.mark.parametrize("masses", [8, 14])
+def test_an_element_that_moves_by_round_off_alone_leaves_the_linear_response(masses, law):
+    """Weakly coupled masses in a row, driven at one end, the element at the other: what the modes contribute to its
+    motion cancels to 1e-9 of their sum and less, and Newton's method cannot solve for 1e-9 of that."""
+    K = np.eye(masses) + 0.01 * (2 * np.eye(masses) - np.eye(masses, k=1) - np.eye(masses, k=-1))
+    C = damped(K, 0.01)
+    curves = [traced(K, C, masses - 1, law, 0, (0.93, 1.15), upwards=upwards)[2] for upwards in (True, False)]
+    assert all(curve.complete for curve in curves)
+    peaks = [curve.peak("observed")[1] for curve in curves]
+    assert peaks == pytest.approx([largest(K, C, 0, (0.93, 1.15))] * 2, rel=1e-4)
