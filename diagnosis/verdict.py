@@ -19,7 +19,10 @@ Outcome = Literal["adequate", "identified", "inseparable", "unknown", "undecidab
 
 @dataclass(frozen=True)
 class FittedParameter:
-    """Of an effect. value: with 95 % interval; null: where the effect is absent; bounds: what is physical; in `unit`"""
+    """Of an effect. value: with 95 % interval; null: where the effect is absent; bounds: what is physical; in `unit`
+
+    also: values at other minima that the data do not tell from this one; the interval holds theirs too
+    """
 
     name: str
     unit: str
@@ -29,6 +32,7 @@ class FittedParameter:
     null: float
     lower_bound: float
     upper_bound: float
+    also: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -212,4 +216,4 @@ class Verdict:
 
 # `diagnosis.json`, every number kept to the last digit: the fields of `Verdict` by their names, and `schema`; nan as
 # null.
-VERDICT_JSON = JsonDocument(Verdict, "updamp diagnosis 3", "updamp diagnose")
+VERDICT_JSON = JsonDocument(Verdict, "updamp diagnosis 4", "updamp diagnose")

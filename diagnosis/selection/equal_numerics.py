@@ -1,24 +1,42 @@
 """Of several models that explain the data, each with the numerical error of its own: what is told of a mesh and of few
-harmonics at another model's parameters is not to tell them apart."""
+harmonics at another model's parameters is not to tell them apart. An effect of the other sign is another model."""
 
 from dataclasses import replace
 
 from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext
+from updamp.diagnosis.candidate_models.fit_tasks import FittedCandidate
+from updamp.diagnosis.selection.other_minima import lowest_of, turned_round
 
 
 def with_equal_numerics(fits: FitContext, found: CandidateFits) -> CandidateFits:
-    """Those of the likeliest few that take off more then. A fit that explains the data is left as it is where it is the
-    only one (`single_effects.refits_with_own_numerics` is for those that do not)."""
+    """Those of the likeliest few that take off more then, or that another sign is as likely as. A fit that explains the
+    data is left as it is where it is the only one (`single_effects.refits_with_own_numerics` is for those that do
+    not)."""
     criteria = fits.criteria
     if not fits.start.fitted.parametrisation.numerics.names:
         return {}
     explaining = [r for r in found.values() if r.trial.full and fits.explains(r.trial)]
     likeliest = sorted(explaining, key=lambda r: -r.refit.delta_bic)[: criteria.search.full]
-    if len(likeliest) < 2:
+    turning = [r for r in likeliest if _other_sign_comes_close(r, criteria.search.close)]
+    if len(likeliest) + len(turning) < 2:
         return {}
     again = fits.full([r for r in likeliest if not r.refit.own_numerics], own_numerics=True)
-    return {
-        names: replace(r, refit=replace(r.refit, also=found[names].refit.also))
-        for names, r in again.items()
-        if r.refit.drop > found[names].refit.drop
-    }
+    turned = turned_round(fits, turning)
+    results = ((r, _better(r, again.get(r.trial.effects), turned.get(r.trial.effects))) for r in likeliest)
+    return {r.trial.effects: better for r, better in results if better is not r}
+
+
+def _other_sign_comes_close(fitted: FittedCandidate, close: float) -> bool:
+    """As rivals come close to the best effect"""
+    limit = close * fitted.refit.mean_squared_misfit
+    return any(other.compared.mean_squared_misfit < limit for other in fitted.refit.elsewhere)
+
+
+def _better(given: FittedCandidate, own: FittedCandidate | None, turned: FittedCandidate | None) -> FittedCandidate:
+    """The lowest one, which knows of minima that are as likely."""
+    best = own if own is not None and own.refit.drop > given.refit.drop else given
+    if turned is not None:
+        best = lowest_of([best, turned])
+    if best is given:
+        return given
+    return replace(best, refit=replace(best.refit, also=(*best.refit.also, *given.refit.also)))

@@ -21,9 +21,10 @@ from updamp.diagnosis.score_tests.signature import Extended, extend
 from updamp.diagnosis.selection.equal_numerics import with_equal_numerics
 from updamp.diagnosis.selection.fair_credit import credited, without_effects_again
 from updamp.diagnosis.selection.further_effects import further_effects
+from updamp.diagnosis.selection.other_minima import other_sizes
 from updamp.diagnosis.selection.other_places import try_other_places
 from updamp.diagnosis.selection.pairs import alone, exchanged, try_pairs
-from updamp.diagnosis.selection.single_effects import other_sizes, try_singles
+from updamp.diagnosis.selection.single_effects import try_singles
 from updamp.effects.effect import Effect
 from updamp.effects.sized import sized
 from updamp.parallel.workers import Workers, here

@@ -1,7 +1,6 @@
 """Which single effect explains the data: short fits of those that look most likely, full ones of the best."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
 from functools import cache, partial
 
 from updamp.diagnosis.candidate_models.baseline import Baseline
@@ -10,15 +9,14 @@ from updamp.diagnosis.candidate_models.candidate_fits import (
     FitContext,
     best_first,
     nearly,
-    reporting,
 )
-from updamp.diagnosis.candidate_models.fit_tasks import FitTask, FittedCandidate, without_branches
+from updamp.diagnosis.candidate_models.fit_tasks import FitTask, FittedCandidate
 from updamp.diagnosis.candidate_models.minima import knowing_of
-from updamp.diagnosis.candidate_models.other_sizes import SIZE_FACTORS, as_likely, have_two_signs
 from updamp.diagnosis.candidate_models.refit import Refit, fails_badly
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.score_tests.candidates import by_score, by_turns, with_probes
 from updamp.diagnosis.score_tests.score import Score
+from updamp.diagnosis.selection.other_minima import turned_round
 from updamp.effects.effect import Effect
 
 
@@ -95,7 +93,7 @@ def refits_with_own_numerics(fits: FitContext, found: CandidateFits) -> Candidat
     again = fits.full(left, own_numerics=True)
     if any(fits.explains(r.trial) for r in again.values()):
         return again
-    turned = _turned_round(fits, left)
+    turned = turned_round(fits, left)
     return {
         r.trial.effects: lowest
         for r in left
@@ -103,39 +101,11 @@ def refits_with_own_numerics(fits: FitContext, found: CandidateFits) -> Candidat
     }
 
 
-def _turned_round(fits: FitContext, fitted: Sequence[FittedCandidate]) -> CandidateFits:
-    """Likewise from the other sign: a coarse mesh may show an effect of the right sign so weakly that a fit on it ends
-    at the wrong one."""
-    tries = [
-        FitTask(r.refit.effects, (), True, near=r.refit.fitted, own_numerics=True, size=-1.0)
-        for r in fitted
-        if have_two_signs(r.refit.effects)
-    ]
-    return fits.results(tries) if tries else {}
-
-
 def _lowest(given: FittedCandidate, own: FittedCandidate | None, turned: FittedCandidate | None) -> FittedCandidate:
     """The better one of two signs, with the numerical error of its own model where there is such a fit; it knows of the
     minima that the others ended at."""
     lowest = max((r for r in (own or given, turned) if r is not None), key=lambda r: r.refit.drop)
     return knowing_of(lowest, [r for r in (given, own, turned) if r is not None])
-
-
-def other_sizes(fits: FitContext, found: CandidateFits) -> CandidateFits:
-    """The best effect, where it explains the data, fitted from other sizes too: the best of these fits, which knows of
-    those that are as likely."""
-    start, criteria = fits.start, fits.criteria
-    explain = [r for r in best_first(found) if r.trial.full and not fits.fails(r.trial)]
-    if not explain or explain[0].refit.delta_bic < criteria.delta_bic:
-        return {}
-    first = explain[0].refit
-    tries = [FitTask(first.effects, (), True, near=first.fitted, size=size) for size in SIZE_FACTORS]
-    tried = fits.runner(start, criteria, tries, reporting(fits.progress))
-    some = [explain[0], *(r for r in tried if r is not None)]
-    best = max(some, key=lambda r: r.refit.drop)
-    also = [r.refit.fitted for r in some if r is not best and as_likely(r.refit.fitted, best.refit.fitted)]
-    refit = replace(best.refit, also=tuple(without_branches(f) for f in also), own_numerics=first.own_numerics)
-    return {best.trial.effects: replace(best, refit=refit)}
 
 
 def _left(start: Baseline, share: float) -> float:

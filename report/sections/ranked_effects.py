@@ -58,7 +58,7 @@ def _row(each: Candidate) -> tuple[str, ...]:
 
 def _parameter_row(each: Candidate, parameter: FittedParameter) -> tuple[str, ...]:
     outside = not parameter.lower_bound < parameter.value < parameter.upper_bound
-    value = with_unit(parameter.value, parameter.unit)
+    value = " or ".join(with_unit(each, parameter.unit) for each in (parameter.value, *parameter.also))
     return (
         f"<strong>{escape(each.name)}</strong>",
         escape(parameter.name.replace("_", " ")),

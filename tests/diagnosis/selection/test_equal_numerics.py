@@ -12,6 +12,7 @@ from updamp.diagnosis.candidate_models.fit_tasks import FittedCandidate
 from updamp.diagnosis.candidate_models.refit import Refit
 from updamp.diagnosis.criteria import Criteria, SearchEffort
 from updamp.diagnosis.evidence import Trial
+from updamp.diagnosis.selection import other_minima
 from updamp.diagnosis.selection.equal_numerics import with_equal_numerics
 from updamp.diagnosis.selection.single_effects import refits_with_own_numerics
 from updamp.effects.effect import Effect
@@ -19,7 +20,9 @@ from updamp.effects.effect import Effect
 
 def fitted(name: str, misfit: float, drop: float, own: bool = False, full: bool = True) -> FittedCandidate:
     effect = Effect(name, f"there is {name}", (), lambda model, _: model)
-    made_up = SimpleNamespace(u=[1.0], parametrisation=SimpleNamespace(columns=lambda _: slice(0, 1)))
+    compared = SimpleNamespace(mean_squared_misfit=misfit)
+    parametrisation = SimpleNamespace(columns=lambda _: slice(0, 1))
+    made_up = SimpleNamespace(u=[1.0], parametrisation=parametrisation, compared=compared)
     refit = Refit((effect,), made_up, drop, drop, "", own)
     return FittedCandidate(refit, Trial((name,), misfit, drop, drop, 0.9, "", full, unseen=0.9))
 
@@ -102,3 +105,28 @@ def test_what_takes_off_most_of_it_is_looked_at_alone(asked):
     some = [fitted("most", 1.6, 2500.0), fitted("half", 2.0, 1450.0)]
     refits_with_own_numerics(context(), by_name(*some))
     assert asked == ["most"]
+
+
+@pytest.mark.usefixtures("asked")
+def test_the_other_sign_of_the_only_one_is_held_against_it_where_it_comes_close(monkeypatch):
+    """A crown of -1.04 left 0.81 on a coarse mesh, and the true one, of 0.98, 0.91 (004 of the draw 20261128)."""
+    monkeypatch.setattr(other_minima, "have_two_signs", lambda _: True)
+    monkeypatch.setattr(other_minima, "as_likely", lambda *_: True)
+    monkeypatch.setattr(other_minima, "without_branches", lambda fitted: fitted)
+    turned = []
+
+    def results(_, tasks):
+        turned.extend(task.size for task in tasks)
+        return by_name(fitted("best", 0.78, 960.0, own=True))
+
+    monkeypatch.setattr(FitContext, "results", results)
+    one = fitted("best", 0.81, 900.0)
+
+    def beside(misfit):
+        other = SimpleNamespace(compared=SimpleNamespace(mean_squared_misfit=misfit))
+        return with_equal_numerics(context(), by_name(replace(one, refit=replace(one.refit, elsewhere=(other,)))))
+
+    assert not beside(0.81 * 1.7)
+    found = beside(0.91)["best",].refit
+    assert turned == [-1.0]
+    assert (found.drop, len(found.also)) == (960.0, 1)

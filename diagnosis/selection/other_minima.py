@@ -1,0 +1,44 @@
+"""Fits of the same effects from elsewhere: from other sizes, and from the other sign."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext, best_first, reporting
+from updamp.diagnosis.candidate_models.fit_tasks import FitTask, FittedCandidate, without_branches
+from updamp.diagnosis.candidate_models.minima import knowing_of
+from updamp.diagnosis.candidate_models.other_sizes import SIZE_FACTORS, as_likely, have_two_signs
+
+
+def other_sizes(fits: FitContext, found: CandidateFits) -> CandidateFits:
+    """The best effect, where it explains the data, fitted from other sizes too, and from the other sign where it has
+    two: the best of these fits, which knows of the others."""
+    start, criteria = fits.start, fits.criteria
+    explain = [r for r in best_first(found) if r.trial.full and not fits.fails(r.trial)]
+    if not explain or explain[0].refit.delta_bic < criteria.delta_bic:
+        return {}
+    first = explain[0].refit
+    sizes = (*SIZE_FACTORS, -1.0) if have_two_signs(first.effects) else SIZE_FACTORS
+    tries = [FitTask(first.effects, (), True, near=first.fitted, size=size) for size in sizes]
+    tried = fits.runner(start, criteria, tries, reporting(fits.progress))
+    best = lowest_of([explain[0], *(r for r in tried if r is not None)])
+    return {best.trial.effects: replace(best, refit=replace(best.refit, own_numerics=first.own_numerics))}
+
+
+def turned_round(fits: FitContext, fitted: Sequence[FittedCandidate]) -> CandidateFits:
+    """Fits with the numerical error of their own models from the other sign: a coarse mesh may show an effect of the
+    right sign so weakly that a fit on it ends at the wrong one."""
+    tries = [
+        FitTask(r.refit.effects, (), True, near=r.refit.fitted, own_numerics=True, size=-1.0)
+        for r in fitted
+        if have_two_signs(r.refit.effects)
+    ]
+    return fits.results(tries) if tries else {}
+
+
+def lowest_of(some: Sequence[FittedCandidate]) -> FittedCandidate:
+    """Of fits of the same effects. It knows of those that the data do not tell from it, and of the lowest of each sign
+    (`knowing_of`)."""
+    best = max(some, key=lambda r: r.refit.drop)
+    also = [r.refit.fitted for r in some if r is not best and as_likely(r.refit.fitted, best.refit.fitted)]
+    best = replace(best, refit=replace(best.refit, also=tuple(without_branches(f) for f in also)))
+    return knowing_of(best, some)
