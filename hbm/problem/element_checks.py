@@ -15,9 +15,12 @@ from updamp.hbm.harmonics import Harmonics, whole_number
 # had never slipped. A small one holds a load that does not vary. Other bounds are the laws' own (`at_least`, `above`).
 _SLIDERS, _NOT_NEGATIVE = ("kt",), ("kn", "mu", "limit")
 # Of the laws of hbm/contact. Infinity elsewhere has a meaning: a limit that is never reached, a gap never closed.
-_PAIRS = ("t0",)
-_FINITE = ("coefficient", "dashpot", "exponent", "force", "in_phase", "kn", "kt", "lost", "n0", "out_of_phase")
-_FINITE += ("stiffness", "t0")
+# Friction may vary over the period, mu (n_elements, n_time); how many samples there are is not known here.
+_PAIRS, _MAY_VARY = ("t0",), ("mu",)
+_FINITE = (
+    *("coefficient", "stiffness", "kt", "kn", "n0", "t0"),
+    *("dashpot", "force", "exponent", "lost", "in_phase", "out_of_phase"),
+)
 
 
 def refuse_impossible(law: Any, parameters: Any, rows: Any) -> None:
@@ -42,7 +45,9 @@ def refuse_impossible(law: Any, parameters: Any, rows: Any) -> None:
     for entry, value in zip(type(parameters)._fields, parameters, strict=True):
         _refuse_entry(f"{name}: {entry}", np.asarray(value), shape[0])
         if type(law).__module__.startswith(f"{contact.__name__}."):
-            _refuse_value(f"{name}: {entry}", np.asarray(value), (2,) if entry in _PAIRS else (), entry in _FINITE)
+            varies = entry in _MAY_VARY and np.ndim(value) == 2 and np.shape(value)[1] > 1
+            each = np.shape(value)[1:] if varies else (2,) if entry in _PAIRS else ()
+            _refuse_value(f"{name}: {entry}", np.asarray(value), each, entry in _FINITE)
         if entry in positive and not np.all(np.asarray(value) > 0):
             raise ValueError(f"{name}: {entry} = {_told(value)} must be positive; it may be small")
         if entry in _NOT_NEGATIVE and not np.all(np.asarray(value) >= 0):
