@@ -66,7 +66,7 @@ class Corrector:
             and not traced.contains(point)
         ):
             return point, solution
-        return None, replace(solution, status=Status.STALLED)
+        return None, replace(solution, status=Status.OFF_BRANCH)
 
     def _predict(self, points: Sequence[BranchPoint], step: float) -> Move:
         """Along the tangent, bent by the change of the tangent since the point before (second order)."""

@@ -7,21 +7,31 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.hbm import contact
 from updamp.hbm.contact.one_sided import OneSidedLaw
 from updamp.hbm.harmonics import Harmonics, whole_number
 
 # Sliders divide by their stiffness; laws that divide by others name them (`divides_by`): a box without normal stiffness
 # had never slipped. A small one holds a load that does not vary. Other bounds are the laws' own (`at_least`, `above`).
 _SLIDERS, _NOT_NEGATIVE = ("kt",), ("kn", "mu", "limit")
+# Of the laws of hbm/contact. Infinity elsewhere has a meaning: a limit that is never reached, a gap never closed.
+# Friction may vary over the period, mu (n_elements, n_time); how many samples there are is not known here.
+_PAIRS, _MAY_VARY = ("t0",), ("mu",)
+_FINITE = (
+    *("coefficient", "stiffness", "kt", "kn", "n0", "t0"),
+    *("dashpot", "force", "exponent", "lost", "in_phase", "out_of_phase"),
+)
 
 
 def refuse_impossible(law: Any, parameters: Any, rows: Any) -> None:
     """law: a `ContactLaw`; parameters, rows: as of `problem.elements.ElementGroup`
 
-    raises: ValueError naming what is wrong
+    raises: ValueError naming what is wrong; TypeError where it is no law, or an entry of a parameter is no number
     """
     if isinstance(law, type):
         raise ValueError(f"{law.__name__} is a class: give a law of it, such as {law.__name__}(...)")
+    if not hasattr(law, "directions"):
+        raise TypeError(f"law = {law!r}: a contact law is needed, such as CubicSpring()")
     name, shape = type(law).__name__, np.shape(rows)
     cycles = getattr(law, "cycles", 1)
     if (whole_number(cycles) or 0) < 1:
@@ -34,6 +44,10 @@ def refuse_impossible(law: Any, parameters: Any, rows: Any) -> None:
         raise ValueError(f"{name}: rows of shape {shape}; (n_elements, {law.directions}) is needed, one row an element")
     for entry, value in zip(type(parameters)._fields, parameters, strict=True):
         _refuse_entry(f"{name}: {entry}", np.asarray(value), shape[0])
+        if type(law).__module__.startswith(f"{contact.__name__}."):
+            varies = entry in _MAY_VARY and np.ndim(value) == 2 and np.shape(value)[1] > 1
+            each = np.shape(value)[1:] if varies else (2,) if entry in _PAIRS else ()
+            _refuse_value(f"{name}: {entry}", np.asarray(value), each, entry in _FINITE)
         if entry in positive and not np.all(np.asarray(value) > 0):
             raise ValueError(f"{name}: {entry} = {_told(value)} must be positive; it may be small")
         if entry in _NOT_NEGATIVE and not np.all(np.asarray(value) >= 0):
@@ -103,18 +117,43 @@ def whole_rows(rows: Any) -> NDArray[np.int64]:
 
 
 def as_arrays(parameters: Any) -> Any:
-    """Parameters with lists made arrays."""
+    """Parameters with lists made arrays. raises: TypeError where a list is none of numbers"""
     if not hasattr(parameters, "_fields") or not any(isinstance(value, list | tuple) for value in parameters):
         return parameters
-    made = (np.asarray(v, dtype=np.float64) if isinstance(v, list | tuple) else v for v in parameters)
-    return type(parameters)(*made)
+    entries = zip(parameters._fields, parameters, strict=True)
+    return type(parameters)(
+        *(_as_array(e, value) if isinstance(value, list | tuple) else value for e, value in entries)
+    )
+
+
+def _as_array(entry: str, value: Any) -> NDArray[np.float64]:
+    try:
+        return np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise TypeError(f"{entry} = {value}: real numbers are needed, one for each element") from None
 
 
 def _refuse_entry(what: str, value: NDArray[Any], n_elements: int) -> None:
+    """Of any law, one of a user's own too, whose entries may be of any shape behind that"""
+    if not (np.issubdtype(value.dtype, np.number) or value.dtype == bool or value.ndim == 0):
+        raise TypeError(f"{what} = {_told(value)}: no numbers; one for each element is needed")
     if value.ndim == 0 or len(value) != n_elements:
         raise ValueError(f"{what} has shape {value.shape}; one entry for each of {n_elements} elements is needed")
     if np.isnan(value).any():
         raise ValueError(f"{what} = {_told(value)}: not a number")
+
+
+def _refuse_value(what: str, value: NDArray[Any], each: tuple[int, ...], finite: bool) -> None:
+    """Of a law of hbm/contact; each: shape of one element's entry; finite: whether it must be"""
+    if value.shape[1:] != each:
+        row = "two numbers" if each else "one number"
+        raise ValueError(
+            f"{what} has shape {value.shape}; {(len(value), *each)} is needed, {row} an element: reshape it to that"
+        )
+    if np.iscomplexobj(value):
+        raise ValueError(f"{what} = {_told(value)} is complex; a real number is needed: give its real part")
+    if np.isneginf(value).any() or (finite and not np.isfinite(value).all()):
+        raise ValueError(f"{what} = {_told(value)} must be finite: give a large number in place of infinity")
 
 
 def _told(value: Any) -> str:

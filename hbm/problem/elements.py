@@ -50,7 +50,7 @@ class ElementGroup:
     rows: (n_elements, law.directions) rows of the linear model that the elements act on
     copies: (n_elements,) how many that move alike each stands for (hbm/problem/mirror.py); None: one
 
-    raises: ValueError naming an entry or a shape that cannot be
+    raises: ValueError naming an entry or a shape that cannot be; TypeError naming what is no law, or no number
     """
 
     law: ContactLaw

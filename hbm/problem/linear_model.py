@@ -4,8 +4,10 @@ Rows are generalised displacements: first the relative displacements at the cont
 platform, in t1, t2, n), then named points.
 """
 
+import warnings
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -15,6 +17,8 @@ from updamp.hbm.problem.modal_algebra import ModalInverse, dynamic_stiffness, gr
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+
+_TOLD = 60  # characters at most of what was given, in a message
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,26 +118,26 @@ def from_matrices(
 ) -> LinearModel:
     """A model given by its matrices, without residual flexibility.
 
-    M, C, K: (n, n), M and K symmetric; C too where a resonance is to be followed
+    M, C, K: (n, n), M and K symmetric; C too where a resonance is to be followed; lists will do
     relative: (n_relative, n) rows that pick the relative displacements; points: name -> (n,) row
 
     raises: ValueError naming a matrix of another shape, one that is complex or not finite, M or K where it is not
-        symmetric, M where it is not positive definite, a point without any motion
+        symmetric, M where it is not positive definite, a point without any motion; TypeError naming what is no array
+        of numbers, or points that are no dict. Of a C that feeds a motion there is a warning
     """
-    points = points or {}
-    n = len(M)
+    M, C, K = (_as_floats(name, matrix) for name, matrix in (("M", M), ("C", C), ("K", K)))
+    n = M.shape[0] if M.ndim else 1
     for name, matrix in (("M", M), ("C", C), ("K", K)):
-        _refuse_matrix(name, np.asarray(matrix), (n, n), symmetric=name != "C")
-    _refuse_matrix("relative", np.asarray(relative), (len(relative), n), symmetric=False)
-    for name, row in points.items():
-        _refuse_matrix(f"point '{name}'", np.asarray(row), (n,), symmetric=False)
-        if not np.any(row):
-            raise ValueError(f"point '{name}' is a row of zeros: it sees no motion; give the coordinates' shares")
+        _refuse_matrix(name, matrix, (n, n), symmetric=name != "C")
+    relative = _as_floats("relative", relative)
+    _refuse_matrix("relative", relative, (relative.shape[0] if relative.ndim else 1, n), symmetric=False)
+    shapes = _as_shapes(points, n)
+    _warn_of_negative_damping(C)
     try:
         omega_squared, X = scipy.linalg.eigh(K, M)
     except np.linalg.LinAlgError:
         raise ValueError(f"M is not positive definite: {_without_mass(np.asarray(M))}") from None
-    rows = np.vstack([relative, *points.values()])
+    rows = np.vstack([relative, *shapes.values()])
     return LinearModel(
         omega_squared=omega_squared,
         phi=rows @ X,
@@ -141,7 +145,7 @@ def from_matrices(
         hysteretic=np.zeros_like(K),
         viscous=X.T @ C @ X,
         n_relative=len(relative),
-        points=tuple(points),
+        points=tuple(shapes),
     )
 
 
@@ -158,6 +162,58 @@ def _without_mass(M: Floats) -> str:
     )
 
 
+def _as_floats(name: str, given: Any) -> Floats:
+    """raises: TypeError where these are no numbers, ValueError where rows differ in length or one is complex"""
+    if hasattr(given, "toarray"):
+        raise TypeError(f"{name} is sparse; a dense array is needed: give {name}.toarray()")
+    try:
+        array = np.asarray(given)
+    except ValueError:
+        raise ValueError(f"{name} = {_told(given)}: its rows are of different lengths, or no rows of numbers") from None
+    if np.iscomplexobj(array):
+        raise ValueError(
+            f"{name} is complex; a real one is needed. Structural damping of loss factor eta is given to the model: "
+            "replace(model, hysteretic=eta * np.diag(model.omega_squared))"
+        )
+    if not (np.issubdtype(array.dtype, np.number) or array.dtype == bool):
+        raise TypeError(f"{name} = {_told(given)}: an array of numbers is needed, or lists of them")
+    return array.astype(np.float64)
+
+
+def _as_shapes(points: Any, n: int) -> dict[str, Floats]:
+    """Rows of the points by their names. raises: as `from_matrices`"""
+    if points is None or (isinstance(points, list | tuple) and not points):
+        return {}
+    if not hasattr(points, "items"):
+        raise TypeError(
+            f"points = {_told(points)}: a dict is needed, name -> row of {n} numbers, such as {{'tip': row}}"
+        )
+    shapes = {name: _as_floats(f"point '{name}'", row) for name, row in points.items()}
+    for name, row in shapes.items():
+        _refuse_matrix(f"point '{name}'", row, (n,), symmetric=False)
+        if not np.any(row):
+            raise ValueError(f"point '{name}' is a row of zeros: it sees no motion; give the coordinates' shares")
+    return shapes
+
+
+def _warn_of_negative_damping(C: Floats) -> None:
+    """Where C feeds a motion, beyond what round-off leaves (`is_symmetric`). No error: it may be meant so."""
+    lowest = float(np.linalg.eigvalsh((C + C.T) / 2)[0])
+    if lowest < -np.sqrt(np.finfo(float).eps) * np.abs(C).max():
+        at = int(np.argmax(np.abs(np.linalg.eigh((C + C.T) / 2)[1][:, 0])))
+        warnings.warn(
+            f"C has negative damping, {lowest:.4g}, of a motion with the largest share in degree of freedom {at}, "
+            "counted from 0: a branch may then be unstable. Where it is not meant so, look for a wrong sign in C",
+            stacklevel=3,
+        )
+
+
+def _told(value: Any) -> str:
+    """What was given, cut short"""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= _TOLD else f"{text[:_TOLD]}..."
+
+
 def is_symmetric(matrix: Floats) -> bool:
     """But for round-off"""
     return bool(np.abs(matrix - matrix.T).max() <= np.sqrt(np.finfo(float).eps) * np.abs(matrix).max())
@@ -166,13 +222,8 @@ def is_symmetric(matrix: Floats) -> bool:
 def _refuse_matrix(name: str, matrix: Floats, shape: tuple[int, ...], symmetric: bool) -> None:
     """Of a matrix that is not symmetric half would be taken for the whole; what round-off leaves is less than half of
     the digits."""
-    if matrix.shape != shape:
-        raise ValueError(f"{name} has shape {matrix.shape}: {shape} is needed")
-    if np.iscomplexobj(matrix):
-        raise ValueError(
-            f"{name} is complex; a real one is needed. Structural damping of loss factor eta is given to the model: "
-            "replace(model, hysteretic=eta * np.diag(model.omega_squared))"
-        )
+    if matrix.shape != shape or not matrix.shape[-1]:
+        raise ValueError(f"{name} has shape {matrix.shape}: {shape if all(shape[-1:]) else '(1, 1) or more'} is needed")
     if not np.isfinite(matrix).all():
         raise ValueError(f"{name} has entries that are not finite")
     if symmetric and not is_symmetric(matrix):

@@ -218,4 +218,4 @@ def _at_log_force(
         solution = _resonance_near(problem, condition, solution.state, options)
         if solution.converged:
             return solution
-    raise ResonanceStoppedError(solution, Status.STALLED if solution.converged else solution.status)
+    raise ResonanceStoppedError(solution, Status.OFF_BRANCH if solution.converged else solution.status)

@@ -9,7 +9,7 @@ from support.peers import FOLDER, blades_and_damper_system, one_degree_of_freedo
 
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
-from updamp.hbm.continuation import segments
+from updamp.hbm.continuation import corrector, segments
 from updamp.hbm.continuation.completeness import CompletenessLimits
 from updamp.hbm.continuation.continuation import BranchStoppedError, ContinuationOptions, continue_branch
 from updamp.hbm.continuation.corrector import Corrector
@@ -202,6 +202,18 @@ def test_a_branch_that_cannot_go_on_says_where_and_keeps_what_it_has():
     assert len(curve) >= 1
     assert "Hz" in curve.stopped
     assert Status.TOO_MANY_ITERATIONS.advice in curve.stopped
+
+
+def test_where_steps_are_solved_but_end_off_the_branch_it_says_so(duffing, monkeypatch):
+    """It asked for more time samples, with a residual of 1e-15."""
+    system, request, _ = duffing
+    monkeypatch.setattr(corrector, "on_same_branch", lambda *_: False)
+    options = ContinuationOptions(recoveries=())
+    with pytest.raises(BranchStoppedError, match=r"solved, but off the branch, residual .*: another branch") as stop:
+        list(continue_branch(system, request.excitation, request.window, options))
+    assert stop.value.status is Status.OFF_BRANCH
+    assert stop.value.error < 1e-9
+    assert "time samples" not in str(stop.value)
 
 
 def test_points_are_handed_out_one_by_one():

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from support.peers import friction, one_degree_of_freedom
@@ -13,6 +14,8 @@ from updamp.hbm.contact.jenkins import Jenkins, JenkinsParameters
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.jenkins_box_sampled import SampledJenkinsBox
 from updamp.hbm.contact.law import ContactLaw
+from updamp.hbm.contact.modified.film import ViscousFilm
+from updamp.hbm.contact.modified.modified_law import with_entries
 from updamp.hbm.contact.power_law_damper import PowerLawDamper, PowerLawParameters
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring, UnilateralParameters, UnilateralSpring
 from updamp.hbm.contact.stops import Clearance, Stop
@@ -88,6 +91,59 @@ def test_parameters_that_cannot_be_are_refused(law: ContactLaw, entries: dict[st
 def test_what_a_law_cannot_be_given_is_refused(law: ContactLaw, parameters: tuple[np.ndarray, ...], said: str) -> None:
     with pytest.raises(ValueError, match=said):
         ElementGroup(law, parameters, np.array([[0]]))
+
+
+@pytest.mark.parametrize(
+    ("law", "coefficient", "error", "said"),
+    [
+        (
+            CubicSpring(),
+            np.ones((2, 1)),
+            ValueError,
+            r"coefficient has shape \(2, 1\); \(2,\) is needed, one number an",
+        ),
+        (CubicSpring(), [[1.0], [2.0]], ValueError, r"coefficient has shape \(2, 1\); \(2,\) is needed"),
+        (CubicSpring(), np.array([1j, 1.0]), ValueError, r"coefficient = \[.*\] is complex; a real number"),
+        (CubicSpring(), np.array([np.inf, 1.0]), ValueError, r"coefficient = \[inf  1.\] must be finite: give a large"),
+        (CubicSpring(), np.array(["1", "2"]), TypeError, r"coefficient = \['1' '2'\]: no numbers"),
+        (CubicSpring(), ["a", 1.0], TypeError, r"coefficient = \['a', 1.0\]: real numbers are needed"),
+        (CubicSpring(), [1j, 1.0], TypeError, r"coefficient = \[1j, 1.0\]: real numbers are needed"),
+        ("cubic", np.ones(2), TypeError, "law = 'cubic': a contact law is needed, such as CubicSpring"),
+    ],
+)
+def test_parameters_of_a_wrong_shape_or_kind_are_named(
+    law: ContactLaw, coefficient: np.ndarray, error: type[Exception], said: str
+) -> None:
+    """They were accepted, and a solution failed in NumPy; a column among numba's laws was read beyond its end."""
+    with pytest.raises(error, match=said):
+        ElementGroup(law, CubicParameters(coefficient), np.array([[0], [1]]))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("law", [JenkinsBox(), SampledJenkinsBox(), CoulombCircle(), ViscousFilm(JenkinsBox())])
+def test_a_pair_at_rest_is_a_pair(law: ContactLaw) -> None:
+    parameters = with_entries(friction(1, 0.4, 1.0, 1.0, np.ones(1)), viscosity=np.zeros(1))
+    for t0 in (np.zeros(1), np.full((1, 1), 0.3), np.zeros((1, 3))):
+        with pytest.raises(ValueError, match=r"t0 has shape .*; \(1, 2\) is needed, two numbers an element"):
+            ElementGroup(law, parameters._replace(t0=t0), np.arange(3)[None])
+    with pytest.raises(ValueError, match=r"mu has shape \(1, 1\); \(1,\) is needed"):
+        ElementGroup(law, parameters._replace(mu=np.ones((1, 1))), np.arange(3)[None])
+    with pytest.raises(ValueError, match=r"n0 = \[inf\] must be finite"):
+        ElementGroup(law, parameters._replace(n0=np.full(1, np.inf)), np.arange(3)[None])
+    ElementGroup(law, parameters._replace(mu=np.full(1, np.inf)), np.arange(3)[None])
+
+
+def test_what_is_never_reached_may_be_infinite_and_other_laws_have_parameters_of_any_shape() -> None:
+    row, never = np.array([[0]]), np.array([np.inf])
+    ElementGroup(Jenkins(), JenkinsParameters(np.ones(1), never), row)
+    ElementGroup(Jenkins(), JenkinsParameters(jnp.ones(1), [1.0]), row)  # type: ignore[arg-type]
+    ElementGroup(Stop(), UnilateralParameters(np.ones(1), never), row)
+    with pytest.raises(ValueError, match=r"gap = \[-inf\] must be finite"):
+        ElementGroup(Stop(), UnilateralParameters(np.ones(1), -never), row)
+    ElementGroup(OwnSpring(), CubicParameters(np.ones((1, 3))), row)
+
+
+class OwnSpring(CubicSpring):
+    """Of a user, with three coefficients"""
 
 
 def test_a_power_law_needs_a_velocity_at_which_its_force_is_stated() -> None:

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.linalg
+import scipy.sparse
 
 from updamp.hbm.problem.linear_model import LinearModel, add_springs, from_matrices
 from updamp.hbm.problem.modal_algebra import DirectInverse
@@ -106,6 +107,56 @@ def test_matrices_that_cannot_be_are_refused(given, said):
     matrices = {"M": np.eye(2), "C": np.zeros((2, 2)), "K": 2 * np.eye(2), "relative": np.eye(1, 2), "points": {}}
     with pytest.raises(ValueError, match=said):
         from_matrices(**(matrices | given))
+
+
+@pytest.mark.parametrize(
+    ("given", "error", "said"),
+    [
+        ({"M": 1.0}, ValueError, r"M has shape \(\): \(1, 1\) is needed"),
+        ({"M": []}, ValueError, r"M has shape \(0,\): \(1, 1\) or more is needed"),
+        ({"M": np.zeros((0, 0))}, ValueError, r"M has shape \(0, 0\): \(1, 1\) or more is needed"),
+        (
+            {"K": [["1", "0"], ["0", "1"]]},
+            TypeError,
+            r"K = \[\['1', '0'\], \['0', '1'\]\]: an array of numbers is needed",
+        ),
+        ({"K": [[1.0, 0.0], [1.0]]}, ValueError, r"K = \[\[1.0, 0.0\], \[1.0\]\]: its rows are of different lengths"),
+        ({"C": scipy.sparse.eye(2)}, TypeError, r"C is sparse; .* give C.toarray\(\)"),
+        ({"relative": None}, TypeError, "relative = None: an array of numbers"),
+        ({"relative": 1.0}, ValueError, r"relative has shape \(\): \(1, 2\) is needed"),
+        ({"points": ["a", "b"]}, TypeError, r"points = \['a', 'b'\]: a dict is needed, name -> row of 2 numbers"),
+        ({"points": np.eye(2)}, TypeError, r"points = array\(.*: a dict is needed"),
+        ({"points": {"tip": "x"}}, TypeError, "point 'tip' = 'x': an array of numbers"),
+    ],
+)
+def test_what_is_no_matrix_is_named(given, error, said):
+    """It was NumPy's own sentence."""
+    matrices = {"M": np.eye(2), "C": np.zeros((2, 2)), "K": 2 * np.eye(2), "relative": np.eye(1, 2), "points": {}}
+    with pytest.raises(error, match=said):
+        from_matrices(**(matrices | given))
+
+
+def test_lists_will_do_for_matrices():
+    whole = [[2, -1], [-1, 2]]
+    model = from_matrices([[1, 0], [0, 1]], whole, whole, [[1, 0.5]], {"tip": [1, 0]})
+    same = from_matrices(np.eye(2), np.array(whole), np.array(whole), np.array([[1, 0.5]]), {"tip": np.eye(2)[0]})
+    for one, other in ((model.phi, same.phi), (model.viscous, same.viscous), (model.omega_squared, same.omega_squared)):
+        assert one.dtype == np.float64
+        np.testing.assert_array_equal(one, other)
+    assert from_matrices([[1]], [[0]], [[1]], [[1]], []).points == ()
+
+
+def test_of_negative_damping_there_is_a_warning():
+    """It was taken without a word. What round-off leaves, and gyroscopic forces, are none."""
+    M, K = np.eye(2), np.diag([2.0, 3.0])
+    with pytest.warns(
+        UserWarning, match=r"C has negative damping, -0.02, .* degree of freedom 1, .* may then be unstable"
+    ):
+        model = from_matrices(M, np.diag([0.01, -0.02]), K, np.eye(2))
+    np.testing.assert_allclose(np.diag(model.viscous), [0.01, -0.02])
+    share = np.array([[1.0, -1 / 3], [-1 / 3, 1 / 9]])  # singular but for round-off
+    for C in (np.zeros((2, 2)), share, share.T - 1e-12 * np.eye(2), np.array([[0.0, 0.7], [-0.7 + 1e-16, 0.0]])):
+        from_matrices(M, C, K, np.eye(2))
 
 
 def test_a_degree_of_freedom_with_hardly_any_mass_is_no_reason_to_warn():
