@@ -15,7 +15,7 @@ from updamp.hbm.continuation.recovery.jump import Jump
 from updamp.hbm.continuation.recovery.lowering_step import LoweringStep
 from updamp.hbm.continuation.recovery.switch_branch import SwitchBranch
 from updamp.hbm.continuation.retracing import TracedBranch
-from updamp.hbm.newton.newton import Status, told
+from updamp.hbm.newton.newton import Status
 
 
 class Recovery(Protocol):
@@ -92,5 +92,4 @@ class PredictorCorrector(Corrector):
         for recovery in options.recoveries:
             if points := recovery(self, traced):
                 return points, options.recovered(points[-1].step)
-        status = told(self.system, self.excitation, solution)
-        raise BranchStoppedError(traced.last.frequency, solution.errors[-1], status)
+        raise BranchStoppedError(traced.last.frequency, solution.errors[-1], solution.status)

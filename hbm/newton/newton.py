@@ -26,7 +26,6 @@ class Status(Enum):
     DIVERGED = "diverged"
     STALLED = "stalled"
     OFF_BRANCH = "solved, but off the branch"
-    ROUND_OFF = "the residual is round-off alone"
     NO_MAXIMUM = "no maximum of the response between the half-power points of the phase that is followed"
 
     @property
@@ -41,8 +40,6 @@ _ADVICE = {
     Status.STALLED: "no step lowers the residual: use more time samples, or start from fewer harmonics",
     Status.OFF_BRANCH: "each step ended elsewhere: another branch crosses or lies close by, as where equal parts move "
     "alike; let these differ a little, in their stiffness by 1e-3",
-    Status.ROUND_OFF: "an element moves too little beside the rest of the structure for its motion to be known: leave "
-    "it out, or drive the structure closer to it",
     Status.NO_MAXIMUM: "trace the response curve at this force",
 }
 
@@ -145,17 +142,6 @@ def solve(
             place = iterates.send(evaluate(system, excitation, *place))
         except StopIteration as end:
             return cast(Solution, end.value)
-
-
-def told(system: NonlinearSystem, excitation: Forcing, solution: Solution) -> Status:
-    """The solution's status, but `ROUND_OFF` where it has not converged and the residual is not known to more than half
-    of itself: it changes by that where w changes in its last digits."""
-    if solution.status in (Status.CONVERGED, Status.OFF_BRANCH) or not np.isfinite(solution.errors[-1]):
-        return solution.status
-    x, w, residual = solution.x, solution.w, solution.equation.residual
-    bits = [w + k * np.spacing(w) for k in (-2, -1, 1, 2)]
-    changes = [np.abs(residual_alone(system, excitation, x, near) - residual).max() for near in bits]
-    return Status.ROUND_OFF if 2 * max(changes) > np.abs(residual).max() else solution.status
 
 
 def solve_together(
