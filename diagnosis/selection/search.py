@@ -56,8 +56,8 @@ def search(
 ) -> SearchResult:
     """runner: where the fits are run; workers: likewise what leads to them
 
-    Begun again from a better calibration where fits with an effect have led to one and none of them explains the data:
-    scores, probes and what was fitted first rest on the calibration.
+    Begun again from a better calibration where fits with an effect have led to one and all of them fail: scores, probes
+    and what was fitted first rest on the calibration.
 
     raises: BranchStoppedError where the calibrated model has no response at the beginning of a run
     """
@@ -72,7 +72,7 @@ def search(
     without = without_effects_again(fits, singles)
     if without is not None:
         better = replace(start, fitted=with_branches(without[0], start, BranchesBy(workers)))
-        if without[1].delta_bic >= criteria.delta_bic and not any(fits.explains(r.trial) for r in singles.values()):
+        if without[1].delta_bic >= criteria.delta_bic and all(fits.fails(r.trial) for r in singles.values()):
             progress("a better calibration was found on the way: from there once more")
             return search(replace(better, attempt=start.attempt + 1), effects, criteria, progress, runner, workers)
         singles = credited(singles, base, without[0], plan)
