@@ -4,9 +4,13 @@ Solved as a whole, a symmetric problem passes places where motions begin that br
 is followed across them depends on round-off (hbm/problem/mirror.py). A force that is its own mirror image moves
 symmetric modes alone. So the modes that it does not move tell the antisymmetric ones, and with them each displacement
 its image: the one that moves as it in the driven modes and against it in the others, or with the opposite sign.
+
+Modes of the same frequency, as of a ring of equal parts, come out turned by any angle, all of them driven. Turned so
+that one of them is driven alone, the others tell as well.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +25,27 @@ Integers = NDArray[np.int64]
 # Of motions that laws are tried at: where a contact slips or a gap closes is not known, nor the unit of length.
 SIZES = 10.0 ** np.arange(-12, 4)
 SEED = 20261127
+# Squares of frequencies that differ by less, relative, are the same but for round-off: half of the digits.
+_SAME = float(np.sqrt(np.finfo(float).eps))
+
+
+def driven_alone(free: LinearModel, row: int) -> LinearModel:
+    """The same structure with modes of the same frequency turned so that a force on the row moves one of them alone;
+    the model itself where no two are of the same."""
+    order = np.argsort(free.omega_squared)
+    ascending = free.omega_squared[order]
+    apart = np.diff(ascending) > _SAME * ascending[1:] + np.finfo(float).eps * ascending[-1]
+    omega_squared, turned = free.omega_squared.copy(), np.eye(len(order))
+    for same in np.split(order, np.flatnonzero(apart) + 1):
+        omega_squared[same] = omega_squared[same].mean()
+        turned[np.ix_(same, same)] = np.linalg.qr(free.phi[row, same][:, None], mode="complete")[0]
+    if apart.all():
+        return free
+    hysteretic, viscous = (turned.T @ damping @ turned for damping in (free.hysteretic, free.viscous))
+    return replace(
+        free, omega_squared=omega_squared, phi=free.phi @ turned, hysteretic=hysteretic, viscous=viscous,
+        basis=None if free.basis is None else free.basis @ turned,
+    )  # fmt: skip
 
 
 def mirror_driven_at(free: LinearModel, groups: Sequence[ElementGroup], row: int) -> Mirror | None:

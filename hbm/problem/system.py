@@ -20,7 +20,7 @@ from updamp.hbm.problem.elements import ElementGroup, departure_only, departures
 from updamp.hbm.problem.elements_together import departures_only_together, departures_together
 from updamp.hbm.problem.linear_model import LinearModel, stuck_on
 from updamp.hbm.problem.mirror import Mirror, acts_symmetrically, half_groups, half_structure, is_own_image
-from updamp.hbm.problem.mirror_search import laws_are_mirrored, mirror_driven_at
+from updamp.hbm.problem.mirror_search import driven_alone, laws_are_mirrored, mirror_driven_at
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -252,8 +252,9 @@ class NonlinearSystem:
 
     def _found_half(self, row: int) -> "tuple[NonlinearSystem, Mirror] | None":
         """As `half_driven_at`, by a mirror image that is found. The laws are tried last: that takes longest."""
-        mirror = mirror_driven_at(self.free, self.groups, row)
-        if mirror is None or (half := replace(self, mirror=mirror).half_driven_at(row)) is None:
+        free = driven_alone(self.free, row)
+        mirror = mirror_driven_at(free, self.groups, row)
+        if mirror is None or (half := replace(self, free=free, mirror=mirror).half_driven_at(row)) is None:
             return None
         w = float(np.sqrt(self.free.omega_squared.max()))  # any: what a law depends on has no sides
         mirrored = laws_are_mirrored(lambda x: self.departure_value(x, w), mirror, self.harmonics.n_coefficients)

@@ -12,6 +12,7 @@ from updamp.hbm.continuation.curve import CurveRequest, whole_curve
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.problem.elements import ElementGroup
 from updamp.hbm.problem.linear_model import from_matrices
+from updamp.hbm.problem.receptance import Receptance
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 
@@ -71,3 +72,37 @@ def test_a_law_must_be_odd_where_its_displacement_changes_sign(law, parameters, 
     system = NonlinearSystem(linear, (springs,), Harmonics((0, 1, 2, 3)), 64)
     assert (half_of(system) is not None) is found
     assert half_of(system, "together") is not None  # nothing changes its sign there
+
+
+def ring(parts: int, other: float = 0.0, coupling: float = 0.1) -> NonlinearSystem:
+    """Equal masses in a ring, one stop at each, the third one driven; other: by how much more the second weighs"""
+    rows = np.eye(parts)
+    K = rows + coupling * (2 * rows - np.roll(rows, 1, axis=0) - np.roll(rows, -1, axis=0))
+    M = np.diag(1 + other * rows[1])
+    linear = from_matrices(M, 0.004 * K, K, rows, {"drive": rows[2], "beside": rows[1]})
+    group = ElementGroup(Stop(), UnilateralParameters(np.full(parts, 0.5), np.ones(parts)), np.arange(parts)[:, None])
+    return NonlinearSystem(linear, (group,), Harmonics((0, 1, 2, 3)), 256)
+
+
+@pytest.mark.parametrize("parts", [3, 4, 5, 6, 9])
+def test_of_a_ring_each_pair_of_modes_is_turned_so_that_one_is_driven(parts: int) -> None:
+    half, mirror = half_of(ring(parts))
+    np.testing.assert_array_equal(mirror.image, (4 - np.arange(parts)) % parts)
+    assert (mirror.sign == 1).all()
+    assert len(half.free.omega_squared) == parts // 2 + 1
+    assert half_of(ring(parts, other=1e-4)) is None
+
+
+@pytest.mark.parametrize("parts", [4, 5])
+def test_a_ring_has_the_same_curve_from_both_ends(parts: int) -> None:
+    """Solved as a whole it stops where motions begin that break the symmetry, at one end or at both."""
+    system = ring(parts)
+    request = CurveRequest("ring", Excitation(system.free.row("drive"), 0.05), (0.15, 0.24), ("drive", "beside"))
+    up, down = (whole_curve(system, replace(request, upwards=upwards)) for upwards in (True, False))
+    assert up.complete
+    assert down.complete
+    assert up.peak("drive") == pytest.approx(down.peak("drive"), rel=1e-5)
+    w = 2 * np.pi * up.frequency[len(up) // 2]
+    motion = up.displacement[len(up) // 2]
+    expected = Receptance(system, w).motion(request.excitation, system.departure_value(motion, w))
+    np.testing.assert_allclose(motion, expected, atol=1e-7 * np.abs(motion).max())
