@@ -47,6 +47,7 @@ class Baseline:
     repeatability: weighted residual RMS of what differs between the repeats
     given: the model as the rig file has it; finer: those of finer meshes, by name; all without effects
     attempt: how many calibrations were found to be no optimum before (`diagnosis/selection/search.py`)
+    own_numerics: whether it has passed the numerical gate where its calibration ends, as fits with effects may have
     """
 
     plan: Plan
@@ -57,6 +58,7 @@ class Baseline:
     given: RigModel
     finer: Mapping[str, RigModel] = field(default_factory=dict)
     attempt: int = 0
+    own_numerics: bool = False
 
     @property
     def train_plan(self) -> Plan:

@@ -77,7 +77,7 @@ def _probed(
     start: Baseline, effects: Sequence[Effect], progress: Callable[[str], None], workers: Workers
 ) -> dict[str, tuple[Floats, ...]]:
     """Where probes lead, by the effect's name, the best first."""
-    return {p.effect.name: (p.start,) for p in probes(start, effects, progress, workers)}
+    return {p.effect.name: p.starts for p in probes(start, effects, progress, workers)}
 
 
 def _may_show(scored: Sequence[Score], criteria: Criteria) -> list[Score]:

@@ -4,7 +4,8 @@ About a calibrated model that lacks something large, first order tells little: c
 effects of the contacts are not linear that far (an uneven pressure acts with its square at first). So each effect is
 put into the model as given at its typical size, with both signs where it has two, and the rest is linear from there;
 once more from where that leads if it leads as far as it may. An effect without a derivative at its null value is not
-linear in its size either: it is put in whole too, where it may be (`Effect.sizes`).
+linear in its size either: it is put in whole too, where it may be (`Effect.sizes`). What is solved is no promise: a
+size that leaves less than the calibrated model does as it is, is a start for a fit as well.
 """
 
 from collections.abc import Callable, Sequence
@@ -37,11 +38,21 @@ _APART = COARSE.largest_step / 2
 @dataclass(frozen=True, eq=False)
 class Probe:
     """start: (p,) of the effect's parameters in typical sizes, where the misfit is least to first order
-    misfit: there (`fit.misfit`), on the runs that were looked at"""
+    misfit: there (`fit.misfit`), on the runs that were looked at
+    size: (p,) likewise, that first order is about; solved: misfit there
+    better: the size that leaves least of those solved, where that is less than the calibrated model leaves"""
 
     effect: Effect
     start: Floats
     misfit: float
+    size: Floats
+    solved: float
+    better: tuple[Floats, ...] = ()
+
+    @property
+    def starts(self) -> tuple[Floats, ...]:
+        """Of a fit, in this order"""
+        return self.start, *self.better
 
 
 def probes(
@@ -58,31 +69,47 @@ def probes(
     at = as_given(start.fitted)
     p, inflation = start.fitted.parametrisation, start.fitted.compared.inflation
     near = predict_branches(p, at, plan, None, BranchesBy(workers), coarse_enough(start.fitted), inflation)
-    shared = _About(without_branches(start.fitted), plan, at, [branch.thinned(_APART) for branch in near])
+    shared = _About(
+        without_branches(start.fitted), plan, at, [branch.thinned(_APART) for branch in near], _calibrated(start)
+    )
     # an effect without derivative is of a law or of harmonics that take longer
     longest_first = LongestFirst(workers, lambda effect: effect.finite_step)
     found = longest_first(_best_of, shared, effects, lambda i, _: progress(f"{effects[i].name} at its typical size"))
     return tuple(sorted((probe for probe in found if probe is not None), key=_misfit))
 
 
+def _calibrated(start: Baseline) -> float:
+    """What the calibrated model leaves on the runs that are looked at (`fit.misfit`)"""
+    fitted, wanted = start.fitted, highest_levels(start.train_plan)
+    branches = [fitted.compared.branches[i] for i in wanted]
+    plan, offsets = start.train_plan.only(wanted), fitted.compared.offsets
+    compared = compare_at(fitted.parametrisation, fitted.u, plan, branches, fitted.compared.scatter, offsets)
+    return misfit(fitted.parametrisation, compared)
+
+
 @dataclass(frozen=True, eq=False)
 class _About:
-    """base: without its branches; at: (p,) parameters of the model as given; near: its branches"""
+    """base: without its branches; at: (p,) parameters of the model as given; near: its branches; calibrated: what the
+    calibrated model leaves"""
 
     base: Fit
     plan: Plan
     at: Floats
     near: Sequence[PredictedBranch]
+    calibrated: float
 
 
 def _best_of(about: _About, effect: Effect) -> Probe | None:
-    tried = [_probe(about, effect, np.array(size)) for size in effect.sizes]
-    best = min((t for t in tried if t is not None), key=_misfit, default=None)
-    if best is None or not _at_its_end(best):
-        return best
-    # what goes as far as it may wants to go further
-    again = _probe(about, effect, best.start)
-    return min((t for t in (best, again) if t is not None), key=_misfit)
+    tried = [p for size in effect.sizes if (p := _probe(about, effect, np.array(size))) is not None]
+    best = min(tried, key=_misfit, default=None)
+    if best is not None and _at_its_end(best):  # what goes as far as it may wants to go further
+        again = _probe(about, effect, best.start)
+        tried += [] if again is None else [again]
+        best = min(tried, key=_misfit)
+    if best is None:
+        return None
+    lowest = min(tried, key=lambda p: p.solved)
+    return replace(best, better=(lowest.size,)) if lowest.solved < about.calibrated else best
 
 
 def _misfit(probe: Probe) -> float:
@@ -117,4 +144,5 @@ def _probe(about: _About, effect: Effect, size: Floats) -> Probe | None:
         return None
     compared = compare_at(extended, u, plan, branches, scatter)
     ahead = fit_linear(extended, plan, compared, scatter, _REACH)
-    return Probe(effect, ahead.u[extended.columns(effect.name)], misfit(extended, ahead))
+    place = extended.columns(effect.name)
+    return Probe(effect, ahead.u[place], misfit(extended, ahead), u[place], misfit(extended, compared))

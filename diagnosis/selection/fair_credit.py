@@ -10,16 +10,17 @@ from dataclasses import replace
 from updamp.comparison.fit.compared import misfit
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Plan
-from updamp.diagnosis.candidate_models.baseline import calibrated_as
+from updamp.comparison.prediction.branch_tasks import BranchesBy
+from updamp.diagnosis.candidate_models.baseline import Baseline, calibrated_as
 from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext, best_first
-from updamp.diagnosis.candidate_models.fit_tasks import FitTask, FittedCandidate
+from updamp.diagnosis.candidate_models.fit_tasks import FitTask, FittedCandidate, with_branches
 from updamp.diagnosis.candidate_models.refit import gain_of_bic
 from updamp.diagnosis.evidence import Trial
 
 Names = tuple[str, ...]
 
 
-def without_effects_again(fits: FitContext, found: CandidateFits) -> tuple[Fit, Trial] | None:
+def without_effects_again(fits: FitContext, found: CandidateFits) -> tuple[Baseline, Trial] | None:
     """The model without effects fitted once more, from the calibration of the best one with an effect and with the same
     numerical gate; None where it comes to nothing better, or the data ask for no effect anyway."""
     start, criteria = fits.start, fits.criteria
@@ -32,11 +33,21 @@ def without_effects_again(fits: FitContext, found: CandidateFits) -> tuple[Fit, 
     again = fits.results([FitTask((), (), True, near=there, own_numerics=best.own_numerics)]).get(())
     if again is None or again.refit.drop <= 0:
         return None
-    return again.refit.fitted, again.trial
+    fitted = with_branches(again.refit.fitted, start, BranchesBy(fits.workers))
+    own = start.own_numerics or best.own_numerics
+    return replace(start, fitted=fitted, own_numerics=own), again.trial
+
+
+def by_the_same_gate(fits: FitContext, *found: CandidateFits) -> tuple[Baseline, Trial] | None:
+    """Likewise, once fits with effects have the numerical error of their own models, unless the one without has."""
+    if fits.start.own_numerics:
+        return None
+    passed = {names: r for some in found for names, r in some.items() if r.refit.own_numerics}
+    return without_effects_again(fits, passed)
 
 
 def credited(found: Mapping[Names, FittedCandidate], before: Fit, without: Fit, plan: Plan) -> CandidateFits:
-    """Single effects against the better model without them; before: the one that they were compared with"""
+    """Effects against the better model without them; before: the one that they were compared with"""
     less = misfit(before.parametrisation, before.compared) - misfit(without.parametrisation, without.compared)
     return {names: _credited(r, less, plan) for names, r in found.items()}
 

@@ -10,16 +10,16 @@ from updamp.comparison.fit.prediction_error import PredictionError, prediction_e
 from updamp.comparison.prediction.branch_tasks import BranchesBy
 from updamp.diagnosis.candidate_models.baseline import Baseline, farthest_off
 from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext, Progress
-from updamp.diagnosis.candidate_models.fit_tasks import FitRunner, fit_here, with_branches
+from updamp.diagnosis.candidate_models.fit_tasks import FitRunner, fit_here
 from updamp.diagnosis.candidate_models.if_repeatable import if_repeatable
 from updamp.diagnosis.candidate_models.if_runs_drift import if_runs_drift
 from updamp.diagnosis.candidate_models.refit import Refit
 from updamp.diagnosis.criteria import Criteria
-from updamp.diagnosis.evidence import EffectScore, Evidence, IfRunsDrift, gain_over_fewer
+from updamp.diagnosis.evidence import EffectScore, Evidence, IfRunsDrift, Trial, gain_over_fewer
 from updamp.diagnosis.score_tests.score import Score, cosines, scores
 from updamp.diagnosis.score_tests.signature import Extended, extend
 from updamp.diagnosis.selection.equal_numerics import with_equal_numerics
-from updamp.diagnosis.selection.fair_credit import credited, without_effects_again
+from updamp.diagnosis.selection.fair_credit import by_the_same_gate, credited, without_effects_again
 from updamp.diagnosis.selection.further_effects import further_effects
 from updamp.diagnosis.selection.other_minima import other_sizes
 from updamp.diagnosis.selection.other_places import try_other_places
@@ -71,13 +71,12 @@ def search(
     singles |= other_sizes(fits, singles)
     without = without_effects_again(fits, singles)
     if without is not None:
-        better = replace(start, fitted=with_branches(without[0], start, BranchesBy(workers)))
-        if without[1].delta_bic >= criteria.delta_bic and all(fits.fails(r.trial) for r in singles.values()):
+        better, trial = without
+        if trial.delta_bic >= criteria.delta_bic and all(fits.fails(r.trial) for r in singles.values()):
             progress("a better calibration was found on the way: from there once more")
             return search(replace(better, attempt=start.attempt + 1), effects, criteria, progress, runner, workers)
-        singles = credited(singles, base, without[0], plan)
-        fits = replace(fits, start=better)
-        held_out = replace(held_out, error=without[1].held_out, misfit=without[1].unseen)
+        singles = credited(singles, base, better.fitted, plan)
+        fits, held_out = replace(fits, start=better), _of(trial, held_out)
     if elsewhere := try_other_places(fits, effects, singles):
         singles |= elsewhere
         fitting += [e for r in elsewhere.values() for e in r.refit.effects]
@@ -90,10 +89,20 @@ def search(
     singles |= alone(fits, singles, pairs)
     combined = pairs | further_effects(fits, several, singles, pairs)
     singles |= with_equal_numerics(fits, singles)
-    combined = _over_fewer(singles, combined | with_equal_numerics(fits, combined))
+    combined |= with_equal_numerics(fits, combined)
+    if (without := by_the_same_gate(fits, singles, combined)) is not None:
+        better, trial = without
+        singles, combined = (credited(r, fits.start.fitted, better.fitted, plan) for r in (singles, combined))
+        fits, held_out = replace(fits, start=better), _of(trial, held_out)
+    combined = _over_fewer(singles, combined)
     evidence = _evidence(fits, extended, scored, held_out, singles, combined, free)
     refits = {names: r.refit for names, r in {**singles, **combined}.items()}
     return SearchResult(fits.start, extended, scored, refits, evidence)
+
+
+def _of(trial: Trial, before: PredictionError) -> PredictionError:
+    """On the same runs"""
+    return replace(before, error=trial.held_out, misfit=trial.unseen)
 
 
 def _over_fewer(singles: CandidateFits, combined: CandidateFits) -> CandidateFits:

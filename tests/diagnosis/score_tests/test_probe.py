@@ -11,7 +11,7 @@ from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.diagnosis.candidate_models.baseline import baseline
 from updamp.diagnosis.candidate_models.refit import Starts, refit
-from updamp.diagnosis.criteria import Criteria
+from updamp.diagnosis.criteria import Criteria, SearchEffort
 from updamp.diagnosis.score_tests.candidates import by_turns
 from updamp.diagnosis.score_tests.probe import highest_levels, probes
 from updamp.diagnosis.score_tests.score import scores
@@ -64,6 +64,17 @@ def test_an_effect_that_acts_with_its_square_is_tried_first_and_near_its_size(st
     assert [p.effect for p in found] == [ASKEW, DASHPOT]
     assert abs(0.8 * found[0].start[0]) == pytest.approx(1.0, rel=0.1)
     assert by_turns(start, (DASHPOT, ASKEW), scored, Criteria(), lambda _: None)[0].effects == (ASKEW,)
+
+
+def test_a_size_that_leaves_less_than_the_calibrated_model_is_a_start_too(start):
+    """Where first order led to from the whole of a share that was hidden, 0.93, was none of it, and the fit stayed
+    there at 1010 of 1021, where the whole of it left 12 (001 of the draw 94671990)."""
+    askew, dashpot = probes(start, (ASKEW, DASHPOT))
+    assert np.abs(askew.better) == pytest.approx(1.0)
+    assert not dashpot.better
+    scored = scores(extend(start.fitted, start.train_plan, (ASKEW, DASHPOT)))
+    task = by_turns(start, (ASKEW, DASHPOT), scored, Criteria(search=SearchEffort(score=0.0)), lambda _: None)[0]
+    assert [np.abs(u).item() for u in task.as_given] == pytest.approx([np.abs(askew.start).item(), 1.0])
 
 
 def test_only_the_highest_level_of_each_mode_is_looked_at(start):
