@@ -117,11 +117,11 @@ def test_a_model_that_does_not_fail_badly_is_not_probed(search):
 
 def test_a_probe_says_where_a_fit_beside_the_model_as_given_starts(monkeypatch):
     monkeypatch.setattr(candidates, "fails_badly", lambda _: True)
-    probe = SimpleNamespace(effect=EFFECTS["third"], start=np.array([1.2]))
+    probe = SimpleNamespace(effect=EFFECTS["third"], starts=(np.array([1.2]), np.array([1.0])))
     monkeypatch.setattr(candidates, "probes", lambda *_: (probe,))
     start = SimpleNamespace(fitted=None)
     some = with_probes(start, [task("second"), task("third")], lambda _: None)
-    assert [t.as_given for t in some] == [(), (probe.start,)]
+    assert [t.as_given for t in some] == [(), probe.starts]
     scored = [SimpleNamespace(effect=e, visibility=1.0) for e in EFFECTS.values()]
     monkeypatch.setattr(candidates, "by_score", lambda *_: [task("likeliest"), task("second")])
     turns = by_turns(start, tuple(EFFECTS.values()), scored, Criteria(), lambda _: None)
