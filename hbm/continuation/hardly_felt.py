@@ -37,10 +37,10 @@ def with_hardly_felt_resonances(system: NonlinearSystem, request: CurveRequest, 
     until no step is longer than its distance from the resonance."""
     for at_rest in _resonances(system, request, curve):
         passes = _passes(curve, at_rest.frequency, at_rest.half_width)
-        found = [_passed(system, curve, at_rest, place) for place in passes]
-        there = {place: resonance for resonance, place in (one for one in found if one is not None)}
-        for place in sorted(there, reverse=True):  # what is put in after one does not change the numbers before
-            curve = _with_resonance(system, request, curve, there[place], place)
+        passed = [one for place in passes for one in _passed(system, request, curve, at_rest, place)]
+        found = {(place, resonance.mode): resonance for resonance, place in passed}
+        for place, mode in sorted(found, reverse=True):  # what is put in after one does not change the numbers before
+            curve = _with_resonance(system, request, curve, found[place, mode], place)
     return curve
 
 
@@ -104,17 +104,23 @@ def _resonances(system: NonlinearSystem, request: CurveRequest, curve: ResponseC
         return modes_on(free, element_stiffness(system.groups, free.n_relative, f), 2 * np.pi * f)
 
     frequencies = modes_near(float(np.mean(request.window))).frequencies
-    told = [free.row(point) for point in request.peaks_at]
-    least = np.array([np.abs(curve.receptance(point)).min() for point in request.peaks_at])
     low, high = request.window
     for i in np.flatnonzero((low < frequencies) & (frequencies < high)).tolist():
-        modes = modes_near(float(frequencies[i]))
-        if not modes.loss_factor(i) > np.finfo(float).eps:
-            continue
-        own = np.abs(modes.motion(i, request.excitation.row, 2 * np.pi * float(modes.frequencies[i]))[told])
-        share = float((own / np.maximum(least, np.finfo(float).tiny)).max())
-        if share > request.options.largest_step:
-            yield _Resonance(modes, i, share, high - low)
+        if (found := _of_mode(system, request, curve, modes_near(float(frequencies[i])), i)) is not None:
+            yield found
+
+
+def _of_mode(
+    system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, modes: SmallAmplitude, mode: int
+) -> _Resonance | None:
+    """None of a mode without damping, and of one that cannot change what is told by as much as a step may"""
+    if not modes.loss_factor(mode) > np.finfo(float).eps:
+        return None
+    told = [system.free.row(point) for point in request.peaks_at]
+    least = np.array([np.abs(curve.receptance(point)).min() for point in request.peaks_at])
+    own = np.abs(modes.motion(mode, request.excitation.row, 2 * np.pi * float(modes.frequencies[mode]))[told])
+    share = float((own / np.maximum(least, np.finfo(float).tiny)).max())
+    return _Resonance(modes, mode, share, np.ptp(request.window)) if share > request.options.largest_step else None
 
 
 def _passes(curve: ResponseCurve, frequency: float, step: float) -> list[int]:
@@ -133,30 +139,44 @@ def _is_there(request: CurveRequest, curve: ResponseCurve, place: int) -> bool:
 
 
 def _passed(
-    system: NonlinearSystem, curve: ResponseCurve, at_rest: _Resonance, place: int
-) -> tuple[_Resonance, int] | None:
-    """The resonance as it is on top of the branch's motion where the branch passes over it, and the number of the point
-    after which; None where the branch does not: it moves the elements so much that it keeps ahead of the branch.
-
-    Sought from where the branch passes over the resonance at small amplitudes, from step to step.
+    system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, at_rest: _Resonance, place: int
+) -> list[tuple[_Resonance, int]]:
+    """Resonances as they are on top of the branch's motion where the branch passes over them, and the number of the
+    point after which: that of the mode most like the one at small amplitudes, unless it moves the elements so much that
+    it keeps ahead of the branch, sought from where the branch passes over it at small amplitudes, from step to step.
+    And of any other mode there that the same step passes over: elements that bear on each other at large amplitudes
+    alone make other modes of those at small ones, as of two equal parts the one that leaves them at rest.
     """
+    others = [(found, place) for found in _within(system, request, curve, place)]
     tried: set[int] = set()
     while place not in tried and 0 <= place < len(curve) - 1 and not curve.after_gap[place + 1]:
         tried.add(place)
         here = _on_top(system, curve, at_rest, place)
         ends = curve.frequency[place : place + 2]
         if ends.min() < here.frequency < ends.max():
-            return (here, place) if np.ptp(ends) > here.half_width else None
+            return [*others, *([(here, place)] if np.ptp(ends) > here.half_width else [])]
         ahead = (here.frequency - ends[1]) * (ends[1] - ends[0]) > 0
         place += 1 if ahead else -1
-    return None
+    return others
+
+
+def _within(system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, place: int) -> list[_Resonance]:
+    """On top of the motion in a step, all that it passes over"""
+    ends, modes = curve.frequency[place : place + 2], _modes_on_top(system, curve, place)
+    inside = np.flatnonzero((ends.min() < modes.frequencies) & (modes.frequencies < ends.max())).tolist()
+    found = (_of_mode(system, request, curve, modes, i) for i in inside)
+    return [one for one in found if one is not None and np.ptp(ends) > one.half_width]
+
+
+def _modes_on_top(system: NonlinearSystem, curve: ResponseCurve, place: int) -> SmallAmplitude:
+    x = curve.displacement[place : place + 2].mean(axis=0)
+    w = 2 * np.pi * float(curve.frequency[place : place + 2].mean())
+    return modes_on(system.free, stiffness_about(system, x, w), w)
 
 
 def _on_top(system: NonlinearSystem, curve: ResponseCurve, at_rest: _Resonance, place: int) -> _Resonance:
     """Of the mode most like the one at small amplitudes."""
-    x = curve.displacement[place : place + 2].mean(axis=0)
-    w = 2 * np.pi * float(curve.frequency[place : place + 2].mean())
-    modes = modes_on(system.free, stiffness_about(system, x, w), w)
+    modes = _modes_on_top(system, curve, place)
     alike = np.abs(at_rest.modes.coordinates[:, at_rest.mode] @ modes.coordinates)
     return replace(at_rest, modes=modes, mode=int(np.argmax(alike)))
 

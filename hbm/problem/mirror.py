@@ -86,6 +86,11 @@ def _of_parity(free: LinearModel, mirror: Mirror, parity: float) -> Booleans:
     return np.asarray(apart <= AGREEMENT * size + AGREEMENT**2 * size.max())
 
 
+def _symmetric(free: LinearModel, mirror: Mirror, parity: float) -> Booleans:
+    """(m,) those of a parity, with those that move no element, and are of both"""
+    return _of_parity(free, mirror, parity) | ~_of_parity(free, mirror, -parity)
+
+
 def half_structure(free: LinearModel, mirror: Mirror, parity: float = 1.0) -> LinearModel:
     """The symmetric motions (parity 1) of a structure that is its own image, or those that are the opposite of their
     image (-1), on the kept rows.
@@ -94,7 +99,7 @@ def half_structure(free: LinearModel, mirror: Mirror, parity: float = 1.0) -> Li
     """
     n, kept = free.n_relative, mirror.kept
     rows = np.concatenate([kept, np.arange(n, free.n_rows)])
-    chosen = _of_parity(free, mirror, parity) | ~_of_parity(free, mirror, -parity)
+    chosen = _symmetric(free, mirror, parity)
     reflected = free.residual.copy()
     reflected[:, :n] = (free.residual[:, :n] + parity * mirror.of(free.residual[:, :n].T).T) / 2
     reflected[:n] = (reflected[:n] + parity * mirror.of(reflected[:n])) / 2
@@ -114,9 +119,8 @@ def half_structure(free: LinearModel, mirror: Mirror, parity: float = 1.0) -> Li
 
 def acts_symmetrically(free: LinearModel, mirror: Mirror, row: int) -> bool:
     """Whether a force on the row of a point is its own mirror image: it moves no antisymmetric mode."""
-    relative = free.phi[: free.n_relative]
-    moved = relative @ free.phi[row]
-    return row >= free.n_relative and _negligible(moved - mirror.of(moved), moved)
+    drive = free.phi[row]
+    return row >= free.n_relative and _negligible(drive[~_symmetric(free, mirror, 1.0)], drive)
 
 
 def half_groups(groups: Iterable[ElementGroup], mirror: Mirror) -> tuple[ElementGroup, ...]:

@@ -58,10 +58,11 @@ def mirror_driven_at(free: LinearModel, groups: Sequence[ElementGroup], row: int
     driven = drive > AGREEMENT * drive.max()
     relative = free.phi[: free.n_relative]
     size = np.linalg.norm(relative, axis=0)
-    if not size[~driven].any():
+    moving = size > AGREEMENT**2 * size.max(initial=0.0)  # of what others leave there by round-off, no direction
+    if not moving[~driven].any():
         return None
-    modes = relative[:, size > 0] / size[size > 0]
-    parity = np.where(driven[size > 0], 1.0, -1.0)
+    modes = relative[:, moving] / size[moving]
+    parity = np.where(driven[moving], 1.0, -1.0)
     image, sign = np.zeros(len(modes), dtype=np.int64), np.ones(len(modes))
     for group in groups:
         found = _images(modes[group.rows], modes[group.rows] * parity)

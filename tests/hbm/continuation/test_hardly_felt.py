@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from updamp.hbm.contact.jenkins import Jenkins, JenkinsParameters
-from updamp.hbm.contact.springs import CubicParameters, CubicSpring
+from updamp.hbm.contact.springs import CubicParameters, CubicSpring, UnilateralParameters
+from updamp.hbm.contact.stops import Stop
 from updamp.hbm.continuation.continuation import ContinuationOptions
 from updamp.hbm.continuation.curve import CurveRequest, whole_curve
 from updamp.hbm.continuation.hardly_felt import with_hardly_felt_resonances
@@ -140,3 +141,25 @@ def test_an_element_that_moves_by_round_off_alone_leaves_the_linear_response(mas
     assert all(curve.complete for curve in curves)
     peaks = [curve.peak("observed")[1] for curve in curves]
     assert peaks == pytest.approx([largest(K, C, 0, (0.93, 1.15))] * 2, rel=1e-4)
+
+
+@pytest.mark.parametrize(("force", "end"), [(10.0, 14.0), (10.0, 15.0), (20.0, 15.0)])
+@pytest.mark.parametrize("detuned", [0.0, 1e-3])
+def test_of_two_equal_parts_joined_by_a_stop_the_mode_that_leaves_it_at_rest_has_its_peak(force, end, detuned):
+    """With the gap open both have modes of their own, at one frequency. On top of a motion that closes it there are one
+    that moves both alike, at which the stop rests, and one against each other, and each is as like those as the other:
+    half of the peaks were those of the second, some from both ends."""
+    w, size, ratio = 20 * np.pi, 1e-3, 0.003
+    K = w**2 * np.diag([1 + detuned, 1.0])
+    linear = from_matrices(np.eye(2), 2 * ratio / w * K, K, np.array([[1.0, -1.0]]), {"one": np.array([1.0, 0.0])})
+    stop = ElementGroup(Stop(), UnilateralParameters(jnp.array([w**2 / 2]), jnp.array([size / 2])), ROW)
+    system = NonlinearSystem(linear, (stop,), Harmonics((0, 1, 2, 3)), time_samples=128)
+    excitation = Excitation(linear.row("one"), 2 * ratio * w**2 * size * force)
+    request = CurveRequest("two", excitation, (9.0, end), ("one",))
+    curves = [whole_curve(system, replace(request, upwards=upwards)) for upwards in (True, False)]
+    assert all(curve.complete for curve in curves)
+    (f, peak), other = (curve.peak("one") for curve in curves)
+    assert (f, peak) == pytest.approx(other, rel=1e-4)
+    # half of the response is that of the mode that moves both alike, and it alone is at resonance there
+    assert f == pytest.approx(10 * (1 + detuned / 4), rel=3e-4)
+    assert peak * excitation.force == pytest.approx(size * force / 2, rel=0.03)
