@@ -167,14 +167,15 @@ def _follow(
     steps, step = ResonanceSteps(problem, condition, branch, options), options.first_step
     followed = [FollowedResonance(first, branch.tangent(first.linearised, first.state), 0.0)]
     for _ in range(options.max_points - 1):
+        asked_for = step
         point, step = steps.next_point(followed, step)
         solution, last = point.solution, followed[-1].state
         ends = followed[-1].solution, solution
         passed = log_forces_passed(log_forces, last.log_force, solution.state.log_force)
         try:
             met = [_at_log_force(problem, condition, ends, each, metric, options) for each in passed]
-        except ResonanceStoppedError:
-            if point.step <= options.smallest_step:
+        except ResonanceStoppedError as stop:
+            if stop.status is Status.NO_MAXIMUM or asked_for <= options.smallest_step:
                 raise
             step = options.shortened(point.step)  # between points that are closer it is nearer to their chord
             continue
@@ -218,4 +219,6 @@ def _at_log_force(
         solution = _resonance_near(problem, condition, solution.state, options)
         if solution.converged:
             return solution
+        if solution.status is Status.NO_MAXIMUM:  # of the response at this force, wherever it is sought from
+            break
     raise ResonanceStoppedError(solution, Status.OFF_BRANCH if solution.converged else solution.status)

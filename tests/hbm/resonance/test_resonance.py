@@ -191,6 +191,34 @@ def test_a_maximum_beyond_the_half_power_points_is_not_what_is_followed(blades):
     assert "trace the response curve" in curve.stopped
 
 
+def test_where_there_is_no_maximum_at_the_force_wanted_that_is_said_at_once(monkeypatch):
+    """An oscillator with a nonlinear energy sink: beside its quasiperiodic zone the response at the phase followed is
+    no maximum. It was asked for again from a thousand points 1e-4 apart, for 20 minutes."""
+    relative = np.array([1.0, -1.0])
+    sink = 0.002 * np.outer(relative, relative)
+    K = np.diag([1.0, 0.0]) + 1e-9 * np.eye(2)
+    points = {"mass": np.array([1.0, 0.0])}
+    linear = from_matrices(np.diag([1.0, 0.05]), np.diag([0.002, 0.0]) + 2.5 * sink, K, relative[None], points)
+    group = ElementGroup(CubicSpring(), CubicParameters(np.array([0.025])), np.array([[0]]))
+    system, asked, at_force = (
+        NonlinearSystem(linear, (group,), Harmonics((1, 3, 5)), 128),
+        [],
+        MaximumResonance.at_force,
+    )
+
+    def counted(condition, problem, guess, options):
+        asked.append(guess)
+        return at_force(condition, problem, guess, options)
+
+    monkeypatch.setattr(MaximumResonance, "at_force", counted)
+    curve = whole_resonance(
+        system, ResonanceRequest("1", "mass", "mass", (0.1, 0.24), (0.01, 0.03), MaximumResonance())
+    )
+    assert "no maximum of the response between the half-power points" in curve.stopped
+    assert curve.at_forces().force == pytest.approx([0.01])
+    assert len(asked) < 20
+
+
 def test_with_modes_close_together_the_peak_has_another_phase(blades):
     """Two stuck modes within 2 %: at a quarter period's lag the response is 0.7 % below its peak."""
     problem = _problem(blades)
