@@ -90,21 +90,33 @@ def laws_are_mirrored(force: Callable[[Floats], Floats], mirror: Mirror, n_coeff
 
 
 def _images(motions: Floats, reflected: Floats) -> tuple[Integers, Floats] | None:
-    """The element that moves as the image of each, (n,), and the signs of its displacements, (n, d).
+    """The element that moves as the image of each, (n,), and the signs of its displacements, (n, d). Of several that
+    move alike, as two sliders at one place, the first is the image of the first.
 
     motions, reflected: (n, d, m) in the modes, and with those turned round that are not driven
     """
+    least = AGREEMENT * (motions**2).sum(axis=(1, 2)).max()
+    apart, signs = _apart(motions, reflected)
+    alike, images = _apart(motions, motions)[0] <= least, apart <= least
+    element, alone = np.empty(len(motions), dtype=np.int64), np.arange(len(motions))
+    for i in alone:
+        there, here = np.flatnonzero(images[:, i]), np.flatnonzero(alike[:, i])
+        if len(there) != len(here):
+            return None
+        element[i] = there[np.searchsorted(here, i)]
+    if not np.array_equal(element[element], alone):
+        return None
+    return element, signs[element, alone]
+
+
+def _apart(motions: Floats, others: Floats) -> tuple[Floats, Floats]:
+    """Squares of distances (n, n) of each from each other, with the signs (n, n, d) by which they are closest."""
     n, d, _ = motions.shape
     apart, signs = np.zeros((n, n)), np.empty((n, n, d))
     for i in range(d):
-        own, other = motions[:, i], reflected[:, i]
+        own, other = motions[:, i], others[:, i]
         squares = (own**2).sum(axis=1)[:, None] + (other**2).sum(axis=1)
         product = own @ other.T  # [image, element]
         signs[:, :, i] = np.where(product < 0, -1.0, 1.0)
         apart += squares - 2 * np.abs(product)
-    element = np.argmin(apart, axis=0)
-    alone = np.arange(n)
-    near = apart[element, alone] <= AGREEMENT * (motions**2).sum(axis=(1, 2)).max()
-    if not near.all() or not np.array_equal(element[element], alone):
-        return None
-    return element, signs[element, alone]
+    return apart, signs

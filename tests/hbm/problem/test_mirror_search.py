@@ -94,18 +94,27 @@ def test_of_a_ring_each_pair_of_modes_is_turned_so_that_one_is_driven(parts: int
 
 
 @pytest.mark.parametrize("parts", [3, 4, 6, 9])
-@pytest.mark.parametrize("where", ["not at the driven one", "between neighbours"])
-def test_so_it_is_where_the_driven_part_has_no_element(parts: int, where: str) -> None:
+@pytest.mark.parametrize("where", ["not at the driven one", "between neighbours", "two at each"])
+def test_so_it_is_wherever_elements_are(parts: int, where: str) -> None:
     """The mode in which all move alike moves no element between neighbours, and without an element at the force the
-    driven modes' motions at the elements cancel: of both round-off was asked."""
+    driven modes' motions at the elements cancel: of both round-off was asked. And two may move alike."""
     rows = np.eye(parts)
-    elements = np.delete(rows, 2, axis=0) if where.startswith("not") else rows - np.roll(rows, 1, axis=1)
+    elements = {
+        "not at the driven one": np.delete(rows, 2, axis=0),
+        "between neighbours": rows - np.roll(rows, 1, axis=1),
+        "two at each": np.repeat(rows, 2, axis=0),
+    }[where]
     K = rows + 0.1 * (2 * rows - np.roll(rows, 1, axis=0) - np.roll(rows, -1, axis=0))
     linear = from_matrices(rows, 0.004 * K, K, elements, {"drive": rows[2]})
     places = np.arange(len(elements))[:, None]
-    group = ElementGroup(CubicSpring(), CubicParameters(np.full(len(elements), 0.3)), places)
-    system = NonlinearSystem(linear, (group,), Harmonics((1, 3)), 64)
+    stiffness = (
+        np.where(np.arange(len(elements)) % 2, 0.3, 0.1) if where == "two at each" else np.full(len(elements), 0.3)
+    )
+    system = NonlinearSystem(
+        linear, (ElementGroup(CubicSpring(), CubicParameters(stiffness), places),), Harmonics((1, 3)), 64
+    )
     half, mirror = half_of(system)
+    np.testing.assert_array_equal(stiffness[mirror.image], stiffness)
     assert len(half.free.omega_squared) == parts // 2 + 1
     assert np.abs(elements[mirror.image] * mirror.sign[:, None]).sum() == np.abs(elements).sum()
 
