@@ -134,7 +134,7 @@ STATIC_CONTACT = Stage(
 )
 CURVE = Stage(
     name="curve",
-    version=17,
+    version=18,
     sections=(
         "damper_model",
         "material.loss_factor",
@@ -156,7 +156,7 @@ CURVE = Stage(
 # A mode's resonance followed in the force, through all levels of the study; what goes into a curve goes into it.
 RESONANCE = Stage(
     name="resonance",
-    version=9,
+    version=10,
     sections=(*CURVE.sections, "excitation", "study.force_levels"),
     after=(STATIC_CONTACT,),
     optional=CURVE.optional,

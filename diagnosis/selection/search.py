@@ -75,8 +75,7 @@ def search(
         if trial.delta_bic >= criteria.delta_bic and all(fits.fails(r.trial) for r in singles.values()):
             progress("a better calibration was found on the way: from there once more")
             return search(replace(better, attempt=start.attempt + 1), effects, criteria, progress, runner, workers)
-        singles = credited(singles, base, better.fitted, plan)
-        fits, held_out = replace(fits, start=better), _of(trial, held_out)
+        fits, held_out, singles, _ = _from(better, trial, fits, held_out, singles, {})
     if elsewhere := try_other_places(fits, effects, singles):
         singles |= elsewhere
         fitting += [e for r in elsewhere.values() for e in r.refit.effects]
@@ -91,18 +90,26 @@ def search(
     singles |= with_equal_numerics(fits, singles)
     combined |= with_equal_numerics(fits, combined)
     if (without := by_the_same_gate(fits, singles, combined)) is not None:
-        better, trial = without
-        singles, combined = (credited(r, fits.start.fitted, better.fitted, plan) for r in (singles, combined))
-        fits, held_out = replace(fits, start=better), _of(trial, held_out)
+        fits, held_out, singles, combined = _from(*without, fits, held_out, singles, combined)
     combined = _over_fewer(singles, combined)
     evidence = _evidence(fits, extended, scored, held_out, singles, combined, free)
     refits = {names: r.refit for names, r in {**singles, **combined}.items()}
     return SearchResult(fits.start, extended, scored, refits, evidence)
 
 
-def _of(trial: Trial, before: PredictionError) -> PredictionError:
-    """On the same runs"""
-    return replace(before, error=trial.held_out, misfit=trial.unseen)
+def _from(
+    better: Baseline,
+    trial: Trial,
+    fits: FitContext,
+    held_out: PredictionError,
+    singles: CandidateFits,
+    combined: CandidateFits,
+) -> tuple[FitContext, PredictionError, CandidateFits, CandidateFits]:
+    """All that rests on the model without effects, from a better fit of it; trial: what that came to"""
+    before, plan = fits.start.fitted, fits.start.train_plan
+    singles, combined = (credited(found, before, better.fitted, plan) for found in (singles, combined))
+    held_out = replace(held_out, error=trial.held_out, misfit=trial.unseen)
+    return replace(fits, start=better), held_out, singles, combined
 
 
 def _over_fewer(singles: CandidateFits, combined: CandidateFits) -> CandidateFits:
