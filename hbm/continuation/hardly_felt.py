@@ -147,22 +147,27 @@ def _passed(
     And of any other mode there that the same step passes over: elements that bear on each other at large amplitudes
     alone make other modes of those at small ones, as of two equal parts the one that leaves them at rest.
     """
-    others = [(found, place) for found in _within(system, request, curve, place)]
+    modes = _modes_on_top(system, curve, place)
+    others = [(found, place) for found in _within(system, request, curve, place, modes)]
     tried: set[int] = set()
-    while place not in tried and 0 <= place < len(curve) - 1 and not curve.after_gap[place + 1]:
+    while True:
         tried.add(place)
-        here = _on_top(system, curve, at_rest, place)
+        here = _most_alike(at_rest, modes)
         ends = curve.frequency[place : place + 2]
         if ends.min() < here.frequency < ends.max():
             return [*others, *([(here, place)] if np.ptp(ends) > here.half_width else [])]
         ahead = (here.frequency - ends[1]) * (ends[1] - ends[0]) > 0
         place += 1 if ahead else -1
-    return others
+        if place in tried or not 0 <= place < len(curve) - 1 or curve.after_gap[place + 1]:
+            return others
+        modes = _modes_on_top(system, curve, place)
 
 
-def _within(system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, place: int) -> list[_Resonance]:
-    """On top of the motion in a step, all that it passes over"""
-    ends, modes = curve.frequency[place : place + 2], _modes_on_top(system, curve, place)
+def _within(
+    system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, place: int, modes: SmallAmplitude
+) -> list[_Resonance]:
+    """Of the modes on top of the motion in a step, all that it passes over"""
+    ends = curve.frequency[place : place + 2]
     inside = np.flatnonzero((ends.min() < modes.frequencies) & (modes.frequencies < ends.max())).tolist()
     found = (_of_mode(system, request, curve, modes, i) for i in inside)
     return [one for one in found if one is not None and np.ptp(ends) > one.half_width]
@@ -174,9 +179,8 @@ def _modes_on_top(system: NonlinearSystem, curve: ResponseCurve, place: int) -> 
     return modes_on(system.free, stiffness_about(system, x, w), w)
 
 
-def _on_top(system: NonlinearSystem, curve: ResponseCurve, at_rest: _Resonance, place: int) -> _Resonance:
+def _most_alike(at_rest: _Resonance, modes: SmallAmplitude) -> _Resonance:
     """Of the mode most like the one at small amplitudes."""
-    modes = _modes_on_top(system, curve, place)
     alike = np.abs(at_rest.modes.coordinates[:, at_rest.mode] @ modes.coordinates)
     return replace(at_rest, modes=modes, mode=int(np.argmax(alike)))
 

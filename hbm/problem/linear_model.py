@@ -4,6 +4,7 @@ Rows are generalised displacements: first the relative displacements at the cont
 platform, in t1, t2, n), then named points.
 """
 
+import reprlib
 import warnings
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -17,8 +18,6 @@ from updamp.hbm.problem.modal_algebra import ModalInverse, dynamic_stiffness, gr
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
-
-_TOLD = 60  # characters at most of what was given, in a message
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,14 +168,16 @@ def _as_floats(name: str, given: Any) -> Floats:
     try:
         array = np.asarray(given)
     except ValueError:
-        raise ValueError(f"{name} = {_told(given)}: its rows are of different lengths, or no rows of numbers") from None
+        raise ValueError(
+            f"{name} = {reprlib.repr(given)}: its rows are of different lengths, or no rows of numbers"
+        ) from None
     if np.iscomplexobj(array):
         raise ValueError(
             f"{name} is complex; a real one is needed. Structural damping of loss factor eta is given to the model: "
             "replace(model, hysteretic=eta * np.diag(model.omega_squared))"
         )
     if not (np.issubdtype(array.dtype, np.number) or array.dtype == bool):
-        raise TypeError(f"{name} = {_told(given)}: an array of numbers is needed, or lists of them")
+        raise TypeError(f"{name} = {reprlib.repr(given)}: an array of numbers is needed, or lists of them")
     return array.astype(np.float64)
 
 
@@ -186,7 +187,7 @@ def _as_shapes(points: Any, n: int) -> dict[str, Floats]:
         return {}
     if not hasattr(points, "items"):
         raise TypeError(
-            f"points = {_told(points)}: a dict is needed, name -> row of {n} numbers, such as {{'tip': row}}"
+            f"points = {reprlib.repr(points)}: a dict is needed, name -> row of {n} numbers, such as {{'tip': row}}"
         )
     shapes = {name: _as_floats(f"point '{name}'", row) for name, row in points.items()}
     for name, row in shapes.items():
@@ -206,12 +207,6 @@ def _warn_of_negative_damping(C: Floats) -> None:
             "counted from 0: a branch may then be unstable. Where it is not meant so, look for a wrong sign in C",
             stacklevel=3,
         )
-
-
-def _told(value: Any) -> str:
-    """What was given, cut short"""
-    text = " ".join(repr(value).split())
-    return text if len(text) <= _TOLD else f"{text[:_TOLD]}..."
 
 
 def is_symmetric(matrix: Floats) -> bool:

@@ -86,8 +86,8 @@ def _of_parity(free: LinearModel, mirror: Mirror, parity: float) -> Booleans:
     return np.asarray(apart <= AGREEMENT * size + AGREEMENT**2 * size.max())
 
 
-def _symmetric(free: LinearModel, mirror: Mirror, parity: float) -> Booleans:
-    """(m,) those of a parity, with those that move no element, and are of both"""
+def _modes_of(free: LinearModel, mirror: Mirror, parity: float) -> Booleans:
+    """(m,) whether each is of this parity; those that move no element are of both"""
     return _of_parity(free, mirror, parity) | ~_of_parity(free, mirror, -parity)
 
 
@@ -99,7 +99,7 @@ def half_structure(free: LinearModel, mirror: Mirror, parity: float = 1.0) -> Li
     """
     n, kept = free.n_relative, mirror.kept
     rows = np.concatenate([kept, np.arange(n, free.n_rows)])
-    chosen = _symmetric(free, mirror, parity)
+    chosen = _modes_of(free, mirror, parity)
     reflected = free.residual.copy()
     reflected[:, :n] = (free.residual[:, :n] + parity * mirror.of(free.residual[:, :n].T).T) / 2
     reflected[:n] = (reflected[:n] + parity * mirror.of(reflected[:n])) / 2
@@ -120,7 +120,7 @@ def half_structure(free: LinearModel, mirror: Mirror, parity: float = 1.0) -> Li
 def acts_symmetrically(free: LinearModel, mirror: Mirror, row: int) -> bool:
     """Whether a force on the row of a point is its own mirror image: it moves no antisymmetric mode."""
     drive = free.phi[row]
-    return row >= free.n_relative and _negligible(drive[~_symmetric(free, mirror, 1.0)], drive)
+    return row >= free.n_relative and _negligible(drive[~_modes_of(free, mirror, 1.0)], drive)
 
 
 def half_groups(groups: Iterable[ElementGroup], mirror: Mirror) -> tuple[ElementGroup, ...]:
