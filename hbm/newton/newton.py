@@ -26,6 +26,7 @@ class Status(Enum):
     DIVERGED = "diverged"
     STALLED = "stalled"
     OFF_BRANCH = "solved, but off the branch"
+    ENDED_BEFORE = "ended before the force asked for"
     NO_MAXIMUM = "no maximum of the response between the half-power points of the phase that is followed"
 
     @property
@@ -40,6 +41,8 @@ _ADVICE = {
     Status.STALLED: "no step lowers the residual: use more time samples, or start from fewer harmonics",
     Status.OFF_BRANCH: "each step ended elsewhere: another branch crosses or lies close by, as where equal parts move "
     "alike; let these differ a little, in their stiffness by 1e-3",
+    Status.ENDED_BEFORE: "the resonance turns back in force, or takes more points than `max_points` allows: trace the "
+    "response curve at the force asked for",
     Status.NO_MAXIMUM: "trace the response curve at this force",
 }
 

@@ -98,7 +98,7 @@ def first_resonance(
         return start
     (last,) = deque(_follow(problem, condition, start, [_log_force(force)], options.scale_w(window), options), maxlen=1)
     if not last.asked_for:
-        raise ResonanceStoppedError(last.solution, Status.STALLED)
+        raise ResonanceStoppedError(last.solution, Status.ENDED_BEFORE)
     return last.solution
 
 

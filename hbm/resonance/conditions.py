@@ -44,7 +44,7 @@ def turned(
         if found.converged and lengths.as_predicted(off, moved):
             return found
         if abs(turn) < lengths.smallest_step:
-            return replace(found, status=Status.STALLED) if found.converged else found
+            return replace(found, status=Status.OFF_BRANCH) if found.converged else found
         turn /= 2
 
 

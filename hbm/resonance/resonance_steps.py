@@ -70,7 +70,8 @@ class ResonanceStoppedError(Exception):
     def __init__(self, solution: ResonanceSolution, status: Status) -> None:
         self.force, self.frequency, self.status, self.error = solution.force, solution.frequency, status, solution.error
         where = f"the resonance stops at {self.force:.4g} N, {self.frequency:.6g} Hz: {status.value}"
-        solved = status is Status.NO_MAXIMUM  # the point is, and is not what is looked for
+        # The point is, and is not what is looked for.
+        solved = status in (Status.NO_MAXIMUM, Status.OFF_BRANCH, Status.ENDED_BEFORE)
         super().__init__(
             f"{where}; {status.advice}"
             if solved
@@ -119,7 +120,7 @@ class ResonanceSteps:
                 point, _ = self._corrected(last, ahead(there, tangent, length), tangent, length)
                 if point is not None:
                     return point, max(length, options.smallest_step)
-        status = Status.STALLED if solution.status is Status.CONVERGED else solution.status
+        status = Status.OFF_BRANCH if solution.status is Status.CONVERGED else solution.status
         raise ResonanceStoppedError(last.solution, status)
 
     def _corrected(

@@ -176,7 +176,7 @@ def test_what_lies_elsewhere_however_small_the_turn_is_not_taken(blades, monkeyp
     monkeypatch.setattr(conditions, "at_phase", lambda *_: elsewhere)
     assert elsewhere.converged
     found = conditions.turned(_problem(blades), top, 0.1, NewtonOptions(), ResonanceOptions())
-    assert found.status is Status.STALLED
+    assert found.status is Status.OFF_BRANCH
 
 
 def test_a_maximum_beyond_the_half_power_points_is_not_what_is_followed(blades):
@@ -300,6 +300,20 @@ def test_what_cannot_be_followed_says_where(blades):
     problem = _problem(blades)
     with pytest.raises(ResonanceStoppedError, match=r"N, .* Hz: .*residual"):
         list(follow_resonance(problem, PhaseResonance(), WINDOW, (5.0, 100.0), hopeless))
+
+
+def test_steps_that_are_solved_elsewhere_are_not_told_as_too_few_samples(blades):
+    no_step_counts = ResonanceOptions(straight=1.0)
+    with pytest.raises(ResonanceStoppedError, match="N, .* Hz: solved, but off the branch; each step") as stop:
+        list(follow_resonance(_problem(blades), PhaseResonance(), WINDOW, (5.0, 100.0), no_step_counts))
+    assert stop.value.error < 1e-6
+
+
+def test_a_resonance_that_ends_before_its_force_says_so(blades):
+    """Begun at a smaller force, since at this one it is not met from the linear peak, and given two points."""
+    short = ResonanceOptions(max_points=2, newton=NewtonOptions(iterations=4))
+    with pytest.raises(ResonanceStoppedError, match="ended before the force asked for; .* trace the response curve"):
+        first_resonance(_problem(blades), PhaseResonance(), WINDOW, 200.0, short)
 
 
 @pytest.mark.parametrize(
