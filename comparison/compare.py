@@ -27,9 +27,9 @@ from updamp.comparison.fit.calibration import calibration
 from updamp.comparison.fit.compared import compare_at, predict_branches
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.moved_by_numerics import moved_frequencies
-from updamp.comparison.fit.noise_by_amplitude import with_noise_of_sensors
 from updamp.comparison.fit.numerical_gate import apply_numerical_gate, starting_at
 from updamp.comparison.fit.observations import Plan, plan_of
+from updamp.comparison.fit.odd_readings import OddReading
 from updamp.comparison.fit.repeat_scatter import of_repeats
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.model_at import ModelAt
@@ -58,15 +58,19 @@ class CompareOptions:
 class CalibrationResult:
     """What a comparison rests on, and all of it that takes long.
 
+    plan, measured: what counts, and all that was measured
     before, after: branches as the rig file has the model and as calibrated, one a condition
     lag: fitted together with the calibration, None where measured phases do not ask for it
+    odd: points that do not count, since they are unlike those next to them
     """
 
     plan: Plan
+    measured: Plan
     before: tuple[PredictedBranch, ...]
     fit: Fit
     after: tuple[PredictedBranch, ...]
     lag: PhaseLag | None = None
+    odd: tuple[OddReading, ...] = ()
 
 
 def compare(
@@ -129,10 +133,11 @@ def _calibrated_from(
 ) -> CalibrationResult:
     progress("calibration")
     found = calibration(parametrisation, plan, before, progress, branches_of)
-    plan, fitted = with_noise_of_sensors(plan, found.noise), found.fit
+    fitted, counts = found.fit, found.rests_on(plan)
     progress("curves")
-    after = predict_branches(parametrisation, fitted.u, plan, fitted.compared.branches, branches_of)
-    return CalibrationResult(plan, tuple(before), fitted, tuple(at_sizes(branch, fitted.u) for branch in after))
+    after = predict_branches(parametrisation, fitted.u, counts, fitted.compared.branches, branches_of)
+    moved = tuple(at_sizes(branch, fitted.u) for branch in after)
+    return CalibrationResult(counts, plan, tuple(before), fitted, moved, odd=found.odd)
 
 
 def comparison_of(
@@ -158,7 +163,7 @@ def comparison_of(
         findings=found,
         calibration=calibrated_factors(fitted),
         calibrated_modes=calibrated_modes(fitted),
-        curves=curve_pairs(plan, names, before, after),
+        curves=curve_pairs(calibrated.measured, names, before, after),
         residuals=tuple(_point_residuals(fitted, plan, names)),
         measured_backbones=of_tests,
         model_backbones=of_model,
@@ -175,7 +180,7 @@ def comparison_of(
         response_unit=measurement.units[0],
         force_unit=measurement.units[1],
         unlike_repeats=unlike_repeats(fitted.compared, repeats, plan),
-        odd_points=odd_points(fitted.compared.matched, plan, names),
+        odd_points=odd_points(calibrated.odd, plan, names),
     )
 
 

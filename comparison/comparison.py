@@ -85,7 +85,7 @@ class OddPoint:
             size = f"{abs(self.degrees):.2g} degrees {'early' if self.degrees > 0 else 'late'}"
         return (
             f"{self.mode} at {self.level}, repeat {self.repeat}: {self.channel} at {self.frequency:.6g} Hz reads "
-            f"{size} beside the points next to it; look at this point, or leave it out"
+            f"{size} beside the points next to it, and is left out of calibration and findings; look at this point"
         )
 
 

@@ -13,11 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.fit.calibration import calibration
-from updamp.comparison.fit.compared import predict_branches
+from updamp.comparison.fit.compared import compare_at, predict_branches
 from updamp.comparison.fit.failing_model import Freedom
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
 from updamp.comparison.fit.moved_by_numerics import beside_noise
-from updamp.comparison.fit.noise_by_amplitude import with_noise_of_sensors
 from updamp.comparison.fit.numerical_gate import (
     HARMONICS,
     apply_numerical_gate,
@@ -27,6 +26,7 @@ from updamp.comparison.fit.numerical_gate import (
     with_numerical_error,
 )
 from updamp.comparison.fit.observations import Plan
+from updamp.comparison.fit.odd_readings import odd_readings, without_odd
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.numerical_error import NumericalError
 from updamp.diagnosis.criteria import Criteria
@@ -108,10 +108,19 @@ def baseline(
     at_start = starting_at(parametrisation, start, train, [before[i] for i in training], branches_of)
     progress("calibration")
     found = calibration(parametrisation, train, at_start, progress, branches_of)
-    whole = with_noise_of_sensors(plan, found.noise)
+    whole = _without_odd_unseen(found.rests_on(plan), kept, found.fit, branches_of)
     if whole.noise_read and finer:  # else it is not known how far the model is off along a curve
         whole = replace(whole, common=beside_noise(found.fit))
     return Baseline(whole, training, kept, found.fit, found.repeatability, model, finer)
+
+
+def _without_odd_unseen(plan: Plan, held_out: Sequence[int], fitted: Fit, branches_of: Branches) -> Plan:
+    """The runs that no fit sees without their points that are unlike those next to them."""
+    if not held_out:
+        return plan
+    p, u, unseen = fitted.parametrisation, fitted.u, plan.only(held_out)
+    branches = predict_branches(p, u, unseen, None, branches_of)
+    return without_odd(plan, odd_readings(compare_at(p, u, unseen, branches, fitted.compared.scatter).matched, unseen))
 
 
 def _held_out(plan: Plan, names: Sequence[str] | None) -> tuple[int, ...]:

@@ -10,19 +10,25 @@ BEAM = Mode(50.0, 0.01, 1.0)
 HALF_WIDTH = 0.25  # [Hz]
 
 
+def recorded(receptance: np.ndarray, phase: bool) -> np.ndarray:
+    return receptance if phase else np.abs(receptance) + 0j
+
+
+@pytest.mark.parametrize("phase", [True, False], ids=["phase", "amplitude alone"])
 @pytest.mark.parametrize("points", [0.5, 1, 3, 10], ids="{:g} in a half-width".format)
-def test_no_oscillators_points_are_taken_for_a_jump(points: float) -> None:
+def test_no_oscillators_points_are_taken_for_a_jump(points: float, phase: bool) -> None:
     """The place that a parabola gives is between the points, wherever the top lies among them."""
     step = HALF_WIDTH / points
     for offset in np.linspace(-0.49, 0.49, 11) * step:
         f = 50.0 + offset + step * np.arange(-8, 9)
-        found = read_resonance(f, BEAM.receptance(2 * np.pi * f), np.ones(17))
+        found = read_resonance(f, recorded(BEAM.receptance(2 * np.pi * f), phase), np.ones(17))
         assert found.frequency == pytest.approx(50.0, abs=0.2 * step)
         assert np.abs(f - found.frequency).min() > 0 or abs(offset) < 1e-12
 
 
+@pytest.mark.parametrize("phase", [True, False], ids=["phase", "amplitude alone"])
 @pytest.mark.parametrize("upwards", [True, False])
-def test_a_resonance_beside_a_jump_is_the_highest_point(upwards: bool) -> None:
+def test_a_resonance_beside_a_jump_is_the_highest_point(upwards: bool, phase: bool) -> None:
     """A parabola across the jump lay two steps and more beside it."""
     joint = Joint(cubic=1e10 if upwards else -1e10)
     f = np.linspace(48.0, 52.0, 81)[:: 1 if upwards else -1]
@@ -30,6 +36,6 @@ def test_a_resonance_beside_a_jump_is_the_highest_point(upwards: bool) -> None:
     top = int(np.abs(receptance).argmax())
     jump = int(np.abs(np.diff(np.log(receptance))).argmax())
     assert 0 <= jump - top <= 1  # right after the highest point, or the next
-    found = read_resonance(f, receptance, np.full(81, 0.5))
+    found = read_resonance(f, recorded(receptance, phase), np.full(81, 0.5))
     assert found.frequency == pytest.approx(f[top], abs=1e-12)
     assert found.receptance == pytest.approx(abs(receptance[top]))

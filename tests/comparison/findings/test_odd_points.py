@@ -1,16 +1,19 @@
-"""A point that is unlike those next to it is named, and none where points differ by chance or a curve jumps."""
+"""A point that is unlike those next to it is named and left out, and none where points differ by chance or a curve
+jumps."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.held_beam import held_beam, of_beam
 from support.small_model import NOISE, condition, parametrisation, synthetic_plan
 
-from updamp.comparison.comparison import OddPoint
+from updamp.comparison.comparison import Comparison, OddPoint
 from updamp.comparison.findings.odd_points import odd_points
 from updamp.comparison.fit.compared import compare_at
 from updamp.comparison.fit.fit import prior_scatter
 from updamp.comparison.fit.observations import Plan
+from updamp.comparison.fit.odd_readings import odd_readings, without_odd
 from updamp.comparison.prediction.traced_branch import trace_branch
 
 CONDITIONS = (condition(20.0), condition(60.0), condition(60.0, upwards=False))
@@ -33,7 +36,7 @@ def runs(seed: int) -> Plan:
 def named(plan: Plan, branches) -> tuple[OddPoint, ...]:
     p = parametrisation()
     compared = compare_at(p, MISFIT, plan, branches, prior_scatter(p, plan))
-    return odd_points(compared.matched, plan, NAMES)
+    return odd_points(odd_readings(compared.matched, plan), plan, NAMES)
 
 
 def with_odd(plan: Plan, run: int, point: int, column: int, by: float) -> Plan:
@@ -67,3 +70,42 @@ def test_points_that_differ_by_chance_are_left_alone(branches) -> None:
     """Beside a model that is wrong by twenty times the noise, and beside its jump."""
     assert 0.05 * np.abs(MISFIT).max() > NOISE
     assert [len(named(runs(seed), branches)) for seed in range(6)] == [0] * 6
+
+
+SOUND = held_beam((80.40,) * 3, (0.003,) * 3)
+
+
+@pytest.fixture(scope="module")
+def of_sound() -> Comparison:
+    return of_beam(SOUND)
+
+
+@pytest.mark.parametrize("at", [16, 28])
+def test_it_moves_nothing_that_is_told_wherever_it_lies(at: int, of_sound: Comparison) -> None:
+    """Of the response on a flank, and at the top, which would be read off it."""
+    first, second, third = SOUND.runs
+    response = second.response.copy()
+    response[..., at] *= 3.0
+    told = of_beam(replace(SOUND, runs=(first, replace(second, response=response), third)))
+    (named,) = told.odd_points
+    assert (named.run, named.frequency) == (second.name, pytest.approx(second.frequency[at]))
+    assert "left out of calibration and findings" in named.text
+    assert told.findings == of_sound.findings == ()
+    assert told.values == of_sound.values - 2
+    for one, other in zip(told.calibration, of_sound.calibration, strict=True):
+        assert one.after == pytest.approx(other.after, abs=(other.upper - other.lower) / 4), "within a deviation"
+    measured = next(pair.measured[0] for pair in told.curves if pair.run == second.name)
+    assert len(measured.frequency) == len(second.frequency), "it is shown"
+
+
+def test_what_is_left_out_is_left_out_at_all_sensors_of_that_run_alone() -> None:
+    plan = with_odd(runs(seed=3), run=1, point=9, column=3, by=np.log(0.8))
+    p = parametrisation()
+    branches = [trace_branch(p, MISFIT, c) for c in CONDITIONS]
+    odd = odd_readings(compare_at(p, MISFIT, plan, branches, prior_scatter(p, plan)).matched, plan)
+    left = without_odd(plan, odd)
+    assert [len(o) - len(other) for o, other in zip(plan.observations, left.observations, strict=True)] == [
+        int(i == 1) for i in range(len(plan.observations))
+    ]
+    assert np.array_equal(left.observations[1].observed, np.delete(plan.observations[1].observed, 9, axis=0))
+    assert without_odd(plan, ()) is plan

@@ -60,6 +60,24 @@ def test_a_drift_that_nobody_stated_is_said_first() -> None:
     assert "calibration first: the resonance of run '" in decision.reason
 
 
+def test_points_that_are_odd_are_in_no_run_that_counts_fitted_or_held_out() -> None:
+    """A point of each run that reads four times as much: adequate as without, on both."""
+    sound = measured(1.0)
+    runs = []
+    for place, run in zip((4, 15), sound.runs, strict=True):
+        response = run.response.copy()
+        response[..., place] *= 4
+        runs.append(replace(run, response=response))
+    plan = plan_of(replace(sound, runs=tuple(runs)))
+    (fitted, held_out) = (run.name for run in runs)
+    start = baseline(modal_before_effects(load_modal(RIG)), (), plan, {}, held_out=[held_out])
+    assert [len(o) for o in plan.observations] == [31, 31]
+    assert [len(o) for o in start.plan.observations] == [30, 30]
+    assert (start.plan.conditions[start.training[0]].name, len(start.train_plan.observations)) == (fitted, 1)
+    decision = decide(search(start, (), Criteria()).evidence, Criteria())
+    assert (decision.outcome, decision.effects) == ("adequate", ())
+
+
 def test_a_calibration_that_stopped_short_is_no_reason_for_an_effect() -> None:
     """The fit with the effect finds the loss factor; so does the one without, which the effect is credited against."""
     start = baseline(modal_before_effects(load_modal(RIG)), (), plan_of(measured(1.0)), {})

@@ -304,7 +304,7 @@ def test_what_cannot_be_followed_says_where(blades):
 
 def test_steps_that_are_solved_elsewhere_are_not_told_as_too_few_samples(blades):
     no_step_counts = ResonanceOptions(straight=1.0)
-    with pytest.raises(ResonanceStoppedError, match="N, .* Hz: solved, but off the branch; each step") as stop:
+    with pytest.raises(ResonanceStoppedError, match=r"N, .* Hz: solved, but off the branch; each step") as stop:
         list(follow_resonance(_problem(blades), PhaseResonance(), WINDOW, (5.0, 100.0), no_step_counts))
     assert stop.value.error < 1e-6
 
@@ -312,7 +312,7 @@ def test_steps_that_are_solved_elsewhere_are_not_told_as_too_few_samples(blades)
 def test_a_resonance_that_ends_before_its_force_says_so(blades):
     """Begun at a smaller force, since at this one it is not met from the linear peak, and given two points."""
     short = ResonanceOptions(max_points=2, newton=NewtonOptions(iterations=4))
-    with pytest.raises(ResonanceStoppedError, match="ended before the force asked for; .* trace the response curve"):
+    with pytest.raises(ResonanceStoppedError, match=r"ended before the force asked for; .* trace the response curve"):
         first_resonance(_problem(blades), PhaseResonance(), WINDOW, 200.0, short)
 
 

@@ -1,0 +1,113 @@
+"""Single points that are unlike the points next to them: a sample that had not settled, an overload, a typing error.
+
+A parabola through what the calibrated model leaves of the six points next to one predicts what it leaves there. Of a
+model that lacks nothing the difference is noise. What a model gets wrong may be as narrow as a resonance, and a point
+in the middle of it stands out by as much as the model is off around it. So the difference is held against the larger
+one of the sensors' noise and of what the model leaves of the six, and has Student's t distribution: with the degrees of
+freedom that the noise is known by, or with these six (N. R. Draper and H. Smith, Applied Regression Analysis, 1998, ch.
+8). The worse a model describes a run, the farther off a point has to be; and farther than the model changes by between
+the points on both sides, or it may be the model that is a part of a step off in frequency.
+
+Such a point says nothing of the rig, and one alone, a hundred deviations off, would lead a fit: it is left out of all
+that rests on the runs, with all of its sensors, and told.
+"""
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import t as student
+
+from updamp.comparison.fit.at_sensors import left_at_sensors, recorded
+from updamp.comparison.fit.matching import Matched
+from updamp.comparison.fit.numerical_gate import with_unwrapped_phases
+from updamp.comparison.fit.observations import Observations, Plan
+
+Floats = NDArray[np.float64]
+RISK = 0.01  # that a measurement without any such point has one taken for it
+_SIDE = 3  # points on each side, as many as there are, six in all
+
+
+@dataclass(frozen=True)
+class OddReading:
+    """One sensor's, at one point of a run.
+
+    run: name of its test; repeat: of the assembly; sensor: its point of the model; frequency: [Hz]
+    by: how far off, logarithm of the amplitude or phase [rad]; chance: probability of as much by chance
+    """
+
+    run: str
+    repeat: int
+    sensor: str
+    of_phase: bool
+    frequency: float
+    by: float
+    chance: float
+
+
+def odd_readings(matched: Sequence[Matched], plan: Plan, risk: float = RISK) -> tuple[OddReading, ...]:
+    """The least likely first, one a point and sensor."""
+    tested = sum(len(m.observations) * len(recorded(m)) for m in matched if _is_long_enough(m))
+    found: dict[tuple[str, int, str, float], OddReading] = {}
+    for m in matched:
+        for one in _readings(m, plan, risk / max(tested, 1)) if _is_long_enough(m) else ():
+            key = one.run, one.repeat, one.sensor, one.frequency
+            if key not in found or one.chance < found[key].chance:
+                found[key] = one
+    return tuple(sorted(found.values(), key=lambda one: one.chance))
+
+
+def without_odd(plan: Plan, odd: Collection[OddReading]) -> Plan:
+    """The same runs without these points, whichever sensor they are odd at."""
+    left_out = {(one.run, one.repeat, one.frequency) for one in odd}
+    return replace(plan, observations=tuple(_without(o, left_out) for o in plan.observations)) if left_out else plan
+
+
+def _without(o: Observations, left_out: Collection[tuple[str, int, float]]) -> Observations:
+    kept = np.array([(o.run, o.repeat, f) not in left_out for f in o.frequency.tolist()])
+    if kept.all():
+        return o
+    level = None if o.log_level is None else o.log_level[kept]
+    return replace(o, observed=o.observed[kept], noise=o.noise[kept], log_force=o.log_force[kept], log_level=level)
+
+
+def _is_long_enough(m: Matched) -> bool:
+    return len(m.observations) > 2 * _SIDE
+
+
+def _readings(m: Matched, plan: Plan, chance: float) -> Iterator[OddReading]:
+    """Those less likely than a chance."""
+    o, condition = m.observations, plan.conditions[m.observations.test]
+    as_measured = next(one for one in plan.observations if (one.test, one.repeat) == (o.test, o.repeat))
+    model = with_unwrapped_phases(o.observed - m.difference)
+    for place, left in zip(recorded(m), left_at_sensors(m).T, strict=True):
+        sensor, of_phase = divmod(int(place) - 1, 2)
+        for i, (off, by_chance) in enumerate(_off(left, plan.noise_freedom)):
+            by = off * float(o.noise[i, place])
+            if by_chance >= chance or abs(by) < np.ptp(model[max(i - 1, 0) : i + 2, place]):
+                continue
+            frequency = float(as_measured.frequency[i])
+            at = condition.sensors[sensor][0]
+            yield OddReading(as_measured.run, o.repeat, at, bool(of_phase), frequency, by, by_chance)
+
+
+def _off(left: Floats, noise_freedom: float) -> Iterator[tuple[float, float]]:
+    """How far each point is off what those next to it say, and the probability of as much by chance; in deviations of
+    the sensors."""
+    n = len(left)
+    for i in range(n):
+        first = min(max(i - _SIDE, 0), n - 2 * _SIDE - 1)
+        near = np.delete(left[first : first + 2 * _SIDE + 1], i - first)
+        weights = _by_parabola(i - first)
+        around = float(np.sqrt(np.mean(near**2)))
+        off, deviation = float(left[i] - weights @ near), max(around, 1.0) * float(np.sqrt(1 + weights @ weights))
+        yield off, float(2 * student.sf(abs(off) / deviation, len(near) if around > 1 else noise_freedom))
+
+
+@cache
+def _by_parabola(place: int) -> Floats:
+    """(6,) weights of the others in what a parabola through them is at a place among seven."""
+    apart = np.delete(np.arange(2 * _SIDE + 1), place) - place
+    return np.asarray(np.linalg.pinv(np.vander(apart / _SIDE, 3))[-1])
