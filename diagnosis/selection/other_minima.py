@@ -35,6 +35,17 @@ def turned_round(fits: FitContext, fitted: Sequence[FittedCandidate]) -> Candida
     return fits.results(tries) if tries else {}
 
 
+def with_other_sign(fits: FitContext, fitted: Sequence[FittedCandidate]) -> list[FittedCandidate]:
+    """Those that have a minimum at the other sign too, which does not leave many times as much: of others no finer mesh
+    is asked there, which takes minutes."""
+    two_signs = [r for r in fitted if have_two_signs(r.refit.effects)]
+    tries = [FitTask(r.refit.effects, (), True, near=r.refit.fitted, size=-1.0) for r in two_signs]
+    there, most = fits.results(tries) if tries else {}, fits.criteria.search.comparable
+    return [
+        r for r in two_signs if (o := there.get(r.trial.effects)) is not None and o.trial.excess < most * r.trial.excess
+    ]
+
+
 def lowest_of(some: Sequence[FittedCandidate]) -> FittedCandidate:
     """Of fits of the same effects. It knows of those that the data do not tell from it, and of the lowest of each sign
     (`knowing_of`)."""

@@ -16,7 +16,7 @@ from updamp.diagnosis.candidate_models.refit import Refit, fails_badly
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.score_tests.candidates import by_score, by_turns, with_probes
 from updamp.diagnosis.score_tests.score import Score
-from updamp.diagnosis.selection.other_minima import turned_round
+from updamp.diagnosis.selection.other_minima import turned_round, with_other_sign
 from updamp.effects.effect import Effect
 
 
@@ -93,7 +93,7 @@ def refits_with_own_numerics(fits: FitContext, found: CandidateFits) -> Candidat
     again = fits.full(left, own_numerics=True)
     if any(fits.explains(r.trial) for r in again.values()):
         return again
-    turned = turned_round(fits, left)
+    turned = turned_round(fits, with_other_sign(fits, left))
     return {
         r.trial.effects: lowest
         for r in left

@@ -130,3 +130,21 @@ def test_the_other_sign_of_the_only_one_is_held_against_it_where_it_comes_close(
     found = beside(0.91)["best",].refit
     assert turned == [-1.0]
     assert (found.drop, len(found.also)) == (960.0, 1)
+
+
+@pytest.mark.usefixtures("asked")
+def test_a_finer_mesh_is_asked_of_the_other_sign_where_the_coarse_one_shows_it(monkeypatch):
+    """Not where a fit from there comes back, nor where it leaves many times as much: that had taken more than half of
+    a diagnosis (013 of the draw 89958227)."""
+    monkeypatch.setattr(other_minima, "have_two_signs", lambda _: True)
+    there = by_name(fitted("shown", 3.0, 500.0), fitted("far", 9.0, 10.0))
+    tried = []
+
+    def results(_, tasks):
+        tried.extend((task.effects[0].name, task.own_numerics) for task in tasks)
+        return {} if tasks[0].own_numerics else there
+
+    monkeypatch.setattr(FitContext, "results", results)
+    refits_with_own_numerics(context(), by_name(*(fitted(name, 1.5, 900.0) for name in ("shown", "far", "comes back"))))
+    assert sorted(name for name, own in tried if not own) == ["comes back", "far", "shown"]
+    assert [name for name, own in tried if own] == ["shown"]
