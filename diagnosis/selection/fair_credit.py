@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from updamp.comparison.fit.compared import misfit
 from updamp.comparison.fit.fit import Fit
+from updamp.comparison.fit.moved_by_numerics import beside_noise
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.branch_tasks import BranchesBy
 from updamp.diagnosis.candidate_models.baseline import Baseline, calibrated_as
@@ -22,7 +23,8 @@ Names = tuple[str, ...]
 
 def without_effects_again(fits: FitContext, found: CandidateFits) -> tuple[Baseline, Trial] | None:
     """The model without effects fitted once more, from the calibration of the best one with an effect and with the same
-    numerical gate; None where it comes to nothing better, or the data ask for no effect anyway."""
+    numerical gate, unless it fails by more than any; None where it comes to nothing better, or the data ask for no
+    effect anyway."""
     start, criteria = fits.start, fits.criteria
     settled = [r for r in best_first(found) if r.trial.full and r.refit.delta_bic >= criteria.delta_bic]
     if not settled:
@@ -30,12 +32,22 @@ def without_effects_again(fits: FitContext, found: CandidateFits) -> tuple[Basel
     best = settled[0].refit
     u = calibrated_as(start.fitted, best.fitted)
     there = replace(start.fitted, compared=replace(start.fitted.compared, u=u, branches=()))
-    again = fits.results([FitTask((), (), True, near=there, own_numerics=best.own_numerics)]).get(())
+    plain, own = FitTask((), (), True, near=there), best.own_numerics
+    if own and start.fitted.compared.mean_squared_misfit > (most := _most_by_numerics(fits)):
+        there_too = fits.results([plain]).get(())
+        own = there_too is not None and there_too.trial.excess <= most
+    again = fits.results([replace(plain, own_numerics=own)]).get(())
     if again is None or again.refit.drop <= 0:
         return None
     fitted = with_branches(again.refit.fitted, start, BranchesBy(fits.workers))
-    own = start.own_numerics or best.own_numerics
-    return replace(start, fitted=fitted, own_numerics=own), again.trial
+    return replace(start, fitted=fitted, own_numerics=start.own_numerics or own), again.trial
+
+
+def _most_by_numerics(fits: FitContext) -> float:
+    """Mean squared misfit that numerical error may make of what is within the scatter: of as many deviations as anybody
+    would believe of a calibrated value."""
+    believed = fits.criteria.calibration(fits.start.stated)
+    return 1 + believed**2 * beside_noise(fits.start.fitted)
 
 
 def by_the_same_gate(fits: FitContext, *found: CandidateFits) -> tuple[Baseline, Trial] | None:
