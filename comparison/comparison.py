@@ -80,13 +80,17 @@ class OddPoint:
     @property
     def text(self) -> str:
         if not np.isnan(self.relative):
-            size = f"{100 * abs(self.relative):.2g} % {'high' if self.relative > 0 else 'low'}"
+            size = f"{_two_digits(100 * abs(self.relative))} % {'high' if self.relative > 0 else 'low'}"
         else:
-            size = f"{abs(self.degrees):.2g} degrees {'early' if self.degrees > 0 else 'late'}"
+            size = f"{_two_digits(abs(self.degrees))} degrees {'early' if self.degrees > 0 else 'late'}"
         return (
             f"{self.mode} at {self.level}, repeat {self.repeat}: {self.channel} at {self.frequency:.6g} Hz reads "
             f"{size} beside the points next to it, and is left out of calibration and findings; look at this point"
         )
+
+
+def _two_digits(value: float) -> str:
+    return f"{value:.2g}" if value < 99.5 else f"{value:.0f}"
 
 
 @dataclass(frozen=True, eq=False)

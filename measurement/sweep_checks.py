@@ -12,9 +12,15 @@ LEVEL_TOLERANCE = 0.25  # of the median measured against the stated level; RMS t
 
 
 def check_frequencies(where: str, frequency: Floats) -> None:
-    """raises: MeasurementError where there are none, or they are not finite, positive, distinct and in order"""
+    """raises: MeasurementError where there are fewer than two, or they are not finite, positive, distinct and in
+    order"""
     if len(frequency) == 0:
         raise MeasurementError(f"{where}: no frequencies; leave the run out or export it again")
+    if len(frequency) == 1:
+        raise MeasurementError(
+            f"{where}: {frequency[0]:g} Hz alone is no sweep, a run has two frequencies at least; add its other "
+            "points, or leave it out and state what it tells as a feature"
+        )
     bad = ~(np.isfinite(frequency) & (frequency > 0))
     if bad.any():
         raise MeasurementError(f"{where}: frequency = {frequency[bad][0]:g} Hz at place {np.argmax(bad) + 1}; mend it")
@@ -157,15 +163,13 @@ def check_statements(where: str, channel: RecordedChannel, quantity: str, unit: 
 def in_order_of_the_sweep(where: str, sweep: RecordedSweep, stated: str) -> tuple[bool, bool, list[str]]:
     """(upwards, whether the file has the reverse order, what was taken for granted).
 
-    raises: MeasurementError where a sweep "up" is stored downwards, or a single frequency has no direction
+    raises: MeasurementError where a sweep "up" is stored downwards
     """
-    ascending = len(sweep.frequency) > 1 and bool(sweep.frequency[1] > sweep.frequency[0])
+    ascending = bool(sweep.frequency[1] > sweep.frequency[0])
     if not stated:
-        if len(sweep.frequency) == 1:
-            raise MeasurementError(f'{where}: one frequency shows no direction; state sweep = "up" or "down"')
         word = "up" if ascending else "down"
         return ascending, False, [f"{where}: the direction of the sweep is not stated; {word}, as the file's order is"]
-    if stated == "up" and not ascending and len(sweep.frequency) > 1:
+    if stated == "up" and not ascending:
         raise MeasurementError(f'{where}: sweep = "up" but the frequencies fall; state sweep = "down"')
     if stated == "down" and ascending:
         note = f"{where}: the frequencies of this downward sweep rise in the file; taken as sorted by the recorder"

@@ -34,7 +34,7 @@ def all_findings(
     measured, model: backbones, as for `linear_findings`; repeats: `of_repeats`
     """
     if fit.parametrisation.base.contacts is None:
-        return linear_findings(fit, plan, first_order, measured, model)
+        return linear_findings(fit, plan, branches, first_order, measured, model)
     missing = without_peak_findings(without_peak(plan, branches), plan)
     peaks = (*missing, *peak_findings(peak_misfits(fit, plan, branches, repeats), plan, names))
     if not peaks:

@@ -31,6 +31,7 @@ _LIKE_OSCILLATOR = 0.15
 # Rates of d log(receptance) / d f that an oscillator has on both sides of its highest point, the larger over the
 # smaller: with evenly spaced points 1 where these are dense, pi / log 3 = 2.9 where the next ones are far out.
 _NO_JUMP = np.pi / np.log(3)
+_HALF_POWER = 0.5  # of the square of the response
 
 
 @dataclass(frozen=True)
@@ -86,21 +87,28 @@ def five_about(i: int) -> slice:
 
 
 def summit(f: Floats, log_receptance: Complex, i: int) -> tuple[float, float]:
-    """Top and its place of the parabola through the largest value and its neighbours; the largest value where these are
-    too few, do not enclose a top, or a jump is among them.
+    """Top and its place of the oscillator through the largest value and its neighbours; the largest value where these
+    are too few, do not enclose a top, or a jump is among them.
+
+    One over the square of an oscillator's response is a parabola of the frequency, however far apart the points are; a
+    parabola through the responses lies a tenth below the top of points that are a half-width apart. Where no point lies
+    within the half-power points of what is found, they do not tell how high the top is: it is told no higher than that.
 
     log_receptance: (n,) its imaginary part the phase, all of it 0 where that is not known
     """
     near = five_about(i)
     x, y = f[near] - f[i], log_receptance[near]
     width = np.ptp(x)
+    highest_point = float(log_receptance[i].real), float(f[i])
     if len(x) < FIVE or width <= 0 or len(np.unique(x)) < FIVE or _jumps(x, y):
-        return float(log_receptance[i].real), float(f[i])
-    c = np.polyfit(x / width, y.real, 2)
-    at = -c[1] / (2 * c[0]) if c[0] < 0 else np.inf
+        return highest_point
+    inverse = np.exp(2 * (y[FIVE // 2].real - y.real))
+    c = np.polyfit(x / width, inverse, 2, w=1 / inverse)  # as unsure as each is large
+    at = -c[1] / (2 * c[0]) if c[0] > 0 else np.inf
     if not x.min() / width <= at <= x.max() / width:
-        return float(log_receptance[i].real), float(f[i])
-    return float(np.polyval(c, at)), float(f[i] + at * width)
+        return highest_point
+    lowest = max(float(np.polyval(c, at)), _HALF_POWER)
+    return highest_point[0] - float(np.log(lowest)) / 2, float(f[i] + at * width)
 
 
 def _jumps(f: Floats, log_receptance: Complex) -> bool:

@@ -221,7 +221,8 @@ def _mode(plan: Plan, misfit: Misfit) -> str:
 def _of_mode(
     quantity: str, mode: str, all_levels: Sequence[Misfit], standing: Sequence[Misfit], plan: Plan
 ) -> list[Finding]:
-    """One sentence: that all levels agree, or those that stand out, the largest first, and what holds at the others."""
+    """One sentence: that all levels agree, or those that stand out, the largest first, and what holds at the others;
+    and where nothing was read."""
     if not standing:
         return []
     thing = "resonance" if quantity == FREQUENCY else "damping"
@@ -230,21 +231,25 @@ def _of_mode(
     mean = float(np.sum(weights * values) / np.sum(weights))
     deviation = float(1 / np.sqrt(np.sum(weights)))
     alike = all(abs(m.relative - mean) < 3 * m.deviation + 0.2 * abs(mean) for m in all_levels)
+    read = [m.direction.test for m in all_levels]
+    unread = [i for i, c in enumerate(plan.conditions) if c.mode == mode and i not in read]
+    not_read = f", not read at {_levels(unread, plan)}" if unread else ""
     if len(all_levels) > 1 and alike and np.all(np.sign(values) == np.sign(mean)):
         kind = "force level" if plan.conditions[0].unit == "N" else "level"
-        text = f"{mode}: {thing} {in_percent(mean)} at every {kind}"
+        where = _levels(read, plan) if unread else f"every {kind}"
+        text = f"{mode}: {thing} {in_percent(mean)} at {where}{not_read}"
         return [Finding(text, mode, None, quantity, "", mean, mean / deviation)]
     by_size = sorted(standing, key=lambda m: -m.size)
     worst, named = by_size[0], [m for m in by_size if m.size >= FAR_LESS * by_size[0].size]
     sizes = dict.fromkeys(in_percent(m.relative) for m in named)
-    parts = [f"{size} at {_levels([m for m in named if in_percent(m.relative) == size], plan)}" for size in sizes]
+    parts = [f"{size} at {_at([m for m in named if in_percent(m.relative) == size], plan)}" for size in sizes]
     rest = {
         "far less": [m for m in standing if m not in named],
         "right": [m for m in all_levels if m not in standing],
     }
-    parts += [f"{what} at {_levels(some, plan)}" for what, some in rest.items() if some]
+    parts += [f"{what} at {_at(some, plan)}" for what, some in rest.items() if some]
     level = plan.conditions[worst.direction.test].level
-    text = f"{mode}: {thing} {', '.join(parts)}"
+    text = f"{mode}: {thing} {', '.join(parts)}{not_read}"
     return [Finding(text, mode, level, quantity, "", worst.relative, worst.significance)]
 
 
@@ -290,8 +295,12 @@ def in_percent(relative: float) -> str:
     return f"{size:.{digits}f} % {'high' if relative > 0 else 'low'}"
 
 
-def _levels(misfits_there: Sequence[Misfit], plan: Plan) -> str:
-    return ", ".join(dict.fromkeys(level_of(plan, m.direction.test) for m in misfits_there))
+def _at(misfits_there: Sequence[Misfit], plan: Plan) -> str:
+    return _levels([m.direction.test for m in misfits_there], plan)
+
+
+def _levels(tests: Sequence[int], plan: Plan) -> str:
+    return ", ".join(dict.fromkeys(level_of(plan, test) for test in tests))
 
 
 def level_of(plan: Plan, test: int) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.comparison import Backbone, Finding
-from updamp.comparison.findings.backbone import places_of
+from updamp.comparison.findings.backbone import FIVE, places_of
 from updamp.comparison.findings.findings import (
     AMPLITUDE,
     DAMPING,
@@ -23,8 +23,11 @@ from updamp.comparison.findings.findings import (
     lack_of_fit,
 )
 from updamp.comparison.findings.gross_sensors import sensor_misfits
+from updamp.comparison.findings.peak_misfit import without_peak
+from updamp.comparison.findings.peak_sentences import without_peak_findings
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Plan
+from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.model.calibration import LOSS_FACTOR
 
 Floats = NDArray[np.float64]
@@ -34,18 +37,36 @@ _STANDS_OUT, _WORTH = 5.0, 0.2
 
 
 def linear_findings(
-    fit: Fit, plan: Plan, first_order: Sequence[Misfit], measured: Sequence[Backbone], model: Sequence[Backbone]
+    fit: Fit,
+    plan: Plan,
+    branches: Sequence[PredictedBranch],
+    first_order: Sequence[Misfit],
+    measured: Sequence[Backbone],
+    model: Sequence[Backbone],
 ) -> tuple[Finding, ...]:
     """Of a model without contacts: sentences on misfits as estimated to first order or, where the model fails, as read
     off the resonances, whose damping its phase tells: to first order what a misfit consists of drowns in its whole.
 
-    measured, model: as for `gross_misfits`
+    branches: calibrated, one a condition; measured, model: as for `gross_misfits`
     """
     if lack_of_fit(fit, plan) >= RISK:
         return findings(fit, plan, first_order)
     gains = [m for m in first_order if m.direction.quantity == AMPLITUDE or m.direction.sensor[1] != 1]
-    read = (*gross_misfits(fit, plan, measured, model), *sensor_misfits(plan, measured, model))
-    return (*damping_growth(fit, plan, measured, model), *findings(fit, plan, (*read, *gains)))
+    missing = [i for i in without_peak(plan, branches) if _has_peak(plan, i)]
+    of_tests = [m for m in gross_misfits(fit, plan, measured, model) if m.direction.test not in missing]
+    read = (*of_tests, *sensor_misfits(plan, measured, model))
+    grown = damping_growth(fit, plan, measured, model)
+    return (*without_peak_findings(missing, plan), *grown, *findings(fit, plan, (*read, *gains)))
+
+
+def _has_peak(plan: Plan, test: int) -> bool:
+    """Whether all runs of a test are highest inside of what was measured, at all sensors, with as many points on both
+    sides as a top is read off: of some the window is on the flank of a resonance."""
+    places = 1 + 2 * np.array([j for j, (_, k) in enumerate(plan.conditions[test].sensors) if k == 1])
+    runs = [o for o in plan.observations if o.test == test]
+    highest = [int(np.argmax(o.observed[:, j] - o.log_force)) for o in runs for j in places]
+    last = [len(o) - 1 for o in runs for _ in places]
+    return all(FIVE // 2 <= i <= n - FIVE // 2 for i, n in zip(highest, last, strict=True))
 
 
 def gross_misfits(fit: Fit, plan: Plan, measured: Sequence[Backbone], model: Sequence[Backbone]) -> tuple[Misfit, ...]:

@@ -4,7 +4,7 @@ Calibration makes up for such an angle by frequency and loss, so that neither ma
 where these have no say: the model's points about its top against the run's about its own. Frequency and loss move a
 top; at the top an oscillator's phase stays what it is. What fails otherwise turns the phase there by another angle at
 each level (microslip of a beam's joint 1 degree at the lowest level, 9 at the highest), or at each sensor: one angle is
-told only where all say the same.
+told only where all say the same, of two modes or of two levels at least, since one always agrees with itself.
 """
 
 from collections.abc import Sequence
@@ -46,9 +46,9 @@ def phase_lag(fit: Fit, plan: Plan, branches: Sequence[PredictedBranch]) -> Phas
     to. branches: calibrated, one a condition
     """
     without = without_peak(plan, branches)
-    of_tests = [_of_test(fit, i, branch) for i, branch in enumerate(branches) if i not in without]
-    read = [one for one in of_tests if one is not None]
-    if not read:
+    of_tests = {i: _of_test(fit, i, branch) for i, branch in enumerate(branches) if i not in without}
+    read = [one for one in of_tests.values() if one is not None]
+    if len({(plan.conditions[i].mode, plan.conditions[i].level) for i, one in of_tests.items() if one is not None}) < 2:
         return None
     each = np.concatenate([angles for angles, _ in read])
     mean = float(np.mean([np.mean(angles) for angles, _ in read]))

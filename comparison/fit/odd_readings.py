@@ -6,7 +6,8 @@ in the middle of it stands out by as much as the model is off around it. So the 
 one of the sensors' noise and of what the model leaves of the six, and has Student's t distribution: with the degrees of
 freedom that the noise is known by, or with these six (N. R. Draper and H. Smith, Applied Regression Analysis, 1998, ch.
 8). The worse a model describes a run, the farther off a point has to be; and farther than the model changes by between
-the points on both sides, or it may be the model that is a part of a step off in frequency.
+the points on both sides, or it may be the model that is a part of a step off in frequency. Where most runs of a mode
+show it alike, at one frequency, it is the rig's: a mode that the model lacks, as narrow as a step.
 
 Such a point says nothing of the rig, and one alone, a hundred deviations off, would lead a fit: it is left out of all
 that rests on the runs, with all of its sensors, and told.
@@ -48,15 +49,34 @@ class OddReading:
 
 
 def odd_readings(matched: Sequence[Matched], plan: Plan, risk: float = RISK) -> tuple[OddReading, ...]:
-    """The least likely first, one a point and sensor."""
-    tested = sum(len(m.observations) * len(recorded(m)) for m in matched if _is_long_enough(m))
+    """The least likely first, one a point and sensor, those left out that most runs of their mode show."""
+    long_enough = [m for m in matched if _is_long_enough(m)]
+    tested = sum(len(m.observations) * len(recorded(m)) for m in long_enough)
+    unlikely = [one for m in long_enough for one in _readings(m, plan, risk)]
     found: dict[tuple[str, int, str, float], OddReading] = {}
-    for m in matched:
-        for one in _readings(m, plan, risk / max(tested, 1)) if _is_long_enough(m) else ():
-            key = one.run, one.repeat, one.sensor, one.frequency
-            if key not in found or one.chance < found[key].chance:
-                found[key] = one
-    return tuple(sorted(found.values(), key=lambda one: one.chance))
+    for one in unlikely:
+        key = one.run, one.repeat, one.sensor, one.frequency
+        if one.chance < risk / max(tested, 1) and (key not in found or one.chance < found[key].chance):
+            found[key] = one
+    alone = (one for one in found.values() if not _is_of_most_runs(one, unlikely, plan))
+    return tuple(sorted(alone, key=lambda one: one.chance))
+
+
+def _is_of_most_runs(one: OddReading, unlikely: Collection[OddReading], plan: Plan) -> bool:
+    """Of more than half of those of its mode that have a point there, to within half a step; of two at least. unlikely:
+    all that are by themselves"""
+    modes = {condition.name: condition.mode for condition in plan.conditions}
+    of_mode = [o for o in plan.observations if modes[o.run] == modes[one.run] and len(o) > 1]
+    half_step = {(o.run, o.repeat): float(np.median(np.abs(np.diff(o.frequency)))) / 2 for o in of_mode}
+    there = [o for o in of_mode if np.abs(o.frequency - one.frequency).min() <= half_step[o.run, o.repeat]]
+    alike = {
+        (other.run, other.repeat)
+        for other in unlikely
+        if (other.sensor, other.of_phase, other.by > 0) == (one.sensor, one.of_phase, one.by > 0)
+        and modes[other.run] == modes[one.run]
+        and abs(other.frequency - one.frequency) <= half_step[other.run, other.repeat]
+    }
+    return len(alike) > max(1.0, len(there) / 2)
 
 
 def without_odd(plan: Plan, odd: Collection[OddReading]) -> Plan:
@@ -82,6 +102,7 @@ def _readings(m: Matched, plan: Plan, chance: float) -> Iterator[OddReading]:
     o, condition = m.observations, plan.conditions[m.observations.test]
     as_measured = next(one for one in plan.observations if (one.test, one.repeat) == (o.test, o.repeat))
     model = with_unwrapped_phases(o.observed - m.difference)
+    model[:, 1::2] -= o.log_force[:, None]  # at one force, or a bad sample of it would be a change of the model's
     for place, left in zip(recorded(m), left_at_sensors(m).T, strict=True):
         sensor, of_phase = divmod(int(place) - 1, 2)
         for i, (off, by_chance) in enumerate(_off(left, plan.noise_freedom)):

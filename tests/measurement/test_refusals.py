@@ -16,6 +16,7 @@ from updamp.measurement.readers.hdf5 import write_hdf5
 from updamp.measurement.readers.long_csv import write_long_csv
 from updamp.measurement.readers.uff import write_uff58
 from updamp.measurement.recorded import RecordedSweep
+from updamp.measurement.sweep_checks import check_frequencies
 from updamp.parallel.whole_file import MARK
 
 POINTS = ["mass.drive.x", "mass.tip.x"]
@@ -313,3 +314,9 @@ def test_what_is_wrong_in_a_table_is_named(tmp_path: Path) -> None:
     (tmp_path / "data.csv").write_text("\n".join([lines[0], "-,-,-,Hz,-,-,N,N", *lines[1:], ""]))
     message = refused(tmp_path)
     assert 'line 2: frequency_Hz = "Hz": not a number; take its line out' in message
+
+
+def test_one_frequency_is_no_sweep() -> None:
+    """A comparison of it had ended in a division by zero."""
+    with pytest.raises(MeasurementError, match=r"run 'a': 432 Hz alone is no sweep, .* two frequencies"):
+        check_frequencies("run 'a'", np.array([432.0]))

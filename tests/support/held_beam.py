@@ -34,5 +34,5 @@ def held_beam(frequencies: tuple[float, ...], loss_factors: tuple[float, ...]) -
     return Measurement("Beam", 0.0, "beam.drive.x", (Channel("a", "beam.drive.x"),), tuple(runs))
 
 
-def of_beam(measurement: Measurement) -> Comparison:
-    return compare(modal_model(load_modal(RIG)), measurement)[0]
+def of_beam(measurement: Measurement, rig: Path = RIG) -> Comparison:
+    return compare(modal_model(load_modal(rig)), measurement)[0]

@@ -23,7 +23,17 @@ def test_no_oscillators_points_are_taken_for_a_jump(points: float, phase: bool) 
         f = 50.0 + offset + step * np.arange(-8, 9)
         found = read_resonance(f, recorded(BEAM.receptance(2 * np.pi * f), phase), np.ones(17))
         assert found.frequency == pytest.approx(50.0, abs=0.2 * step)
+        height = abs(BEAM.receptance(2 * np.pi * np.array([50.0]))[0])
+        assert found.receptance == pytest.approx(height, rel=1e-2), "however far apart the points are"
         assert np.abs(f - found.frequency).min() > 0 or abs(offset) < 1e-12
+
+
+def test_a_top_between_points_beyond_its_half_power_points_is_told_no_higher_than_they_can_tell() -> None:
+    f = 50.0 + 8 * HALF_WIDTH * (np.arange(-8, 9) + 0.5)
+    receptance = BEAM.receptance(2 * np.pi * f) * np.where(np.arange(17) % 2, 1.01, 0.99)
+    found = read_resonance(f, receptance, np.ones(17))
+    assert found.frequency == pytest.approx(50.0, abs=HALF_WIDTH)
+    assert found.receptance == pytest.approx(np.sqrt(2) * np.abs(receptance).max(), rel=1e-9)
 
 
 @pytest.mark.parametrize("phase", [True, False], ids=["phase", "amplitude alone"])

@@ -80,13 +80,13 @@ def of_sound() -> Comparison:
     return of_beam(SOUND)
 
 
-@pytest.mark.parametrize("at", [16, 28])
-def test_it_moves_nothing_that_is_told_wherever_it_lies(at: int, of_sound: Comparison) -> None:
-    """Of the response on a flank, and at the top, which would be read off it."""
+@pytest.mark.parametrize(("at", "of"), [(16, "response"), (28, "response"), (20, "force")])
+def test_it_moves_nothing_that_is_told_wherever_it_lies(at: int, of: str, of_sound: Comparison) -> None:
+    """Of the response on a flank, and at the top, which would be read off it; and of the force."""
     first, second, third = SOUND.runs
-    response = second.response.copy()
-    response[..., at] *= 3.0
-    told = of_beam(replace(SOUND, runs=(first, replace(second, response=response), third)))
+    changed = getattr(second, of).copy()
+    changed[..., at] *= 3.0
+    told = of_beam(replace(SOUND, runs=(first, replace(second, **{of: changed}), third)))
     (named,) = told.odd_points
     assert (named.run, named.frequency) == (second.name, pytest.approx(second.frequency[at]))
     assert "left out of calibration and findings" in named.text
@@ -109,3 +109,15 @@ def test_what_is_left_out_is_left_out_at_all_sensors_of_that_run_alone() -> None
     ]
     assert np.array_equal(left.observations[1].observed, np.delete(plan.observations[1].observed, 9, axis=0))
     assert without_odd(plan, ()) is plan
+
+
+def test_what_most_runs_show_alike_is_the_rigs_and_no_odd_point(branches) -> None:
+    """As a mode that the model lacks, as narrow as a step, in whichever order its frequencies were measured; what half
+    of them show is a matter of these runs."""
+    seen = runs(seed=3)
+    places = [4 if CONDITIONS[o.test].upwards else len(o) - 5 for o in seen.observations]
+    for most in (True, False):
+        plan = seen
+        for run, place in enumerate(places[: None if most else len(places) // 2]):
+            plan = with_odd(plan, run=run, point=place, column=3, by=np.log(0.6))
+        assert len(named(plan, branches)) == (0 if most else len(places) // 2)

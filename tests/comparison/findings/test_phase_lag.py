@@ -69,3 +69,9 @@ def test_without_phases_no_angle_is_read() -> None:
 
 def test_a_force_of_the_wrong_sign_is_no_lag() -> None:
     assert "phase" not in {f.quantity for f in of_beam(lagging(SOUND, 180.0)).findings}
+
+
+def test_one_level_alone_tells_no_lag() -> None:
+    """It agrees with itself, and what leans turns the phase at its top as well."""
+    one = lagging(replace(SOUND, runs=SOUND.runs[:1]), 5.0)
+    assert "phase" not in {f.quantity for f in of_beam(one).findings}
