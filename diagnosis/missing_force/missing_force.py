@@ -26,7 +26,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.fit.compared import Compared, compare_at
+from updamp.comparison.fit.compared import Compared
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.scatter import assembly, whitened
 from updamp.comparison.prediction.model_at import ModelAt
@@ -53,7 +53,7 @@ def missing_forces(compared: Compared, parametrisation: Parametrisation, plan: P
     compared: of the plan, with branches solved near compared.u
     raises: ValueError where a mode has no sensor with the first harmonic
     """
-    compared = _by_sensors_noise(compared, parametrisation, plan)
+    compared = replace(compared, as_many=0.0)  # what the model lacks is what is read here, and counts as no noise
     compared = replace(compared, branches=tuple(_with_matrices(b, parametrisation) for b in compared.branches))
     modes = _resonant_modes(compared, parametrisation, plan)
     runs = _expanded(compared, parametrisation, plan, modes)
@@ -73,12 +73,6 @@ def missing_forces(compared: Compared, parametrisation: Parametrisation, plan: P
     found = force_laws(squares, tuple(modes))
     values = _in_pieces(residual, extra[:, len(laws) :], squares.noise)
     return tuple(_missing_force(mode, pieces, values, reading(found[mode], references[mode])) for mode in modes)
-
-
-def _by_sensors_noise(compared: Compared, parametrisation: Parametrisation, plan: Plan) -> Compared:
-    """What the model lacks is what is read here, and counts as no noise (comparison/fit/failing_model.py)."""
-    plan, u = replace(plan, lacks_nothing=True), compared.u
-    return compare_at(parametrisation, u, plan, compared.branches, compared.scatter, compared.offsets)
 
 
 def _with_matrices(branch: PredictedBranch, parametrisation: Parametrisation) -> PredictedBranch:

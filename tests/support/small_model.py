@@ -77,6 +77,7 @@ def swept_run(branch, test, repeat, gain, noise, rng, points=40):
     at = np.array([usable[np.argmin(np.abs(frequency[usable] - f))] for f in steps])
     observed = branch.at(place[at]).value
     observed[:, 0] += drift
+    gain = gain[: observed.shape[1] // 2]
     observed[:, 1::2] += gain
     observed[:, 1:] += noise * rng.standard_normal(observed[:, 1:].shape)
     deviations = np.column_stack([np.full(points, 2e-6), *(np.full(points, noise) for _ in range(2 * len(gain)))])
