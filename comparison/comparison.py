@@ -80,7 +80,8 @@ class OddPoint:
     @property
     def text(self) -> str:
         if not np.isnan(self.relative):
-            size = f"{_two_digits(100 * abs(self.relative))} % {'high' if self.relative > 0 else 'low'}"
+            side = "high" if self.relative > 0 else "low"
+            size = f"{_two_digits(100 * abs(self.relative))} % {side} for the force there,"
         else:
             size = f"{_two_digits(abs(self.degrees))} degrees {'early' if self.degrees > 0 else 'late'}"
         return (

@@ -197,8 +197,8 @@ def lack_of_fit(fit: Fit, plan: Plan) -> float:
     return float(Freedom(fit.freedom, plan.noise_freedom).by_chance.sf(fit.compared.chi2 / fit.freedom))
 
 
-def findings(fit: Fit, plan: Plan, found: Sequence[Misfit]) -> tuple[Finding, ...]:
-    """Sentences on the misfits that stand out; none where the model is adequate."""
+def findings(fit: Fit, plan: Plan, found: Sequence[Misfit], told: Sequence[Finding] = ()) -> tuple[Finding, ...]:
+    """Sentences on the misfits that stand out; none where the model is adequate. told: what is said already"""
     limit = float(norm.isf(RISK / 2 / max(len(found), 1)))
     standing = [m for m in found if abs(m.significance) > limit]
     sentences: list[Finding] = []
@@ -209,7 +209,7 @@ def findings(fit: Fit, plan: Plan, found: Sequence[Misfit]) -> tuple[Finding, ..
     sentences += [_of_amplitude(m) for m in standing if m.direction.quantity == AMPLITUDE]
     sentences += [_of_sensor(m) for m in standing if m.direction.quantity == SENSOR]
     sentences.sort(key=lambda f: -abs(f.significance))
-    if not sentences and lack_of_fit(fit, plan) < RISK:
+    if not sentences and not told and lack_of_fit(fit, plan) < RISK:
         sentences.append(_of_all(fit, plan))
     return tuple(sentences)
 

@@ -55,8 +55,8 @@ def linear_findings(
     missing = [i for i in without_peak(plan, branches) if _has_peak(plan, i)]
     of_tests = [m for m in gross_misfits(fit, plan, measured, model) if m.direction.test not in missing]
     read = (*of_tests, *sensor_misfits(plan, measured, model))
-    grown = damping_growth(fit, plan, measured, model)
-    return (*without_peak_findings(missing, plan), *grown, *findings(fit, plan, (*read, *gains)))
+    told = (*without_peak_findings(missing, plan), *damping_growth(fit, plan, measured, model))
+    return (*told, *findings(fit, plan, (*read, *gains), told))
 
 
 def _has_peak(plan: Plan, test: int) -> bool:

@@ -29,4 +29,4 @@ def test_an_end_of_the_window_is_no_resonance_of_the_model(tmp_path: Path) -> No
     far.write_text(RIG.read_text().replace('"80.38 Hz"', '"85 Hz"'))
     said = of_beam(SOUND, far)
     assert said.findings[0].text.startswith(f"{MODE}: the model has no peak where it was measured")
-    assert not [f for f in said.findings if f.text.startswith(f"{MODE}: resonance")]
+    assert not [f for f in said.findings if f.text.startswith((f"{MODE}: resonance", "the curves differ"))]

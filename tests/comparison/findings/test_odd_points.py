@@ -55,7 +55,7 @@ def test_a_point_that_reads_low_is_named_and_no_other(branches, point: int) -> N
     assert found.frequency == pytest.approx(plan.observations[1].frequency[point])
     assert found.relative == pytest.approx(-0.2, abs=0.03)
     assert "right at" in found.text
-    assert "% low beside the points next to it" in found.text
+    assert "% low for the force there, beside the points next to it" in found.text
 
 
 def test_a_phase_is_named_in_degrees(branches) -> None:
