@@ -102,13 +102,37 @@ def summit(f: Floats, log_receptance: Complex, i: int) -> tuple[float, float]:
     highest_point = float(log_receptance[i].real), float(f[i])
     if len(x) < FIVE or width <= 0 or len(np.unique(x)) < FIVE or _jumps(x, y):
         return highest_point
-    inverse = np.exp(2 * (y[FIVE // 2].real - y.real))
-    c = np.polyfit(x / width, inverse, 2, w=1 / inverse)  # as unsure as each is large
+    c, _ = _oscillator(x / width, y.real - highest_point[0])
     at = -c[1] / (2 * c[0]) if c[0] > 0 else np.inf
     if not x.min() / width <= at <= x.max() / width:
         return highest_point
     lowest = max(float(np.polyval(c, at)), _HALF_POWER)
     return highest_point[0] - float(np.log(lowest)) / 2, float(f[i] + at * width)
+
+
+def _oscillator(x: Floats, log_size: Floats) -> tuple[Floats, Floats]:
+    """(3,) parabola, the highest power first, of one over the square of a response over that of its highest point, all
+    points as unsure as they are large; and (3, n) what a unit of their logarithms changes it by."""
+    inverse = np.exp(-2 * log_size)
+    to_parabola = np.asarray(np.linalg.pinv(np.vander(x, 3) / inverse[:, None]), dtype=np.float64)
+    return to_parabola @ np.ones(len(x)), -2 * to_parabola
+
+
+def summit_deviation(f: Floats, log_size: Floats, i: int) -> tuple[float, float]:
+    """Deviations of the logarithm of a top's height and of its place (`summit`), to first order, in those of the
+    logarithms of the points' sizes; infinite of a place where the points enclose no top."""
+    near = five_about(i)
+    x, width = f[near] - f[i], max(float(np.ptp(f[near])), np.finfo(float).tiny)
+    c, moved = _oscillator(x / width, log_size[near] - log_size[i])
+    at = -c[1] / (2 * c[0]) if c[0] > 0 else np.inf
+    if len(x) < FIVE or not x.min() / width <= at <= x.max() / width:
+        return 1.0, np.inf
+    lowest = max(float(np.polyval(c, at)), _HALF_POWER)
+    of_place = -np.array([2 * at, 1.0, 0.0]) / (2 * c[0])
+    return (
+        float(np.linalg.norm(np.array([at**2, at, 1.0]) @ moved)) / (2 * lowest),
+        width * float(np.linalg.norm(of_place @ moved)),
+    )
 
 
 def _jumps(f: Floats, log_receptance: Complex) -> bool:
@@ -124,7 +148,7 @@ def _jumps(f: Floats, log_receptance: Complex) -> bool:
 def _jumps_in_size(f: Floats, log_size: Floats) -> bool:
     """Likewise where no phase is known. One over the square of an oscillator's amplitude is a parabola of the
     frequency: the one through the highest three points leads to the outer two, which lie elsewhere beside a jump by as
-    much as it is high. Told from half the square on; of lower jumps the top is misread by a fifth at most."""
+    much as it is high. Told from half the square on; of lower jumps the top is misread by a tenth at most."""
     inner, outer = [1, 2, 3], [0, 4]
     through = np.polyfit(f[inner] / np.ptp(f), np.exp(-2 * log_size[inner]), 2)
     led_to = np.polyval(through, f[outer] / np.ptp(f)) * np.exp(2 * log_size[outer])

@@ -1,9 +1,9 @@
 """Tops read off measured runs and off the model in the same way: frequency, height, damping where the phase
 shows it.
 
-A parabola through five points that are a third of a half-width apart is off by several percent of the height, and by
-how much depends on where the points lie about the top. So the model is read at the frequencies of the run, shifted
-until its top lies among them where the run's does: what the reading is off by is then the same in both.
+The oscillator through five points is off where a response is none, as beside a kink, and by how much depends on where
+the points lie about the top. So the model is read at the frequencies of the run, shifted until its top lies among them
+where the run's does: what the reading is off by is then the same in both.
 """
 
 from collections.abc import Sequence
@@ -12,7 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.findings.backbone import FIVE, five_about, half_power_frequency, highest, read_resonance, summit
+from updamp.comparison.findings.backbone import (
+    FIVE,
+    five_about,
+    half_power_frequency,
+    highest,
+    read_resonance,
+    summit,
+    summit_deviation,
+)
 from updamp.comparison.fit.matching import Matched, by_drive
 from updamp.comparison.fit.observations import Observations
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
@@ -23,9 +31,6 @@ Complex = NDArray[np.complex128]
 _PLACES = 2000  # looked at along a branch
 _STEPS = np.arange(FIVE) - FIVE // 2
 _ROUNDS = 8  # of the shift, each of which leaves a fraction of what it was off by
-# Deviation of the top of a parabola through five points, in units of that of each point; and of its place, in their
-# spacing times the deviation over the curvature there.
-_OF_TOP, _OF_PLACE = 0.7, 0.32
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,16 +54,14 @@ def tops_of_run(o: Observations, sensors: Sequence[int]) -> Tops:
 
 
 def reading_noise(o: Observations, sensors: Sequence[int]) -> Floats:
-    """(2 s,) deviations of a run's tops by the sensors' stated noise."""
+    """(2 s,) deviations of a run's tops by the sensors' stated noise; a place is known to two steps at worst."""
     frequency, height = [], []
     for j in sensors:
-        log_size = _log_size(o, j)
         i, step = _top_and_step(o, j)
-        around = five_about(i)
-        x, noise = o.observed[around, 0] - o.observed[i, 0], float(o.noise[i, 1 + 2 * j])
-        bend = abs(float(np.polyfit(x / step, log_size[around], 2)[0])) if step > 0 and len(x) > 2 else 0.0
-        height.append(_OF_TOP * noise)
-        frequency.append(step * min(_OF_PLACE * noise / (2 * bend) if bend > 0 else np.inf, 2.0))
+        of_top, of_place = summit_deviation(o.observed[:, 0], _log_size(o, j), i)
+        noise = float(o.noise[i, 1 + 2 * j])
+        height.append(of_top * noise)
+        frequency.append(min(of_place * noise, 2.0 * step))
     return np.array(frequency + height)
 
 

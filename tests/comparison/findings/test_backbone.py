@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from support.jumping_beam import Joint, Mode, swept
 
-from updamp.comparison.findings.backbone import read_resonance
+from updamp.comparison.findings.backbone import read_resonance, summit, summit_deviation
 
 BEAM = Mode(50.0, 0.01, 1.0)
 HALF_WIDTH = 0.25  # [Hz]
@@ -26,6 +26,19 @@ def test_no_oscillators_points_are_taken_for_a_jump(points: float, phase: bool) 
         height = abs(BEAM.receptance(2 * np.pi * np.array([50.0]))[0])
         assert found.receptance == pytest.approx(height, rel=1e-2), "however far apart the points are"
         assert np.abs(f - found.frequency).min() > 0 or abs(offset) < 1e-12
+
+
+@pytest.mark.parametrize("apart", [0.3, 1.0, 2.0], ids="{:g} half-widths".format)
+def test_a_top_is_known_as_well_as_is_said(apart: float) -> None:
+    rng, noise, read, said = np.random.default_rng(5), 0.01, [], []
+    for _ in range(1500):
+        f = apart * (np.arange(-2, 3) - rng.uniform(-0.5, 0.5))
+        size = -np.log1p(f**2) / 2 + noise * rng.standard_normal(5)
+        if size.argmax() == 2:
+            read.append(summit(f, size - 1j * np.arctan(f), 2))
+            said.append(summit_deviation(f, size, 2))
+    of_reading, of_saying = np.std(read, axis=0), noise * np.sqrt(np.mean(np.square(said), axis=0))
+    assert of_reading == pytest.approx(of_saying, rel=0.06)
 
 
 def test_a_top_between_points_beyond_its_half_power_points_is_told_no_higher_than_they_can_tell() -> None:
