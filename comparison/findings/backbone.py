@@ -96,43 +96,54 @@ def summit(f: Floats, log_receptance: Complex, i: int) -> tuple[float, float]:
 
     log_receptance: (n,) its imaginary part the phase, all of it 0 where that is not known
     """
-    near = five_about(i)
-    x, y = f[near] - f[i], log_receptance[near]
-    width = np.ptp(x)
-    highest_point = float(log_receptance[i].real), float(f[i])
-    if len(x) < FIVE or width <= 0 or len(np.unique(x)) < FIVE or _jumps(x, y):
-        return highest_point
-    c, _ = _oscillator(x / width, y.real - highest_point[0])
-    at = -c[1] / (2 * c[0]) if c[0] > 0 else np.inf
-    if not x.min() / width <= at <= x.max() / width:
-        return highest_point
-    lowest = max(float(np.polyval(c, at)), _HALF_POWER)
-    return highest_point[0] - float(np.log(lowest)) / 2, float(f[i] + at * width)
-
-
-def _oscillator(x: Floats, log_size: Floats) -> tuple[Floats, Floats]:
-    """(3,) parabola, the highest power first, of one over the square of a response over that of its highest point, all
-    points as unsure as they are large; and (3, n) what a unit of their logarithms changes it by."""
-    inverse = np.exp(-2 * log_size)
-    to_parabola = np.asarray(np.linalg.pinv(np.vander(x, 3) / inverse[:, None]), dtype=np.float64)
-    return to_parabola @ np.ones(len(x)), -2 * to_parabola
+    log_size, near = log_receptance.real, five_about(i)
+    through = _oscillator(f, log_size, i)
+    if through is None or _jumps(f[near], log_receptance[near]):
+        return float(log_size[i]), float(f[i])
+    return float(log_size[i] - np.log(through.least) / 2), float(f[i] + through.at * through.width)
 
 
 def summit_deviation(f: Floats, log_size: Floats, i: int) -> tuple[float, float]:
     """Deviations of the logarithm of a top's height and of its place (`summit`), to first order, in those of the
     logarithms of the points' sizes; infinite of a place where the points enclose no top."""
-    near = five_about(i)
-    x, width = f[near] - f[i], max(float(np.ptp(f[near])), np.finfo(float).tiny)
-    c, moved = _oscillator(x / width, log_size[near] - log_size[i])
-    at = -c[1] / (2 * c[0]) if c[0] > 0 else np.inf
-    if len(x) < FIVE or not x.min() / width <= at <= x.max() / width:
+    through = _oscillator(f, log_size, i)
+    if through is None:
         return 1.0, np.inf
-    lowest = max(float(np.polyval(c, at)), _HALF_POWER)
-    of_place = -np.array([2 * at, 1.0, 0.0]) / (2 * c[0])
-    return (
-        float(np.linalg.norm(np.array([at**2, at, 1.0]) @ moved)) / (2 * lowest),
-        width * float(np.linalg.norm(of_place @ moved)),
-    )
+    at, bend = through.at, 2 * through.parabola[0]
+    of_least, of_place = np.array([at**2, at, 1.0]), np.array([2 * at, 1.0, 0.0])
+    height = float(np.linalg.norm(of_least @ through.moved)) / (2 * through.least)
+    return height, through.width * float(np.linalg.norm(of_place @ through.moved)) / bend
+
+
+@dataclass(frozen=True, eq=False)
+class _Oscillator:
+    """parabola: (3,) the highest power first, of one over the square of a response over that of its highest point, by
+    how far off that is in widths of the points; moved: (3, n) what a unit of their logarithms changes it by
+    at, least: place of its top, in widths, and what it is there, half at least"""
+
+    parabola: Floats
+    moved: Floats
+    width: float
+    at: float
+    least: float
+
+
+def _oscillator(f: Floats, log_size: Floats, i: int) -> _Oscillator | None:
+    """About the highest point, the points as unsure as they are large; None where they are too few or enclose no
+    top."""
+    near = five_about(i)
+    x = f[near] - f[i]
+    if len(np.unique(x)) < FIVE:
+        return None
+    width = float(np.ptp(x))
+    x = x / width
+    inverse = np.exp(2 * (log_size[i] - log_size[near]))
+    to_parabola = np.asarray(np.linalg.pinv(np.vander(x, 3) / inverse[:, None]), dtype=np.float64)
+    c = to_parabola @ np.ones(FIVE)
+    at = float(-c[1] / (2 * c[0])) if c[0] > 0 else np.inf
+    if not x.min() <= at <= x.max():
+        return None
+    return _Oscillator(c, -2 * to_parabola, width, at, max(float(np.polyval(c, at)), _HALF_POWER))
 
 
 def _jumps(f: Floats, log_receptance: Complex) -> bool:
@@ -152,7 +163,7 @@ def _jumps_in_size(f: Floats, log_size: Floats) -> bool:
     inner, outer = [1, 2, 3], [0, 4]
     through = np.polyfit(f[inner] / np.ptp(f), np.exp(-2 * log_size[inner]), 2)
     led_to = np.polyval(through, f[outer] / np.ptp(f)) * np.exp(2 * log_size[outer])
-    return bool(led_to.max() > 2 or led_to.min() < 1 / 2)
+    return bool(led_to.min() < _HALF_POWER or led_to.max() > 1 / _HALF_POWER)
 
 
 def _loss_factor(f: Floats, receptance: Complex, i: int, at: float) -> float:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from updamp.comparison.comparison import Finding
-from updamp.comparison.fit.failing_model import Freedom
+from updamp.comparison.fit.failing_model import RISK, Freedom
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.scatter import Assembly, whitened
@@ -23,8 +23,6 @@ from updamp.model.calibration import LOSS_FACTOR
 Floats = NDArray[np.float64]
 
 FREQUENCY, DAMPING, SENSOR, AMPLITUDE = "frequency", "damping", "sensor", "amplitude"
-# Chance that an adequate model is called inadequate by any of the tests.
-RISK = 0.01
 # Prior size of a misfit, which keeps directions that the data do not tell at zero: relative; of a resonance as a
 # share of the measured window, over which the model is taken as linear here. Shifts of all tests alike are what Young's
 # modulus is for: they are left to it.

@@ -16,7 +16,6 @@ from updamp.comparison.findings.findings import (
     AMPLITUDE,
     DAMPING,
     FREQUENCY,
-    RISK,
     Direction,
     Misfit,
     findings,
@@ -25,6 +24,7 @@ from updamp.comparison.findings.findings import (
 from updamp.comparison.findings.gross_sensors import sensor_misfits
 from updamp.comparison.findings.peak_misfit import without_peak
 from updamp.comparison.findings.peak_sentences import without_peak_findings
+from updamp.comparison.fit.failing_model import RISK
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.predicted_branch import PredictedBranch

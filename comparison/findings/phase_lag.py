@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from updamp.comparison.comparison import Finding
-from updamp.comparison.findings.findings import RISK
 from updamp.comparison.findings.peak_misfit import PLACED, without_peak
 from updamp.comparison.findings.peak_reading import SweptBranch, reading_noise, swept_branch, tops_of_run
 from updamp.comparison.findings.peak_sentences import ALIKE
+from updamp.comparison.fit.failing_model import RISK
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.matching import Matched
 from updamp.comparison.fit.observations import Plan
@@ -46,18 +46,19 @@ def phase_lag(fit: Fit, plan: Plan, branches: Sequence[PredictedBranch]) -> Phas
     to. branches: calibrated, one a condition
     """
     without = without_peak(plan, branches)
-    of_tests = {i: _of_test(fit, i, branch) for i, branch in enumerate(branches) if i not in without}
-    read = [one for one in of_tests.values() if one is not None]
-    if len({(plan.conditions[i].mode, plan.conditions[i].level) for i, one in of_tests.items() if one is not None}) < 2:
+    of_tests = ((c, _of_test(fit, i, branches[i])) for i, c in enumerate(plan.conditions) if i not in without)
+    known = [(condition, one) for condition, one in of_tests if one is not None]
+    if len({(condition.mode, condition.level) for condition, _ in known}) < 2:
         return None
+    read = [one for _, one in known]
     each = np.concatenate([angles for angles, _ in read])
     mean = float(np.mean([np.mean(angles) for angles, _ in read]))
     if np.any(np.abs(each - mean) > ALIKE * abs(mean)) or not PHASE_LAG.parameters[0].allows(mean):
         return None
     by_test = np.array([np.mean(angles) for angles, _ in read])
     spread = float(np.std(by_test, ddof=1) / np.sqrt(len(read))) if len(read) > 1 else 0.0
-    known = float(np.linalg.norm([deviation for _, deviation in read])) / len(read)
-    significance = mean / max(spread, known)
+    by_reading = float(np.linalg.norm([deviation for _, deviation in read])) / len(read)
+    significance = mean / max(spread, by_reading)
     return PhaseLag(mean, significance) if abs(significance) > norm.isf(RISK / 2) else None
 
 

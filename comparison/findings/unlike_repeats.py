@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 from scipy.stats import f as f_distribution
 
 from updamp.comparison.comparison import UnlikeRun
-from updamp.comparison.findings.findings import RISK, level_of
+from updamp.comparison.findings.findings import level_of
 from updamp.comparison.fit.at_sensors import to_sensors
 from updamp.comparison.fit.compared import Compared
-from updamp.comparison.fit.failing_model import STRETCHES
+from updamp.comparison.fit.failing_model import RISK, STRETCHES
 from updamp.comparison.fit.matching import Matched
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.scatter import Scatter

@@ -19,6 +19,8 @@ from scipy.stats import f as ratio_of_variances
 # Stretches of a curve in each of which what a model lacks is the same: it makes a resonance too high, too low, too wide
 # on one side or the other.
 STRETCHES = 4
+# Chance that anything is said of data and a model that lack nothing.
+RISK = 0.01
 # Mean squared misfit beyond which a model fails badly: first order about it says little.
 TOLERATED = 3.0
 

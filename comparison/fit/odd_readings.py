@@ -22,12 +22,12 @@ from numpy.typing import NDArray
 from scipy.stats import t as student
 
 from updamp.comparison.fit.at_sensors import left_at_sensors, recorded
+from updamp.comparison.fit.failing_model import RISK
 from updamp.comparison.fit.matching import Matched
 from updamp.comparison.fit.numerical_gate import with_unwrapped_phases
 from updamp.comparison.fit.observations import Observations, Plan
 
 Floats = NDArray[np.float64]
-RISK = 0.01  # that a measurement without any such point has one taken for it
 _SIDE = 3  # points on each side, as many as there are, six in all
 
 
@@ -49,7 +49,10 @@ class OddReading:
 
 
 def odd_readings(matched: Sequence[Matched], plan: Plan, risk: float = RISK) -> tuple[OddReading, ...]:
-    """The least likely first, one a point and sensor, those left out that most runs of their mode show."""
+    """The least likely first, one a point and sensor, those left out that most runs of their mode show.
+
+    risk: that a measurement without any has one taken for it
+    """
     long_enough = [m for m in matched if _is_long_enough(m)]
     tested = sum(len(m.observations) * len(recorded(m)) for m in long_enough)
     unlikely = [one for m in long_enough for one in _readings(m, plan, risk)]

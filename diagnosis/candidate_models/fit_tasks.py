@@ -33,6 +33,7 @@ class FitTask:
     full: whether the fit is left to settle; near: a fit of the same to go on from
     own_numerics: whether the numerical error is to be that of the model with the effects
     size: of the effects, times that of `near`, to go on from (`other_sizes.py`)
+    near_own: whether `near` has the numerical error of its own model, which is another fit to go on from
     """
 
     effects: tuple[Effect, ...]
@@ -42,13 +43,14 @@ class FitTask:
     as_given: tuple[Floats, ...] = ()
     own_numerics: bool = False
     size: float = 1.0
+    near_own: bool = False
 
     @property
     def name(self) -> str:
         settled = self.near is not None and self.size == 1
         how = ", with its own numerical error" if self.own_numerics else ", until settled" if settled else ""
         if self.size != 1:
-            how = f", from {self.size:g} times the size{how}"
+            how = f", from {self.size:g} times the size{' by its own numerics' if self.near_own else ''}{how}"
         return (", ".join(e.name for e in self.effects) or "without effects") + how
 
 

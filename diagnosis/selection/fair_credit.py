@@ -32,15 +32,22 @@ def without_effects_again(fits: FitContext, found: CandidateFits) -> tuple[Basel
     best = settled[0].refit
     u = calibrated_as(start.fitted, best.fitted)
     there = replace(start.fitted, compared=replace(start.fitted.compared, u=u, branches=()))
-    plain, own = FitTask((), (), True, near=there), best.own_numerics
-    if own and start.fitted.compared.mean_squared_misfit > (most := _most_by_numerics(fits)):
-        there_too = fits.results([plain]).get(())
-        own = there_too is not None and there_too.trial.excess <= most
-    again = fits.results([replace(plain, own_numerics=own)]).get(())
+    again, own = _from_there(fits, there, best.own_numerics)
     if again is None or again.refit.drop <= 0:
         return None
     fitted = with_branches(again.refit.fitted, start, BranchesBy(fits.workers))
     return replace(start, fitted=fitted, own_numerics=start.own_numerics or own), again.trial
+
+
+def _from_there(fits: FitContext, there: Fit, own: bool) -> tuple[FittedCandidate | None, bool]:
+    """The fit without effects, and whether it has the numerical error of its own: if wanted, unless it fails by more
+    than any."""
+    plain = FitTask((), (), True, near=there)
+    if own and fits.start.fitted.compared.mean_squared_misfit > (most := _most_by_numerics(fits)):
+        again = fits.results([plain]).get(())
+        if again is None or again.trial.excess > most:
+            return again, False
+    return fits.results([replace(plain, own_numerics=own)]).get(()), own
 
 
 def _most_by_numerics(fits: FitContext) -> float:

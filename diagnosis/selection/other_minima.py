@@ -18,7 +18,8 @@ def other_sizes(fits: FitContext, found: CandidateFits) -> CandidateFits:
         return {}
     first = explain[0].refit
     sizes = (*SIZE_FACTORS, -1.0) if have_two_signs(first.effects) else SIZE_FACTORS
-    tries = [FitTask(first.effects, (), True, near=first.fitted, size=size) for size in sizes]
+    go_on = FitTask(first.effects, (), True, near=first.fitted, near_own=first.own_numerics)
+    tries = [replace(go_on, size=size) for size in sizes]
     tried = fits.runner(start, criteria, tries, reporting(fits.progress))
     best = lowest_of([explain[0], *(r for r in tried if r is not None)])
     return {best.trial.effects: replace(best, refit=replace(best.refit, own_numerics=first.own_numerics))}

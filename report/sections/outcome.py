@@ -6,7 +6,7 @@ from html import escape
 from scipy.stats import chi2
 
 from updamp.comparison.comparison import LACK_OF_FIT, Comparison, Finding
-from updamp.comparison.findings.findings import RISK
+from updamp.comparison.fit.failing_model import RISK
 from updamp.report.markup import level_name, level_word, number, paragraph
 from updamp.report.section import Content, Report, ReportSection
 

@@ -8,7 +8,7 @@ import pytest
 
 from updamp.comparison.fit.failing_model import Freedom
 from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext
-from updamp.diagnosis.candidate_models.fit_tasks import FittedCandidate
+from updamp.diagnosis.candidate_models.fit_tasks import FitTask, FittedCandidate
 from updamp.diagnosis.candidate_models.refit import Refit
 from updamp.diagnosis.criteria import Criteria, SearchEffort
 from updamp.diagnosis.evidence import Trial
@@ -148,3 +148,13 @@ def test_a_finer_mesh_is_asked_of_the_other_sign_where_the_coarse_one_shows_it(m
     refits_with_own_numerics(context(), by_name(*(fitted(name, 1.5, 900.0) for name in ("shown", "far", "comes back"))))
     assert sorted(name for name, own in tried if not own) == ["comes back", "far", "shown"]
     assert [name for name, own in tried if own] == ["shown"]
+
+
+def test_fits_that_go_on_from_different_ones_are_kept_apart():
+    """From the other sign both of a fit by given numerics and of one by its own: kept by one name, one was read for the
+    other."""
+    near = SimpleNamespace()
+    tasks = [
+        FitTask((Effect("one", "", (), None),), (), True, near=near, size=-1.0, near_own=own) for own in (False, True)
+    ]
+    assert len({task.name for task in tasks}) == 2
