@@ -7,7 +7,8 @@ one of the sensors' noise and of what the model leaves of the six, and has Stude
 freedom that the noise is known by, or with these six (N. R. Draper and H. Smith, Applied Regression Analysis, 1998, ch.
 8). The worse a model describes a run, the farther off a point has to be; and farther than the model changes by between
 the points on both sides, or it may be the model that is a part of a step off in frequency. Where most runs of a mode
-show it alike, at one frequency, it is the rig's: a mode that the model lacks, as narrow as a step.
+show it alike, at one frequency, it is the rig's: a mode that the model lacks, as narrow as a step, or the flank of one
+at the end of the runs.
 
 Such a point says nothing of the rig, and one alone, a hundred deviations off, would lead a fit: it is left out of all
 that rests on the runs, with all of its sensors, and told.
@@ -16,6 +17,7 @@ that rests on the runs, with all of its sensors, and told.
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +50,37 @@ class OddReading:
     chance: float
 
 
+@dataclass(frozen=True, eq=False)
+class _Column:
+    """What one sensor recorded of a run, amplitudes or phases, of n points.
+
+    left: (n,) what the model leaves, in deviations of the sensors; noise: (n,) one deviation; model: (n,) what it says
+    """
+
+    run: str
+    repeat: int
+    mode: str
+    sensor: str
+    of_phase: bool
+    frequency: Floats
+    left: Floats
+    noise: Floats
+    model: Floats
+
+    def at(self, frequency: float) -> float:
+        """What the model leaves at the nearest point, logarithm of the amplitude or phase [rad]."""
+        nearest = int(np.argmin(np.abs(self.frequency - frequency)))
+        return float(self.left[nearest] * self.noise[nearest])
+
+    def is_of(self, other: Self) -> bool:
+        """Whether of the same sensor and mode."""
+        return (self.mode, self.sensor, self.of_phase) == (other.mode, other.sensor, other.of_phase)
+
+    def is_near(self, some: Floats | float, frequency: float) -> NDArray[np.bool_]:
+        """To within half a step."""
+        return np.asarray(np.abs(some - frequency) <= np.median(np.abs(np.diff(self.frequency))) / 2)
+
+
 def odd_readings(matched: Sequence[Matched], plan: Plan, risk: float = RISK) -> tuple[OddReading, ...]:
     """The least likely first, one a point and sensor, those left out that most runs of their mode show.
 
@@ -55,31 +88,31 @@ def odd_readings(matched: Sequence[Matched], plan: Plan, risk: float = RISK) -> 
     """
     long_enough = [m for m in matched if _is_long_enough(m)]
     tested = sum(len(m.observations) * len(recorded(m)) for m in long_enough)
-    unlikely = [one for m in long_enough for one in _readings(m, plan, risk)]
-    found: dict[tuple[str, int, str, float], OddReading] = {}
-    for one in unlikely:
+    columns = [column for m in long_enough for column in _columns(m, plan)]
+    unlikely = [(column, one) for column in columns for one in _readings(column, plan.noise_freedom, risk)]
+    found: dict[tuple[str, int, str, float], tuple[_Column, OddReading]] = {}
+    for column, one in unlikely:
         key = one.run, one.repeat, one.sensor, one.frequency
-        if one.chance < risk / max(tested, 1) and (key not in found or one.chance < found[key].chance):
-            found[key] = one
-    alone = (one for one in found.values() if not _is_of_most_runs(one, unlikely, plan))
+        if one.chance < risk / max(tested, 1) and (key not in found or one.chance < found[key][1].chance):
+            found[key] = column, one
+    alone = (one for column, one in found.values() if not _is_of_most_runs(column, one, unlikely, columns))
     return tuple(sorted(alone, key=lambda one: one.chance))
 
 
-def _is_of_most_runs(one: OddReading, unlikely: Collection[OddReading], plan: Plan) -> bool:
-    """Of more than half of those of its mode that have a point there, to within half a step; of two at least. unlikely:
-    all that are by themselves"""
-    modes = {condition.name: condition.mode for condition in plan.conditions}
-    of_mode = [o for o in plan.observations if modes[o.run] == modes[one.run] and len(o) > 1]
-    half_step = {(o.run, o.repeat): float(np.median(np.abs(np.diff(o.frequency)))) / 2 for o in of_mode}
-    there = [o for o in of_mode if np.abs(o.frequency - one.frequency).min() <= half_step[o.run, o.repeat]]
-    alike = {
-        (other.run, other.repeat)
-        for other in unlikely
-        if (other.sensor, other.of_phase, other.by > 0) == (one.sensor, one.of_phase, one.by > 0)
-        and modes[other.run] == modes[one.run]
-        and abs(other.frequency - one.frequency) <= half_step[other.run, other.repeat]
-    }
-    return len(alike) > max(1.0, len(there) / 2)
+def _is_of_most_runs(
+    own: _Column, one: OddReading, unlikely: Collection[tuple[_Column, OddReading]], columns: Sequence[_Column]
+) -> bool:
+    """Of more than half of those of its mode that have a point there, to within half a step; of two at least. One shows
+    it that is unlikely there by itself, or that the model leaves as much of, to half of what this one is off by: beside
+    a neighbour that is off too no point is unlikely."""
+    alike, there = 0, [c for c in columns if c.is_of(own) and c.is_near(c.frequency, one.frequency).any()]
+    for c in there:
+        by_itself = any(
+            column is c and (other.by > 0) == (one.by > 0) and c.is_near(other.frequency, one.frequency)
+            for column, other in unlikely
+        )
+        alike += by_itself or abs(c.at(one.frequency) - own.at(one.frequency)) < abs(one.by) / 2
+    return alike > max(1.0, len(there) / 2)
 
 
 def without_odd(plan: Plan, odd: Collection[OddReading]) -> Plan:
@@ -100,21 +133,27 @@ def _is_long_enough(m: Matched) -> bool:
     return len(m.observations) > 2 * _SIDE
 
 
-def _readings(m: Matched, plan: Plan, chance: float) -> Iterator[OddReading]:
-    """Those less likely than a chance."""
+def _columns(m: Matched, plan: Plan) -> Iterator[_Column]:
     o, condition = m.observations, plan.conditions[m.observations.test]
     as_measured = next(one for one in plan.observations if (one.test, one.repeat) == (o.test, o.repeat))
     model = with_unwrapped_phases(o.observed - m.difference)
     model[:, 1::2] -= o.log_force[:, None]  # at one force, or a bad sample of it would be a change of the model's
     for place, left in zip(recorded(m), left_at_sensors(m).T, strict=True):
         sensor, of_phase = divmod(int(place) - 1, 2)
-        for i, (off, by_chance) in enumerate(_off(left, plan.noise_freedom)):
-            by = off * float(o.noise[i, place])
-            if by_chance >= chance or abs(by) < np.ptp(model[max(i - 1, 0) : i + 2, place]):
-                continue
-            frequency = float(as_measured.frequency[i])
-            at = condition.sensors[sensor][0]
-            yield OddReading(as_measured.run, o.repeat, at, bool(of_phase), frequency, by, by_chance)
+        at = condition.sensors[sensor][0]
+        yield _Column(
+            as_measured.run, o.repeat, condition.mode, at, bool(of_phase),
+            as_measured.frequency, left, o.noise[:, place], model[:, place],
+        )  # fmt: skip
+
+
+def _readings(column: _Column, noise_freedom: float, chance: float) -> Iterator[OddReading]:
+    """Those less likely than a chance."""
+    for i, (off, by_chance) in enumerate(_off(column.left, noise_freedom)):
+        by = off * float(column.noise[i])
+        if by_chance < chance and abs(by) >= np.ptp(column.model[max(i - 1, 0) : i + 2]):
+            c, frequency = column, float(column.frequency[i])
+            yield OddReading(c.run, c.repeat, c.sensor, c.of_phase, frequency, by, by_chance)
 
 
 def _off(left: Floats, noise_freedom: float) -> Iterator[tuple[float, float]]:

@@ -121,3 +121,17 @@ def test_what_most_runs_show_alike_is_the_rigs_and_no_odd_point(branches) -> Non
         for run, place in enumerate(places[: None if most else len(places) // 2]):
             plan = with_odd(plan, run=run, point=place, column=3, by=np.log(0.6))
         assert len(named(plan, branches)) == (0 if most else len(places) // 2)
+
+
+def test_the_flank_of_something_at_the_end_of_all_runs_is_the_rigs(branches) -> None:
+    """Beside a neighbour that is off too no point is unlikely by itself: two of three repeats showed a flank with two
+    points, one with its last alone, which was left out though all had it."""
+    plan = runs(seed=3)
+    for run, o in enumerate(plan.observations):
+        at_end, before = (len(o) - 1, len(o) - 2) if CONDITIONS[o.test].upwards else (0, 1)
+        plan = with_odd(plan, run=run, point=at_end, column=3, by=-1.0)
+        if run:
+            plan = with_odd(plan, run=run, point=before, column=3, by=-0.4)
+    assert not named(plan, branches)
+    alone = with_odd(runs(seed=3), run=0, point=len(plan.observations[0]) - 1, column=3, by=-1.0)
+    assert len(named(alone, branches)) == 1
