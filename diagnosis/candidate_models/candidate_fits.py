@@ -43,6 +43,10 @@ class FitContext:
         unseen = self.criteria.is_doubtful(trial.unseen, self.start.unseen_freedom)
         return not (self.criteria.is_doubtful(trial.excess, self.start.freedom) or unseen)
 
+    def explains_believably(self, trial: Trial) -> bool:
+        """Likewise, by a calibration that can be believed."""
+        return self.explains(trial) and not self.is_far_off(trial)
+
     def may_lack_something(self, settled: Sequence[Refit]) -> bool:
         """Whether the model without effects may, or the data ask for one of those that were fitted."""
         asked = any(r.delta_bic >= self.criteria.delta_bic for r in settled)

@@ -5,12 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from updamp.diagnosis.candidate_models.refit import gain_of_bic
 from updamp.diagnosis.criteria import Criteria
+from updamp.diagnosis.decision.probability import gain, weights
 from updamp.diagnosis.evidence import Evidence, Trial
 from updamp.diagnosis.verdict import Outcome
 
 _CHECK = "Check it, and what the files state of it, before anything is named"
+_OTHER_RUNS = "None of these is named: measure what tells them apart, or let the fit see other runs (--hold-out)"
 _FIT_ALL = "What is missing shows in these: hold out other runs (--hold-out), so that the fit sees it"
 
 
@@ -18,7 +19,8 @@ _FIT_ALL = "What is missing shows in these: hold out other runs (--hold-out), so
 class Decision:
     """effects: those missing; group: effects of which one is, and the data do not tell which; trial: that rests on
     reason: why nothing is said though the misfit would allow it, "" otherwise; advice: what to do about it
-    alternatives: fits that explain the data as well, that one first; none where it is the only one"""
+    alternatives: fits that explain the data as well, that one first; none where it is the only one. Of "undecidable"
+        those that are beside each other, the likeliest first"""
 
     outcome: Outcome
     effects: tuple[str, ...]
@@ -41,7 +43,8 @@ def decide(evidence: Evidence, criteria: Criteria) -> Decision:
     off = far_off(rests_on, evidence, criteria)
     if decision.outcome == "unknown" or not off:
         return decision
-    return Decision("undecidable", (), (), decision.trial, f"calibration first: {off}", _CHECK)
+    with_it = f"; {_these([decision.trial])} would explain the data with it" if decision.trial else ""
+    return Decision("undecidable", (), (), decision.trial, f"calibration first: {off}{with_it}", _CHECK)
 
 
 def far_off(fitted: Evidence | Trial, evidence: Evidence, criteria: Criteria) -> str:
@@ -82,6 +85,7 @@ def _named(best: Trial, accepted: Sequence[Trial], evidence: Evidence, criteria:
 
     Neither what they leave tells them apart, nor the information criterion, of those that explain the data. Whether it
     asks for all of a rival's effects does not matter there: one of them may do most of it, and still not suffice.
+    What is less likely than others that something speaks against is not named either.
     """
     as_many = [
         t for t in (*evidence.trials, *evidence.combined) if len(t.effects) == len(best.effects) and t is not best
@@ -93,17 +97,45 @@ def _named(best: Trial, accepted: Sequence[Trial], evidence: Evidence, criteria:
         or (_explains(t, evidence, criteria) and gain(best, evidence) - gain(t, evidence) < criteria.delta_bic)
     ]
     equals = [t for t in as_good if not far_off(t, evidence, criteria)]
+    alternatives = (best, *equals)
+    if likelier := _likelier(alternatives, as_many, evidence, criteria):
+        return _between(likelier, alternatives, evidence, criteria)
     if not equals:
         return Decision("identified", best.effects, (), best)
-    alternatives = (best, *equals)
     named = dict.fromkeys(name for t in alternatives for name in t.effects)
     group = tuple(name for name in named if not all(name in t.effects for t in alternatives))
     return Decision("inseparable", best.effects, group, best, alternatives=alternatives)
 
 
-def gain(trial: Trial, evidence: Evidence) -> float:
-    """Of the information criterion, over the model without effects."""
-    return gain_of_bic(trial.drop, trial.parameters, evidence.independent, evidence.as_one)
+def _likelier(
+    alternatives: Sequence[Trial], as_many: Sequence[Trial], evidence: Evidence, criteria: Criteria
+) -> Trial | None:
+    """Of what is not accepted the likeliest, where all of that is likelier than these; None where these are.
+
+    Only what could be the truth counts: with a calibration that can be believed, sizes that are physical, and effects
+    that the data can show.
+    """
+    others = [
+        t
+        for t in as_many
+        if t not in alternatives
+        and t.full
+        and not (t.at_bound or far_off(t, evidence, criteria) or _not_seen(t, evidence, criteria))
+    ]
+    likely = weights([*alternatives, *others], evidence)[1:]
+    for_these, against = likely[: len(alternatives)], likely[len(alternatives) :]
+    return others[int(np.argmax(against))] if against.sum() > for_these.sum() else None
+
+
+def _between(likelier: Trial, alternatives: tuple[Trial, ...], evidence: Evidence, criteria: Criteria) -> Decision:
+    """Nothing is named where the likelier is not accepted and the accepted is not likely."""
+    why = _against_the_fit(likelier, evidence, criteria) or "it leaves more than chance can"
+    reason = f"{_these([likelier])} would be likelier than {_these(alternatives)}, but {why}"
+    return Decision("undecidable", (), (), alternatives[0], reason, _OTHER_RUNS, (likelier, *alternatives))
+
+
+def _these(trials: Sequence[Trial]) -> str:
+    return " or ".join(" and ".join(t.effects) for t in trials)
 
 
 def reason_against(trial: Trial, evidence: Evidence, criteria: Criteria) -> str:

@@ -1,17 +1,11 @@
-"""How likely the models are that were fitted, beside each other: weights by the Bayesian information criterion.
-
-With all as likely beforehand the probability of a model is exp(gain / 2) over the sum of all, where gain is that of the
-criterion from the model without effects (R. E. Kass and A. E. Raftery, J. Am. Stat. Assoc. 90 (1995) 773),
-neighbouring points counted as one (`decide.gain`). None of them needs to be right: what the best one leaves says that.
-The verdict rests on `decide.py`; this is shown beside it.
-"""
+"""The models that were fitted, with how likely they are beside each other (`probability.py`) and what they leave."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
 
 import numpy as np
 
-from updamp.diagnosis.decision.decide import gain
+from updamp.diagnosis.decision.probability import weights
 from updamp.diagnosis.evidence import Evidence
 from updamp.diagnosis.verdict import Explanation, FittedEffect
 
@@ -36,12 +30,10 @@ def explanations(
     fitted: values of the effects of each fit, by their names
     """
     settled = [t for t in (*evidence.trials, *evidence.combined) if t.full]
-    gains = np.array([0.0, *(gain(t, evidence) for t in settled)])
-    weights = np.exp((gains - gains.max()) / 2)
     left = [((), evidence.excess, evidence.held_out), *((t.effects, t.excess, t.held_out) for t in settled)]
     found = [
         Explanation(effects, float(p), float(np.sqrt(excess)), held_out, fitted.get(effects, ()))
-        for (effects, excess, held_out), p in zip(left, weights / weights.sum(), strict=True)
+        for (effects, excess, held_out), p in zip(left, weights(settled, evidence), strict=True)
     ]
     return tuple(sorted(found, key=lambda e: (-e.probability, e.misfit)))
 

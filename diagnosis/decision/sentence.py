@@ -44,9 +44,7 @@ def sentence(decision: Decision, evidence: Evidence, criteria: Criteria, words: 
 
 
 def _of_undecidable(decision: Decision, evidence: Evidence, criteria: Criteria, words: Wording) -> str:
-    found_so = (
-        "" if decision.trial is None else f"; {' and '.join(decision.trial.effects)} would explain the data with it"
-    )
+    found_so = ""
     if decision.trial is None and criteria.fails(evidence.unseen, evidence.unseen_freedom):
         found_so = f"; it is off by {evidence.excess**0.5:.2f} times {words.scatter}{_held_out(evidence, words)}"
     return f"{decision.reason}{found_so}. {decision.advice}"

@@ -3,7 +3,8 @@
 from dataclasses import replace
 
 from updamp.diagnosis.criteria import Criteria
-from updamp.diagnosis.decision.decide import decide, gain
+from updamp.diagnosis.decision.decide import decide
+from updamp.diagnosis.decision.probability import gain
 from updamp.diagnosis.evidence import Evidence, Trial, gain_over_fewer
 from updamp.diagnosis.verdict import StripEntry
 

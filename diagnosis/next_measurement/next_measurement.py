@@ -142,20 +142,17 @@ def _prediction(shared: tuple[Mapping[str, Fit], RunNoise], wanted: tuple[Candid
 def surviving_explanations(found: SearchResult, decision: Decision, criteria: Criteria) -> dict[str, Fit]:
     """Name of the explanation -> its fit, the best first; at least two, or none where there is nothing to separate.
 
-    inseparable: all that explain the data as well; unknown: the best effects, as far as they explain nearly as much;
-    adequate: that nothing is missing and the best effect that the data of the fit alone would ask for
+    inseparable, undecidable: all that are beside each other; unknown: the best effects, as far as they explain nearly
+    as much; adequate: that nothing is missing and the best effect that the data of the fit alone would ask for
     """
     evidence = found.evidence
     settled = sorted((t for t in (*evidence.trials, *evidence.combined) if t.full), key=lambda t: t.excess)
-    if decision.outcome == "inseparable":
-        chosen = list(decision.alternatives)
-    elif decision.outcome == "unknown":
+    chosen = list(decision.alternatives)
+    if decision.outcome == "unknown":
         chosen = [t for t in settled if t.drop > 0 and t.excess < criteria.search.close * settled[0].excess]
-    elif decision.outcome == "adequate":
+    if decision.outcome == "adequate":
         near = [t for t in settled if t.delta_bic >= criteria.delta_bic][:1]
         return {NOTHING: found.baseline.fitted, **_fits(found, near)} if near else {}
-    else:
-        chosen = []
     return _fits(found, chosen[:_MOST]) if len(chosen) > 1 else {}
 
 

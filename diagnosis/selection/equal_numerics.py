@@ -10,19 +10,20 @@ from updamp.diagnosis.selection.other_minima import lowest_of, turned_round
 
 def with_equal_numerics(fits: FitContext, found: CandidateFits) -> CandidateFits:
     """Those of the likeliest few that take off more then, or that another sign is as likely as. A fit that explains the
-    data is left as it is where it is the only one (`single_effects.refits_with_own_numerics` is for those that do
-    not)."""
+    data is left as it is where it is the only one, unless it asks for a calibration that nobody would believe: a
+    resonance that a coarse mesh has elsewhere is one (`single_effects.refits_with_own_numerics` is for those that do
+    not explain them)."""
     criteria = fits.criteria
     if not fits.start.fitted.parametrisation.numerics.names:
         return {}
     explaining = [r for r in found.values() if r.trial.full and fits.explains(r.trial)]
     likeliest = sorted(explaining, key=lambda r: -r.refit.delta_bic)[: criteria.search.full]
     turning = [r for r in likeliest if _other_sign_comes_close(r, criteria.search.close)]
-    if len(likeliest) + len(turning) < 2:
+    if len(likeliest) + len(turning) < 2 and not any(fits.is_far_off(r.trial) for r in likeliest):
         return {}
     again = fits.full([r for r in likeliest if not r.refit.own_numerics], own_numerics=True)
     turned = turned_round(fits, turning)
-    results = ((r, _better(r, again.get(r.trial.effects), turned.get(r.trial.effects))) for r in likeliest)
+    results = ((r, _better(fits, r, again.get(r.trial.effects), turned.get(r.trial.effects))) for r in likeliest)
     return {r.trial.effects: better for r, better in results if better is not r}
 
 
@@ -32,9 +33,14 @@ def _other_sign_comes_close(fitted: FittedCandidate, close: float) -> bool:
     return any(other.compared.mean_squared_misfit < limit for other in fitted.refit.elsewhere)
 
 
-def _better(given: FittedCandidate, own: FittedCandidate | None, turned: FittedCandidate | None) -> FittedCandidate:
-    """The lowest one, which knows of minima that are as likely."""
-    best = own if own is not None and own.refit.drop > given.refit.drop else given
+def _better(
+    fits: FitContext, given: FittedCandidate, own: FittedCandidate | None, turned: FittedCandidate | None
+) -> FittedCandidate:
+    """The lowest one, which knows of minima that are as likely; one whose calibration can be believed before others:
+    the numerical error of another model may leave a little less by taking a run's resonance elsewhere."""
+    best = max(
+        (r for r in (given, own) if r is not None), key=lambda r: (fits.explains_believably(r.trial), r.refit.drop)
+    )
     if turned is not None:
         best = lowest_of([best, turned])
     if best is given:

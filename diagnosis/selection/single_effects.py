@@ -77,9 +77,10 @@ def _not_in(found: CandidateFits, tasks: Sequence[FitTask]) -> list[FitTask]:
 
 
 def refits_with_own_numerics(fits: FitContext, found: CandidateFits) -> CandidateFits:
-    """Full fits that take off most of a misfit, and yet leave some: with the numerical error of their own models. Where
-    none does, those that the data ask for and that come close to the best: this is to be known before a second effect
-    is looked for, or none is said to explain them, and which is the best may hang on it."""
+    """Full fits that take off most of a misfit, and yet leave some, or ask for a calibration that nobody would believe:
+    with the numerical error of their own models. Where none does, those that the data ask for and that come close to
+    the best: this is to be known before a second effect is looked for, or none is said to explain them, and which is
+    the best may hang on it."""
     start, criteria = fits.start, fits.criteria
     if not start.fitted.parametrisation.numerics.names:
         return {}
@@ -89,9 +90,9 @@ def refits_with_own_numerics(fits: FitContext, found: CandidateFits) -> Candidat
     if not close:
         asked = (r for r in settled if r.refit.delta_bic >= criteria.delta_bic)
         close = [r for r in asked if r.trial.excess < criteria.search.close * least]
-    left = [r for r in close if not r.refit.own_numerics and not fits.explains(r.trial)]
+    left = [r for r in close if not (r.refit.own_numerics or fits.explains_believably(r.trial))]
     again = fits.full(left, own_numerics=True)
-    if any(fits.explains(r.trial) for r in again.values()):
+    if _explaining(fits, again) is not None:
         return again
     turned = turned_round(fits, with_other_sign(fits, left))
     return {
@@ -121,7 +122,7 @@ def _comes_close(one: Refit, best: Refit, start: Baseline, criteria: Criteria) -
 
 def _explaining(fits: FitContext, found: CandidateFits) -> FittedCandidate | None:
     """The best one that explains the data, on runs that no fit saw too, by a calibration that can be believed."""
-    good = (r for r in found.values() if fits.explains(r.trial) and not fits.is_far_off(r.trial))
+    good = (r for r in found.values() if fits.explains_believably(r.trial))
     return min(good, key=lambda r: r.trial.excess, default=None)
 
 

@@ -151,11 +151,43 @@ def test_of_several_sets_one_with_a_calibration_that_can_be_believed_is_named_be
     assert outcome(trials=(), combined=(far, PAIR)) == ("identified", ("right", "second"))
 
 
+LIKELIER = replace(RIGHT, effects=("wrong",), excess=0.95, drop=9040.0, delta_bic=900.0)
+
+
+def test_what_is_less_likely_than_what_speaks_against_itself_is_not_named():
+    """Faces 8 % shorter (hidden): a gap leaves least and predicts worse, friction falling along the face is accepted
+    with a probability of 0.005."""
+    worse = replace(LIKELIER, held_out=3.1)
+    decision = decide(replace(EVIDENCE, trials=(RIGHT, worse)), Criteria())
+    assert (decision.outcome, decision.effects, decision.group) == ("undecidable", (), ())
+    assert decision.reason == (
+        "wrong would be likelier than right, but runs that the fit never saw are not predicted better"
+    )
+    assert [t.effects for t in decision.alternatives] == [("wrong",), ("right",)]
+    assert outcome(trials=(RIGHT, replace(LIKELIER, may_be_absent="wrong"))) == ("undecidable", ())
+
+
+@pytest.mark.parametrize(
+    "no_rival",
+    [
+        {"drop": 8990.0, "held_out": 3.1},
+        {"at_bound": "wrong.size"},
+        {"full": False},
+        {"farthest": "preload", "deviations": 5.0, "held_out": 3.1},
+    ],
+)
+def test_what_cannot_be_the_truth_is_no_rival_however_likely(no_rival):
+    """Less likely, beyond what is physical, not left to settle, or with a calibration that nobody would believe."""
+    assert outcome(trials=(RIGHT, replace(LIKELIER, **no_rival))) == ("identified", ("right",))
+
+
 def test_a_calibration_that_nobody_would_believe_is_said_first():
     far = {"farthest": "preload", "deviations": -3.4}
     decision = decide(replace(EVIDENCE, trials=(replace(RIGHT, **far),)), Criteria())
     assert (decision.outcome, decision.effects) == ("undecidable", ())
-    assert decision.reason == "calibration first: preload 3.4 deviations from what is stated"
+    assert decision.reason == (
+        "calibration first: preload 3.4 deviations from what is stated; right would explain the data with it"
+    )
     assert outcome(trials=(replace(RIGHT, farthest="preload", deviations=2.9),)) == ("identified", ("right",))
     # without an effect to name, that of the model without any counts; where nothing explains the data, none
     assert outcome(trials=(), excess=1.1, **far) == ("undecidable", ())
