@@ -26,6 +26,7 @@ from updamp.measurement.measurement_file import (
     validated,
     with_defaults,
 )
+from updamp.measurement.overload import without_overload
 from updamp.measurement.readers.registry import reader_of, usable_file
 from updamp.measurement.recorded import RecordedSweep, one_way
 from updamp.measurement.repeat_checks import check_numbers, copies
@@ -91,7 +92,7 @@ class _Files:
 
 
 def _with_runs(path: Path, file: MeasurementFile, files: _Files) -> Measurement:
-    runs, assumptions = _runs(path, file, files)
+    runs, assumptions, questions = _runs(path, file, files)
     check_numbers(str(path), runs)
     if file.repeatability is not None and len(repeats := {run.repeat for run in runs}) > 1:
         raise MeasurementError(
@@ -114,6 +115,7 @@ def _with_runs(path: Path, file: MeasurementFile, files: _Files) -> Measurement:
         ),
         hashes=files.hashes,
         repeatability=file.repeatability or 0.0,
+        questions=tuple(questions),
         drift=file.frequency_drift or DRIFT,
         gain=file.gain_error or GAIN,
         frequency_error=file.frequency_error or FREQUENCY_ERROR,
@@ -121,10 +123,12 @@ def _with_runs(path: Path, file: MeasurementFile, files: _Files) -> Measurement:
     )
 
 
-def _runs(path: Path, file: MeasurementFile, files: _Files) -> tuple[tuple[MeasuredRun, ...], list[str]]:
+def _runs(path: Path, file: MeasurementFile, files: _Files) -> tuple[tuple[MeasuredRun, ...], list[str], list[str]]:
+    """The runs, what was taken for granted, and what is to be asked about."""
     times = Counter(run.name for run in file.runs)
     runs: list[MeasuredRun] = []
     assumptions: list[tuple[str, str]] = []
+    questions: list[str] = []
     for number, run in enumerate(file.runs):
         where = f"runs[{number}]"
         sweeps = files.read(where, path, file, run)
@@ -145,13 +149,16 @@ def _runs(path: Path, file: MeasurementFile, files: _Files) -> tuple[tuple[Measu
             if given := phases_not_used(file, run):
                 assumptions.append((run.name, f"{data}: run '{run.name}': {given}"))
             _check_phases(f"{data}: run '{run.name}'", file, run, sweep)
+            free = [n for n in run.channels or file.channels if n not in (file.force_channel, run.held_channel)]
+            sweep, cut = without_overload(f"{data}: run '{run.name}'", sweep, {n: file.label(n) for n in free})
+            questions += cut
             measured, notes = measured_run(data, file, run, sweep, repeat)
             runs.append(measured)
             assumptions += [(run.name, note) for note in (*sweep.notes, *notes)]
             if sweep.others:
                 note = f"{data}: channels {', '.join(sweep.others)} are not in measurement.toml and not used"
                 assumptions.append((run.name, note))
-    return tuple(runs), _merged(assumptions)
+    return tuple(runs), _merged(assumptions), questions
 
 
 def _check_phases(where: str, file: MeasurementFile, run: RunTable, sweep: RecordedSweep) -> None:

@@ -159,7 +159,7 @@ def _of_rig(
     rig = load_rig(files.rig)
     measurement = load_measurement(files.measurement, _points(), rig.name)
     about_runs = (*unknown_modes(measurement, tuple(rig.study.modes)), *another_pull(measurement, rig.load.pull))
-    measurement = replace(measurement, questions=(*questions(rig), *about_runs))
+    measurement = replace(measurement, questions=(*questions(rig), *measurement.questions, *about_runs))
     built = built_rig(rig, preset, files.out, workers, display)
     make_folder(files.out)
     finer_ones = finer_rigs(rig, preset, files.out, workers, display, finer) if measurement.runs else {}
@@ -177,7 +177,8 @@ def _of_modal_rig(files: CompareFiles) -> ComparisonInputs:
     check_folder(files.out, rig.name)
     model = modal_before_effects(rig)
     measurement = load_measurement(files.measurement, model.components.points, rig.name)
-    measurement = replace(measurement, questions=tuple(unknown_modes(measurement, model.modes)))
+    about_runs = (*measurement.questions, *unknown_modes(measurement, model.modes))
+    measurement = replace(measurement, questions=about_runs)
     make_folder(files.out)
     return ComparisonInputs(model, measurement, (), "", rig.name, rig_effects=resolved(rig.effects))
 
