@@ -119,6 +119,7 @@ def test_cases_are_chosen_by_name_kind_strength_and_effect() -> None:
         chosen(version_1(), ("case_100",))
 
 
+@pytest.mark.long
 def test_measurement_does_not_give_its_truth_away(rig: Rig, tmp_path: Path) -> None:
     layout = Layout(tmp_path)
     case = Case(7, "single", (hidden("contact_viscosity", "strong"),), 5, "tiny")

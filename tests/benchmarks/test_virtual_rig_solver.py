@@ -185,6 +185,7 @@ def test_bundle_speed_and_film_against_marching_in_time(bench: Bench) -> None:
     assert abs(marched.first_harmonic[-1] / balanced - 1) < 2e-3
 
 
+@pytest.mark.long
 def test_stuck_motion_against_marching_in_time(bench: Bench) -> None:
     ip, _ = assembled(bench).stuck_frequencies(2)
     balanced, marched = checked(assembled(damped(bench, ip)), ip, 0.05, 2)

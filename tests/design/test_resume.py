@@ -50,7 +50,7 @@ def started(path: Path, jobs: int) -> subprocess.Popen[bytes]:
         signal.signal(signal.SIGINT, before)
 
 
-@pytest.mark.parametrize("jobs", [1, 2])
+@pytest.mark.parametrize("jobs", [pytest.param(1, marks=pytest.mark.long), 2])
 def test_nothing_that_was_finished_is_lost_or_solved_again_after_a_kill(folder, jobs):
     path = slow_study(folder)
     process = started(path, jobs)
@@ -69,7 +69,8 @@ def test_nothing_that_was_finished_is_lost_or_solved_again_after_a_kill(folder, 
     )
 
 
-@pytest.mark.parametrize("finished", [3, pytest.param(9, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("finished", [3, 9])
 def test_a_search_that_was_killed_comes_to_the_designs_of_one_that_was_not(folder, finished):
     pytest.importorskip("optuna")
     path = slow_study(folder, SEARCH, MINIMISE)

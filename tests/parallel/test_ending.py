@@ -29,7 +29,7 @@ def started(folder: Path, where: str, begun: int) -> subprocess.Popen[bytes]:
     return process
 
 
-@pytest.mark.parametrize("to", ["process", "group", "killed"])
+@pytest.mark.parametrize("to", ["process", pytest.param("group", marks=pytest.mark.long), "killed"])
 def test_workers_end_with_what_they_have_stored(tmp_path: Path, to: str) -> None:
     with started(tmp_path, "worker", 2) as process:
         family = psutil.Process(process.pid).children(recursive=True)

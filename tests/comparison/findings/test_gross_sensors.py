@@ -8,7 +8,7 @@ from updamp.comparison.compare import compare
 from updamp.comparison.findings.findings import SENSOR
 
 
-@pytest.mark.parametrize("gain", [2.0, 0.1])
+@pytest.mark.parametrize("gain", [2.0, pytest.param(0.1, marks=pytest.mark.long)])
 def test_a_sensor_that_is_far_off_is_named_with_its_size(gain: float) -> None:
     comparison, _ = compare(two_modes(), swept_arm(tip=gain, modes=("first", "second")))
     (sensor,) = [f for f in comparison.findings if f.quantity == SENSOR]

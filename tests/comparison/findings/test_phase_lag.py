@@ -32,7 +32,7 @@ def sound() -> Comparison:
     return of_beam(SOUND)
 
 
-@pytest.mark.parametrize("degrees", [5.0, -20.0])
+@pytest.mark.parametrize("degrees", [5.0, pytest.param(-20.0, marks=pytest.mark.long)])
 def test_an_angle_is_told_and_nothing_else(degrees: float, sound: Comparison) -> None:
     told = of_beam(lagging(SOUND, degrees))
     (finding,) = told.findings
@@ -49,6 +49,7 @@ def test_nothing_is_told_of_phases_that_agree(sound: Comparison) -> None:
     assert sound.findings == ()
 
 
+@pytest.mark.long
 def test_a_model_that_fails_otherwise_fails_alike_with_an_angle_on_top() -> None:
     without, told = of_beam(FAILING), of_beam(lagging(FAILING, 5.0))
     assert [f.quantity for f in told.findings] == ["phase", *(f.quantity for f in without.findings)]
@@ -67,6 +68,7 @@ def test_without_phases_no_angle_is_read() -> None:
     assert of_beam(replace(SOUND, runs=runs)).findings == ()
 
 
+@pytest.mark.long
 def test_a_force_of_the_wrong_sign_is_no_lag() -> None:
     assert "phase" not in {f.quantity for f in of_beam(lagging(SOUND, 180.0)).findings}
 

@@ -361,6 +361,7 @@ def test_exponents_with_slip_and_separation_are_those_of_time_marching(friction_
     assert min(folded) < 2e-3 * w
 
 
+@pytest.mark.long
 def test_just_touching_contacts_make_rates_uncertain_and_it_is_said(friction_system):
     """At 12 N one slider is caught slipping or not, depending on the samples: marching in 256 and in 512 steps gives
     rates 12 % apart, and so do exponents of the sampled law; the sign is not in doubt. Followed between the samples the
