@@ -11,8 +11,9 @@ from pydantic_core import to_json
 from rich.console import Console
 
 from updamp.comparison.compare import compare
-from updamp.comparison.comparison import COMPARISON_JSON
+from updamp.comparison.comparison import COMPARISON_JSON, MOVED_BY_NUMERICS
 from updamp.comparison.fit.compared import compare_at, predict_branches
+from updamp.comparison.fit.moved_by_numerics import moved_frequencies
 from updamp.comparison.fit.observations import Plan, plan_of
 from updamp.comparison.prediction.branch_tasks import Branches, BranchesBy, in_turn
 from updamp.diagnosis.candidate_models.baseline import Baseline, baseline, calibrated_as, held_out_runs
@@ -92,6 +93,9 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
         cache = _cache(files, preset, options, inputs, effects, display)
         with chosen_workers(options.jobs, options.scheduler, options.own) as workers:
             start = _baseline(cache, inputs, plan, options, progress, BranchesBy(workers))
+            if moved := moved_frequencies(start.fitted.parametrisation.numerics, plan):
+                provenance[MOVED_BY_NUMERICS] = moved
+                display.note("numerics", f"{MOVED_BY_NUMERICS}: {moved}")
             found = search(start, effects, options.criteria, progress, CachedFits(cache, FitRunnerOf(workers)), workers)
             provenance["held out"] = ", ".join(plan.conditions[i].name for i in start.held_out) or "nothing"
             names = {channel.point: channel.name for channel in inputs.measurement.channels}
