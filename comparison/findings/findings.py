@@ -22,11 +22,11 @@ from updamp.model.calibration import LOSS_FACTOR
 
 Floats = NDArray[np.float64]
 
-FREQUENCY, DAMPING, SENSOR, AMPLITUDE = "frequency", "damping", "sensor", "amplitude"
+FREQUENCY, DAMPING, SENSOR, AMPLITUDE, RUN = "frequency", "damping", "sensor", "amplitude", "run"
 # Prior size of a misfit, which keeps directions that the data do not tell at zero: relative; of a resonance as a
 # share of the measured window, over which the model is taken as linear here. Shifts of all tests alike are what Young's
-# modulus is for: they are left to it.
-_SIZES = {FREQUENCY: 0.1, DAMPING: 1.0, SENSOR: 0.1}
+# modulus is for: they are left to it. Whole runs are off by twice or half where they are.
+_SIZES = {FREQUENCY: 0.1, DAMPING: 1.0, SENSOR: 0.1, RUN: float(np.log(2))}
 # Distance from a bound at which a parameter counts as held by it, in prior deviations.
 _AT_BOUND = 1e-3
 # Share of a mode's largest misfit below which a level gets no number: it is right, or far less wrong.
@@ -38,7 +38,7 @@ _AS_MEANT = 0.003
 @dataclass(frozen=True)
 class Direction:
     """A kind of misfit: quantity, condition (place in the plan) or sensor (point of the model, harmonic); amplitude is
-    that of all sensors in all tests"""
+    that of all sensors in all tests, run that of all sensors in one"""
 
     quantity: str
     test: int = -1
@@ -73,14 +73,14 @@ def misfits(fit: Fit, plan: Plan, damping_share: Sequence[float]) -> tuple[Misfi
     directions = _directions(plan)
     residual, columns, parameters = [], [], []
     for a in fit.compared.assemblies:
-        block = np.concatenate([a.common, _columns(fit, plan, a.repeat, directions)], axis=1)
+        block = np.concatenate([a.common, columns_of(fit, plan, a.repeat, directions)], axis=1)
         r, c = whitened_with(a, block, fit)
         residual.append(r)
         parameters.append(c[:, : a.common.shape[1]])
         columns.append(c[:, a.common.shape[1] :])
     r, p, d = np.concatenate(residual), np.concatenate(parameters), np.concatenate(columns)
     both = np.concatenate([p, d], axis=1)
-    sizes = np.array([_size(x, plan) for x in directions])
+    sizes = np.array([size_of(x, plan) for x in directions])
     before = 1 / fit.parametrisation.deviation**2
     prior = np.concatenate([before + 1 / np.maximum(fit.deviations, 1e-12) ** 2, 1 / sizes**2])
     both[:, : -len(directions)] *= ~_held(fit)
@@ -144,7 +144,8 @@ def farthest_first(
         left.remove(worst)
 
 
-def _size(direction: Direction, plan: Plan) -> float:
+def size_of(direction: Direction, plan: Plan) -> float:
+    """Its prior deviation."""
     if direction.quantity != FREQUENCY:
         return _SIZES[direction.quantity]
     low, high = plan.conditions[direction.test].window
@@ -173,7 +174,8 @@ def _directions(plan: Plan) -> list[Direction]:
     ]
 
 
-def _columns(fit: Fit, plan: Plan, repeat: int, directions: Sequence[Direction]) -> Floats:
+def columns_of(fit: Fit, plan: Plan, repeat: int, directions: Sequence[Direction]) -> Floats:
+    """(values of the assembly, directions) what a unit of each takes from its residual."""
     damping = fit.parametrisation.names.index(LOSS_FACTOR.name)
     blocks = []
     for m in (m for m in fit.compared.matched if m.observations.repeat == repeat):
@@ -184,6 +186,8 @@ def _columns(fit: Fit, plan: Plan, repeat: int, directions: Sequence[Direction])
                 block[:, j] = m.by_observation[:, :, 0].ravel()
             elif direction.quantity == DAMPING and direction.test == test:
                 block[:, j] = m.by_parameter[:, :, damping].ravel()
+            elif direction.quantity == RUN and direction.test == test:
+                block[:, j] = np.sum(m.by_observation[:, :, 1::2], axis=2).ravel()
             elif direction.quantity == SENSOR and direction.sensor in sensors:
                 block[:, j] = m.by_observation[:, :, 1 + 2 * sensors.index(direction.sensor)].ravel()
         blocks.append(block)

@@ -24,6 +24,7 @@ from updamp.comparison.findings.findings import (
 from updamp.comparison.findings.gross_sensors import sensor_misfits
 from updamp.comparison.findings.peak_misfit import without_peak
 from updamp.comparison.findings.peak_sentences import without_peak_findings
+from updamp.comparison.findings.whole_runs import whole_run_findings
 from updamp.comparison.fit.failing_model import RISK
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Plan
@@ -46,11 +47,14 @@ def linear_findings(
 ) -> tuple[Finding, ...]:
     """Of a model without contacts: sentences on misfits as estimated to first order or, where the model fails, as read
     off the resonances, whose damping its phase tells: to first order what a misfit consists of drowns in its whole.
+    Where runs that are off as a whole account for it, nothing else is read off them.
 
     branches: calibrated, one a condition; measured, model: as for `gross_misfits`
     """
     if lack_of_fit(fit, plan) >= RISK:
         return findings(fit, plan, first_order)
+    if whole_runs := whole_run_findings(fit, plan):
+        return whole_runs
     gains = [m for m in first_order if m.direction.quantity == AMPLITUDE or m.direction.sensor[1] != 1]
     missing = [i for i in without_peak(plan, branches) if _has_peak(plan, i)]
     of_tests = [m for m in gross_misfits(fit, plan, measured, model) if m.direction.test not in missing]
