@@ -23,6 +23,7 @@ from updamp.effects import (
     friction_running_in,
     joint_clearance,
     joint_cubic,
+    joint_cubic_damping,
     joint_friction,
     joint_microslip,
     joint_quadratic,
@@ -102,6 +103,7 @@ JOINTS: Mapping[str, Effect] = MappingProxyType(
             joint_quintic.EFFECT,
             joint_clearance.EFFECT,
             joint_quadratic.EFFECT,
+            joint_cubic_damping.EFFECT,
             joint_friction.EFFECT,
             joint_microslip.EFFECT,
         )

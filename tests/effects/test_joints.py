@@ -22,7 +22,7 @@ UNITS = pint.get_application_registry()  # one for all: to make one takes half a
 
 NAMES = (
     "joint_viscous", "joint_viscoelastic", "joint_square", "joint_cubic", "joint_quintic", "joint_clearance",
-    "joint_quadratic", "joint_friction", "joint_microslip",
+    "joint_quadratic", "joint_cubic_damping", "joint_friction", "joint_microslip",
 )  # fmt: skip
 POINT = "beam.drive.x"
 FORCED = RunCondition("forced", "first", 0.2, True, (79.0, 81.5), ((POINT, 1),))
@@ -114,6 +114,7 @@ def test_slope_by_the_level_is_what_a_higher_level_does(beam: RigModel) -> None:
         ("joint_quintic", 0.625 * 1e19, 0.0),
         ("joint_clearance", 5e3, 0.0),
         ("joint_quadratic", 0.0, 8 / (3 * np.pi) * 50.0),
+        ("joint_cubic_damping", 0.0, 0.75 * 1e3),
         ("joint_friction", 0.0, 4 / np.pi * 0.1),
         ("joint_viscoelastic", 5e3, 0.0),
     ],
@@ -122,8 +123,8 @@ def test_resonance_at_a_held_level_is_that_of_the_equivalent_mode(
     beam: RigModel, name: str, stiffness: float, dashpot: float
 ) -> None:
     """stiffness, dashpot: equivalent ones at this amplitude; those of the springs per A, A^2 and A^4, of a clearance
-    far beyond the gap, of the quadratic damper per w A, of dry friction over w A, the viscoelastic layer's as
-    k i w tau / (1 + i w tau)."""
+    far beyond the gap, of the quadratic damper per w A, of the cubic one per its square, of dry friction over w A, the
+    viscoelastic layer's as k i w tau / (1 + i w tau)."""
     f, receptance = peak(branch(beam, name, 1.0, HELD))
     w = 2 * np.pi * f
     amplitude = LEVEL / w**2
@@ -131,10 +132,7 @@ def test_resonance_at_a_held_level_is_that_of_the_equivalent_mode(
     if name == "joint_clearance":
         t = np.arccos(5e-5 / amplitude)
         stiffness *= 2 / np.pi * (t - np.sin(t) * np.cos(t))
-    if name == "joint_quadratic":
-        dashpot *= w * amplitude
-    if name == "joint_friction":
-        dashpot /= w * amplitude
+    dashpot *= (w * amplitude) ** {"joint_quadratic": 1, "joint_cubic_damping": 2, "joint_friction": -1}.get(name, 0)
     added = complex(stiffness, w * dashpot)
     if name == "joint_viscoelastic":
         added = stiffness * 1j * w * 1e-3 / (1 + 1j * w * 1e-3)

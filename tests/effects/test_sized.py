@@ -32,6 +32,7 @@ def smaller():
         ("joint_clearance", 0, FORCE / LENGTH),
         ("joint_clearance", 1, LENGTH),
         ("joint_quadratic", 0, FORCE / (LENGTH * FREQUENCY) ** 2),
+        ("joint_cubic_damping", 0, FORCE / (LENGTH * FREQUENCY) ** 3),
         ("joint_friction", 0, FORCE),
         ("joint_microslip", 0, FORCE / LENGTH),
         ("joint_microslip", 1, 1.0),
