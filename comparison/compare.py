@@ -181,6 +181,7 @@ def comparison_of(
         force_unit=measurement.units[1],
         unlike_repeats=unlike_repeats(fitted.compared, repeats, plan),
         odd_points=odd_points(calibrated.odd, plan, names),
+        questions=measurement.questions,
     )
 
 
@@ -196,7 +197,7 @@ def _of_features(
     found, nan = feature_findings(features), float("nan")
     return Comparison(
         measurement.title, not found, found, (), (), (), (), (), tuple(features), {}, nan, nan, 0, 0, {},
-        measurement.stated, provenance,
+        measurement.stated, provenance, questions=measurement.questions,
     )  # fmt: skip
 
 

@@ -222,6 +222,7 @@ class Comparison:
     response_unit, force_unit: "m" and "N", or what stands for them where channels are not calibrated
     contact_states: for each curve's name "OOP 17 N": share of contacts stuck, slipping, separating, open at the peak
     unlike_repeats, odd_points: runs and points that are to be looked at, whatever the model does
+    questions: what is hardly meant as it is stated: to be answered before anything here is believed
     calibrated_modes: of a rig given by several modes, what the factors on all modes and on each are together
     """
 
@@ -248,6 +249,7 @@ class Comparison:
     unlike_repeats: tuple[UnlikeRun, ...] = ()
     odd_points: tuple[OddPoint, ...] = ()
     calibrated_modes: tuple[Calibrated, ...] = ()
+    questions: tuple[str, ...] = ()
 
     @property
     def to_look_at(self) -> tuple[str, ...]:

@@ -14,16 +14,21 @@ FEW = 5  # findings that are not folded away
 BEFORE_SEARCH = """The model that the search for the missing effect began with: calibrated, without any effect that the
 verdict on top of this page names. What of it stands out of the scatter:"""
 
+ASKED = """To be answered first: calibration makes up for what is stated wrongly, and what is told below may be nothing
+else."""
 TO_LOOK_AT = "Runs and points to look at, whatever the model does:"
 
 
 def render(report: Report) -> Content:
     """Where the page has the verdict of a diagnosis, that is the only one."""
     comparison = report.comparison
+    html = ""
+    if comparison.questions:
+        html += paragraph(ASKED) + "".join(paragraph(question) for question in comparison.questions)
     if report.verdict is None:
-        html = f'<p class="verdict {_kind(comparison)}">{escape(verdict_sentence(comparison))}</p>'
+        html += f'<p class="verdict {_kind(comparison)}">{escape(verdict_sentence(comparison))}</p>'
     else:
-        html = paragraph(BEFORE_SEARCH if comparison.findings else verdict_sentence(comparison))
+        html += paragraph(BEFORE_SEARCH if comparison.findings else verdict_sentence(comparison))
     if comparison.findings:
         html += _findings([_finding(finding, comparison) for finding in comparison.findings])
     if comparison.to_look_at:
@@ -65,7 +70,7 @@ def within_scatter(comparison: Comparison) -> bool:
 
 def _kind(comparison: Comparison) -> str:
     if comparison.adequate:
-        return "good"
+        return "fair" if comparison.questions else "good"
     return "fair" if within_scatter(comparison) else "bad"
 
 

@@ -308,3 +308,14 @@ def test_units_and_per_cent() -> None:
     assert with_unit(math.nan, "Pa") == MISSING
     assert percent(0.0789) == "+7.9 %"
     assert percent(-0.31) == f"{MINUS}31 %"
+
+
+def test_what_is_to_be_answered_first_stands_before_the_verdict(comparison: Comparison) -> None:
+    """An adequate model that a unit stated wrongly was calibrated away for is not "good"."""
+    asked = replace(comparison, adequate=True, findings=(), questions=("is it RMS & not peak?",))
+    content = OUTCOME.render(Report(asked))
+    assert content is not None
+    assert content.html.index("is it RMS &amp; not peak?") < content.html.index('class="verdict fair"')
+    sound = OUTCOME.render(Report(replace(asked, questions=())))
+    assert sound is not None
+    assert 'class="verdict good"' in sound.html
