@@ -152,7 +152,8 @@ def _more_damping(fitted: FittedLaw, reference: ReferenceMotion) -> str:
     where = _where(fitted, reference, "N s/m")
     if fitted.size < 0:
         return f"the model has too much damping at large amplitudes ({where})"
-    return f"damping is missing that rises with amplitude ({where}), as of micro-slip in a joint"
+    by = f"a force by the power {fitted.law.power + 1:g} of the velocity, or, where stiffness is lost too, micro-slip"
+    return f"damping is missing that rises with amplitude ({where}), as of {by}"
 
 
 def _where(fitted: FittedLaw, reference: ReferenceMotion, unit: str) -> str:
