@@ -45,7 +45,7 @@ class Candidate:
         (`residual.fit.misfit`), by the refit; delta_bic: BIC without less BIC with it
     held_out_gain: relative fall of the weighted residual RMS on force levels and mode that the fit never saw
     obtained_drop, delta_bic and held_out_gain are nan and `parameters` is empty where it was not refitted
-    accepted: passed every test; reason: why not, "" where accepted
+    accepted: passed every test, and none explains the data better; reason: why not, "" where accepted
     """
 
     name: str

@@ -1,6 +1,7 @@
 """From what the search has found to the verdict that is handed on."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +32,7 @@ from updamp.diagnosis.verdict import (
 )
 
 Floats = NDArray[np.float64]
+_LESS_WELL = "would explain it too, less well"
 
 
 def conclude(
@@ -70,7 +72,11 @@ def _candidates(found: SearchResult, decision: Decision, criteria: Criteria) -> 
         name = tested.effect
         # parameters of effects that are missing together are those of the fit with both
         joint = decision.trial.effects if decision.trial is not None and name in decision.trial.effects else (name,)
-        listed.append(_candidate(found, tested, found.evidence.trial_of(joint), found.refits.get(joint), criteria))
+        candidate = _candidate(found, tested, found.evidence.trial_of(joint), found.refits.get(joint), criteria)
+        named = (*decision.effects, *decision.group)
+        if candidate.accepted and named and name not in named:
+            candidate = replace(candidate, accepted=False, reason=_LESS_WELL)
+        listed.append(candidate)
     return tuple(sorted(listed, key=lambda c: -c.obtained_drop if np.isfinite(c.obtained_drop) else -c.predicted_drop))
 
 

@@ -152,6 +152,7 @@ def _more_damping(fitted: FittedLaw, reference: ReferenceMotion) -> str:
     where = _where(fitted, reference, "N s/m")
     if fitted.size < 0:
         return f"the model has too much damping at large amplitudes ({where})"
+    assert fitted.law.power is not None, "it rises with one"
     by = f"a force by the power {fitted.law.power + 1:g} of the velocity, or, where stiffness is lost too, micro-slip"
     return f"damping is missing that rises with amplitude ({where}), as of {by}"
 
