@@ -38,6 +38,9 @@ def sentence(decision: Decision, evidence: Evidence, criteria: Criteria, words: 
     fall = f"the error falls from {before:.1f} to {trial.excess**0.5:.2f} times {words.scatter}"
     if np.isfinite(trial.held_out):
         fall += f", on {words.unseen} from {evidence.held_out:.1f} to {trial.held_out:.2f}"
+    if criteria.is_doubtful(trial.excess, evidence.freedom):
+        rarely = f"chance leaves as much in one test of {1 / criteria.doubtful:.0f} at most"
+        fall += f"; {rarely}: it may not be all, or a like law"
     if decision.outcome == "inseparable":
         return f"{_apart(decision, words)}, and these data do not tell which: {fall}"
     return f"{_told(decision.effects, words)}: {fall}"

@@ -100,3 +100,11 @@ def test_with_nothing_held_out_nothing_is_said_of_it() -> None:
     alone = replace(SLIP, held_out=nan, unseen=nan)
     found = said(excess=1.1, held_out=nan, unseen=nan, unseen_independent=0.0, trials=(replace(alone, delta_bic=1.0),))
     assert found.endswith("1.05 times the scatter; no run was held out")
+
+
+def test_what_an_effect_leaves_beyond_chance_is_told_with_its_name() -> None:
+    """A sensor that compressed was called drag, which left 1.4 times the scatter."""
+    doubtful = replace(SLIP, excess=1.2)
+    assert said(trials=(doubtful,)).endswith(
+        "to 1.10; chance leaves as much in one test of 20 at most: it may not be all, or a like law"
+    )
