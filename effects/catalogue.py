@@ -39,6 +39,7 @@ from updamp.effects import (
     pressure_crown,
     pressure_dependent_stiffness,
     pressure_slope,
+    sensor_compression,
     sensor_gain,
     shaker_attachment,
     static_dynamic_coupling,
@@ -115,7 +116,13 @@ JOINTS: Mapping[str, Effect] = MappingProxyType(
 FAULTS: Mapping[str, Effect] = MappingProxyType(
     {
         effect.name: effect
-        for effect in (phase_lag.EFFECT, feed_through.EFFECT, sensor_gain.EFFECT, amplifier_drift.EFFECT)
+        for effect in (
+            phase_lag.EFFECT,
+            feed_through.EFFECT,
+            sensor_gain.EFFECT,
+            amplifier_drift.EFFECT,
+            sensor_compression.EFFECT,
+        )
     }
 )
 OWN: Mapping[str, Effect] = MappingProxyType({**CATALOGUE, **JOINTS, **FAULTS})

@@ -1,6 +1,6 @@
 """What is read of a motion: where the measurement is at fault, something else than the motion.
 
-    y = (1 + gain) exp(-i lag) exp(trend s) x + background F
+    y = (1 + gain) exp(-i lag) exp(trend s) exp(-compression |x|^2) x + background F
 
 x the displacement, F the force, s from 0 at the start of a sweep to 1 at its end.
 """
@@ -17,11 +17,12 @@ Complex = NDArray[np.complex128]
 @dataclass(frozen=True)
 class Reading:
     """Of all sensors alike. factor: on the displacement; trend: of the logarithm of the amplitude over a sweep;
-    background: proportional to the force [m/N]"""
+    background: proportional to the force [m/N]; compression: of it by the square of the amplitude [1/m^2]"""
 
     factor: complex = 1.0 + 0j
     trend: float = 0.0
     background: complex = 0j
+    compression: float = 0.0
 
     def turned(self, factor: complex) -> "Reading":
         """With a further factor on what it reads of the displacement."""
@@ -29,13 +30,26 @@ class Reading:
 
     def of(self, displacement: Complex, share: Floats, force: float) -> Complex:
         """(..., n_sensors) from displacements like it [m]; share: (...) of the sweep that is done; force [N]"""
-        return displacement * self.by_displacement(share) + self.background * force
+        return self.compressed(displacement) * self.by_displacement(share) + self.background * force
+
+    def compressed(self, displacement: Complex) -> Complex:
+        """(..., n_sensors)"""
+        return np.asarray(displacement * np.exp(-self.compression * np.abs(displacement) ** 2))
+
+    def compressed_change(self, displacement: Complex, change: Complex) -> Complex:
+        """(..., n_sensors) to first order, of changes of the displacement."""
+        grown = 2 * np.real(np.conj(displacement) * change)
+        share = np.exp(-self.compression * np.abs(displacement) ** 2)
+        return np.asarray(share * (change - self.compression * displacement * grown))
 
     def difference(self, other: "Reading", displacement: Complex, share: Floats, force: float) -> Complex:
         """(..., n_sensors) from what this one reads to what another one nearby does, to first order: a lag has none in
         the amplitude."""
         logarithm = np.log(other.factor / self.factor) + (other.trend - self.trend) * share
-        read = displacement * self.by_displacement(share) * np.asarray(logarithm)[..., None]
+        further = (other.compression - self.compression) * np.abs(displacement) ** 2
+        read = (
+            self.compressed(displacement) * self.by_displacement(share) * (np.asarray(logarithm)[..., None] - further)
+        )
         return np.asarray(read + (other.background - self.background) * force)
 
     def by_displacement(self, share: Floats) -> Complex:

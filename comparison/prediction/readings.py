@@ -1,6 +1,7 @@
 """A branch as it is read: motion through what the measurement makes of it (`effects/reading.py`)."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,22 +23,33 @@ def as_read(moving: Moving, reading: Reading, changes: Sequence[Change], conditi
     """
     if reading == Reading() and all(change.reading == reading for change in changes):
         return moving
+    if condition.control is not None:
+        reading, changes = (
+            _at_one_amplitude(reading),
+            [replace(c, reading=_at_one_amplitude(c.reading)) for c in changes],
+        )
     state, along, slopes = moving
     log_f, x, force = state[:, 0], amplitudes(state), condition.force
     share, by_log_f = _share(log_f, condition)
     y, factor = reading.of(x, share, force), reading.by_displacement(share)
-    of_frequency = factor * x * reading.trend * by_log_f
-    read_slopes = factor[:, None] * amplitudes(slopes) + of_frequency[:, None] * slopes[:, :, :1]
+    of_frequency = factor * reading.compressed(x) * reading.trend * by_log_f
+    read_slopes = factor[:, None] * reading.compressed_change(x[:, None], amplitudes(slopes))
+    read_slopes += of_frequency[:, None] * slopes[:, :, :1]
     for j, change in enumerate(changes):
         read_slopes[:, j] += reading.difference(change.reading, x, share, force) / change.step
     if condition.control is None:  # else responses are those over the force
         read_slopes[:, -1] += reading.background * force
-    read_along = factor * amplitudes(along) + of_frequency * along[:, :1]
+    read_along = factor * reading.compressed_change(x, amplitudes(along)) + of_frequency * along[:, :1]
     return (
         np.column_stack([log_f, pairs(y)]),
         np.column_stack([along[:, 0], pairs(read_along)]),
         np.concatenate([slopes[:, :, :1], pairs(read_slopes)], axis=2),
     )
+
+
+def _at_one_amplitude(reading: Reading) -> Reading:
+    """Where the response is held, what its sensor falls short by is a gain."""
+    return replace(reading, compression=0.0)
 
 
 def amplitudes(values: Floats) -> Complex:

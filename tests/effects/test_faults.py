@@ -31,7 +31,7 @@ UP = RunCondition("up", "first", FORCE, True, (79.0, 81.5), ((POINT, 1),))
 DOWN = RunCondition("down", "first", FORCE, False, (79.0, 81.5), ((POINT, 1),))
 HELD = RunCondition("held", "first", FORCE, True, (79.0, 81.5), ((POINT, 1),), control=HeldResponse(POINT, 40.0, 2))
 CONDITIONS = pytest.mark.parametrize("condition", [UP, DOWN, HELD], ids=lambda c: c.name)
-NAMES = ("phase_lag", "feed_through", "sensor_gain", "amplifier_drift")
+NAMES = ("phase_lag", "feed_through", "sensor_gain", "amplifier_drift", "sensor_compression")
 
 
 @pytest.fixture(scope="module")
@@ -86,6 +86,9 @@ def test_what_is_read_is_what_the_formulas_say(beam: RigModel, condition: RunCon
     np.testing.assert_allclose(y, linear(f) + (1 + 1j) * 1e-5 * FORCE, rtol=1e-7)
     f, y = read("sensor_gain")
     np.testing.assert_allclose(y, linear(f) * 1.05, rtol=1e-7)
+    f, y = read("sensor_compression")
+    short = 0.0 if condition.control is not None else 5e6
+    np.testing.assert_allclose(y, linear(f) * np.exp(-short * np.abs(linear(f)) ** 2), rtol=1e-7)
     f, y = read("amplifier_drift")
     start, end = condition.window if condition.upwards else condition.window[::-1]
     done = np.log(f / start) / np.log(end / start)
