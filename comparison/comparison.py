@@ -13,6 +13,8 @@ Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 # Key of the provenance: probability of a misfit as large by chance.
 LACK_OF_FIT = "lack of fit"
+# Before questions on what is stated, which stand before all else.
+ASKED_FIRST = "answer this first: calibration and searches make up for it, and what they find may be nothing else"
 MOVED_BY_NUMERICS = "finer numerics move frequencies by up to"
 FAR = 2.0  # prior standard deviations, from where on a calibrated value deserves a word: 1 in 20 by chance
 

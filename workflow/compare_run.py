@@ -10,7 +10,7 @@ import numpy as np
 from rich.console import Console
 
 from updamp.comparison.compare import CompareOptions, compare
-from updamp.comparison.comparison import COMPARISON_JSON, Comparison, CurvePair, FeatureComparison
+from updamp.comparison.comparison import ASKED_FIRST, COMPARISON_JSON, Comparison, CurvePair, FeatureComparison
 from updamp.comparison.findings.stated_values import WITHOUT_DAMPER, compare_features, needed
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.prediction.branch_tasks import Branches, InTurn, Report, by_processes
@@ -35,7 +35,6 @@ from updamp.workflow.run import Run
 from updamp.workflow.run_options import RunOptions
 
 NUMERICAL_ERROR = "numerical error asked of"
-ASKED_FIRST = "answer this first: calibration and searches make up for it, and what they find may be nothing else"
 
 
 @dataclass(frozen=True)

@@ -71,25 +71,18 @@ def misfits(fit: Fit, plan: Plan, damping_share: Sequence[float]) -> tuple[Misfi
         the material's loss factor into one on all the damping
     """
     directions = _directions(plan)
-    residual, columns, parameters = [], [], []
-    for a in fit.compared.assemblies:
-        block = np.concatenate([a.common, columns_of(fit, plan, a.repeat, directions)], axis=1)
-        r, c = whitened_with(a, block, fit)
-        residual.append(r)
-        parameters.append(c[:, : a.common.shape[1]])
-        columns.append(c[:, a.common.shape[1] :])
-    r, p, d = np.concatenate(residual), np.concatenate(parameters), np.concatenate(columns)
-    both = np.concatenate([p, d], axis=1)
+    r, both = equations_with(fit, plan, directions)
+    n = both.shape[1] - len(directions)
     sizes = np.array([size_of(x, plan) for x in directions])
     before = 1 / fit.parametrisation.deviation**2
     prior = np.concatenate([before + 1 / np.maximum(fit.deviations, 1e-12) ** 2, 1 / sizes**2])
-    both[:, : -len(directions)] *= ~_held(fit)
+    both[:, :n] *= ~_held(fit)
     covariance = np.linalg.inv(both.T @ both + np.diag(prior))
     # the parameters stand at their best values: their own gradient is nil, but for the prior's
     estimate = covariance @ (both.T @ r - np.append(fit.u * before, np.zeros(len(sizes))))
     # with the noise that the misfit asks for, where it is larger (R. T. Birge, Phys. Rev. 40 (1932) 207)
     covariance = covariance * max(1.0, fit.compared.mean_squared_misfit)
-    estimate, covariance = estimate[p.shape[1] :], covariance[p.shape[1] :, p.shape[1] :]
+    estimate, covariance = estimate[n:], covariance[n:, n:]
 
     def misfit(direction: Direction, combined: Floats) -> Misfit:
         # a correction that the model needs upwards is a model that reads low
@@ -174,8 +167,19 @@ def _directions(plan: Plan) -> list[Direction]:
     ]
 
 
-def columns_of(fit: Fit, plan: Plan, repeat: int, directions: Sequence[Direction]) -> Floats:
-    """(values of the assembly, directions) what a unit of each takes from its residual."""
+def equations_with(fit: Fit, plan: Plan, directions: Sequence[Direction]) -> tuple[Floats, Floats]:
+    """(values,) residuals of all assemblies with their scatter taken into account, and (values, p + directions) what a
+    unit of each fitted parameter and direction takes from them."""
+    residuals, columns = [], []
+    for a in fit.compared.assemblies:
+        block = np.concatenate([a.common, _columns(fit, plan, a.repeat, directions)], axis=1)
+        r, c = whitened_with(a, block, fit)
+        residuals.append(r)
+        columns.append(c)
+    return np.concatenate(residuals), np.concatenate(columns)
+
+
+def _columns(fit: Fit, plan: Plan, repeat: int, directions: Sequence[Direction]) -> Floats:
     damping = fit.parametrisation.names.index(LOSS_FACTOR.name)
     blocks = []
     for m in (m for m in fit.compared.matched if m.observations.repeat == repeat):

@@ -21,11 +21,10 @@ from updamp.comparison.findings.findings import (
     FREQUENCY,
     RUN,
     Direction,
-    columns_of,
+    equations_with,
     in_percent,
     level_of,
     size_of,
-    whitened_with,
 )
 from updamp.comparison.fit.failing_model import RISK
 from updamp.comparison.fit.fit import Fit
@@ -67,18 +66,13 @@ def _differences(of_modes: Sequence[Sequence[int]]) -> Floats:
 def _estimated(fit: Fit, plan: Plan, directions: Sequence[Direction], combined: Floats) -> tuple[Floats, Floats, float]:
     """(directions,) how far each is off, their covariance with the noise that is left, and the mean squared misfit that
     they leave. combined: (directions, combinations) orthonormal, which alone are free"""
-    residual, blocks = [], []
-    for a in fit.compared.assemblies:
-        block = np.concatenate([a.common, columns_of(fit, plan, a.repeat, directions) @ combined], axis=1)
-        r, c = whitened_with(a, block, fit)
-        residual.append(r)
-        blocks.append(c)
-    r, both = np.concatenate(residual), np.concatenate(blocks)
+    r, columns = equations_with(fit, plan, directions)
+    n = columns.shape[1] - len(directions)
+    both = np.concatenate([columns[:, :n], columns[:, n:] @ combined], axis=1)
     before = 1 / fit.parametrisation.deviation**2
     sizes = np.array([size_of(direction, plan) for direction in directions])
     free = combined.T @ (combined / sizes[:, None] ** 2)
     covariance = np.linalg.inv(both.T @ both + scipy.linalg.block_diag(np.diag(before), free))
-    n = len(before)
     estimate = covariance @ (both.T @ r - np.append(fit.u * before, np.zeros(combined.shape[1])))
     left = fit.compared.mean_squared_misfit * float(np.sum((r - both @ estimate) ** 2) / np.sum(r**2))
     deviations = combined @ covariance[n:, n:] @ combined.T * max(1.0, left)

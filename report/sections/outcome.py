@@ -5,7 +5,7 @@ from html import escape
 
 from scipy.stats import chi2
 
-from updamp.comparison.comparison import LACK_OF_FIT, Comparison, Finding
+from updamp.comparison.comparison import ASKED_FIRST, LACK_OF_FIT, Comparison, Finding
 from updamp.comparison.fit.failing_model import RISK
 from updamp.report.markup import level_name, level_word, number, paragraph
 from updamp.report.section import Content, Report, ReportSection
@@ -14,8 +14,6 @@ FEW = 5  # findings that are not folded away
 BEFORE_SEARCH = """The model that the search for the missing effect began with: calibrated, without any effect that the
 verdict on top of this page names. What of it stands out of the scatter:"""
 
-ASKED = """To be answered first: calibration makes up for what is stated wrongly, and what is told below may be nothing
-else."""
 TO_LOOK_AT = "Runs and points to look at, whatever the model does:"
 
 
@@ -24,7 +22,7 @@ def render(report: Report) -> Content:
     comparison = report.comparison
     html = ""
     if comparison.questions:
-        html += paragraph(ASKED) + "".join(paragraph(question) for question in comparison.questions)
+        html += "".join(paragraph(text) for text in (f"{ASKED_FIRST.capitalize()}:", *comparison.questions))
     if report.verdict is None:
         html += f'<p class="verdict {_kind(comparison)}">{escape(verdict_sentence(comparison))}</p>'
     else:
