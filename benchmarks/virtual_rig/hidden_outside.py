@@ -197,6 +197,7 @@ EFFECTS = tuple(
             saturating_spring,
         ),
         HiddenEffect("quadratic_stiffness", "stiffness grows with amplitude itself",
-                     strengths("coefficient", 1e7, 3e7, 1e8), quadratic_stiffness),
+                     strengths("coefficient", 1e7, 3e7, 1e8), quadratic_stiffness,
+                     renamed=Renamed("blade_square_stiffness", dict)),
     )
 )  # fmt: skip

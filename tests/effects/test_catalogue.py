@@ -22,7 +22,7 @@ NAMES = (
     "material_damping", "contact_viscosity", "velocity_dependent_friction", "sub_patch_microslip",
     "friction_gradient", "edge_gap", "blade_cubic_stiffness", "power_law_damping", "tip_friction",
     "platform_friction", "friction_by_face", "threshold_damping", "blade_stop", "face_length", "platform_height",
-    "blade_thickness", "face_angle", "breathing_crack", "friction_running_in",
+    "blade_thickness", "face_angle", "breathing_crack", "friction_running_in", "blade_square_stiffness",
 )  # fmt: skip
 # What does nothing by itself: it says how another parameter's effect grows.
 WITHOUT_SIZE = {(e.name, p.name) for e in CATALOGUE.values() for p in e.parameters if p.shape}
