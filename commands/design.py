@@ -13,13 +13,14 @@ from updamp.commands.shared import (
     Mesh,
     OutOfStudy,
     RigFile,
+    chosen_jobs,
     chosen_mesh,
     clean_errors,
     interruptible,
     out_option,
 )
 from updamp.parallel.ending import INTERRUPTED
-from updamp.parallel.resources import one_thread, usual_workers
+from updamp.parallel.resources import one_thread
 
 # What a command needs is imported when it is called, as everywhere in this folder.
 
@@ -54,7 +55,7 @@ def design(
         if folder is None:
             raise ValueError(f"{study}: no folder is stated; add out to [study], or give --out")
         with Display(console) as display:
-            result = run_study(read, folder, jobs or read.jobs or usual_workers(), scheduler, display)
+            result = run_study(read, folder, chosen_jobs(read.jobs if jobs is None else jobs), scheduler, display)
             display.done("files", ", ".join(write_outputs(result)))
         console.print(best_table(result, console.width))
         for note in result.method.notes if result.method else ():

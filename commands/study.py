@@ -6,9 +6,9 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from updamp.commands.shared import Debug, JobsOfStudy, OutOfStudy, clean_errors, interruptible
+from updamp.commands.shared import Debug, JobsOfStudy, OutOfStudy, chosen_jobs, clean_errors, interruptible
 from updamp.parallel.ending import INTERRUPTED
-from updamp.parallel.resources import one_thread, usual_workers
+from updamp.parallel.resources import one_thread
 
 # What the command needs is imported when it is called, as everywhere in this folder.
 
@@ -40,7 +40,9 @@ def study(
         keep_compiled()
         read, console = read_parameter_study(file, mesh), Console()
         with Display(console) as display:
-            run = run_parameter_study(read, out or read.out, jobs or read.jobs or usual_workers(), display, solve)
+            run = run_parameter_study(
+                read, out or read.out, chosen_jobs(read.jobs if jobs is None else jobs), display, solve
+            )
             findings = check_findings(run.result)
             display.done("files", ", ".join(write_outputs(run.result, findings, display)))
         if findings:

@@ -203,7 +203,10 @@ class Calibrated:
 
 @dataclass(frozen=True)
 class FeatureComparison:
-    """A stated value against the model's: all in SI, nan where there is none; relative: model over measured less 1"""
+    """A stated value against the model's: all in SI, nan where there is none
+
+    relative: model over measured less 1; relative_uncertainty: standard deviation of the stated value over it
+    """
 
     quantity: str
     mode: str
@@ -213,6 +216,7 @@ class FeatureComparison:
     upper: float
     model: float
     relative: float
+    relative_uncertainty: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -261,4 +265,4 @@ class Comparison:
 
 # `comparison.json`, every number kept to the last digit: the fields of `Comparison` by their names, and `schema`;
 # complex as {"re", "im"}, nan as null.
-COMPARISON_JSON = JsonDocument(Comparison, "updamp comparison 3", "updamp compare")
+COMPARISON_JSON = JsonDocument(Comparison, "updamp comparison 4", "updamp compare")

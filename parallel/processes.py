@@ -14,7 +14,7 @@ from typing import Any
 
 from updamp.hbm.compilation_cache import keep_compiled, keeps_compiled
 from updamp.parallel.ending import DeafProcesses, Worker, end_children
-from updamp.parallel.resources import environment, thread_limits
+from updamp.parallel.resources import checked_workers, environment, thread_limits
 from updamp.parallel.workers import Elsewhere, Workers, here
 
 _PATIENCE = 30  # s, with a Dask scheduler that has no workers yet
@@ -50,7 +50,7 @@ def chosen_workers(jobs: int, scheduler: str = "", own: tuple[Path, ...] = ()) -
     """jobs: processes of this machine; scheduler: address of a Dask scheduler whose workers replace them, "" for none
     own: files of the user's own effects, which the other processes read too
 
-    raises: ValueError where Dask is not installed or no worker comes
+    raises: ValueError where Dask is not installed or no worker comes, or for more processes than the memory holds
     """
     own, kept = tuple(path.resolve() for path in own), keeps_compiled()
     if scheduler:
@@ -63,7 +63,7 @@ def chosen_workers(jobs: int, scheduler: str = "", own: tuple[Path, ...] = ()) -
         with Client(scheduler) as client:
             _wait_for_workers(client, scheduler)
             yield Elsewhere(client.get_executor(pure=False), own, kept)
-    elif jobs > 1:
+    elif checked_workers(jobs) > 1:
         with processes(jobs) as pool:
             yield Elsewhere(pool, own, kept)
     else:

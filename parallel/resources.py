@@ -151,9 +151,20 @@ def free_memory() -> float:
     """Memory [bytes] that processes may still take: of the machine, or of the control group of this one."""
     free = float(psutil.virtual_memory().available)
     with suppress(OSError, ValueError):  # no control groups of version 2, or none that is limited
-        limit, used = ((_GROUP / name).read_text().strip() for name in ("memory.max", "memory.current"))
-        free = min(free, float(limit) - float(used))
+        free = min(free, _of_group("memory.max") - _of_group("memory.current"))
     return free
+
+
+def total_memory() -> float:
+    """Memory [bytes] of the machine, or what the control group of this process may take of it."""
+    total = float(psutil.virtual_memory().total)
+    with suppress(OSError, ValueError):
+        total = min(total, _of_group("memory.max"))
+    return total
+
+
+def _of_group(name: str) -> float:
+    return float((_GROUP / name).read_text().strip())
 
 
 MEMORY_OF_WORKER = 1e9  # bytes; docs/comparison.md has 1.1 GB for the largest of the reference rig's
@@ -163,7 +174,7 @@ def checked_workers(number: int) -> int:
     """raises: ValueError naming the option --jobs where it is below 1 or more than the memory holds"""
     if number < 1:
         raise ValueError(f"--jobs {number}: at least 1")
-    if number > (most := max(int(psutil.virtual_memory().total / MEMORY_OF_WORKER), 1)):
+    if number > (most := max(int(total_memory() / MEMORY_OF_WORKER), 1)):
         raise ValueError(f"--jobs {number}: each takes about 1 GB of memory; at most {most} fit into this machine's")
     return number
 

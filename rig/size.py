@@ -49,30 +49,30 @@ class Size:
     samples: int
     contacts: int
 
-    def elements_memory(self, options: SizeOptions = USUAL) -> float:
+    def elements_memory(self) -> float:
         """Of the finite elements [bytes]."""
-        return options.base + options.factor * (self.unknowns / options.unknowns) ** options.memory_power
+        return USUAL.base + USUAL.factor * (self.unknowns / USUAL.unknowns) ** USUAL.memory_power
 
-    def elements_seconds(self, options: SizeOptions = USUAL) -> float:
+    def elements_seconds(self) -> float:
         """From mesh to reduced model [s]."""
-        return options.begin + options.seconds * (self.unknowns / options.unknowns) ** options.time_power
+        return USUAL.begin + USUAL.seconds * (self.unknowns / USUAL.unknowns) ** USUAL.time_power
 
-    def most_unknowns(self, memory: float, options: SizeOptions = USUAL) -> int:
+    def most_unknowns(self, memory: float) -> int:
         """Of the finite elements that so much memory [bytes] holds."""
-        share = max(memory - options.base, 0.0) / options.factor
-        return int(options.unknowns * share ** (1 / options.memory_power))
+        share = max(memory - USUAL.base, 0.0) / USUAL.factor
+        return int(USUAL.unknowns * share ** (1 / USUAL.memory_power))
 
-    def matrices_memory(self, options: SizeOptions = USUAL) -> float:
+    def matrices_memory(self) -> float:
         """Of the dense matrices of one curve's points [bytes]."""
-        return 8.0 * options.matrices * self.balance**2
+        return 8.0 * USUAL.matrices * self.balance**2
 
-    def samples_memory(self, options: SizeOptions = USUAL) -> float:
+    def samples_memory(self) -> float:
         """Of the contacts' time samples [bytes]."""
-        return 8.0 * options.arrays * COMPONENTS_OF_3D * self.contacts * self.samples
+        return 8.0 * USUAL.arrays * COMPONENTS_OF_3D * self.contacts * self.samples
 
-    def curve_memory(self, options: SizeOptions = USUAL) -> float:
+    def curve_memory(self) -> float:
         """Of the process that traces one curve [bytes]."""
-        return options.base + self.matrices_memory(options) + self.samples_memory(options)
+        return USUAL.base + self.matrices_memory() + self.samples_memory()
 
 
 def size_of(rig: Rig, preset: str) -> Size:

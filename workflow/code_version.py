@@ -23,7 +23,7 @@ SEARCH = (
 )  # fmt: skip
 
 # Their results enter the last digits, their arrays the pickles.
-LIBRARIES = ("numpy", "scipy", "jax")
+LIBRARIES = ("numpy", "scipy", "jax", "numba", "llvmlite")
 
 
 @cache

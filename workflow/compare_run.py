@@ -243,8 +243,10 @@ def _features(
     for mode in dict.fromkeys(mode for mode, _ in wanted):
         forces = tuple(force for of_mode, force in wanted if of_mode == mode)
         run = Run(rig, RunOptions(preset, files.out, workers, (mode,), forces, check=False, pictures=False), display)
-        for stored in run.products().curves:
-            peaks[mode, stored.product.force] = stored.product.peak(rig.response_point)[0]
+        for curve in (stored.product for stored in run.products().curves):
+            # The largest response of a part of a curve may be no resonance, such as an end of the window.
+            known = curve.complete and len(curve)
+            peaks[mode, curve.force] = curve.peak(rig.response_point)[0] if known else float("nan")
 
     def resonance(mode: str, force: float) -> float:
         if WITHOUT_DAMPER in mode:

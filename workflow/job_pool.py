@@ -16,7 +16,7 @@ from typing import Any, Protocol
 
 from updamp.hbm.compilation_cache import keep_compiled
 from updamp.parallel.ending import DeafProcesses, Worker, end_children
-from updamp.parallel.resources import environment, thread_limits
+from updamp.parallel.resources import checked_workers, environment, thread_limits
 from updamp.parallel.workers import LOST
 
 REPORT_EVERY = 0.2  # s
@@ -92,8 +92,10 @@ def run_all(
 
     report, finished: called in this process
     following: which further jobs can be begun now that one is over
-    raises: KeyboardInterrupt after an interruption, once every worker has stored what it has solved
+    raises: KeyboardInterrupt after an interruption, once every worker has stored what it has solved; ValueError for
+        more workers than the memory holds
     """
+    checked_workers(workers)
     context = get_context("spawn")  # forking a process that has threads (MKL, JAX, VTK) can hang
     messages = context.Queue()
     alive, held = context.Pipe(duplex=False)  # closed, it asks the workers to end: no lock that a killed one could hold

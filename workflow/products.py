@@ -1,7 +1,7 @@
 """What a run's stages have given, each with its file and stamp."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Generic, TypeVar
 
@@ -73,14 +73,10 @@ class Products:
 
     @property
     def stamps(self) -> tuple[store.Stamp, ...]:
-        single = (self.mesh, *self.components, self.finite_elements, self.coupled_check, self.static_contact)
-        return tuple(
-            entry.stamp
-            for entry in (
-                *single, *self.curves, *self.finer, *self.stability, *self.marched, *self.resonances, *self.detached
-            )
-            if entry is not None
-        )  # fmt: skip
+        """Of all that is stored, whatever kind of product it is."""
+        held = (getattr(self, one.name) for one in fields(self))
+        entries = (entry for value in held for entry in (value if isinstance(value, tuple) else (value,)))
+        return tuple(entry.stamp for entry in entries if isinstance(entry, Stored))
 
 
 def why_stopped(product: object) -> str:

@@ -25,7 +25,7 @@ SCHEMA_VERSION = 1
 Product = TypeVar("Product")
 
 
-class StoreError(Exception):
+class StoreError(RuntimeError):
     """A file that cannot be used as it is; the message says what to do about it."""
 
     def __init__(self, path: Path, reason: str) -> None:

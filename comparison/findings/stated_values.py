@@ -8,7 +8,7 @@ from updamp.comparison.comparison import FeatureComparison, Finding
 from updamp.measurement.measurement import Feature
 
 RESONANCE, SHIFT = "resonance_frequency", "resonance_frequency_shift"
-# Resonance [Hz] of a mode at a force [N], nan for the structure without damper.
+# Resonance [Hz] of a mode at a force [N], which is nan for the structure without damper; nan where it is not known.
 Resonances = Callable[[str, float], float]
 # Of a stated value that the model misses: this many standard deviations count.
 _LIMIT = 3.0
@@ -46,27 +46,36 @@ def _compared(feature: Feature, features: Sequence[Feature], resonance: Resonanc
         model = abs(model / resonance(feature.mode, lowest_force(features, feature.mode)) - 1)
     return FeatureComparison(
         feature.quantity, feature.mode, feature.force, feature.value, feature.lower, feature.upper, model,
-        model / feature.value - 1,
+        model / feature.value - 1, feature.relative_uncertainty,
     )  # fmt: skip
 
 
-def feature_findings(compared: Sequence[FeatureComparison], uncertainty: float = 1e-3) -> tuple[Finding, ...]:
-    """Largest first. uncertainty: relative, of the stated values"""
+def feature_findings(compared: Sequence[FeatureComparison]) -> tuple[Finding, ...]:
+    """What is not known or beyond a bound first, then by how many of its standard deviations a value is missed."""
+    found = [finding for f in compared for finding in _findings_of(f)]
+    return tuple(sorted(found, key=lambda f: -abs(f.significance) if np.isfinite(f.significance) else -np.inf))
+
+
+def _findings_of(f: FeatureComparison) -> list[Finding]:
+    """Of a bound how far it is missed is not known in standard deviations: none is stated."""
+    level = f.force if np.isfinite(f.force) else None
+    at = f" at {f.force:g} N" if level is not None else ""
+    name, unit = ("resonance", " Hz") if f.quantity == RESONANCE else ("shift of the resonance", "")
+
+    def finding(text: str, relative: float, significance: float = float("nan")) -> Finding:
+        return Finding(f"{f.mode}: {text}", f.mode, level, "frequency", "", relative, significance)
+
+    if np.isnan(f.model):
+        return [finding(f"{name}{at} is not known, since the model's curve is not complete", float("nan"))]
     found = []
-    for f in compared:
-        level = f.force if np.isfinite(f.force) else None
-        at = f" at {f.force:g} N" if level is not None else ""
-        if np.isfinite(f.relative) and abs(f.relative) > _LIMIT * uncertainty:
-            word = "high" if f.relative > 0 else "low"
-            sizes = f"{f.model:.1f} Hz, measured {f.measured:.1f} Hz"
-            text = f"{f.mode}: resonance {100 * abs(f.relative):.1f} % {word}{at} ({sizes})"
-            found.append(Finding(text, f.mode, level, "frequency", "", f.relative, f.relative / uncertainty))
-        low, high = f.model < f.lower, f.model > f.upper
-        if low or high:
-            bound = f.lower if low else f.upper
-            relative = f.model / bound - 1
-            name, unit = ("resonance", " Hz") if f.quantity == RESONANCE else ("shift of the resonance", "")
-            beyond = "below" if low else "above"
-            text = f"{f.mode}: {name}{at} is {f.model:.4g}{unit}, {beyond} the stated {bound:.4g}{unit}"
-            found.append(Finding(text, f.mode, level, "frequency", "", relative, relative / uncertainty))
-    return tuple(sorted(found, key=lambda f: -abs(f.significance)))
+    if abs(f.relative) > _LIMIT * f.relative_uncertainty:
+        side = "high" if f.relative > 0 else "low"
+        sizes = f"{f.model:.4g}{unit}, stated {f.measured:.4g}{unit} within {100 * f.relative_uncertainty:.2g} %"
+        text = f"{name} {100 * abs(f.relative):.2g} % {side}{at} ({sizes})"
+        found.append(finding(text, f.relative, f.relative / f.relative_uncertainty))
+    low, high = f.model < f.lower, f.model > f.upper
+    if low or high:
+        bound, beyond = (f.lower, "below") if low else (f.upper, "above")
+        found.append(finding(f"{name}{at} is {f.model:.4g}{unit}, {beyond} the stated {bound:.4g}{unit}",
+                             f.model / bound - 1))  # fmt: skip
+    return found

@@ -80,9 +80,10 @@ class _Misfit:
         here, *moved = self.evaluate([self.problem.values(p) for p in (x, *(x + np.diag(steps)))])
         columns = []
         for i, record in enumerate(moved):
-            if self._residuals(record) is None:  # the other side, then
-                steps[i] = -steps[i]
-                (record,) = self.evaluate([self.problem.values(x + steps[i] * np.eye(len(x))[i])])
+            other = float(np.clip(x[i] - steps[i], 0, 1) - x[i])  # shorter beside a bound, where variables end
+            if self._residuals(record) is None and other:
+                steps[i] = other
+                (record,) = self.evaluate([self.problem.values(x + other * np.eye(len(x))[i])])
             columns.append(self._difference(here, record) / steps[i])
         return np.array(columns).T
 

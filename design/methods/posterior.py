@@ -10,7 +10,7 @@ that could get stuck.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
 import numpy as np
@@ -58,10 +58,20 @@ class Posterior(Method):
         records = evaluate([problem.values(one) for one in shares], total)
         for _ in range(self.rounds):
             family = self._family(problem, shares, records, rng)
-            further = family.draws[rng.choice(len(family.draws), self.designs_a_round, replace=False)]
+            further = family.designs(self.designs_a_round, rng)
             shares = np.vstack([shares, further])
             records += evaluate([problem.values(one) for one in further], total)
-        return _result(problem, self._family(problem, shares, records, rng), records)
+        family = self._family(problem, shares, records, rng)
+        found = _result(problem, family, records)
+        return replace(found, notes=(*found.notes, *self._few_draws(family)))
+
+    def _few_draws(self, family: "Family") -> list[str]:
+        if family.effective >= self.effective:
+            return []
+        return [
+            f"the posterior rests on {family.effective:.3g} independent draws of {self.draws} from the bounds, where "
+            f"{self.effective} are asked for: narrow the bounds, or raise `draws`"
+        ]
 
     def _family(
         self, problem: Problem, shares: Floats, records: Sequence[Record], rng: np.random.Generator
@@ -128,6 +138,12 @@ class Family:
     effective: float
     volume: float
     emulator: Emulator
+
+    def designs(self, most: int, rng: np.random.Generator) -> Floats:
+        """(n, n_variables) of the draws, no two alike: a narrow posterior has drawn few again and again"""
+        different, often = np.unique(self.draws, axis=0, return_counts=True)
+        chosen = rng.choice(len(different), min(most, len(different)), replace=False, p=often / often.sum())
+        return different[chosen]
 
 
 def _sampled(emulator: Emulator, n: int, most: int, wanted: float, rng: np.random.Generator) -> Family:

@@ -64,7 +64,7 @@ class ResonanceOptions(StepLengths):
             )
 
 
-class ResonanceStoppedError(Exception):
+class ResonanceStoppedError(RuntimeError):
     """A resonance that cannot be followed on. What was computed has been handed out already."""
 
     def __init__(self, solution: ResonanceSolution, status: Status) -> None:

@@ -24,7 +24,7 @@ ITERATIONS = 60
 SHORTEST = 1 / 64  # part of a Newton step
 
 
-class MarchError(Exception):
+class MarchError(RuntimeError):
     """A step that has no solution that is found; says how far off it is."""
 
 

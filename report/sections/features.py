@@ -9,10 +9,15 @@ from updamp.report.section import Content, Report, ReportSection
 
 HEAD = ("Quantity", "Mode", "Force", "Measured", "Model", "Model against measured")
 
+NOT_JUDGED = "Of the rig as its file states it, before any calibration; the verdict is of the curves alone."
+
 
 def render(report: Report) -> Content | None:
     features = report.comparison.features
-    return Content(table(HEAD, [_row(each) for each in features], numbers_from=2)) if features else None
+    if not features:
+        return None
+    judged = "" if report.comparison.curves == () else f"<p>{escape(NOT_JUDGED)}</p>"
+    return Content(judged + table(HEAD, [_row(each) for each in features], numbers_from=2))
 
 
 def _row(each: FeatureComparison) -> tuple[str, ...]:

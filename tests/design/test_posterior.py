@@ -84,3 +84,12 @@ def test_a_sum_that_is_determined_is_named():
 def test_it_wants_targets(folder):
     with pytest.raises(StudyError, match="targets are missing"):
         read_study(write_study(folder, METHOD))
+
+
+def test_a_narrow_posterior_is_followed_by_designs_that_differ_and_says_what_it_rests_on(folder):
+    narrow = TARGET.replace("2 Hz", "0.0001 Hz")
+    result = run(write_study(folder, f"{METHOD}\ndraws = 50000", narrow))
+    values = [tuple(one.values.values()) for one in result.records]
+    assert len(set(values)) == len(values), "none is solved twice"
+    assert result.method.summary["effective_draws"] < 100
+    assert any("independent draws of 50000 from the bounds" in note for note in result.method.notes)

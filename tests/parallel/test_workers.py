@@ -6,7 +6,7 @@ import pytest
 from support import measured_beam
 from support.odd_work import fails, has_read, killed, slow_first
 
-from updamp.parallel.processes import processes
+from updamp.parallel.processes import chosen_workers, processes
 from updamp.parallel.workers import Elsewhere, LongestFirst, WorkerLostError, here
 
 
@@ -67,3 +67,9 @@ def test_a_process_that_the_system_ends_is_told_and_so_is_what_to_do():
         assert lost.value.place == 1
         with pytest.raises(WorkerLostError, match="fewer --jobs"):
             workers(fails, None, [0], lambda *_: None)
+
+
+@pytest.mark.parametrize("number", [0, 100_000])
+def test_workers_that_the_memory_does_not_hold_are_refused_before_any_is_begun(number: int) -> None:
+    with pytest.raises(ValueError, match=f"--jobs {number}: "), chosen_workers(number):
+        raise AssertionError("begun")

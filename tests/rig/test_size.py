@@ -1,5 +1,6 @@
 """The stated size is that of the mesh, and what does not fit is refused with what would."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -62,3 +63,16 @@ def test_what_fits_fits_and_one_more_does_not() -> None:
 )
 def test_the_numerical_error_is_told_by_the_next_finer_presets(name: str, preset: str, finer: tuple[str, ...]) -> None:
     assert finer_presets(load_rig(RIGS / name), preset) == finer
+
+
+@pytest.mark.parametrize("preset", ["small", "medium", "full"])
+def test_of_a_balance_that_does_not_fit_fewer_unknowns_or_samples_do_than_it_has(preset: str) -> None:
+    rig = load_rig(RIGS / "pesaresi2017.toml")
+    size = size_of(rig, preset)
+    needed = size.curve_memory()
+    check_size(rig, preset, meshed=True, memory=1.001 * needed)
+    for share in (0.999, 0.9):
+        with pytest.raises(ValueError, match=r"at most \d+ (fit|samples)") as refused:
+            check_size(rig, preset, meshed=True, memory=share * needed)
+        (fits,) = re.findall(r"at most (\d+)", str(refused.value))
+        assert int(fits) < (size.balance if "unknowns" in str(refused.value) else size.samples)
