@@ -29,6 +29,7 @@ class Nuisance:
     deviation: prior standard deviation of the logarithm; largest: bound on its size
     scatter: what its logarithm is expected to vary by from one assembly to the next (standard deviation), before the
         repeats have been looked at
+    source: where these come from
     apply(model, factor) -> model
     """
 
@@ -37,6 +38,7 @@ class Nuisance:
     deviation: float
     largest: float
     scatter: float
+    source: str
     apply: Callable[[RigModel, float], RigModel]
 
 
@@ -70,19 +72,67 @@ class _ContactEntry:
         return model.with_contacts(**{self.entry: getattr(model.contacts.parameters, self.entry) * factor})
 
 
+# What is assumed here is an engineer's reading of how well each is known before a test; what repeats say replaces
+# `scatter`, and a calibration that ends several `deviation` off is told and bars an effect's name.
 YOUNGS_MODULUS = Nuisance(
-    "youngs_modulus", "Young's modulus of blades and damper", 0.01, 0.05, 2e-4, _stiffness_of_material
+    name="youngs_modulus",
+    sentence="Young's modulus of blades and damper",
+    deviation=0.01,
+    largest=0.05,
+    scatter=2e-4,
+    source="assumed: handbook values of one steel differ by a per cent; 2e-4 is 0.7 K of its temperature (3e-4 a kelvin)",
+    apply=_stiffness_of_material,
 )
-LOSS_FACTOR = Nuisance("loss_factor", "material loss factor", 0.5, 1.5, 0.02, _loss_factor)
+LOSS_FACTOR = Nuisance(
+    name="loss_factor",
+    sentence="material loss factor",
+    deviation=0.5,
+    largest=1.5,
+    scatter=0.02,
+    source="assumed: what a clamp loses is in it, so that a free blade's is known to a factor of 1.6 there",
+    apply=_loss_factor,
+)
 FRICTION = Nuisance(
-    "sliding_friction", "friction coefficient in vibration, preload as stated", 0.3, 1.5, 0.05, _ContactEntry("mu")
+    name="sliding_friction",
+    sentence="friction coefficient in vibration, preload as stated",
+    deviation=0.3,
+    largest=1.5,
+    scatter=0.05,
+    apply=_ContactEntry("mu"),
+    source="assumed: a third either way between tests of one pair of surfaces, a twentieth from assembly to assembly",
 )
-TANGENTIAL = Nuisance("tangential_stiffness", "tangential contact stiffness", 0.7, 2.5, 0.05, _ContactEntry("kt"))
-NORMAL = Nuisance("normal_stiffness", "normal contact stiffness", 0.7, 2.5, 0.05, _ContactEntry("kn"))
-PRELOAD = Nuisance("preload", "preload of the contacts", 0.02, 0.1, 0.03, _ContactEntry("n0"))
-# Of modes identified in a test, whose frequencies are known best and whose masses least (half a decibel).
-MODAL_STIFFNESS = Nuisance("modal_stiffness", "modal stiffness", 0.01, 0.05, 2e-4, _stiffness_of_material)
-MODAL_MASS = Nuisance("modal_mass", "modal mass", 0.05, 0.5, 0.01, _modal_mass)
+TANGENTIAL = Nuisance(
+    name="tangential_stiffness",
+    sentence="tangential contact stiffness",
+    deviation=0.7,
+    largest=2.5,
+    scatter=0.05,
+    source="assumed: a factor of two either way; Pesaresi et al. (2017), Fig. 11, study three decades of it",
+    apply=_ContactEntry("kt"),
+)
+NORMAL = replace(TANGENTIAL, name="normal_stiffness", sentence="normal contact stiffness", apply=_ContactEntry("kn"))
+PRELOAD = Nuisance(
+    name="preload",
+    sentence="preload of the contacts",
+    deviation=0.02,
+    largest=0.1,
+    scatter=0.03,
+    source="assumed: dead weights are known to 0.1 %, what pulleys and wires take of them to 2 %",
+    apply=_ContactEntry("n0"),
+)
+MODAL_STIFFNESS = Nuisance(
+    name="modal_stiffness",
+    sentence="modal stiffness",
+    deviation=0.01,
+    largest=0.05,
+    scatter=2e-4,
+    source="assumed: of what is identified in a test frequencies are known best; as Young's modulus",
+    apply=_stiffness_of_material,
+)
+MODAL_MASS = Nuisance(
+    name="modal_mass", sentence="modal mass", deviation=0.05, largest=0.5, scatter=0.01,
+    source="assumed: it is known as well as sensors and force are calibrated, half a decibel", apply=_modal_mass,
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ The stated values are few, and taken at forces so small that no contact slips: e
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations, product
 
@@ -38,9 +38,7 @@ def _both(model: RigModel, factor: float) -> RigModel:
     return NORMAL.apply(TANGENTIAL.apply(model, factor), factor)
 
 
-CONTACT = Nuisance(
-    "contact_stiffness", "contact stiffness in all directions", NORMAL.deviation, NORMAL.largest, NORMAL.scatter, _both
-)
+CONTACT = replace(NORMAL, name="contact_stiffness", sentence="contact stiffness in all directions", apply=_both)
 
 
 @dataclass(frozen=True, eq=False)
