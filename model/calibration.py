@@ -80,7 +80,7 @@ YOUNGS_MODULUS = Nuisance(
     deviation=0.01,
     largest=0.05,
     scatter=2e-4,
-    source="assumed: handbook values of one steel differ by a per cent; 2e-4 is 0.7 K of its temperature (3e-4 a kelvin)",
+    source="assumed: handbook values of one steel differ by a per cent; 2e-4 is 0.7 K, at 3e-4 a kelvin",
     apply=_stiffness_of_material,
 )
 LOSS_FACTOR = Nuisance(

@@ -62,23 +62,28 @@ def verdict(folder: Path) -> Verdict:
 
 
 @pytest.fixture(scope="module")
-def short_diagnosis(tmp_path_factory: pytest.TempPathFactory) -> Short:
+def short_diagnosis(short_folder: Path) -> Short:
     """A quarter of the work: fewer points, one assembly, and of the catalogue one effect beside the user's own."""
-    short = tmp_path_factory.mktemp("short")
-    measured_beam.write(short, repeats=1, points=12)
-    (short / "drag.py").write_text(measured_beam.TWIN, encoding="utf-8")
 
     def made(out: str, **changes: Any) -> Verdict:
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(module, "catalogue", lambda: {"joint_quadratic": JOINTS["joint_quadratic"]})
-            return diagnosis(short, out, report=False, **changes)
+            return diagnosis(short_folder, out, **{"report": False, **changes})
 
     return made
 
 
 @pytest.fixture(scope="module")
+def short_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    found = tmp_path_factory.mktemp("short")
+    measured_beam.write(found, repeats=1, points=12)
+    (found / "drag.py").write_text(measured_beam.TWIN, encoding="utf-8")
+    return found
+
+
+@pytest.fixture(scope="module")
 def in_this_process(short_diagnosis: Short) -> Verdict:
-    found = short_diagnosis("one")
+    found = short_diagnosis("one", report=True)
     assert (found.verdict, set(found.group)) == ("inseparable", TWINS)
     return found
 
@@ -106,16 +111,19 @@ def test_a_mode_that_no_fit_has_seen_is_predicted(verdict: Verdict) -> None:
     assert verdict.provenance["solved with"].startswith("harmonics 1")
 
 
-def test_the_next_measurement_is_looked_for_and_shown(verdict: Verdict, folder: Path) -> None:
-    (proposed,) = verdict.next_measurement
+def test_the_next_measurement_is_looked_for_and_shown(in_this_process: Verdict, short_folder: Path) -> None:
+    (proposed,) = in_this_process.next_measurement
     assert set(proposed.effects) == TWINS
     assert proposed.separation < 0.1
     assert proposed.sentence.startswith("no run that was looked at tells")
-    assert VERDICT_JSON.read(folder / "one" / "diagnosis.json").next_measurement == verdict.next_measurement
-    assert proposed.sentence in (folder / "one" / "report.html").read_text(encoding="utf-8")
+    stored = VERDICT_JSON.read(short_folder / "one" / "diagnosis.json")
+    assert stored.next_measurement == in_this_process.next_measurement
+    assert proposed.sentence in (short_folder / "one" / "report.html").read_text(encoding="utf-8")
 
 
-def test_nothing_is_done_again(verdict: Verdict, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nothing_is_done_again(
+    in_this_process: Verdict, short_diagnosis: Short, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def must_not_run(*_: object) -> None:
         raise AssertionError("this is known")
 
@@ -127,9 +135,9 @@ def test_nothing_is_done_again(verdict: Verdict, folder: Path, monkeypatch: pyte
     monkeypatch.setattr(module, "_report", lambda *_: None)
     for name in ("next_measurements", "baseline"):
         monkeypatch.setattr(module, name, must_not_run)
-    again = diagnosis(folder, "one")
-    same(again, verdict)
-    assert again.next_measurement == verdict.next_measurement
+    again = short_diagnosis("one", report=True)
+    same(again, in_this_process)
+    assert again.next_measurement == in_this_process.next_measurement
 
 
 def test_what_is_known_is_dropped_when_a_user_s_effect_changes(tmp_path: Path) -> None:
@@ -156,10 +164,11 @@ class BegunAnewError(Exception):
 
 
 def test_what_another_version_has_found_is_not_used(
-    verdict: Verdict, folder: Path, monkeypatch: pytest.MonkeyPatch
+    in_this_process: Verdict, short_folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert verdict.group, "a search is kept"
-    shutil.copytree(folder / "one" / "search", folder / "older" / "search")
+    assert in_this_process.group, "a search is kept"
+    older = short_folder / "older" / "search"
+    shutil.copytree(short_folder / "one" / "search", older)
 
     def begun(*_: object) -> None:
         raise BegunAnewError
@@ -167,11 +176,11 @@ def test_what_another_version_has_found_is_not_used(
     monkeypatch.setattr(module, "baseline", begun)
     monkeypatch.setattr(module, "code_version", lambda *_: "of another day")
     said = io.StringIO()
-    files = CompareFiles(folder / "beam.toml", folder / "measurement.toml", folder / "older")
+    files = CompareFiles(short_folder / "beam.toml", short_folder / "measurement.toml", short_folder / "older")
     with pytest.raises(BegunAnewError):
-        diagnose(files, "full", DiagnoseOptions(own=(folder / "drag.py",)), Console(file=said, width=500))
-    assert f"the search kept in {folder / 'older' / 'search'} was made by another version of updamp" in said.getvalue()
-    assert list((folder / "older" / "search").iterdir()) == []
+        diagnose(files, "full", DiagnoseOptions(own=(short_folder / "drag.py",)), Console(file=said, width=500))
+    assert f"the search kept in {older} was made by another version of updamp" in said.getvalue()
+    assert list(older.iterdir()) == []
 
 
 def test_files_that_the_rig_file_names_count_and_its_comments_do_not(tmp_path: Path) -> None:
@@ -209,16 +218,16 @@ def test_a_dask_cluster_finds_the_same(in_this_process: Verdict, short_diagnosis
 
 
 def test_a_scheduler_without_workers_is_not_waited_for_for_ever(
-    verdict: Verdict, folder: Path, monkeypatch: pytest.MonkeyPatch
+    in_this_process: Verdict, short_diagnosis: Short, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     distributed = pytest.importorskip("distributed", reason="Dask is optional: pip install 'updamp[cluster]'")
-    assert verdict.verdict == "inseparable", "what is known up to the fits is read back"
+    assert in_this_process.verdict == "inseparable", "what is known up to the fits is read back"
     monkeypatch.setattr(processes, "_PATIENCE", 0.5)
     with (
         distributed.LocalCluster(n_workers=0, dashboard_address=None) as cluster,
         pytest.raises(ValueError, match=r"no worker has come in 0.5 s; start one: dask worker tcp://"),
     ):
-        diagnosis(folder, "one", scheduler=cluster.scheduler_address)
+        short_diagnosis("one", scheduler=cluster.scheduler_address)
 
 
 @pytest.mark.parametrize(
