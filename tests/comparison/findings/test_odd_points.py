@@ -80,7 +80,7 @@ def of_sound() -> Comparison:
     return of_beam(SOUND)
 
 
-@pytest.mark.parametrize(("at", "of"), [(28, "response"), (20, "force")])
+@pytest.mark.parametrize(("at", "of"), [pytest.param(28, "response", marks=pytest.mark.long), (20, "force")])
 def test_it_moves_nothing_that_is_told_wherever_it_lies(at: int, of: str, of_sound: Comparison) -> None:
     """Of the response at the top, which would be read off it; and of the force on a flank."""
     first, second, third = SOUND.runs

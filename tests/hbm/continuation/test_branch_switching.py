@@ -154,7 +154,7 @@ def test_undamped_steps_cross_a_kink_at_which_damped_ones_stay(against_a_stop):
     assert max(full.errors) >= full.errors[0]
 
 
-@pytest.mark.parametrize("round_off", [-1e-12, 1e-12])
+@pytest.mark.parametrize("round_off", [pytest.param(-1e-12, marks=pytest.mark.long), 1e-12])
 def test_kinks_closer_than_a_ten_thousandth_are_passed_one_by_one(round_off):
     """20 stiff contacts. With a smallest step of 1e-4 the branch jumped at 241.6 Hz and stopped at 249.9 Hz, with one
     change of round-off and not with another."""
