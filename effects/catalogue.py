@@ -40,6 +40,7 @@ from updamp.effects import (
     pressure_crown,
     pressure_dependent_stiffness,
     pressure_slope,
+    resonance_drift,
     sensor_compression,
     sensor_gain,
     shaker_attachment,
@@ -123,6 +124,7 @@ FAULTS: Mapping[str, Effect] = MappingProxyType(
             feed_through.EFFECT,
             sensor_gain.EFFECT,
             amplifier_drift.EFFECT,
+            resonance_drift.EFFECT,
             sensor_compression.EFFECT,
         )
     }

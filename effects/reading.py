@@ -1,8 +1,8 @@
 """What is read of a motion: where the measurement is at fault, something else than the motion.
 
-    y = (1 + gain) exp(-i lag) exp(trend s) exp(-compression |x|^2) x + background F
+    y = (1 + gain) exp(-i lag) exp(trend s) exp(-compression |x|^2) x + background F    at the frequency f exp(drift s)
 
-x the displacement, F the force, s from 0 at the start of a sweep to 1 at its end.
+x the displacement at the frequency f, F the force, s from 0 at the start of a sweep to 1 at its end.
 """
 
 from dataclasses import dataclass, replace
@@ -17,12 +17,15 @@ Complex = NDArray[np.complex128]
 @dataclass(frozen=True)
 class Reading:
     """Of all sensors alike. factor: on the displacement; trend: of the logarithm of the amplitude over a sweep;
-    background: proportional to the force [m/N]; compression: of it by the square of the amplitude [1/m^2]"""
+    background: proportional to the force [m/N]; compression: of it by the square of the amplitude [1/m^2]
+    drift: of the logarithm of the frequency at which a motion is met, over a sweep
+    """
 
     factor: complex = 1.0 + 0j
     trend: float = 0.0
     background: complex = 0j
     compression: float = 0.0
+    drift: float = 0.0
 
     def turned(self, factor: complex) -> "Reading":
         """With a further factor on what it reads of the displacement."""

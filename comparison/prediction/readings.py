@@ -32,18 +32,21 @@ def as_read(moving: Moving, reading: Reading, changes: Sequence[Change], conditi
     log_f, x, force = state[:, 0], amplitudes(state), condition.force
     share, by_log_f = _share(log_f, condition)
     y, factor = reading.of(x, share, force), reading.by_displacement(share)
+    stretch = 1 + reading.drift * by_log_f
+    at_frequency = slopes[:, :, :1] * stretch
     of_frequency = factor * reading.compressed(x) * reading.trend * by_log_f
     read_slopes = factor[:, None] * reading.compressed_change(x[:, None], amplitudes(slopes))
     read_slopes += of_frequency[:, None] * slopes[:, :, :1]
     for j, change in enumerate(changes):
         read_slopes[:, j] += reading.difference(change.reading, x, share, force) / change.step
+        at_frequency[:, j, 0] += (change.reading.drift - reading.drift) * share / change.step
     if condition.control is None:  # else responses are those over the force
         read_slopes[:, -1] += reading.background * force
     read_along = factor * reading.compressed_change(x, amplitudes(along)) + of_frequency * along[:, :1]
     return (
-        np.column_stack([log_f, pairs(y)]),
-        np.column_stack([along[:, 0], pairs(read_along)]),
-        np.concatenate([slopes[:, :, :1], pairs(read_slopes)], axis=2),
+        np.column_stack([log_f + reading.drift * share, pairs(y)]),
+        np.column_stack([along[:, 0] * stretch, pairs(read_along)]),
+        np.concatenate([at_frequency, pairs(read_slopes)], axis=2),
     )
 
 

@@ -31,7 +31,7 @@ UP = RunCondition("up", "first", FORCE, True, (79.0, 81.5), ((POINT, 1),))
 DOWN = RunCondition("down", "first", FORCE, False, (79.0, 81.5), ((POINT, 1),))
 HELD = RunCondition("held", "first", FORCE, True, (79.0, 81.5), ((POINT, 1),), control=HeldResponse(POINT, 40.0, 2))
 CONDITIONS = pytest.mark.parametrize("condition", [UP, DOWN, HELD], ids=lambda c: c.name)
-NAMES = ("phase_lag", "feed_through", "sensor_gain", "amplifier_drift", "sensor_compression")
+NAMES = ("phase_lag", "feed_through", "sensor_gain", "amplifier_drift", "resonance_drift", "sensor_compression")
 
 
 @pytest.fixture(scope="module")
@@ -93,6 +93,12 @@ def test_what_is_read_is_what_the_formulas_say(beam: RigModel, condition: RunCon
     start, end = condition.window if condition.upwards else condition.window[::-1]
     done = np.log(f / start) / np.log(end / start)
     np.testing.assert_allclose(y, linear(f) * np.exp(0.05 * done), rtol=1e-7)
+    f, y = read("resonance_drift")
+    rate = 5e-4 / np.log(
+        end / start
+    )  # log f is read where the motion is that of log f0 = log f - rate (log f0 - log start)
+    at = start * (f / start) ** (1 / (1 + rate))
+    np.testing.assert_allclose(y, linear(at), rtol=1e-7)
 
 
 @CONDITIONS

@@ -75,10 +75,11 @@ def test_a_window_that_is_narrower_on_one_side_is_covered_for_both():
         assert_seen_alike(one, trace_branch(p, np.zeros(4), c), 2e-4)
 
 
-def test_what_is_read_of_a_sweep_depends_on_its_direction():
-    """A gain that drifts from the start of each sweep to its end."""
-    p = replace(parametrisation(), effects=(FAULTS["amplifier_drift"],))
-    u, up = np.append(np.zeros(4), 1.0), condition(60.0)
+@pytest.mark.parametrize(("fault", "size"), [("amplifier_drift", 1.0), ("resonance_drift", -1.0)])
+def test_what_is_read_of_a_sweep_depends_on_its_direction(fault, size):
+    """A gain that grows, or resonances that fall, from the start of each sweep to its end."""
+    p = replace(parametrisation(), effects=(FAULTS[fault],))
+    u, up = np.append(np.zeros(4), size), condition(60.0)
     down = replace(up, name="down", upwards=False)
     for one, c in zip(trace_sweeps(p, u, (up, down)), (up, down), strict=True):
         assert_seen_alike(one, trace_branch(p, u, c), 2e-4)
