@@ -47,13 +47,6 @@ Complex = NDArray[np.complex128]
 Progress = Callable[[str], None]
 
 
-@dataclass(frozen=True)
-class CompareOptions:
-    """harmonics: compared where they were measured"""
-
-    harmonics: tuple[int, ...] = (1,)
-
-
 @dataclass(frozen=True, eq=False)
 class CalibrationResult:
     """What a comparison rests on, and all of it that takes long.
@@ -78,7 +71,6 @@ def compare(
     measurement: Measurement,
     features: Sequence[FeatureComparison] = (),
     provenance: Mapping[str, str] | None = None,
-    options: CompareOptions | None = None,
     progress: Progress = lambda _: None,
     finer: Mapping[str, RigModel] | None = None,
     rig_effects: Sequence[ChosenEffect] = (),
@@ -95,14 +87,13 @@ def compare(
     """
     if not measurement.runs:
         return _of_features(measurement, features, provenance or {}), None
-    calibrated = calibrate(model, measurement, options, progress, finer, rig_effects, branches_of)
+    calibrated = calibrate(model, measurement, progress, finer, rig_effects, branches_of)
     return comparison_of(calibrated, measurement, features, provenance), calibrated.fit
 
 
 def calibrate(
     model: RigModel,
     measurement: Measurement,
-    options: CompareOptions | None = None,
     progress: Progress = lambda _: None,
     finer: Mapping[str, RigModel] | None = None,
     rig_effects: Sequence[ChosenEffect] = (),
@@ -110,7 +101,7 @@ def calibrate(
 ) -> CalibrationResult:
     """As for `compare`, of a measurement with runs. Where all measured phases lag the model's by one angle, together
     with that angle."""
-    plan = plan_of(measurement, (options or CompareOptions()).harmonics)
+    plan = plan_of(measurement)
     parametrisation, plain = apply_numerical_gate(model, rig_effects, plan, finer or {}, progress, branches_of)
     before = starting_at(parametrisation, np.zeros(len(parametrisation)), plan, plain, branches_of)
     del plain
@@ -196,9 +187,25 @@ def _of_features(
 ) -> Comparison:
     found, nan = feature_findings(features), float("nan")
     return Comparison(
-        measurement.title, not found, found, (), (), (), (), (), tuple(features), {}, nan, nan, 0, 0, {},
-        measurement.stated, provenance, questions=measurement.questions,
-    )  # fmt: skip
+        title=measurement.title,
+        adequate=not found,
+        findings=found,
+        calibration=(),
+        curves=(),
+        residuals=(),
+        measured_backbones=(),
+        model_backbones=(),
+        features=tuple(features),
+        scatter={},
+        chi2_before=nan,
+        chi2_after=nan,
+        values=0,
+        parameters=0,
+        contact_states={},
+        assumptions=measurement.stated,
+        provenance=provenance,
+        questions=measurement.questions,
+    )
 
 
 def damping_share(branch: PredictedBranch, loss_factor: int) -> float:
