@@ -34,7 +34,7 @@ _DIGITS = 1e-5
 _LINEAR = 0.2
 # Scatter of the parameters of a single assembly, as a share of what they are expected to scatter by.
 _ALONE = 1e-3
-_SETTLED = "settled"
+SETTLED = "settled"
 
 
 @dataclass(frozen=True)
@@ -56,12 +56,11 @@ class FitOptions:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """covariance: (p, p) of u; success, message: how the search ended"""
+    """covariance: (p, p) of u; message: how the search ended, `SETTLED` where it did"""
 
     parametrisation: Parametrisation
     compared: Compared
     covariance: Floats
-    success: bool
     message: str
 
     @property
@@ -140,9 +139,7 @@ def fit(
             break
     best = _traced(parametrisation, plan, now.best, branches_of) if now.moved else now.best
     message = now.ended or f"not settled in {options.rounds} rounds"
-    return _result(
-        parametrisation, _weighed(parametrisation, plan, best, scatter, prior), now.ended == _SETTLED, message
-    )
+    return _result(parametrisation, _weighed(parametrisation, plan, best, scatter, prior), message)
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,7 +178,7 @@ class _Rounds:
             return replace(now, best=ahead, moved=False, ended="leads to what is known")
         if objective(p, here) - objective(p, ahead) < max(options.tolerance, options.share * here.weighed):
             # what is still to be gained is, to first order: two standard deviations at most
-            return self._checked(now) if now.moved else replace(now, best=ahead, ended=_SETTLED)
+            return self._checked(now) if now.moved else replace(now, best=ahead, ended=SETTLED)
         solved, is_traced = self._solved(now, ahead, here)
         self.progress(_fall(here, solved))
         if _rises(p, here, solved):
@@ -307,5 +304,5 @@ def covariance_of(parametrisation: Parametrisation, compared: Compared, of_senso
     return np.asarray(np.linalg.pinv(information), dtype=np.float64)
 
 
-def _result(parametrisation: Parametrisation, compared: Compared, success: bool, message: str) -> Fit:
-    return Fit(parametrisation, compared, covariance_of(parametrisation, compared), success, message)
+def _result(parametrisation: Parametrisation, compared: Compared, message: str) -> Fit:
+    return Fit(parametrisation, compared, covariance_of(parametrisation, compared), message)

@@ -57,7 +57,7 @@ class ResonanceCurve:
     response: (n, n_coefficients) displacement of `point` [m], ordered as in hbm/harmonics.py
     displacement: (n, n_relative, n_coefficients) at the contacts [m]
     loss_factor: (n,) from energy; damping_from_phase: (n,) ratio, nan where not defined (see
-    hbm/resonance/equivalent_damping.py) work_in, friction_loss, stored_energy: (n,) [J]
+    hbm/resonance/equivalent_damping.py); work_in, friction_loss: (n,) [J]
     states: (n, 4) number of contacts in each ContactState; all zero where a law has none
     asked_for: (n,) whether the force is one of the request
     turning: (n,) whether the force turned round since the point before
@@ -75,7 +75,6 @@ class ResonanceCurve:
     damping_from_phase: Floats
     work_in: Floats
     friction_loss: Floats
-    stored_energy: Floats
     states: Integers
     asked_for: NDArray[np.bool_]
     turning: NDArray[np.bool_]
@@ -102,11 +101,6 @@ class ResonanceCurve:
     def damping_ratio(self) -> Floats:
         """(n,) half the loss factor"""
         return self.loss_factor / 2
-
-    def harmonic_content(self) -> Floats:
-        """(n, n_orders) amplitude of every harmonic over that of the first, the mean displacement included."""
-        sizes = np.stack([np.abs(self.amplitude(k)) for k in self.orders], axis=1)
-        return sizes / sizes[:, [self.orders.index(1)]]
 
     def passes(self, force: float) -> Integers:
         """Places of the points at a force of the request [N], each time that it was passed."""
@@ -199,7 +193,6 @@ def _row(system: NonlinearSystem, point: ResonancePoint) -> dict[str, Any]:
         "damping_from_phase": damping_ratio_from_phase(solution),
         "work_in": work,
         "friction_loss": float(observe.friction_loss(system, solution.x, solution.w).sum()),
-        "stored_energy": stored,
         "asked_for": point.asked_for,
         "turning": point.turning,
         "active": solution.linearised.jacobian.n_active,
