@@ -242,6 +242,11 @@ class Rig(InputTable):
         return f"blade_{self.excitation.blade}.tip.x"
 
     @property
+    def windows(self) -> dict[str, tuple[float, float]]:
+        """Mode of the study -> window of its curve [Hz]"""
+        return {name: mode.window for name, mode in self.study.modes.items()}
+
+    @property
     def underside_length(self) -> float:
         """Of the platform's sloping underside, from its inner edge to the stem. [m]"""
         reach = self.blade.axis_offset - self.blade.thickness / 2 - self.platform.gap / 2
