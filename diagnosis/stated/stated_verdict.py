@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from updamp.comparison.comparison import Calibrated
+from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.stated.stated_explanations import MET, Explanation, Explanations, LowForceProblem
 from updamp.diagnosis.stated.stated_predictions import (
     MeasurableQuantity,
@@ -51,7 +52,7 @@ def verdict_of(
         error=ErrorReached(before, after, nan, nan, 1.0),
         next_measurement=separating(predictions, wanted),
         signatures=(),
-        confounding=Confounding(tuple(scored), _cosines(scored), 0.9, _alike(scored, 0.9)),
+        confounding=Confounding(tuple(scored), _cosines(scored), Criteria.cosine, _alike(scored)),
         missing_forces=(),
         history=(Step((), before, nan),),
         provenance=provenance,
@@ -140,7 +141,6 @@ def _candidates(
 ) -> tuple[Candidate, ...]:
     nan, listed = float("nan"), []
     for effect in effects:
-        named = effect.name, effect.sentence
         if effect.name in found.helped:
             helped, score, reason = (
                 found.helped[effect.name],
@@ -151,12 +151,37 @@ def _candidates(
             bic = drop - len(effect.parameters) * float(np.log(len(helped.off)))
             fit = found.alone[effect.name] if found.alone[effect.name].met else helped
             listed.append(
-                Candidate(*named, score.score, score.visibility, score.score**2, drop, bic, nan, _parameters(fit),
-                          not reason, reason)
-            )  # fmt: skip
+                Candidate(
+                    name=effect.name,
+                    sentence=effect.sentence,
+                    score=score.score,
+                    visibility=score.visibility,
+                    predicted_drop=score.score**2,
+                    obtained_drop=drop,
+                    delta_bic=bic,
+                    held_out_gain=nan,
+                    parameters=_parameters(fit),
+                    accepted=not reason,
+                    reason=reason,
+                )
+            )
         else:
             why = found.without_place.get(effect.name, "it does not move a resonance at small force")
-            listed.append(Candidate(*named, 0.0, 0.0, 0.0, nan, nan, nan, (), False, why))
+            listed.append(
+                Candidate(
+                    name=effect.name,
+                    sentence=effect.sentence,
+                    score=0.0,
+                    visibility=0.0,
+                    predicted_drop=0.0,
+                    obtained_drop=nan,
+                    delta_bic=nan,
+                    held_out_gain=nan,
+                    parameters=(),
+                    accepted=False,
+                    reason=why,
+                )
+            )
     return tuple(sorted(listed, key=lambda c: (not c.accepted, -c.obtained_drop if c.obtained_drop > 0 else 0.0)))
 
 
@@ -185,6 +210,6 @@ def _cosines(scored: Mapping[str, StatedScore]) -> np.ndarray:
     return np.asarray(directions @ directions.T) if len(scored) else np.zeros((0, 0))
 
 
-def _alike(scored: Mapping[str, StatedScore], threshold: float) -> tuple[tuple[str, ...], ...]:
+def _alike(scored: Mapping[str, StatedScore]) -> tuple[tuple[str, ...], ...]:
     names, cosine = tuple(scored), np.abs(_cosines(scored))
-    return tuple((names[i], names[j]) for i, j in zip(*np.nonzero(np.triu(cosine, 1) > threshold), strict=True))
+    return tuple((names[i], names[j]) for i, j in zip(*np.nonzero(np.triu(cosine, 1) > Criteria.cosine), strict=True))
