@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.fit.compared import compare_at, objective, predict_branches
-from updamp.comparison.fit.fit import Fit, FitOptions, Progress, fit, prior_scatter
+from updamp.comparison.fit.fit import Fit, FitOptions, Progress, fit
+from updamp.comparison.fit.fit_round import prior_scatter
 from updamp.comparison.fit.observations import Observations, Plan
 from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn

@@ -11,8 +11,9 @@ from scipy.optimize import differential_evolution
 from support.jumping_beam import Joint, Mode, branch, measured
 
 from updamp.comparison.fit.compared import compare_at, objective
-from updamp.comparison.fit.fit import SETTLED, Fit, prior_scatter
+from updamp.comparison.fit.fit import SETTLED, Fit
 from updamp.comparison.fit.fit_from_far import fit_from_far
+from updamp.comparison.fit.fit_round import prior_scatter
 from updamp.comparison.fit.matching import match
 from updamp.comparison.fit.observations import Plan, plan_of
 from updamp.comparison.prediction.parameters import Parametrisation

@@ -44,7 +44,7 @@ def fitted(monkeypatch, start, traced=TRACED, moved=MOVED, ahead=AHEAD):
 
     monkeypatch.setattr(loop, "_traced", of_trace)
     monkeypatch.setattr(loop, "_moved", lambda *given: At(given[2].stiffness, moved[given[2].stiffness]))
-    monkeypatch.setattr(loop, "_round", of_round)
+    monkeypatch.setattr(loop, "one_round", of_round)
     monkeypatch.setattr(loop, "reweighed", lambda *given: given[2])
     monkeypatch.setattr(loop, "objective", lambda *given: given[1].objective)
     monkeypatch.setattr(loop, "compare_at", lambda *given: At(float(given[1][0]), moved[float(given[1][0])]))
