@@ -11,7 +11,8 @@ from updamp.hbm.stability.detached_branches import DetachedBranches
 from updamp.workflow import store
 from updamp.workflow.detached_jobs import has_more, resonances_at
 from updamp.workflow.detached_summary import coexisting
-from updamp.workflow.summary import curve_entry, curves_table
+from updamp.workflow.summary import curve_entry
+from updamp.workflow.summary_tables import curves_table
 
 TIP = "blade_right.tip.x"
 
