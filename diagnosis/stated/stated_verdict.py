@@ -139,50 +139,47 @@ def _sentence(outcome: Outcome, found: Explanations) -> str:
 def _candidates(
     found: Explanations, scored: Mapping[str, StatedScore], effects: Sequence[Effect]
 ) -> tuple[Candidate, ...]:
-    nan, listed = float("nan"), []
-    for effect in effects:
-        if effect.name in found.helped:
-            helped, score, reason = (
-                found.helped[effect.name],
-                scored[effect.name],
-                why_not_the_cause(found, effect.name),
-            )
-            drop = found.calibrated.chi2 - helped.chi2
-            bic = drop - len(effect.parameters) * float(np.log(len(helped.off)))
-            fit = found.alone[effect.name] if found.alone[effect.name].met else helped
-            listed.append(
-                Candidate(
-                    name=effect.name,
-                    sentence=effect.sentence,
-                    score=score.score,
-                    visibility=score.visibility,
-                    predicted_drop=score.score**2,
-                    obtained_drop=drop,
-                    delta_bic=bic,
-                    held_out_gain=nan,
-                    parameters=_parameters(fit),
-                    accepted=not reason,
-                    reason=reason,
-                )
-            )
-        else:
-            why = found.without_place.get(effect.name, "it does not move a resonance at small force")
-            listed.append(
-                Candidate(
-                    name=effect.name,
-                    sentence=effect.sentence,
-                    score=0.0,
-                    visibility=0.0,
-                    predicted_drop=0.0,
-                    obtained_drop=nan,
-                    delta_bic=nan,
-                    held_out_gain=nan,
-                    parameters=(),
-                    accepted=False,
-                    reason=why,
-                )
-            )
+    listed = [
+        _fitted(effect, found, scored[effect.name]) if effect.name in found.helped else _not_fitted(effect, found)
+        for effect in effects
+    ]
     return tuple(sorted(listed, key=lambda c: (not c.accepted, -c.obtained_drop if c.obtained_drop > 0 else 0.0)))
+
+
+def _fitted(effect: Effect, found: Explanations, score: StatedScore) -> Candidate:
+    alone, helped = found.alone[effect.name], found.helped[effect.name]
+    reason = why_not_the_cause(found, effect.name)
+    drop = found.calibrated.chi2 - helped.chi2
+    return Candidate(
+        name=effect.name,
+        sentence=effect.sentence,
+        score=score.score,
+        visibility=score.visibility,
+        predicted_drop=score.score**2,
+        obtained_drop=drop,
+        delta_bic=drop - len(effect.parameters) * float(np.log(len(helped.off))),
+        held_out_gain=float("nan"),
+        parameters=_parameters(alone if alone.met else helped),
+        accepted=not reason,
+        reason=reason,
+    )
+
+
+def _not_fitted(effect: Effect, found: Explanations) -> Candidate:
+    nan = float("nan")
+    return Candidate(
+        name=effect.name,
+        sentence=effect.sentence,
+        score=0.0,
+        visibility=0.0,
+        predicted_drop=0.0,
+        obtained_drop=nan,
+        delta_bic=nan,
+        held_out_gain=nan,
+        parameters=(),
+        accepted=False,
+        reason=found.without_place.get(effect.name, "it does not move a resonance at small force"),
+    )
 
 
 def _parameters(fit: Explanation) -> tuple[FittedParameter, ...]:

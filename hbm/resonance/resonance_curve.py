@@ -14,6 +14,7 @@ from updamp.hbm.continuation.curve_records import refuse_window
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.newton import observe
 from updamp.hbm.newton.observe import ContactState
+from updamp.hbm.problem.mirror import Mirror
 from updamp.hbm.problem.system import NonlinearSystem
 from updamp.hbm.resonance.backbone import ResonancePoint, follow_resonance
 from updamp.hbm.resonance.conditions import ResonanceCondition
@@ -128,12 +129,7 @@ def trace_resonance(system: NonlinearSystem, request: ResonanceRequest) -> Itera
     followed on is not raised: it ends the curve with its sentence in `stopped`
     """
     started = time.perf_counter()
-    driven = system.half_driven_at(system.free.row(request.excited))
-    solved, start = (driven[0] if driven else system), request.start
-    if driven and start is not None:
-        start = replace(start, z=driven[1].halved(start.z))
-    excited, observed = solved.free.row(request.excited), solved.free.row(request.point)
-    problem = ResonanceProblem(solved, excited, observed, whole=system if driven else None)
+    problem, start, mirror = _to_solve(system, request)
     rows: list[dict[str, Any]] = []
     n, n_coefficients = system.free.n_relative, system.harmonics.n_coefficients
     shapes = {"response": (n_coefficients,), "displacement": (n, n_coefficients), "states": (len(ContactState),)}
@@ -152,8 +148,8 @@ def trace_resonance(system: NonlinearSystem, request: ResonanceRequest) -> Itera
     )
     try:
         for point in points:
-            row = _row(solved, point)
-            x = driven[1].whole(point.solution.x) if driven else point.solution.x
+            row = _row(problem.system, point)
+            x = mirror.whole(point.solution.x) if mirror is not None else point.solution.x
             rows.append(row | {"displacement": x, "states": _states(system, x, point.solution.w)})
             yield curve()
     except ResonanceStoppedError as stop:
@@ -162,6 +158,19 @@ def trace_resonance(system: NonlinearSystem, request: ResonanceRequest) -> Itera
     reached = bool(rows[-1]["asked_for"]) and np.isclose(rows[-1]["force"], request.forces[-1])
     forces = [row["force"] for row in rows]
     yield curve(complete=bool(reached), stopped="" if reached else _why_short(forces, request))
+
+
+def _to_solve(
+    system: NonlinearSystem, request: ResonanceRequest
+) -> tuple[ResonanceProblem, ResonanceState | None, Mirror | None]:
+    """The problem, or the half of it that is driven; where it begins; and what makes the whole of a half again"""
+    start, driven = request.start, system.half_driven_at(system.free.row(request.excited))
+    solved, mirror = driven or (system, None)
+    if mirror is not None and start is not None:
+        start = replace(start, z=mirror.halved(start.z))
+    excited, observed = solved.free.row(request.excited), solved.free.row(request.point)
+    whole = system if mirror is not None else None
+    return ResonanceProblem(solved, excited, observed, whole=whole), start, mirror
 
 
 def _why_short(forces: Sequence[float], request: ResonanceRequest) -> str:
