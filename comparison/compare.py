@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from updamp.comparison.comparison import (
     LACK_OF_FIT,
     MOVED_BY_NUMERICS,
+    Backbone,
     Calibrated,
     Comparison,
     FeatureComparison,
+    Finding,
     PointResidual,
 )
 from updamp.comparison.curves import curve_pairs
@@ -31,6 +33,7 @@ from updamp.comparison.fit.numerical_gate import apply_numerical_gate, starting_
 from updamp.comparison.fit.observations import Plan, plan_of
 from updamp.comparison.fit.odd_readings import OddReading
 from updamp.comparison.fit.repeat_scatter import of_repeats
+from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.model_at import ModelAt
 from updamp.comparison.prediction.parameters import Parametrisation
@@ -141,13 +144,10 @@ def comparison_of(
     plan, before, fitted, after = calibrated.plan, calibrated.before, calibrated.fit, calibrated.after
     parametrisation = fitted.parametrisation
     as_given = compare_at(parametrisation, np.zeros(len(parametrisation)), plan, before, fitted.compared.scatter)
-    loss_factor = parametrisation.names.index(LOSS_FACTOR.name)
     names = {channel.point: channel.name for channel in measurement.channels}
     of_tests, of_model = measured_backbones(plan, names), model_backbones(plan, names, after)
-    first_order = misfits(fitted, plan, [damping_share(b, loss_factor) for b in after])
     repeats = of_repeats(fitted, plan)
-    told = all_findings(fitted, plan, after, first_order, names, of_tests, of_model, repeats)
-    found = told if calibrated.lag is None else (lag_finding(calibrated.lag), *told)
+    found = _findings(calibrated, names, of_tests, of_model, repeats)
     return Comparison(
         title=measurement.title,
         adequate=not found,
@@ -174,6 +174,21 @@ def comparison_of(
         odd_points=odd_points(calibrated.odd, plan, names),
         questions=measurement.questions,
     )
+
+
+def _findings(
+    calibrated: CalibrationResult,
+    names: Mapping[str, str],
+    of_tests: Sequence[Backbone],
+    of_model: Sequence[Backbone],
+    repeats: Scatter,
+) -> tuple[Finding, ...]:
+    """The lag of all phases first, where there is one."""
+    plan, fitted, after = calibrated.plan, calibrated.fit, calibrated.after
+    loss_factor = fitted.parametrisation.names.index(LOSS_FACTOR.name)
+    first_order = misfits(fitted, plan, [damping_share(b, loss_factor) for b in after])
+    told = all_findings(fitted, plan, after, first_order, names, of_tests, of_model, repeats)
+    return told if calibrated.lag is None else (lag_finding(calibrated.lag), *told)
 
 
 def _provenance(fitted: Fit, plan: Plan) -> dict[str, str]:

@@ -145,6 +145,7 @@ def _of_stated(
         inputs.rig_effects,
         provenance,
         progress,
+        options.criteria,
     )
     VERDICT_JSON.write(files.out / "diagnosis.json", found.verdict)
     if options.report:

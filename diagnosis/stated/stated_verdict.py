@@ -35,9 +35,10 @@ def verdict_of(
     effects: Sequence[Effect],
     predictions: Sequence[StatedPrediction],
     wanted: Sequence[MeasurableQuantity],
+    criteria: Criteria,
     provenance: Mapping[str, str],
 ) -> Verdict:
-    """predictions: of `survivors_of(found)`, of the quantities `wanted`"""
+    """predictions: of `survivors_of(found)`, of the quantities `wanted`; criteria: what looks alike"""
     outcome, group = decided(found)
     accepted = _accepted(found)
     best = min((found.helped[name] for name in accepted), key=lambda e: e.chi2, default=found.calibrated)
@@ -52,7 +53,7 @@ def verdict_of(
         error=ErrorReached(before, after, nan, nan, 1.0),
         next_measurement=separating(predictions, wanted),
         signatures=(),
-        confounding=Confounding(tuple(scored), _cosines(scored), Criteria.cosine, _alike(scored)),
+        confounding=Confounding(tuple(scored), _cosines(scored), criteria.cosine, _alike(scored, criteria)),
         missing_forces=(),
         history=(Step((), before, nan),),
         provenance=provenance,
@@ -207,6 +208,6 @@ def _cosines(scored: Mapping[str, StatedScore]) -> np.ndarray:
     return np.asarray(directions @ directions.T) if len(scored) else np.zeros((0, 0))
 
 
-def _alike(scored: Mapping[str, StatedScore]) -> tuple[tuple[str, ...], ...]:
+def _alike(scored: Mapping[str, StatedScore], criteria: Criteria) -> tuple[tuple[str, ...], ...]:
     names, cosine = tuple(scored), np.abs(_cosines(scored))
-    return tuple((names[i], names[j]) for i, j in zip(*np.nonzero(np.triu(cosine, 1) > Criteria.cosine), strict=True))
+    return tuple((names[i], names[j]) for i, j in zip(*np.nonzero(np.triu(cosine, 1) > criteria.cosine), strict=True))
