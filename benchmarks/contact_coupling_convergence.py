@@ -23,7 +23,8 @@ from updamp.geometry.build_mesh import build_mesh
 from updamp.geometry.contact_elements import ContactElements
 from updamp.geometry.rig_mesh import RigMesh
 from updamp.model.rig_files import load_rig
-from updamp.rig.rig import MeshDivisions, Rig
+from updamp.rig.mesh_divisions import MeshDivisions
+from updamp.rig.rig import Rig
 from updamp.rig.wires import wire_springs
 
 RIG_FILE = Path(__file__).parent.parent / "rigs" / "pesaresi2017.toml"

@@ -117,7 +117,8 @@ def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:
     from updamp.workflow.quick_look import not_checked
     from updamp.workflow.run import Run
     from updamp.workflow.run_outputs import summarise, write_outputs
-    from updamp.workflow.summary import curves_table, write_summary
+    from updamp.workflow.summary import write_summary
+    from updamp.workflow.summary_tables import curves_table
 
     keep_compiled()  # what pictures evaluate the contact law for
     console = Console()
@@ -214,7 +215,8 @@ def check(rig: RigFile, debug: Debug = False) -> None:
 def show(folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.")], debug: Debug = False) -> None:
     """Show what a run found."""
     with clean_errors(debug):
-        from updamp.workflow.summary import curves_table, overview_table, read_summary
+        from updamp.workflow.summary import read_summary
+        from updamp.workflow.summary_tables import curves_table, overview_table
 
         summary, console = read_summary(folder), Console()
         console.print(overview_table(summary))

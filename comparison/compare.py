@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from updamp.comparison.comparison import (
     LACK_OF_FIT,
     MOVED_BY_NUMERICS,
+    Backbone,
     Calibrated,
     Comparison,
     FeatureComparison,
+    Finding,
     PointResidual,
 )
 from updamp.comparison.curves import curve_pairs
@@ -31,6 +33,7 @@ from updamp.comparison.fit.numerical_gate import apply_numerical_gate, starting_
 from updamp.comparison.fit.observations import Plan, plan_of
 from updamp.comparison.fit.odd_readings import OddReading
 from updamp.comparison.fit.repeat_scatter import of_repeats
+from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.model_at import ModelAt
 from updamp.comparison.prediction.parameters import Parametrisation
@@ -45,13 +48,6 @@ from updamp.model.calibration import LOSS_FACTOR, together_of_mode
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Progress = Callable[[str], None]
-
-
-@dataclass(frozen=True)
-class CompareOptions:
-    """harmonics: compared where they were measured"""
-
-    harmonics: tuple[int, ...] = (1,)
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +74,6 @@ def compare(
     measurement: Measurement,
     features: Sequence[FeatureComparison] = (),
     provenance: Mapping[str, str] | None = None,
-    options: CompareOptions | None = None,
     progress: Progress = lambda _: None,
     finer: Mapping[str, RigModel] | None = None,
     rig_effects: Sequence[ChosenEffect] = (),
@@ -95,14 +90,13 @@ def compare(
     """
     if not measurement.runs:
         return _of_features(measurement, features, provenance or {}), None
-    calibrated = calibrate(model, measurement, options, progress, finer, rig_effects, branches_of)
+    calibrated = calibrate(model, measurement, progress, finer, rig_effects, branches_of)
     return comparison_of(calibrated, measurement, features, provenance), calibrated.fit
 
 
 def calibrate(
     model: RigModel,
     measurement: Measurement,
-    options: CompareOptions | None = None,
     progress: Progress = lambda _: None,
     finer: Mapping[str, RigModel] | None = None,
     rig_effects: Sequence[ChosenEffect] = (),
@@ -110,7 +104,7 @@ def calibrate(
 ) -> CalibrationResult:
     """As for `compare`, of a measurement with runs. Where all measured phases lag the model's by one angle, together
     with that angle."""
-    plan = plan_of(measurement, (options or CompareOptions()).harmonics)
+    plan = plan_of(measurement)
     parametrisation, plain = apply_numerical_gate(model, rig_effects, plan, finer or {}, progress, branches_of)
     before = starting_at(parametrisation, np.zeros(len(parametrisation)), plan, plain, branches_of)
     del plain
@@ -150,13 +144,10 @@ def comparison_of(
     plan, before, fitted, after = calibrated.plan, calibrated.before, calibrated.fit, calibrated.after
     parametrisation = fitted.parametrisation
     as_given = compare_at(parametrisation, np.zeros(len(parametrisation)), plan, before, fitted.compared.scatter)
-    loss_factor = parametrisation.names.index(LOSS_FACTOR.name)
     names = {channel.point: channel.name for channel in measurement.channels}
     of_tests, of_model = measured_backbones(plan, names), model_backbones(plan, names, after)
-    first_order = misfits(fitted, plan, [damping_share(b, loss_factor) for b in after])
     repeats = of_repeats(fitted, plan)
-    told = all_findings(fitted, plan, after, first_order, names, of_tests, of_model, repeats)
-    found = told if calibrated.lag is None else (lag_finding(calibrated.lag), *told)
+    found = _findings(calibrated, names, of_tests, of_model, repeats)
     return Comparison(
         title=measurement.title,
         adequate=not found,
@@ -185,6 +176,21 @@ def comparison_of(
     )
 
 
+def _findings(
+    calibrated: CalibrationResult,
+    names: Mapping[str, str],
+    of_tests: Sequence[Backbone],
+    of_model: Sequence[Backbone],
+    repeats: Scatter,
+) -> tuple[Finding, ...]:
+    """The lag of all phases first, where there is one."""
+    plan, fitted, after = calibrated.plan, calibrated.fit, calibrated.after
+    loss_factor = fitted.parametrisation.names.index(LOSS_FACTOR.name)
+    first_order = misfits(fitted, plan, [damping_share(b, loss_factor) for b in after])
+    told = all_findings(fitted, plan, after, first_order, names, of_tests, of_model, repeats)
+    return told if calibrated.lag is None else (lag_finding(calibrated.lag), *told)
+
+
 def _provenance(fitted: Fit, plan: Plan) -> dict[str, str]:
     moved = moved_frequencies(fitted.parametrisation.numerics, plan)
     by_chance = {"calibration": fitted.message, LACK_OF_FIT: f"{lack_of_fit(fitted, plan):.3g}"}
@@ -196,9 +202,25 @@ def _of_features(
 ) -> Comparison:
     found, nan = feature_findings(features), float("nan")
     return Comparison(
-        measurement.title, not found, found, (), (), (), (), (), tuple(features), {}, nan, nan, 0, 0, {},
-        measurement.stated, provenance, questions=measurement.questions,
-    )  # fmt: skip
+        title=measurement.title,
+        adequate=not found,
+        findings=found,
+        calibration=(),
+        curves=(),
+        residuals=(),
+        measured_backbones=(),
+        model_backbones=(),
+        features=tuple(features),
+        scatter={},
+        chi2_before=nan,
+        chi2_after=nan,
+        values=0,
+        parameters=0,
+        contact_states={},
+        assumptions=measurement.stated,
+        provenance=provenance,
+        questions=measurement.questions,
+    )
 
 
 def damping_share(branch: PredictedBranch, loss_factor: int) -> float:

@@ -52,13 +52,12 @@ def _curve_pair(
     all_z, all_y = _all_sensors(plan, test, after)
     if not all(m.has_phase for m in measured):  # then how alike amplitudes are
         z, y, all_z, all_y = (np.abs(part) + 0j for part in (z, y, all_z, all_y))
-    point, k = condition.sensors[sensor]
     return CurvePair(
         run=condition.name,
         mode=condition.mode,
         level=condition.level,
         upwards=condition.upwards,
-        channel=names[point] if k == 1 else f"{names[point]}, harmonic {k}",
+        channel=names[condition.sensors[sensor][0]],
         measured=measured,
         band=_band(measured),
         before=model_curve(before, sensor),

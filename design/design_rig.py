@@ -8,7 +8,7 @@ from typing import Any
 
 from updamp.design.records import Record, read_record
 from updamp.design.rig_numbers import AnyRig
-from updamp.design.run_study import StudyFolder, windows_of
+from updamp.design.run_study import StudyFolder
 from updamp.design.solved_design import DesignInput, SolvedDesign, window_change
 from updamp.design.study_json import STUDY_JSON
 from updamp.design.tracked_modes import ModeReference, mode_references
@@ -73,7 +73,7 @@ def _windows(folder: StudyFolder, mesh: str, changes: Mapping[str, Any]) -> dict
 
 def _references(rig: AnyRig, model: RigModel) -> Iterator[ModeReference]:
     """Of all modes whose window has one in the study's rig; where it has none there is nothing to move it with."""
-    for name, window in windows_of(rig).items():
+    for name, window in rig.windows.items():
         try:
             yield from mode_references(model, {name: window}, rig.response_point)
         except ValueError:

@@ -18,11 +18,9 @@ from updamp.design.study_file import DesignStudy
 from updamp.design.tracked_modes import ModeReference, mode_references
 from updamp.design.variables import Values, Variable, overrides
 from updamp.model.rig_files import load_any
-from updamp.notebook.model import ABOUT_A_MODE
 from updamp.parallel.ending import heard
 from updamp.parallel.processes import chosen_workers
 from updamp.parallel.workers import Workers
-from updamp.rig.modal_rig import ModalRig
 from updamp.rig.toml_file import read_toml
 from updamp.workflow import stages
 from updamp.workflow.progress import Display
@@ -190,7 +188,7 @@ def _references(study: DesignStudy, rig: AnyRig, given: DesignInput, display: Di
     if not named:
         return ()
     with display.stage("rig as it stands"):
-        windows = {name: window for name, window in windows_of(rig).items() if name in named}
+        windows = {name: window for name, window in rig.windows.items() if name in named}
         model = SolvedDesign(given).model
         _refuse_unknown_points(study, model.free.points)
         return mode_references(model, windows, rig.response_point)
@@ -201,14 +199,6 @@ def _refuse_unknown_points(study: DesignStudy, known: Sequence[str]) -> None:
         for point in (peak.point for peak in one.peaks()):
             if point and point not in known:
                 raise ValueError(f'response {one.name}: point = "{point}": the rig has {", ".join(known)}')
-
-
-def windows_of(rig: AnyRig) -> dict[str, tuple[float, float]]:
-    """Mode -> window of its curve [Hz]"""
-    if isinstance(rig, ModalRig):
-        at = {name: mode.frequency for name, mode in rig.modes.items()}
-        return {name: (f * (1 - ABOUT_A_MODE), f * (1 + ABOUT_A_MODE)) for name, f in at.items()}
-    return {name: mode.window for name, mode in rig.study.modes.items()}
 
 
 def _setup(study: DesignStudy, rig: AnyRig) -> str:

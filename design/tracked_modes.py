@@ -7,6 +7,7 @@ shapes are alike, by its frequency. The window moves with the mode, its width in
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from updamp.effects.rig_model import RigModel
 from updamp.hbm.problem.linear_model import LinearModel
 
 Window = tuple[float, float]
+Floats = NDArray[np.float64]
 
 _FURTHEST = 2.0  # ratio of frequencies
 _LEAST_LIKENESS = 0.5
@@ -70,9 +72,9 @@ def tracked_mode(stuck: LinearModel, reference: ModeReference) -> TrackedMode:
     """raises: UnknownResponseError where no stuck mode is like the reference"""
     shape = np.array(list(reference.shape.values()))
     shapes = stuck.phi[[stuck.row(point) for point in reference.shape]]
-    apart = np.abs(np.log(np.maximum(stuck.frequencies, 1e-9) / reference.frequency))
-    likeness = np.where(apart < math.log(_FURTHEST), _likeness(shape, shapes), 0.0)
-    best = int(np.argmax(likeness * np.exp(-apart)))
+    near = _apart(stuck.frequencies, reference.frequency) < math.log(_FURTHEST)
+    likeness = np.where(near, modal_assurance(shape, shapes), 0.0)
+    best = int(np.argmax(tracking_score(likeness, stuck.frequencies, reference.frequency)))
     if likeness[best] < _LEAST_LIKENESS:
         raise UnknownResponseError(
             f"mode {reference.name}: no stuck mode within a factor of {_FURTHEST:g} of {reference.frequency:.4g} Hz is "
@@ -83,10 +85,20 @@ def tracked_mode(stuck: LinearModel, reference: ModeReference) -> TrackedMode:
     return TrackedMode(frequency, (low, high), float(likeness[best]))
 
 
-def _likeness(shape: NDArray[np.float64], shapes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(n_modes,) MAC of each column of `shapes` with `shape`"""
-    sizes = np.maximum((shape @ shape) * np.einsum("ij,ij->j", shapes, shapes), np.finfo(float).tiny)
-    return np.asarray((shape @ shapes) ** 2 / sizes)
+def modal_assurance(shape: Floats, shapes: NDArray[Any]) -> Floats:
+    """(n,) modal assurance criterion of each column of `shapes`, real or complex, with `shape`: 0 to 1"""
+    sizes = (shape @ shape) * np.sum(np.abs(shapes) ** 2, axis=0)
+    return np.asarray(np.abs(shape @ shapes) ** 2 / np.maximum(sizes, np.finfo(float).tiny))
+
+
+def tracking_score(likeness: Floats, frequencies: Floats, near: float) -> Floats:
+    """(n,) by which a mode is recognised: how alike its shape is, the less the further its frequency is from `near`."""
+    return likeness * np.exp(-_apart(frequencies, near))
+
+
+def _apart(frequencies: Floats, near: float) -> Floats:
+    """Logarithm of the ratio, its size"""
+    return np.asarray(np.abs(np.log(np.maximum(frequencies, 1e-9) / near)))
 
 
 def _points(model: RigModel) -> tuple[str, ...]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from importlib.metadata import entry_points
-from types import MappingProxyType
+from types import MappingProxyType, ModuleType
 
 from updamp.effects import (
     amplifier_drift,
@@ -56,78 +56,73 @@ from updamp.effects.user_effect import EffectError, checked
 
 GROUP = "updamp.effects"
 
-# Of bladed rigs with a damper; in the order in which they are applied where several are.
-CATALOGUE: Mapping[str, Effect] = MappingProxyType(
-    {
-        effect.name: effect
-        for effect in (
-            face_length.EFFECT,
-            platform_height.EFFECT,
-            blade_thickness.EFFECT,
-            face_angle.EFFECT,
-            clamp_flexibility.EFFECT,
-            blade_mistuning.EFFECT,
-            shaker_attachment.EFFECT,
-            wire_stiffness.EFFECT,
-            asymmetric_preload.EFFECT,
-            pressure_crown.EFFECT,
-            pressure_slope.EFFECT,
-            edge_gap.EFFECT,
-            friction_gradient.EFFECT,
-            friction_by_face.EFFECT,
-            friction_running_in.EFFECT,
-            pressure_dependent_stiffness.EFFECT,
-            sub_patch_microslip.EFFECT,
-            velocity_dependent_friction.EFFECT,
-            contact_viscosity.EFFECT,
-            material_damping.EFFECT,
-            power_law_damping.EFFECT,
-            threshold_damping.EFFECT,
-            tip_friction.EFFECT,
-            platform_friction.EFFECT,
-            blade_square_stiffness.EFFECT,
-            blade_cubic_stiffness.EFFECT,
-            blade_stop.EFFECT,
-            breathing_crack.EFFECT,
-            static_dynamic_coupling.EFFECT,
-        )
-    }
-)
 
+def _by_name(*modules: ModuleType) -> Mapping[str, Effect]:
+    """Their effects, in this order. raises: ValueError for a name that two of them have"""
+    found: dict[str, Effect] = {}
+    for module in modules:
+        effect: Effect = module.EFFECT
+        if effect.name in found:
+            raise ValueError(f'{module.__name__}: there is an effect "{effect.name}" already')
+        found[effect.name] = effect
+    return MappingProxyType(found)
+
+
+# Of bladed rigs with a damper; in the order in which they are applied where several are.
+CATALOGUE = _by_name(
+    face_length,
+    platform_height,
+    blade_thickness,
+    face_angle,
+    clamp_flexibility,
+    blade_mistuning,
+    shaker_attachment,
+    wire_stiffness,
+    asymmetric_preload,
+    pressure_crown,
+    pressure_slope,
+    edge_gap,
+    friction_gradient,
+    friction_by_face,
+    friction_running_in,
+    pressure_dependent_stiffness,
+    sub_patch_microslip,
+    velocity_dependent_friction,
+    contact_viscosity,
+    material_damping,
+    power_law_damping,
+    threshold_damping,
+    tip_friction,
+    platform_friction,
+    blade_square_stiffness,
+    blade_cubic_stiffness,
+    blade_stop,
+    breathing_crack,
+    static_dynamic_coupling,
+)
 
 # Of models whose modes were identified in a test: they stand for a joint that the modes do not show.
-JOINTS: Mapping[str, Effect] = MappingProxyType(
-    {
-        effect.name: effect
-        for effect in (
-            joint_viscous.EFFECT,
-            joint_viscoelastic.EFFECT,
-            joint_square.EFFECT,
-            joint_cubic.EFFECT,
-            joint_quintic.EFFECT,
-            joint_clearance.EFFECT,
-            joint_quadratic.EFFECT,
-            joint_cubic_damping.EFFECT,
-            joint_friction.EFFECT,
-            joint_microslip.EFFECT,
-        )
-    }
+JOINTS = _by_name(
+    joint_viscous,
+    joint_viscoelastic,
+    joint_square,
+    joint_cubic,
+    joint_quintic,
+    joint_clearance,
+    joint_quadratic,
+    joint_cubic_damping,
+    joint_friction,
+    joint_microslip,
 )
 
-
 # Faults of the measurement, of any rig.
-FAULTS: Mapping[str, Effect] = MappingProxyType(
-    {
-        effect.name: effect
-        for effect in (
-            phase_lag.EFFECT,
-            feed_through.EFFECT,
-            sensor_gain.EFFECT,
-            amplifier_drift.EFFECT,
-            resonance_drift.EFFECT,
-            sensor_compression.EFFECT,
-        )
-    }
+FAULTS = _by_name(
+    phase_lag,
+    feed_through,
+    sensor_gain,
+    amplifier_drift,
+    resonance_drift,
+    sensor_compression,
 )
 OWN: Mapping[str, Effect] = MappingProxyType({**CATALOGUE, **JOINTS, **FAULTS})
 

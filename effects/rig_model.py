@@ -92,7 +92,7 @@ class RigModel:
 
     @cached_property
     def system(self) -> NonlinearSystem:
-        """The coupled problem. Without harmonic 0 the mean is held, as the tables say (workflow/summary.py)."""
+        """The coupled problem. Without harmonic 0 the mean is held, as the tables say (workflow/summary_tables.py)."""
         kept = self.harmonics, self.time_samples
         return NonlinearSystem(self.free, self.groups, *kept, self._mirror, mean_held=True)
 

@@ -23,6 +23,7 @@ from updamp.fem.springs import Springs
 Floats = NDArray[np.float64]
 Product = Callable[[Floats], Floats]
 
+MODES = 4  # which have the first bending modes, OOP and IP, among them
 LANCZOS_VECTORS = 16
 LANCZOS_TOLERANCE = 1e-9  # of the eigenvalue; half of it is the frequency's
 
@@ -77,9 +78,9 @@ def static_flexibility(part: FactorisedComponent) -> Floats:
 
 
 def coupled_modes_full(
-    blade: FactorisedComponent, damper: FactorisedComponent, flexibility: Floats, springs: Springs, n_modes: int = 4
+    blade: FactorisedComponent, damper: FactorisedComponent, flexibility: Floats, springs: Springs
 ) -> CoupledModes:
-    """The first modes of the left blade, the right blade and the damper on `springs`.
+    """The first `MODES` of the left blade, the right blade and the damper on `springs`.
 
     flexibility: static flexibility of the blade at its interface, from `static_flexibility` or its reduction
     raises: SolverFailedError, ArpackNoConvergence
@@ -92,12 +93,12 @@ def coupled_modes_full(
 
     _, vectors = eigsh(
         operator(coupled.stiffness),
-        n_modes,
+        MODES,
         operator(coupled.mass),
         sigma=0,
         which="LM",
         v0=np.random.default_rng(SEED).standard_normal(n),
-        ncv=max(LANCZOS_VECTORS, 2 * n_modes + 1),
+        ncv=LANCZOS_VECTORS,
         OPinv=operator(coupled.solve),
         tol=LANCZOS_TOLERANCE,
     )

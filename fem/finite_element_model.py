@@ -73,13 +73,12 @@ class ComponentModel:
 @dataclass(frozen=True, eq=False)
 class FiniteElementResult:
     """reduced: the model for all later stages
-    blade_frequencies, damper_frequencies: (n_modes,) of the separate components [Hz], 0 for rigid-body modes
+    blade_frequencies: (n_modes,) of the blade by itself [Hz]
     blade_shapes: (6, n_vertices, 3) of the right-hand blade's first modes [kg^-1/2]
     """
 
     reduced: ReducedModel
     blade_frequencies: Floats
-    damper_frequencies: Floats
     blade_shapes: Floats
 
 
@@ -119,7 +118,7 @@ def joined(blade: ComponentModel, damper: ComponentModel, contacts: ContactEleme
         contacts=contacts,
         max_relative_residual=max(blade.max_relative_residual, damper.max_relative_residual),
     )
-    return FiniteElementResult(reduced, blade.frequencies, damper.frequencies, blade.shapes)
+    return FiniteElementResult(reduced, blade.frequencies, blade.shapes)
 
 
 def coupled_check(parts: RigComponents, reduced: ReducedModel, contact: ContactStiffness) -> CoupledCheck:

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements
 from updamp.geometry.rig_mesh import GeometryError
-from updamp.rig.rig import MeshDivisions, Rig
+from updamp.rig.mesh_divisions import MeshDivisions
+from updamp.rig.rig import Rig
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

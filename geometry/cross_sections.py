@@ -1,7 +1,8 @@
 """Blocks of the cross sections: the right-hand blade, a stem with a platform on its inner side; the wedge damper."""
 
 from updamp.geometry.extruded_blocks import Block, CrossSection
-from updamp.rig.rig import MeshDivisions, Rig
+from updamp.rig.mesh_divisions import MeshDivisions
+from updamp.rig.rig import Rig
 
 Point = tuple[float, float]
 

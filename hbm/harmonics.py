@@ -106,14 +106,6 @@ class Harmonics:
         if k:
             part[..., 1] = -amplitude.imag
 
-    @cached_property
-    def to_amplitudes(self) -> Floats:
-        """(n_coefficients, 2 len(orders)): coefficients @ it = real and imaginary parts of all X_k in turn."""
-        matrix = np.zeros((self.n_coefficients, 2 * len(self.orders)))
-        for i, part in enumerate(self.slices.values()):
-            matrix[part, 2 * i : 2 * i + 2] = np.diag([1.0, -1.0])[: part.stop - part.start]
-        return matrix
-
     def change_to(self, other: "Harmonics", coefficients: Floats) -> Floats:
         """The same motion in other harmonics: missing ones are dropped, new ones are zero."""
         changed = np.zeros((*coefficients.shape[:-1], other.n_coefficients))

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from updamp.measurement.measurement import MeasuredRun, MeasurementError, near
-from updamp.measurement.measurement_file import ChannelTable, MeasurementFile, RunTable, level_in_si
+from updamp.measurement.measurement_file import MeasurementFile
 from updamp.measurement.per_force import divisor
 from updamp.measurement.quantities import AMPLITUDES, QUANTITIES, to_displacement
 from updamp.measurement.recorded import Complex, Floats, RecordedChannel, RecordedSweep
@@ -23,6 +23,7 @@ from updamp.measurement.sweep_checks import (
     in_order_of_the_sweep,
     turned_as_stated,
 )
+from updamp.measurement.tables import ChannelTable, RunTable, level_in_si
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,13 +51,9 @@ def measured_run(
     order = slice(None, None, -1 if reverse else 1)
     notes += granted
     force = _force(where, file, recorded[file.force_channel], sweep.frequency)
-    divided_by, taken = _divided_by(where, file, recorded, force)
     harmonics, kept = _common_harmonics(where, file, recorded)
+    converted, taken = _all_converted(where, file, recorded, harmonics, force, sweep.frequency)
     notes += [*taken, *kept]
-    w = 2 * np.pi * sweep.frequency
-    given = ((name, f"{where} channel '{name}'") for name in names)
-    converted = {n: _converted(c, file, n, recorded[n], harmonics, divided_by.get(n), w) for n, c in given}
-    _check_power(where, file, converted, harmonics, force, w)
     level, level_notes = _level(where, file, run, force, converted, harmonics)
     unit = QUANTITIES[file.channels[run.held_channel].quantity].si if run.held_channel else "N"
     measured = MeasuredRun(
@@ -115,6 +112,26 @@ def _checked(
     return notes
 
 
+def _all_converted(
+    where: str,
+    file: MeasurementFile,
+    recorded: dict[str, RecordedChannel],
+    harmonics: tuple[int, ...],
+    force: Complex,
+    frequency: Floats,
+) -> tuple[dict[str, Converted], list[str]]:
+    """All channels but the force's, and what was taken for granted of them."""
+    divided_by, taken = _divided_by(where, file, recorded, force)
+    w = 2 * np.pi * frequency
+    converted = {
+        name: _converted(f"{where} channel '{name}'", file, name, channel, harmonics, divided_by.get(name), w)
+        for name, channel in recorded.items()
+        if name != file.force_channel
+    }
+    _check_power(where, file, converted, harmonics, force, w)
+    return converted, taken
+
+
 def _recorded(where: str, file: MeasurementFile, sweep: RecordedSweep, name: str) -> RecordedChannel:
     label = file.label(name)
     if label in sweep.channels:
@@ -142,7 +159,7 @@ def _recorded_force(
     table = file.channels[file.force_channel]
     if table.recorded:
         return _recorded(where, file, sweep, file.force_channel), []
-    level = (level_in_si(file, run) or 0.0) / _factor(table)
+    level = (level_in_si(file.channels, run) or 0.0) / _factor(table)
     amplitude = np.full((1, len(sweep.frequency)), level, dtype=complex)
     return RecordedChannel(amplitude), [f"{where}: the force was not recorded; the level is taken at every frequency"]
 
@@ -263,7 +280,7 @@ def _level(
     converted: dict[str, Converted],
     harmonics: tuple[int, ...],
 ) -> tuple[float, list[str]]:
-    level = level_in_si(file, run)
+    level = level_in_si(file.channels, run)
     if level is None:
         level = float(np.median(np.abs(force)))
         return level, [f"{where}: nothing was held; its level is the median of the measured force, {level:.3g} N"]

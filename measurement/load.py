@@ -21,7 +21,6 @@ from updamp.measurement.measurement import (
 )
 from updamp.measurement.measurement_file import (
     MeasurementFile,
-    RunTable,
     read_measurement_table,
     validated,
     with_defaults,
@@ -32,6 +31,7 @@ from updamp.measurement.recorded import RecordedSweep, one_way
 from updamp.measurement.repeat_checks import check_numbers, copies
 from updamp.measurement.sample_checks import check_samples, phases_not_used
 from updamp.measurement.stated_features import is_feature_file, read_features
+from updamp.measurement.tables import RunTable
 
 FEW_REPEATS = 3  # assemblies; with fewer the scatter between them is hardly known
 

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 from updamp.measurement.measurement import MeasurementError
-from updamp.measurement.measurement_file import ChannelTable
 from updamp.measurement.quantities import label_factor
 from updamp.measurement.recorded import RecordedChannel
+from updamp.measurement.tables import ChannelTable
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,8 @@
 """What measurement.toml may not state of time signals: samples are no complex amplitudes."""
 
 from updamp.measurement.measurement import MeasurementError
-from updamp.measurement.measurement_file import MeasurementFile, RunTable
+from updamp.measurement.measurement_file import MeasurementFile
+from updamp.measurement.tables import RunTable
 
 
 def check_samples(where: str, file: MeasurementFile, run: RunTable, reader: str) -> None:

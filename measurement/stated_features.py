@@ -8,7 +8,8 @@ from typing import Annotated, Any, Self
 from pydantic import AfterValidator, Field, model_validator
 
 from updamp.measurement.measurement import Feature
-from updamp.measurement.measurement_file import Text, validated
+from updamp.measurement.measurement_file import validated
+from updamp.measurement.tables import Text
 from updamp.rig.fields import InputTable, Quantity
 
 # What can be stated, and as what: with a unit, or as a plain number where there is none.

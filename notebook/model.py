@@ -13,7 +13,6 @@ from updamp.report.markup import number, table
 from updamp.rig.modal_rig import ModalRig
 from updamp.rig.rig import Rig
 
-ABOUT_A_MODE = 0.05  # of its frequency to both sides: the window of a mode identified in a test
 _FREQUENCIES = 6  # shown
 
 
@@ -55,10 +54,7 @@ class Model:
     def modes(self) -> dict[str, tuple[float, float]]:
         """Name -> window in which a response curve of that mode is traced [Hz]: that of the rig file's study, or 5 % to
         both sides of a mode that the rig file states."""
-        if isinstance(self.rig, ModalRig):
-            at = {name: mode.frequency for name, mode in self.rig.modes.items()}
-            return {name: (f * (1 - ABOUT_A_MODE), f * (1 + ABOUT_A_MODE)) for name, f in at.items()}
-        return {name: mode.window for name, mode in self.rig.study.modes.items()}
+        return self.rig.windows
 
     def with_effect(self, effect: str | Effect, **values: float) -> "Model":
         """The model with one more effect, to see what it would do; no file changes.

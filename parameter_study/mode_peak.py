@@ -1,22 +1,19 @@
 """One mode of a variant: the window it is sought in, and its peak on a response curve that may hold another mode's too,
 where the blades move as in the mode."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from updamp.design.solved_design import SolvedDesign
-from updamp.design.tracked_modes import ModeReference
+from updamp.design.tracked_modes import ModeReference, modal_assurance, tracking_score
+from updamp.hbm.continuation.curve_records import COLUMNS
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.model.small_amplitude import small_amplitude
 
 LIKE = 0.5  # modal assurance criterion: a blade that vibrates alone is as much of the one as of the other mode
 SAME = 1e-3  # of the frequency: below that the stuck mode's window holds, and with it curves that are there already
-_PER_POINT = (
-    "frequency", "displacement", "response", "work_in", "friction_loss", "material_loss", "iterations", "error",
-    "active", "after_gap",
-)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -51,11 +48,9 @@ def _at_small_amplitude(design: SolvedDesign, reference: ModeReference, near: fl
     found = small_amplitude(design.model, near)
     shape = np.array(list(reference.shape.values()))
     shapes = found.shapes[[found.free.row(point) for point in reference.shape]]
-    sizes = (shape @ shape) * np.sum(np.abs(shapes) ** 2, axis=0)
-    like = np.abs(shape @ shapes) ** 2 / np.maximum(sizes, np.finfo(float).tiny)
-    apart = np.abs(np.log(np.maximum(found.frequencies, 1e-9) / near))
+    score = tracking_score(modal_assurance(shape, shapes), found.frequencies, near)
     softer = found.frequencies <= near * (1 + SAME)
-    return float(found.frequencies[np.argmax(np.where(softer, like * np.exp(-apart), -1.0))])
+    return float(found.frequencies[np.argmax(np.where(softer, score, -1.0))])
 
 
 def peak_of_mode(curve: ResponseCurve, point: str, reference: ModeReference) -> Peak:
@@ -71,14 +66,11 @@ def peak_of_mode(curve: ResponseCurve, point: str, reference: ModeReference) -> 
 
 
 def likeness(curve: ResponseCurve, reference: ModeReference) -> NDArray[np.float64]:
-    """(n,) modal assurance criterion of the first harmonic with the mode's shape, at the blades' points, 0 to 1"""
+    """(n,) of the first harmonic with the mode's shape, at the blades' points, 0 to 1"""
     points = [point for point in reference.shape if point in curve.points]
     shape = np.array([reference.shape[point] for point in points])
-    motion = np.stack([curve.amplitude(point) for point in points], axis=1)
-    sizes = (shape @ shape) * np.sum(np.abs(motion) ** 2, axis=1)
-    return np.asarray(np.abs(motion @ shape) ** 2 / np.maximum(sizes, np.finfo(float).tiny))
+    return modal_assurance(shape, np.stack([curve.amplitude(point) for point in points]))
 
 
 def _part(curve: ResponseCurve, low: int, high: int) -> ResponseCurve:
-    assert set(_PER_POINT) <= {f.name for f in fields(curve)}, "names of the curve's columns"
-    return replace(curve, **{name: getattr(curve, name)[low:high] for name in _PER_POINT})
+    return replace(curve, **{name: getattr(curve, name)[low:high] for name in COLUMNS})

@@ -5,7 +5,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from updamp.design.run_study import own_copy, windows_of
+from updamp.design.run_study import own_copy
 from updamp.design.solved_design import DesignInput, SolvedDesign
 from updamp.design.tracked_modes import mode_references
 from updamp.hbm.continuation.response_curve import ResponseCurve
@@ -93,7 +93,7 @@ def _variants(study: ParameterStudy, rig: Rig, out: Path, display: Display) -> d
     with display.stage("rig as it stands"):
         model = SolvedDesign(DesignInput(study.rig, {}, study.mesh, store)).model
         used = {mode for family in study.families for mode in family.modes}
-        windows = {mode: window for mode, window in windows_of(rig).items() if mode in used}
+        windows = {mode: window for mode, window in rig.windows.items() if mode in used}
         references = mode_references(model, windows, rig.response_point)
     return {
         one.name: SolvedDesign(DesignInput(study.rig, one.changes, study.mesh, store, references))

@@ -102,8 +102,8 @@ def percent(relative: float, digits: int = 2) -> str:
     return f"{value:+.{min(places, 4)}f} %".replace("-", MINUS)
 
 
-def with_unit(value: float, unit: str, digits: int = 4) -> str:
-    text = number(value, digits)
+def with_unit(value: float, unit: str) -> str:
+    text = number(value)
     return f"{text} {escape(pretty(unit))}" if unit and text != MISSING else text
 
 

@@ -19,6 +19,7 @@ from updamp.rig.rig import Frequency, HarmonicBalance, Name
 Point = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][\w-]*(\.[A-Za-z][\w-]*)*\.[xyz]$")]
 
 _NORMALISED = Quantity("kg^-0.5", "0.8 kg^-0.5")
+ABOUT_A_MODE = 0.05  # of its frequency to both sides: the window of a mode identified in a test
 _BALANCE = HarmonicBalance(harmonics=(1,), time_samples=128, cycles=2)
 
 
@@ -109,6 +110,12 @@ class ModalRig(InputTable):
     def response_point(self) -> str:
         """Where peaks are told."""
         return self.excitation
+
+    @property
+    def windows(self) -> dict[str, tuple[float, float]]:
+        """Mode -> window of its curve, about the frequency that the file states [Hz]"""
+        at = {name: mode.frequency for name, mode in self.modes.items()}
+        return {name: (f * (1 - ABOUT_A_MODE), f * (1 + ABOUT_A_MODE)) for name, f in at.items()}
 
     @property
     def points(self) -> tuple[str, ...]:

@@ -45,45 +45,44 @@ class Usual:
     windows: tuple[float, float] = (0.5, 100.0)
 
 
-def questions(rig: Rig, usual: Usual | None = None) -> list[str]:
+def questions(rig: Rig) -> list[str]:
     """Empty where nothing is odd; the rig is run as it is, whatever is asked."""
-    usual = usual or Usual()
     return [
-        *_material(rig, usual),
-        *_dimensions(rig, usual),
+        *_material(rig),
+        *_dimensions(rig),
         *_wires(rig),
-        *_contact(rig, usual),
-        *_reduction(rig, usual),
-        *_study(rig, usual),
+        *_contact(rig),
+        *_reduction(rig),
+        *_study(rig),
     ]
 
 
-def _material(rig: Rig, usual: Usual) -> Iterator[str]:
+def _material(rig: Rig) -> Iterator[str]:
     modulus, density, loss = rig.material.youngs_modulus, rig.material.density, rig.material.loss_factor
-    if not usual.youngs_modulus[0] <= modulus <= usual.youngs_modulus[1]:
+    if not Usual.youngs_modulus[0] <= modulus <= Usual.youngs_modulus[1]:
         yield (
             f"material.youngs_modulus = {modulus / 1e6:g} MPa: metals have 16 to 411 GPa; is it meant in another unit "
             f'(steel: "197 GPa")?'
         )
-    if not usual.density[0] <= density <= usual.density[1]:
+    if not Usual.density[0] <= density <= Usual.density[1]:
         yield (
             f"material.density = {density:g} kg/m^3: materials have 100 to 23,000; is it meant in another unit "
             f'(steel: "7800 kg/m^3" or "7.8 g/cm^3")?'
         )
-    if loss < usual.loss_factor[0]:
+    if loss < Usual.loss_factor[0]:
         yield f"material.loss_factor = {loss:g}: steel has 0.0001 to 0.01; peaks have hardly a bound then; is it meant?"
-    if loss > usual.loss_factor[1]:
+    if loss > Usual.loss_factor[1]:
         yield f"material.loss_factor = {loss:g}: steel has 0.0001 to 0.01; is it meant in per cent, or as 1 / Q?"
 
 
-def _dimensions(rig: Rig, usual: Usual) -> Iterator[str]:
+def _dimensions(rig: Rig) -> Iterator[str]:
     height, thickness, width = rig.blade.height, rig.blade.thickness, rig.blade.width
-    if height / thickness > usual.slenderness:
+    if height / thickness > Usual.slenderness:
         yield (
             f"blade.thickness = {thickness * 1e3:g} mm: a blade of {height * 1e3:g} mm would be "
             f"{height / thickness:.3g} times as high as it is thin; are both in the unit that is meant?"
         )
-    if width / height > usual.width:
+    if width / height > Usual.width:
         yield (
             f"blade.width = {width * 1e3:g} mm: {width / height:.3g} times as wide as it is high "
             f"({height * 1e3:g} mm); are both in the unit that is meant?"
@@ -109,8 +108,8 @@ def _wires(rig: Rig) -> Iterator[str]:
         )
 
 
-def _reduction(rig: Rig, usual: Usual) -> Iterator[str]:
-    if (modes := rig.reduction.modes) > usual.modes:
+def _reduction(rig: Rig) -> Iterator[str]:
+    if (modes := rig.reduction.modes) > Usual.modes:
         mesh = next(iter(rig.mesh))
         memory = 8 * VECTORS_A_MODE * modes * size_of(rig, mesh).unknowns
         yield (
@@ -119,10 +118,10 @@ def _reduction(rig: Rig, usual: Usual) -> Iterator[str]:
         )
 
 
-def _contact(rig: Rig, usual: Usual) -> Iterator[str]:
+def _contact(rig: Rig) -> Iterator[str]:
     for key in ("tangential_stiffness", "normal_stiffness"):
         stiffness = getattr(rig.contact, key)
-        if not usual.area_stiffness[0] <= stiffness <= usual.area_stiffness[1]:
+        if not Usual.area_stiffness[0] <= stiffness <= Usual.area_stiffness[1]:
             yield (
                 f"contact.{key} = {stiffness:g} N/m^3 ({stiffness / 1e9:g} N/mm^3): contacts have 1e3 to 1e6 N/mm^3; "
                 f'is it meant in another unit, such as "60000 N/mm^3"?'
@@ -142,7 +141,7 @@ def _two_limits(rig: Rig) -> Iterator[str]:
         )
 
 
-def _study(rig: Rig, usual: Usual) -> Iterator[str]:
+def _study(rig: Rig) -> Iterator[str]:
     strongest = max(rig.study.force_levels)
     if strongest > rig.load.pull:
         yield (
@@ -151,7 +150,7 @@ def _study(rig: Rig, usual: Usual) -> Iterator[str]:
         )
     bending = first_bending(rig)
     for name, mode in rig.study.modes.items():
-        low, high = (share * bending for share in usual.windows)
+        low, high = (share * bending for share in Usual.windows)
         if mode.window[1] < low or mode.window[0] > high:
             yield (
                 f"study.modes.{name}.window = {_hertz(mode.window[0])} to {_hertz(mode.window[1])}: beam theory has "

@@ -18,6 +18,7 @@ from pydantic_core import to_json
 
 from updamp.rig.effects import Calibration, CalibrationTable, Effects
 from updamp.rig.fields import InputTable, Quantity, damped
+from updamp.rig.mesh_divisions import MeshDivisions
 from updamp.rig.pressure import ByFacePressure, FePressure, PolynomialPressure, TwoAreaPressure, UniformPressure
 
 # Bounds are far beyond any test rig, and far within what floating-point numbers and hexahedra can be computed with;
@@ -26,7 +27,6 @@ Length = Annotated[float, Quantity("m", "5 mm", at_least=0.001, at_most=10_000)]
 Force = Annotated[float, Quantity("N", "10 N", above=0, at_most=1e9)]
 Frequency = Annotated[float, Quantity("Hz", "430 Hz", above=0, at_most=1e6)]
 AreaStiffness = Annotated[float, Quantity("N/m^3", "60000 N/mm^3", above=0, at_most=1e12)]
-Divisions = Annotated[int, Field(strict=True, ge=1, examples=[4])]
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$")]
 
 
@@ -193,25 +193,6 @@ class Study(InputTable):
     modes: Annotated[Mapping[Name, ModeStudy], Field(min_length=1)]
 
 
-class MeshDivisions(InputTable):
-    """Divisions of the section's edges and of the width; contact_elements counts both faces."""
-
-    width: Annotated[int, Field(strict=True, ge=2, multiple_of=2, examples=[12])]  # a node at mid-width
-    face: Divisions
-    platform_outer: Divisions
-    platform_inner: Divisions
-    platform_height: Divisions
-    stem_thickness: Divisions
-    stem_below_excitation: Divisions
-    stem_below_platform: Divisions
-    stem_above_platform: Divisions
-    stem_top: Divisions
-    damper_across: Divisions
-    damper_apex: Divisions
-    damper_base: Divisions
-    contact_elements: Annotated[int, Field(strict=True, ge=4, multiple_of=2, examples=[36])]
-
-
 class Rig(InputTable):
     """A rig and the study made on it: exactly the keys of a rig file, checked, in SI.
 
@@ -240,6 +221,11 @@ class Rig(InputTable):
     def response_point(self) -> str:
         """Where peaks are told: the tip of the excited blade."""
         return f"blade_{self.excitation.blade}.tip.x"
+
+    @property
+    def windows(self) -> dict[str, tuple[float, float]]:
+        """Mode of the study -> window of its curve [Hz]"""
+        return {name: mode.window for name, mode in self.study.modes.items()}
 
     @property
     def underside_length(self) -> float:

@@ -3,7 +3,8 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from updamp.rig.rig import MeshDivisions, Rig
+from updamp.rig.mesh_divisions import MeshDivisions
+from updamp.rig.rig import Rig
 
 COMPONENTS_OF_3D = 3
 VECTORS_A_MODE = 2.5  # that ARPACK is given (fem/modes.py: 60 for 24)

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from updamp.comparison.compare import CompareOptions, compare
+from updamp.comparison.compare import compare
 from updamp.comparison.comparison import ASKED_FIRST, COMPARISON_JSON, Comparison, CurvePair, FeatureComparison
 from updamp.comparison.findings.stated_values import WITHOUT_DAMPER, compare_features, needed
 from updamp.comparison.fit.fit import Fit
@@ -65,7 +65,6 @@ def run_compare(
     workers: int,
     console: Console,
     finer: Sequence[str] | None = None,
-    options: CompareOptions | None = None,
 ) -> tuple[Comparison, Fit | None]:
     """Build the model where it is not there yet, compare, write both files.
 
@@ -86,11 +85,10 @@ def run_compare(
                 inputs.measurement,
                 inputs.features,
                 provenance,
-                options,
-                progress,
-                inputs.finer,
-                inputs.rig_effects,
-                branches,
+                progress=progress,
+                finer=inputs.finer,
+                rig_effects=inputs.rig_effects,
+                branches_of=branches,
             )
         display.done("comparison", f"findings: {len(comparison.findings)}")
         for odd in comparison.to_look_at:

@@ -138,13 +138,14 @@ def _of_stated(
     rig, progress = load_rig(files.rig), _progress_bar(display)
     found = diagnose_stated(
         inputs.before_effects,
-        {name: mode.window for name, mode in rig.study.modes.items()},
+        rig.windows,
         f"blade_{rig.excitation.blade}",
         inputs.measurement.features,
         _effects(inputs, options),
         inputs.rig_effects,
         provenance,
         progress,
+        options.criteria,
     )
     VERDICT_JSON.write(files.out / "diagnosis.json", found.verdict)
     if options.report:
@@ -251,11 +252,10 @@ def _report(
         inputs.measurement,
         inputs.features,
         verdict.provenance,
-        None,
-        progress,
-        inputs.finer,
-        inputs.rig_effects,
-        branches_of,
+        progress=progress,
+        finer=inputs.finer,
+        rig_effects=inputs.rig_effects,
+        branches_of=branches_of,
     )
     COMPARISON_JSON.write(files.comparison, comparison)
     write_report(comparison, files.report, pictures_of(files.out), verdict)

@@ -7,6 +7,7 @@ import numpy as np
 from rich.table import Table
 
 from updamp.comparison.findings.stated_values import RESONANCE, WITHOUT_DAMPER
+from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.stated.low_force_modes import LowForceModes, low_force_modes
 from updamp.diagnosis.stated.stated_explanations import Explanation, Explanations, LowForceProblem, explanations
 from updamp.diagnosis.stated.stated_predictions import (
@@ -48,6 +49,7 @@ def diagnose_stated(
     rig_effects: Sequence[ChosenEffect] = (),
     provenance: Mapping[str, str] | None = None,
     progress: Progress = lambda _: None,
+    criteria: Criteria = Criteria(),
 ) -> StatedDiagnosis:
     """model: before effects; windows: of the study's modes [Hz]; component: the blade that is excited and looked at
 
@@ -68,7 +70,7 @@ def diagnose_stated(
     wanted = quantities(modes)
     progress("next measurement")
     predictions = predict_quantities(survivors_of(found), modes, wanted)
-    verdict = verdict_of(problem, found, scored, effects, predictions, wanted, provenance or {})
+    verdict = verdict_of(problem, found, scored, effects, predictions, wanted, criteria, provenance or {})
     left_out = tuple(f for f in features if f not in used)
     return StatedDiagnosis(verdict, problem, found, predictions, wanted, left_out)
 

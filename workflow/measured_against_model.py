@@ -6,7 +6,7 @@ against those at which the model can resonate, amplitudes and signs against its 
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from difflib import get_close_matches
 
 import numpy as np
@@ -26,12 +26,10 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class QuestionOptions:
-    """points: fewest that show a resonance: frequency, damping and a complex height are four numbers
-    frequency: how far a measured resonance may lie from where the model can resonate; a modulus that is wrong by half
-    gives as much
+    """frequency: how far a measured resonance may lie from where the model can resonate; a modulus that is wrong by
+    half gives as much
     exact: how close to a known factor an amplitude is for it to be asked about; odd: a factor that is asked about in
     any case: mode shapes are hardly wrong by as much
-    straight: which points tell a modal constant
     turned: of a quarter of a turn, by which an oscillator's phase turns between its half-power points, the least and
         the most (all changes added up) that nothing is asked about: where a sweep jumps it turns by up to two quarters
     """
@@ -39,7 +37,6 @@ class QuestionOptions:
     frequency: float = 0.2
     exact: float = 0.06
     odd: float = 5.0
-    straight: StraightLine = field(default_factory=StraightLine)
     turned: tuple[float, float] = (0.5, 3.0)
 
 
@@ -81,30 +78,27 @@ def _near(mode: str, modes: Sequence[str]) -> str:
     return f"did you mean {close[0]}?" if close else "is it measured on this rig?"
 
 
-def measured_against_model(
-    model: RigModel, measurement: Measurement, options: QuestionOptions | None = None
-) -> list[str]:
+def measured_against_model(model: RigModel, measurement: Measurement) -> list[str]:
     """Questions on units and signs, each with what may be meant. model: with the effects of its rig file
 
     raises: MeasurementError where the model is excited elsewhere, or a run has no frequency at which it can resonate:
         nothing could be compared
     """
-    options = options or QuestionOptions()
     _check_excitation(model, measurement)
     questions: list[str] = []
     runs = {run.name: run for run in reversed(measurement.runs)}  # one of each test
-    enough = [run for run in reversed(runs.values()) if len(run) >= options.straight.points]
-    questions += [_few(run, options.straight.points) for run in runs.values() if len(run) < options.straight.points]
+    enough = [run for run in reversed(runs.values()) if len(run) >= StraightLine.points]
+    questions += [_few(run, StraightLine.points) for run in runs.values() if len(run) < StraightLine.points]
     questions += [text for run in enough if (text := _largest_at_an_end(run))]
     if enough:
-        near = float(np.median([_peak(run)[0] for run in enough]))
+        near = float(np.median([_peak(run) for run in enough]))
         found = small_amplitude(model, near)
         for run in enough:
-            _check_frequency(run, _resonances(model, found), options)
+            _check_frequency(run, _resonances(model, found))
         lowest = min(enough, key=lambda run: run.level)
         for channel in measurement.channels:
             if channel.name in lowest.channels:
-                questions += _channel(model, found, lowest, channel.name, channel.point, options)
+                questions += _channel(model, found, lowest, channel.name, channel.point)
     return questions
 
 
@@ -135,11 +129,11 @@ def _largest_at_an_end(run: MeasuredRun) -> str:
     )
 
 
-def _peak(run: MeasuredRun) -> tuple[float, Floats]:
-    """Frequency [Hz] at which the strongest channel is highest, and (n,) that channel's receptance."""
+def _peak(run: MeasuredRun) -> float:
+    """Frequency [Hz] at which the strongest channel is highest."""
     receptances = np.abs([run.receptance(channel) for channel in run.channels])
     place = np.unravel_index(int(np.argmax(receptances)), receptances.shape)
-    return float(run.frequency[place[1]]), receptances[place[0]]
+    return float(run.frequency[place[1]])
 
 
 def _resonances(model: RigModel, found: SmallAmplitude) -> list[tuple[float, float]]:
@@ -148,13 +142,13 @@ def _resonances(model: RigModel, found: SmallAmplitude) -> list[tuple[float, flo
     return possible_resonances(free.tolist(), found.frequencies.tolist())
 
 
-def _check_frequency(run: MeasuredRun, resonances: Sequence[tuple[float, float]], options: QuestionOptions) -> None:
-    def possible(frequency: float) -> bool:
-        return any(
-            low * (1 - options.frequency) <= frequency <= high * (1 + options.frequency) for low, high in resonances
-        )
+def _check_frequency(run: MeasuredRun, resonances: Sequence[tuple[float, float]]) -> None:
+    off = QuestionOptions.frequency
 
-    peak, _ = _peak(run)
+    def possible(frequency: float) -> bool:
+        return any(low * (1 - off) <= frequency <= high * (1 + off) for low, high in resonances)
+
+    peak = _peak(run)
     if possible(peak):
         return
     meant = [unit for unit, factor in FREQUENCY_UNITS.items() if possible(peak * factor)]
@@ -166,7 +160,7 @@ def _check_frequency(run: MeasuredRun, resonances: Sequence[tuple[float, float]]
     nearest = min(resonances, key=lambda r: abs(np.log(r[1] / peak)))
     raise MeasurementError(
         f"run '{run.name}': the response is highest at {peak:.4g} Hz, and the model can resonate nowhere within "
-        f"{100 * options.frequency:.0f} % of that, the nearest is {_range(nearest)}; {guess}"
+        f"{100 * off:.0f} % of that, the nearest is {_range(nearest)}; {guess}"
     )
 
 
@@ -179,22 +173,20 @@ def _sizes(units: Sequence[str]) -> str:
     return " or ".join(f"{max(f, 1 / f):.3g}" for f in (FREQUENCY_UNITS[unit] for unit in units))
 
 
-def _channel(
-    model: RigModel, found: SmallAmplitude, run: MeasuredRun, name: str, point: str, options: QuestionOptions
-) -> Iterator[str]:
-    if name not in run.without_phase and (guess := _turn(run, name, options)):
+def _channel(model: RigModel, found: SmallAmplitude, run: MeasuredRun, name: str, point: str) -> Iterator[str]:
+    if name not in run.without_phase and (guess := _turn(run, name)):
         yield guess
-    measured = modal_fit(run.frequency, run.receptance(name), options.straight)
+    measured = modal_fit(run.frequency, run.receptance(name))
     if measured is None:
         return
-    frequency, _ = _peak(run)
-    mode, certain = _mode_of(run, found, frequency, options)
+    frequency = _peak(run)
+    mode, certain = _mode_of(run, found, frequency)
     own = found.at(point, mode) * found.at(model.excitation, mode)
     if own == 0:
         return
     where = f"channel '{name}' (run '{run.name}')"
     ratio = complex(measured.constant / own)
-    if guess := _factor(name, abs(ratio), frequency, options):
+    if guess := _factor(name, abs(ratio), frequency):
         yield f"{where}: its modal constant at {frequency:.4g} Hz is {abs(ratio):.3g} times the model's; {guess}?"
     if name in run.without_phase:
         return
@@ -211,7 +203,7 @@ def _channel(
         )
 
 
-def _turn(run: MeasuredRun, name: str, options: QuestionOptions) -> str:
+def _turn(run: MeasuredRun, name: str) -> str:
     """What the phase's unit may be where it hardly turns through a resonance, or wildly; "" where there is nothing to
     ask, or half of the height is not reached on both sides."""
     order = np.argsort(run.frequency)
@@ -223,7 +215,7 @@ def _turn(run: MeasuredRun, name: str, options: QuestionOptions) -> str:
         return ""
     before, after = np.searchsorted(frequency, low, "right") - 1, np.searchsorted(frequency, high)
     turns = np.diff(np.unwrap(np.angle(receptance[before : after + 1]))) / (np.pi / 2)
-    least, most = options.turned
+    least, most = QuestionOptions.turned
     if abs(turns.sum()) >= least and np.abs(turns).sum() <= most:
         return ""
     how, unit = (
@@ -238,7 +230,7 @@ def _turn(run: MeasuredRun, name: str, options: QuestionOptions) -> str:
     )
 
 
-def _mode_of(run: MeasuredRun, found: SmallAmplitude, frequency: float, options: QuestionOptions) -> tuple[int, bool]:
+def _mode_of(run: MeasuredRun, found: SmallAmplitude, frequency: float) -> tuple[int, bool]:
     """Number of the mode that a run's resonance is, and whether that is certain: by its name, or since no other is so
     near that the resonance may be its. The signs of another one's shape are other ones."""
     named = numbers_by_name(found)
@@ -246,10 +238,10 @@ def _mode_of(run: MeasuredRun, found: SmallAmplitude, frequency: float, options:
         return named[run.mode], True
     mode = int(np.argmin(np.abs(found.frequencies - frequency)))
     apart = np.abs(np.delete(found.frequencies, mode) / found.frequencies[mode] - 1)
-    return mode, bool((apart > options.frequency).all())
+    return mode, bool((apart > QuestionOptions.frequency).all())
 
 
-def _factor(name: str, ratio: float, frequency: float, options: QuestionOptions) -> str:
+def _factor(name: str, ratio: float, frequency: float) -> str:
     """What a modal constant that is so many times the model's may come from, "" where that is nothing to ask about."""
     size = max(ratio, 1 / ratio)
     w = 2 * np.pi * frequency
@@ -260,8 +252,8 @@ def _factor(name: str, ratio: float, frequency: float, options: QuestionOptions)
     guesses = [
         f"a factor of {factor:.4g} is {text.format(unit=UNIT.format(name), name=name)}"
         for factor, text in {**FACTORS, **of_time}.items()
-        if abs(np.log(size / factor)) < options.exact
+        if abs(np.log(size / factor)) < QuestionOptions.exact
     ]
-    if not guesses and size <= options.odd:
+    if not guesses and size <= QuestionOptions.odd:
         return ""
     return "; or ".join(guesses) or f"is {UNIT.format(name)} right, its quantity, and the point it looks at"

@@ -34,7 +34,7 @@ class ModalFit:
     pole: complex
 
 
-def modal_fit(frequency: Floats, receptance: Complex, options: StraightLine) -> ModalFit | None:
+def modal_fit(frequency: Floats, receptance: Complex) -> ModalFit | None:
     """frequency: (n,) [Hz]; receptance: (n,) [m/N]
 
     returns: None where too few points lie on a line, or it is not as steep on both sides of the resonance: one that
@@ -43,19 +43,19 @@ def modal_fit(frequency: Floats, receptance: Complex, options: StraightLine) -> 
     size = np.abs(receptance)
     if not np.all(size > 0):
         return None
-    near = size >= options.height * size.max()
-    if near.sum() < options.points:
+    near = size >= StraightLine.height * size.max()
+    if near.sum() < StraightLine.points:
         return None
     squared, H = (2 * np.pi * frequency[near]) ** 2, receptance[near]
     middle, spread = squared.mean(), np.ptp(squared)
     columns = np.stack([np.ones_like(squared), (squared - middle) / spread], axis=1) * H[:, None]
     line = np.linalg.lstsq(columns, np.ones(len(H), complex), rcond=None)[0]
     left = np.abs(columns @ line - 1)
-    if np.sqrt(np.mean(left**2)) > options.scatter or line[1] == 0:
+    if np.sqrt(np.mean(left**2)) > StraightLine.scatter or line[1] == 0:
         return None
     stiffness = np.real(np.conj(line[1]) / np.abs(line[1]) / H)  # negative on one side of the resonance
     sides = [_slope(squared[one], stiffness[one], spread) for one in (stiffness < 0, stiffness >= 0)]
-    if not all(abs(slope / np.abs(line[1]) - 1) <= options.scatter for slope in sides):
+    if not all(abs(slope / np.abs(line[1]) - 1) <= StraightLine.scatter for slope in sides):
         return None
     constant = complex(-spread / line[1])
     return ModalFit(constant, complex(constant * line[0] + middle))

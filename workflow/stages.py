@@ -119,7 +119,7 @@ DAMPER = Stage(
     part_of=(MESH,),
 )
 # Both put together: a moment's work.
-FINITE_ELEMENTS = Stage(name="finite_elements", version=2, sections=(), after=(BLADE, DAMPER))
+FINITE_ELEMENTS = Stage(name="finite_elements", version=3, sections=(), after=(BLADE, DAMPER))
 COUPLED_CHECK = Stage(
     name="coupled_check",
     version=1,
@@ -156,7 +156,7 @@ CURVE = Stage(
 # A mode's resonance followed in the force, through all levels of the study; what goes into a curve goes into it.
 RESONANCE = Stage(
     name="resonance",
-    version=10,
+    version=11,
     sections=(*CURVE.sections, "excitation", "study.force_levels"),
     after=(STATIC_CONTACT,),
     optional=CURVE.optional,

@@ -21,7 +21,6 @@ UNITS: Mapping[str, Mapping[str, str]] = {
     "ReducedModel": {"max_relative_residual": "1"},
     "FiniteElementResult": {
         "blade_frequencies": "Hz",
-        "damper_frequencies": "Hz",
         "blade_shapes": "kg^-1/2",
     },
     "ComponentModel": {"frequencies": "Hz", "shapes": "kg^-1/2", "max_relative_residual": "1"},
@@ -67,7 +66,6 @@ UNITS: Mapping[str, Mapping[str, str]] = {
         "damping_from_phase": "1",
         "work_in": "J",
         "friction_loss": "J",
-        "stored_energy": "J",
         "states": "1",
         "asked_for": "1",
         "turning": "1",

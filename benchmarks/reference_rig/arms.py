@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 
-from updamp.design.run_study import windows_of
 from updamp.design.solved_design import DesignInput, SolvedDesign
 from updamp.design.solved_peak import PeakRequest
 from updamp.design.tracked_modes import UnknownResponseError, mode_references
@@ -96,7 +95,7 @@ def main() -> None:
     keep_compiled()
     given = DesignInput(RIG, {}, "small", stated.out / "stages", most_points=MOST_POINTS)
     rig = load_any(RIG)
-    references = mode_references(SolvedDesign(given).model, windows_of(rig), rig.response_point)
+    references = mode_references(SolvedDesign(given).model, rig.windows, rig.response_point)
     requests = tuple(PeakRequest(mode, f, "", "resonance_only") for mode in ("OOP", "IP") for f in FORCES)
     given = replace(given, references=references, peaks=requests)
     for name in stated.names:

@@ -251,12 +251,11 @@ def _backbones(
     found = []
     for mode in dict.fromkeys(c.mode for c in plan.conditions):
         of_mode = [o for o in runs if plan.conditions[o.test].mode == mode]
-        sensors = [s for s in plan.conditions[of_mode[0].test].sensors if s[1] == 1]
-        for point, k in sensors:
+        for sensor in plan.conditions[of_mode[0].test].sensors:
             entries = []
             for o in of_mode:
                 condition = plan.conditions[o.test]
-                repeat, f, z, force = curve(o, condition.sensors.index((point, k)))
+                repeat, f, z, force = curve(o, condition.sensors.index(sensor))
                 entries.append((condition.level, repeat, f, z, force))
-            found.append(backbone(mode, names[point], entries))
+            found.append(backbone(mode, names[sensor[0]], entries))
     return tuple(found)

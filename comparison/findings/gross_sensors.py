@@ -37,12 +37,11 @@ def _heights(
 ) -> list[tuple[Sensor, float]]:
     """Logarithm of the model's height over the measured one at a test's resonance, as mean over its repeats."""
     mode = plan.conditions[test].mode
-    sensors = [s for s in plan.conditions[test].sensors if s[1] == 1]
     pairs = [(m, c) for m, c in zip(measured, model, strict=True) if m.mode == mode]
     runs, (place,) = places_of(plan, test, True), places_of(plan, test, False)
     found = [
         (sensor, float(np.log(c.receptance[place]) - np.mean(np.log(m.receptance[runs]))))
-        for sensor, (m, c) in zip(sensors, pairs, strict=True)
+        for sensor, (m, c) in zip(plan.conditions[test].sensors, pairs, strict=True)
     ]
     return [(sensor, value) for sensor, value in found if np.isfinite(value)]
 

@@ -81,7 +81,7 @@ def peak_misfits(
         fit = replace(fit, compared=replace(fit.compared, scatter=scatter))
     tests, without = [], without_peak(plan, branches)
     for i, branch in enumerate(branches):
-        sensors = [j for j, (_, k) in enumerate(branch.condition.sensors) if k == 1]
+        sensors = list(range(len(branch.condition.sensors)))
         runs = {o.repeat: o for o in plan.observations if o.test == i}
         if sensors and runs and i not in without:
             tests.append(_of_test(fit, i, branch, sensors, [runs.get(r) for r in plan.repeats]))
@@ -109,7 +109,7 @@ def without_peak(plan: Plan, branches: Sequence[PredictedBranch]) -> tuple[int, 
     another branch than the sweep was on."""
     found = []
     for i, branch in enumerate(branches):
-        sensors = [j for j, (_, k) in enumerate(branch.condition.sensors) if k == 1]
+        sensors = list(range(len(branch.condition.sensors)))
         runs = [o for o in plan.observations if o.test == i]
         if sensors and runs:
             swept = swept_branch(branch, runs, sensors[0])

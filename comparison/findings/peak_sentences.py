@@ -13,6 +13,7 @@ from scipy.stats import norm
 from updamp.comparison.comparison import Finding
 from updamp.comparison.findings.findings import AMPLITUDE, DAMPING, FAR_LESS, FREQUENCY, SENSOR, in_percent, level_of
 from updamp.comparison.findings.peak_misfit import PeakMisfit
+from updamp.comparison.fit.failing_model import RISK
 from updamp.comparison.fit.observations import Plan
 
 # Share of the mean by which levels may differ that share a sentence.
@@ -31,16 +32,14 @@ class _Sentence:
     with_damping: frozenset[int] = frozenset()
 
 
-def peak_findings(
-    misfits: Sequence[PeakMisfit], plan: Plan, names: Mapping[str, str], risk: float = 0.01
-) -> tuple[Finding, ...]:
-    """Sentences on what stands out of the scatter.
+def peak_findings(misfits: Sequence[PeakMisfit], plan: Plan, names: Mapping[str, str]) -> tuple[Finding, ...]:
+    """Sentences on what stands out of the scatter: an adequate model gets any with a probability of `RISK`.
 
-    names: of the channels, by point of the model; risk: that an adequate model gets any sentence
+    names: of the channels, by point of the model
     """
     damping = {m.direction.test: m for m in misfits if m.direction.quantity == DAMPING}
     # each is held against the scatter in two ways, to two sides
-    limit = float(norm.isf(risk / 4 / max(len(misfits), 1)))
+    limit = float(norm.isf(RISK / 4 / max(len(misfits), 1)))
     sentences: list[_Sentence] = []
     for key in dict.fromkeys((m.direction.quantity, m.direction.sensor) for m in misfits):
         same = [m for m in misfits if (m.direction.quantity, m.direction.sensor) == key]
@@ -130,7 +129,7 @@ def _subject(misfit: PeakMisfit, plan: Plan, names: Mapping[str, str], plural: b
     if misfit.direction.quantity != SENSOR:
         return ("peaks" if plural else "peak"), ""
     point = misfit.direction.sensor[0]
-    others = [p for p, k in plan.conditions[misfit.direction.test].sensors if k == 1 and p != point]
+    others = [p for p, _ in plan.conditions[misfit.direction.test].sensors if p != point]
     other = names.get(others[0], others[0]) if len(others) == 1 else "the other sensors"
     name = names.get(point, point)
     return f"{name} over {other}", name

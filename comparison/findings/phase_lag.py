@@ -64,7 +64,7 @@ def phase_lag(fit: Fit, plan: Plan, branches: Sequence[PredictedBranch]) -> Phas
 
 def _of_test(fit: Fit, test: int, branch: PredictedBranch) -> tuple[Floats, float] | None:
     """(s,) lag at each sensor, as mean over the repeats, and the deviation of their mean; None where it is not read."""
-    sensors = [j for j, (_, k) in enumerate(branch.condition.sensors) if k == 1]
+    sensors = list(range(len(branch.condition.sensors)))
     matched = [m for m in fit.compared.matched if m.observations.test == test]
     if not sensors or not matched:
         return None

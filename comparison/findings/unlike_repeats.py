@@ -31,18 +31,18 @@ Floats = NDArray[np.float64]
 _FEWEST = 3
 
 
-def unlike_repeats(compared: Compared, scatter: Scatter, plan: Plan, risk: float = RISK) -> tuple[UnlikeRun, ...]:
-    """The least likely first; none where there are fewer than three repeats.
+def unlike_repeats(compared: Compared, scatter: Scatter, plan: Plan) -> tuple[UnlikeRun, ...]:
+    """The least likely first; none where there are fewer than three repeats. Repeats that differ by chance alone have
+    any run named with a probability of `RISK`.
 
     scatter: that the repeats alone show, since a model that fails is fitted with more
-    risk: that repeats which differ by chance alone have any run named
     """
     tested = [
         UnlikeRun(condition.name, condition.mode, level_of(plan, test), run.repeat, times, chance)
         for test, condition in enumerate(plan.conditions)
         for run, times, chance in _off(_repeats(compared, scatter, test))
     ]
-    return tuple(sorted((run for run in tested if run.chance * len(tested) < risk), key=lambda run: run.chance))
+    return tuple(sorted((run for run in tested if run.chance * len(tested) < RISK), key=lambda run: run.chance))
 
 
 @dataclass(frozen=True, eq=False)

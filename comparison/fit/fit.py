@@ -18,9 +18,9 @@ from updamp.comparison.fit.compared import (
     predict_branches,
     reweighed,
 )
-from updamp.comparison.fit.linear_fit import fit_within
+from updamp.comparison.fit.fit_round import one_round, prior_scatter
 from updamp.comparison.fit.observations import Plan
-from updamp.comparison.fit.scatter import MOST_NOISE, Scatter, learn
+from updamp.comparison.fit.scatter import Scatter, learn
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
@@ -30,11 +30,7 @@ Floats = NDArray[np.float64]
 Progress = Callable[[str], None]
 # Share of chi2 below which a change of it is none.
 _DIGITS = 1e-5
-# Change of a nuisance parameter up to which branches are nearly linear in it, however well it is known beforehand.
-_LINEAR = 0.2
-# Scatter of the parameters of a single assembly, as a share of what they are expected to scatter by.
-_ALONE = 1e-3
-_SETTLED = "settled"
+SETTLED = "settled"
 
 
 @dataclass(frozen=True)
@@ -56,12 +52,11 @@ class FitOptions:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """covariance: (p, p) of u; success, message: how the search ended"""
+    """covariance: (p, p) of u; message: how the search ended, `SETTLED` where it did"""
 
     parametrisation: Parametrisation
     compared: Compared
     covariance: Floats
-    success: bool
     message: str
 
     @property
@@ -140,9 +135,7 @@ def fit(
             break
     best = _traced(parametrisation, plan, now.best, branches_of) if now.moved else now.best
     message = now.ended or f"not settled in {options.rounds} rounds"
-    return _result(
-        parametrisation, _weighed(parametrisation, plan, best, scatter, prior), now.ended == _SETTLED, message
-    )
+    return _result(parametrisation, _weighed(parametrisation, plan, best, scatter, prior), message)
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,13 +168,13 @@ class _Rounds:
     def after(self, now: _Reached) -> _Reached:
         """One round further."""
         p, plan, options = self.parametrisation, self.plan, self.options
-        ahead = _round(p, plan, now.best, self.scatter, self.prior, now.reach)
+        ahead = one_round(p, plan, now.best, self.scatter, self.prior, now.reach)
         here = reweighed(p, plan, now.best, ahead.scatter)
         if self.known(ahead):
             return replace(now, best=ahead, moved=False, ended="leads to what is known")
         if objective(p, here) - objective(p, ahead) < max(options.tolerance, options.share * here.weighed):
             # what is still to be gained is, to first order: two standard deviations at most
-            return self._checked(now) if now.moved else replace(now, best=ahead, ended=_SETTLED)
+            return self._checked(now) if now.moved else replace(now, best=ahead, ended=SETTLED)
         solved, is_traced = self._solved(now, ahead, here)
         self.progress(_fall(here, solved))
         if _rises(p, here, solved):
@@ -232,40 +225,10 @@ def _fall(before: Compared, after: Compared) -> str:
     return f"error {errors[0]:.2f} to {errors[1]:.2f} times the scatter allowed"
 
 
-def fit_linear(
-    parametrisation: Parametrisation, plan: Plan, compared: Compared, scatter: Scatter, reach: float
-) -> Compared:
-    """Where a fit with a given scatter would go in one round: the branches linear in the parameters, which may change
-    by `reach` of their scale."""
-    prior = prior_scatter(parametrisation, plan)
-    ahead = _round(parametrisation, plan, compared, scatter, prior, reach)
-    return reweighed(parametrisation, plan, ahead, scatter)
-
-
-def prior_scatter(parametrisation: Parametrisation, plan: Plan) -> Scatter:
-    """As stated, before repeats have been looked at. The only assembly is what the parameters are fitted to: its
-    offsets from others cannot be separated from them."""
-    share = 1.0 if len(plan.repeats) > 1 else _ALONE
-    return Scatter({n.name: share * n.scatter for n in parametrisation.nuisances}, plan.drift, plan.gain)
-
-
 def _rises(parametrisation: Parametrisation, before: Compared, after: Compared) -> bool:
     """Whether chi-square rises by more than its digits."""
     rise = objective(parametrisation, after) - objective(parametrisation, before)
     return rise > _DIGITS * before.weighed
-
-
-def _round(
-    parametrisation: Parametrisation, plan: Plan, best: Compared, scatter: Scatter | None, prior: Scatter, reach: float
-) -> Compared:
-    """One round. Where the scatter is learnt, a misfit beyond what noise can be is none of it."""
-    if scatter is not None:
-        return _fit_linear(parametrisation, plan, best, scatter, prior, reach)
-    most = reweighed(parametrisation, plan, best, replace(best.scatter, noise=MOST_NOISE * prior.noise))
-    if (factor := most.inflation) == 1:
-        return _fit_linear(parametrisation, plan, best, None, prior, reach)
-    weighed = reweighed(parametrisation, plan, best, replace(best.scatter, noise=factor * prior.noise))
-    return _fit_linear(parametrisation, plan, weighed, None, prior.inflated(factor), reach)
 
 
 def _weighed(
@@ -275,31 +238,6 @@ def _weighed(
     return reweighed(parametrisation, plan, found, scatter or learn(found.assemblies, prior))
 
 
-def _fit_linear(
-    parametrisation: Parametrisation,
-    plan: Plan,
-    about: Compared,
-    scatter: Scatter | None,
-    prior: Scatter,
-    reach: float,
-) -> Compared:
-    """Parameters, offsets and scatter with the branches linear about where they were solved."""
-    deviation = parametrisation.deviation
-    # effects, of which nothing is known beforehand, may grow by as much as they are
-    limits = reach * np.where(np.isfinite(deviation), np.maximum(deviation, _LINEAR), np.maximum(1.0, np.abs(about.u)))
-    limits[parametrisation.n_of_model :] = 2 * parametrisation.upper[parametrisation.n_of_model :]  # exactly linear
-    lower = np.maximum(parametrisation.lower, about.u - limits)
-    upper = np.minimum(parametrisation.upper, about.u + limits)
-    now = about
-    for _ in range(3):
-        before, now = now, fit_within(parametrisation, plan, now, lower, upper)
-        if scatter is None:
-            now = now.with_scatter(learn(now.assemblies, prior))
-        if np.max(np.abs(now.u - before.u) / limits) < 0.01:
-            break
-    return now
-
-
 def covariance_of(parametrisation: Parametrisation, compared: Compared, of_sensors: bool = False) -> Floats:
     """(p, p) of the parameters. of_sensors: as of a model that lacks nothing (`Compared.equations`)"""
     _, columns = compared.equations(of_sensors)
@@ -307,5 +245,5 @@ def covariance_of(parametrisation: Parametrisation, compared: Compared, of_senso
     return np.asarray(np.linalg.pinv(information), dtype=np.float64)
 
 
-def _result(parametrisation: Parametrisation, compared: Compared, success: bool, message: str) -> Fit:
-    return Fit(parametrisation, compared, covariance_of(parametrisation, compared), success, message)
+def _result(parametrisation: Parametrisation, compared: Compared, message: str) -> Fit:
+    return Fit(parametrisation, compared, covariance_of(parametrisation, compared), message)

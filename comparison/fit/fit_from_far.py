@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.fit.compared import compare_at, objective, predict_branches
-from updamp.comparison.fit.fit import Fit, FitOptions, Progress, fit, prior_scatter
+from updamp.comparison.fit.fit import Fit, FitOptions, Progress, fit
+from updamp.comparison.fit.fit_round import prior_scatter
 from updamp.comparison.fit.observations import Observations, Plan
 from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
@@ -49,7 +50,6 @@ def fit_from_far(
     start: Floats,
     scatter: Scatter | None = None,
     at_start: Sequence[PredictedBranch] | None = None,
-    stages: StageOptions | None = None,
     progress: Progress = lambda _: None,
     branches_of: Branches = in_turn,
 ) -> Fit:
@@ -59,7 +59,7 @@ def fit_from_far(
     """
     u, branches = start, at_start
     stated = scatter or prior_scatter(parametrisation, plan)
-    for width in _widths(plan, stages or StageOptions()):
+    for width in _widths(plan):
         found = fit(parametrisation, _widened(plan, width), u, stated, branches, _STAGE, progress, branches_of)
         u, branches = found.u, found.compared.branches if _solved_there(found) else None
     last = fit(parametrisation, plan, u, scatter, branches, LAST, progress, branches_of)
@@ -74,11 +74,11 @@ def _solved_there(found: Fit) -> bool:
     return all(np.array_equal(branch.u, found.u) for branch in found.compared.branches)
 
 
-def _widths(plan: Plan, stages: StageOptions) -> list[float]:
+def _widths(plan: Plan) -> list[float]:
     """Shares of the range measured, as long as they count more than the instrument."""
     widest = max(_range(o) / float(np.median(o.noise[:, 0])) for o in plan.observations)
-    number = int(np.ceil(np.log(stages.first * widest) / np.log(stages.narrower)))
-    return [stages.first / stages.narrower**i for i in range(max(number, 0))]
+    number = int(np.ceil(np.log(StageOptions.first * widest) / np.log(StageOptions.narrower)))
+    return [StageOptions.first / StageOptions.narrower**i for i in range(max(number, 0))]
 
 
 def _range(run: Observations) -> float:

@@ -128,17 +128,15 @@ class Plan:
         return replace(self, observations=tuple(runs), repeatability=repeatability)
 
 
-def plan_of(measurement: Measurement, harmonics: Sequence[int] = (1,)) -> Plan:
-    """The tests of a measurement: runs of one name are one test.
-
-    harmonics: those to compare, where they were measured
-    """
+def plan_of(measurement: Measurement) -> Plan:
+    """The tests of a measurement: runs of one name are one test. First harmonics are compared, whichever others were
+    measured."""
     conditions: list[RunCondition] = []
     places = _places(measurement.runs)
     observations: list[Observations] = []
     for name in dict.fromkeys(run.name for run in measurement.runs):
         runs = [run for run in measurement.runs if run.name == name]
-        condition = _condition(measurement, runs, harmonics)
+        condition = _condition(measurement, runs)
         condition = replace(condition, place=_mean_at_level(places, runs[0]))
         observations += [_observations(run, len(conditions), condition, measurement) for run in runs]
         conditions.append(condition)
@@ -176,14 +174,13 @@ def noise_of(observations: Sequence[Observations], test: int) -> Floats:
     return np.asarray(np.median(np.concatenate([o.noise for o in observations if o.test == test]), axis=0))
 
 
-def _condition(measurement: Measurement, runs: Sequence[MeasuredRun], harmonics: Sequence[int]) -> RunCondition:
+def _condition(measurement: Measurement, runs: Sequence[MeasuredRun]) -> RunCondition:
     first = runs[0]
     common = [c for c in first.channels if all(c in run.channels for run in runs)]
-    orders = [k for k in harmonics if all(k in run.harmonics for run in runs)]
     force = _force_of(runs, [run for run in measurement.runs if _at_one_level(run, first)])
     low, high = min(run.frequency.min() for run in runs), max(run.frequency.max() for run in runs)
     held, unit = (first.level, first.level_unit) if first.held == "response" else (None, measurement.units[1])
-    sensors = tuple((measurement.channel(c).point, k) for c in common for k in orders)
+    sensors = tuple((measurement.channel(c).point, 1) for c in common)
     window, control = (float(low), float(high)), _control(measurement, first)
     return RunCondition(first.name, first.mode, force, first.upwards, window, sensors, held, unit, control)
 
@@ -215,9 +212,9 @@ def _observations(run: MeasuredRun, test: int, condition: RunCondition, measurem
     points = {channel.point: channel.name for channel in measurement.channels}
     turn = run.force / np.abs(run.force)
     columns, noise = [np.log(run.frequency)], [np.full(len(run), measurement.frequency_error)]
-    for point, k in condition.sensors:
-        amplitude = _nowhere_zero(run, points[point], k) / turn**k
-        deviation = _deviation(run, points[point], k)
+    for point, _ in condition.sensors:
+        amplitude = _nowhere_zero(run, points[point]) / turn
+        deviation = _deviation(run, points[point])
         columns += [np.log(np.abs(amplitude)), np.unwrap(np.angle(amplitude))]
         unknown = points[point] in run.without_phase
         noise += [deviation, np.full(len(run), np.inf) if unknown else deviation]
@@ -230,26 +227,26 @@ def _observations(run: MeasuredRun, test: int, condition: RunCondition, measurem
     return Observations(run.name, test, run.repeat, np.column_stack(columns), np.column_stack(noise), log_force, level)
 
 
-def _nowhere_zero(run: MeasuredRun, channel: str, k: int) -> NDArray[np.complex128]:
+def _nowhere_zero(run: MeasuredRun, channel: str) -> NDArray[np.complex128]:
     """Its amplitudes. raises: MeasurementError where one is zero and has no logarithm"""
-    amplitude = run.amplitude(channel, k)
+    amplitude = run.amplitude(channel)
     if (zero := amplitude == 0).any():
         raise MeasurementError(
-            f"run '{run.name}' channel '{channel}' harmonic {k}: response = 0 at {zero.sum()} of {len(run)} "
-            f"frequencies, the first {run.frequency[zero][0]:g} Hz; leave the harmonic or these frequencies out"
+            f"run '{run.name}' channel '{channel}': response = 0 at {zero.sum()} of {len(run)} frequencies, the first "
+            f"{run.frequency[zero][0]:g} Hz; leave these frequencies out"
         )
     return amplitude
 
 
-def _deviation(run: MeasuredRun, channel: str, k: int) -> Floats:
+def _deviation(run: MeasuredRun, channel: str) -> Floats:
     """(n,) relative standard deviation of an amplitude: as stated, or from how rough the run is.
 
     Its roughness is that of the amplitude over the force: where a controller holds the response, it is the force that
     carries the noise.
     """
-    amplitude = run.amplitude(channel, k)
+    amplitude = run.amplitude(channel)
     if run.noise is not None:
-        stated = run.noise[run.channels.index(channel), run.harmonics.index(k)]
+        stated = run.noise[run.channels.index(channel), run.harmonics.index(1)]
         return np.asarray(stated / np.abs(amplitude))
     return np.full(len(run), roughness(np.log(np.abs(amplitude / run.force))))
 

@@ -81,19 +81,17 @@ class _Column:
         return np.asarray(np.abs(some - frequency) <= np.median(np.abs(np.diff(self.frequency))) / 2)
 
 
-def odd_readings(matched: Sequence[Matched], plan: Plan, risk: float = RISK) -> tuple[OddReading, ...]:
-    """The least likely first, one a point and sensor, those left out that most runs of their mode show.
-
-    risk: that a measurement without any has one taken for it
-    """
+def odd_readings(matched: Sequence[Matched], plan: Plan) -> tuple[OddReading, ...]:
+    """The least likely first, one a point and sensor, those left out that most runs of their mode show. A measurement
+    without any has one taken for it with a probability of `RISK`."""
     long_enough = [m for m in matched if _is_long_enough(m)]
     tested = sum(len(m.observations) * len(recorded(m)) for m in long_enough)
     columns = [column for m in long_enough for column in _columns(m, plan)]
-    unlikely = [(column, one) for column in columns for one in _readings(column, plan.noise_freedom, risk)]
+    unlikely = [(column, one) for column in columns for one in _readings(column, plan.noise_freedom, RISK)]
     found: dict[tuple[str, int, str, float], tuple[_Column, OddReading]] = {}
     for column, one in unlikely:
         key = one.run, one.repeat, one.sensor, one.frequency
-        if one.chance < risk / max(tested, 1) and (key not in found or one.chance < found[key][1].chance):
+        if one.chance < RISK / max(tested, 1) and (key not in found or one.chance < found[key][1].chance):
             found[key] = column, one
     alone = (one for column, one in found.values() if not _is_of_most_runs(column, one, unlikely, columns))
     return tuple(sorted(alone, key=lambda one: one.chance))

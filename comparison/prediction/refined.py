@@ -47,24 +47,18 @@ class InterpolationOptions:
     halvings: int = 8
 
 
-def refined(
-    points: Sequence[ObservedPoint],
-    condition: RunCondition,
-    between: Between,
-    options: InterpolationOptions | None = None,
-) -> list[ObservedPoint]:
+def refined(points: Sequence[ObservedPoint], condition: RunCondition, between: Between) -> list[ObservedPoint]:
     """The same points and those put between them; as they are where the condition does not know of any noise."""
-    options = options or InterpolationOptions()
     if not condition.noise or len(points) < 3:
         return list(points)
-    expected = options.left * _beside(points, condition)
+    expected = InterpolationOptions.left * _beside(points, condition)
     pieces = [_Piece(a, b, float(e)) for a, b, e in zip(points[:-1], points[1:], expected, strict=True)]
-    for _ in range(options.halvings):
-        wide = [piece for piece in pieces if piece.error > options.error]
+    for _ in range(InterpolationOptions.halvings):
+        wide = [piece for piece in pieces if piece.error > InterpolationOptions.error]
         if not wide:
             break
         middles = between([(piece.start, piece.end) for piece in wide])
-        halves = dict(zip(map(id, wide), _halved(wide, middles, condition, options), strict=True))
+        halves = dict(zip(map(id, wide), _halved(wide, middles, condition), strict=True))
         pieces = [half for piece in pieces for half in halves.get(id(piece), (piece,))]
     return [points[0], *(piece.end for piece in pieces)]
 
@@ -82,7 +76,6 @@ def _halved(
     wide: Sequence[_Piece],
     middles: Sequence[ObservedPoint | None],
     condition: RunCondition,
-    options: InterpolationOptions,
 ) -> list[tuple[_Piece, ...]]:
     """Each by the point half way, or as it is, and right, where there is none."""
     split = [(piece, middle) for piece, middle in zip(wide, middles, strict=True) if middle is not None]
@@ -96,7 +89,7 @@ def _halved(
             halves.append((replace(piece, error=0.0),))
             continue
         # a cubic may happen to be right half way: what is expected falls to a quarter at most by one such look
-        left = options.left * max(next(found), options.left * piece.error)
+        left = InterpolationOptions.left * max(next(found), InterpolationOptions.left * piece.error)
         halves.append((_Piece(piece.start, middle, left), _Piece(middle, piece.end, left)))
     return halves
 

@@ -39,13 +39,9 @@ class Response(InputTable):
         """Why the rig cannot have it, "" where it can."""
         if self.of_geometry and isinstance(rig, ModalRig):
             return "kind: a rig given by modes has no geometry and no contacts; take it out"
-        known = modes_of(rig)
+        known = tuple(rig.windows)
         wrong = next((mode for mode in self.modes() if mode not in known), None)
         return f'mode = "{wrong}": the rig has no such mode; it has {", ".join(known)}' if wrong is not None else ""
-
-
-def modes_of(rig: AnyRig) -> tuple[str, ...]:
-    return tuple(rig.modes) if isinstance(rig, ModalRig) else tuple(rig.study.modes)
 
 
 class AtPeak(Response):

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.fit.compared import Compared, objective
-from updamp.comparison.fit.fit import Fit, FitOptions, fit, fit_linear
+from updamp.comparison.fit.fit import Fit, FitOptions, fit
+from updamp.comparison.fit.fit_round import fit_linear
 from updamp.diagnosis.candidate_models.baseline import Baseline
 from updamp.diagnosis.candidate_models.refit import as_given, compared_at
 from updamp.effects.effect import Effect

@@ -88,22 +88,32 @@ def _candidate(
     if trial is None or fitted is None:
         reason = _not_fitted(tested, criteria)
         return Candidate(
-            effect.name, effect.in_words, tested.score, tested.visibility, tested.drop, nan, nan, nan, (), False, reason
+            name=effect.name,
+            sentence=effect.in_words,
+            score=tested.score,
+            visibility=tested.visibility,
+            predicted_drop=tested.drop,
+            obtained_drop=nan,
+            delta_bic=nan,
+            held_out_gain=nan,
+            parameters=(),
+            accepted=False,
+            reason=reason,
         )
     reason = reason_against(trial, found.evidence, criteria)
     gain = 1 - trial.held_out / found.evidence.held_out if found.evidence.held_out > 0 else nan
     return Candidate(
-        effect.name,
-        effect.in_words,
-        tested.score,
-        tested.visibility,
-        tested.drop,
-        trial.drop,
-        trial.delta_bic,
-        gain,
-        fitted_parameters(fitted, effect),
-        not reason,
-        reason,
+        name=effect.name,
+        sentence=effect.in_words,
+        score=tested.score,
+        visibility=tested.visibility,
+        predicted_drop=tested.drop,
+        obtained_drop=trial.drop,
+        delta_bic=trial.delta_bic,
+        held_out_gain=gain,
+        parameters=fitted_parameters(fitted, effect),
+        accepted=not reason,
+        reason=reason,
     )
 
 

@@ -40,10 +40,7 @@ class CandidateRun:
 
 
 def candidate_runs(plan: Plan, parametrisation: Parametrisation, most: int) -> tuple[CandidateRun, ...]:
-    """At most so many, of every mode alike.
-
-    raises: ValueError where a mode has no sensor with the first harmonic
-    """
+    """At most so many, of every mode alike."""
     modes = dict.fromkeys(c.mode for c in plan.conditions)
     each = [_of_mode([c for c in plan.conditions if c.mode == mode], parametrisation) for mode in modes]
     in_turn = chain.from_iterable(zip_longest(*each))
@@ -57,7 +54,7 @@ def _of_mode(conditions: Sequence[RunCondition], parametrisation: Parametrisatio
     above, below = highest.force * _FACTOR, lowest.force / _FACTOR
     yield _run(highest, above, highest.upwards, f"sweep {mode} at {above:.3g} N, twice the highest level so far")
     again = _run(highest, highest.force, highest.upwards, "")
-    yield _with_more(again, parametrisation, conditions)
+    yield _with_more(again, parametrisation)
     loaded = (
         _run(highest, highest.force, highest.upwards, f"{how} and sweep {mode} at {highest.force:.3g} N", load)
         for load, how in _LOADS.items()
@@ -72,14 +69,9 @@ def _of_mode(conditions: Sequence[RunCondition], parametrisation: Parametrisatio
 
 
 def _extreme_levels(conditions: Sequence[RunCondition]) -> tuple[RunCondition, RunCondition]:
-    """The lowest and the highest of a mode, with all sensors of the first harmonic."""
+    """The lowest and the highest of a mode, with all of its sensors."""
     lowest, highest = (pick(conditions, key=lambda c: c.force) for pick in (min, max))
-    usual = tuple(dict.fromkeys(sensor for c in conditions for sensor in c.sensors if sensor[1] == 1))
-    if not usual:
-        raise ValueError(
-            f"mode {lowest.mode!r}: no sensor has the first harmonic, by which explanations are separated; compare "
-            "harmonic 1 too"
-        )
+    usual = tuple(dict.fromkeys(sensor for c in conditions for sensor in c.sensors))
     return _at_constant_force(lowest, conditions, usual), _at_constant_force(highest, conditions, usual)
 
 
@@ -101,19 +93,16 @@ def _window(conditions: Sequence[RunCondition]) -> tuple[float, float]:
     return low - _WIDER * (high - low), high + _WIDER * (high - low)
 
 
-def _with_more(
-    again: CandidateRun, parametrisation: Parametrisation, conditions: Sequence[RunCondition]
-) -> CandidateRun:
+def _with_more(again: CandidateRun, parametrisation: Parametrisation) -> CandidateRun:
     """The same run once more: as it was, with other harmonics, or with a further sensor."""
-    usual, recorded = again.condition.sensors, {sensor for c in conditions for sensor in c.sensors}
+    usual = again.condition.sensors
     points = dict.fromkeys(point for point, _ in usual)
     where = f"in the sweep of {again.condition.mode} at {again.condition.force:.3g} N"
     recordings = [Recording(usual, RUN, f"sweep {again.condition.mode} at {again.condition.force:.3g} N once more")]
     for k in _HARMONICS:
-        new = tuple((point, k) for point in points if (point, k) not in recorded)
-        if new and k in parametrisation.base.harmonics.orders:
+        if k in parametrisation.base.harmonics.orders:
             what = f"record harmonic {k} {where}" if k else f"record the mean position {where}"
-            recordings.append(Recording((*usual, *new), RUN, what))
+            recordings.append(Recording((*usual, *((point, k) for point in points)), RUN, what))
     for point in parametrisation.base.components.points:
         if point not in points:
             recordings.append(Recording((*usual, (point, 1)), RUN + SENSOR, f"put a sensor at {point} {where}"))

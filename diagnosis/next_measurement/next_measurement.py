@@ -56,7 +56,6 @@ def next_measurements(
     keeps its best one, and the sentence says so. Empty for fewer than two.
 
     plan: that they were fitted to; most_runs: runs predicted, each by one traced branch for each explanation
-    raises: ValueError where a mode has no sensor with the first harmonic
     """
     if len(explanations) < 2:
         return ()
@@ -111,12 +110,11 @@ def _measurement(
 
 
 def _noise(plan: Plan) -> RunNoise:
-    """As in the plan: of its frequencies, and of each point's first harmonic; under "" that of all points."""
+    """As in the plan: of its frequencies, and of each point; under "" that of all points."""
     values: dict[str, list[float]] = {}
     for o in plan.observations:
-        for j, (point, k) in enumerate(plan.conditions[o.test].sensors):
-            if k == 1:
-                values.setdefault(point, []).append(float(np.median(o.noise[:, 1 + 2 * j])))
+        for j, (point, _) in enumerate(plan.conditions[o.test].sensors):
+            values.setdefault(point, []).append(float(np.median(o.noise[:, 1 + 2 * j])))
     sensors = {point: float(np.median(each)) for point, each in values.items()}
     frequency = float(np.median(np.concatenate([o.noise[:, 0] for o in plan.observations])))
     return RunNoise(frequency, {**sensors, "": float(np.median(list(sensors.values())))} if sensors else sensors)

@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.fit.compared import compare_at, misfit, predict_branches
-from updamp.comparison.fit.fit import Fit, fit_linear
+from updamp.comparison.fit.fit import Fit
+from updamp.comparison.fit.fit_round import fit_linear
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.branch_tasks import BranchesBy
 from updamp.comparison.prediction.parameters import Parametrisation

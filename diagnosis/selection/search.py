@@ -61,40 +61,71 @@ def search(
 
     raises: BranchStoppedError where the calibrated model has no response at the beginning of a run
     """
-    base, plan = start.fitted, start.train_plan
-    fitting = [sized(effect, base.parametrisation.base, plan.largest_amplitude) for effect in effects]
-    extended = extend(base, plan, fitting, progress, workers)
-    scored = scores(extended)
-    held_out = prediction_error(base, start.held_out_plan, BranchesBy(workers))
-    fits = FitContext(start, criteria, progress, runner, workers)
-    singles = try_singles(fits, fitting, scored)
-    singles |= other_sizes(fits, singles)
-    without = without_effects_again(fits, singles)
+    begun = _one_by_one(FitContext(start, criteria, progress, runner, workers), effects)
+    without = without_effects_again(begun.fits, begun.singles)
     if without is not None:
         better, trial = without
-        if trial.delta_bic >= criteria.delta_bic and all(fits.fails(r.trial) for r in singles.values()):
+        if trial.delta_bic >= criteria.delta_bic and all(begun.fits.fails(r.trial) for r in begun.singles.values()):
             progress("a better calibration was found on the way: from there once more")
             return search(replace(better, attempt=start.attempt + 1), effects, criteria, progress, runner, workers)
-        fits, held_out, singles, _ = _from(better, trial, fits, held_out, singles, {})
-    if elsewhere := try_other_places(fits, effects, singles):
-        singles |= elsewhere
-        fitting += [e for r in elsewhere.values() for e in r.refit.effects]
-        extended = extend(base, plan, fitting, progress, workers)
-        scored = scores(extended)
+        fits, held_out, singles, _ = _from(better, trial, begun.fits, begun.held_out, begun.singles, {})
+        begun = replace(begun, fits=fits, held_out=held_out, singles=singles)
+    return _together(_elsewhere(begun, start, effects))
+
+
+@dataclass(frozen=True, eq=False)
+class _Begun:
+    """A search as far as effects one by one: fitting, those that were tried; extended, scored: as in `SearchResult`;
+    held_out: of the model without effects; singles: fits of one effect"""
+
+    fits: FitContext
+    fitting: Sequence[Effect]
+    extended: Extended
+    scored: tuple[Score, ...]
+    held_out: PredictionError
+    singles: CandidateFits
+
+
+def _one_by_one(fits: FitContext, effects: Sequence[Effect]) -> _Begun:
+    start, workers = fits.start, fits.workers
+    base, plan = start.fitted, start.train_plan
+    fitting = [sized(effect, base.parametrisation.base, plan.largest_amplitude) for effect in effects]
+    extended = extend(base, plan, fitting, fits.progress, workers)
+    scored = scores(extended)
+    held_out = prediction_error(base, start.held_out_plan, BranchesBy(workers))
+    singles = try_singles(fits, fitting, scored)
+    singles = singles | other_sizes(fits, singles)
+    return _Begun(fits, fitting, extended, scored, held_out, singles)
+
+
+def _elsewhere(begun: _Begun, start: Baseline, effects: Sequence[Effect]) -> _Begun:
+    """With effects at other places, where these were tried. start: the model that scores are told about"""
+    fits = begun.fits
+    if not (elsewhere := try_other_places(fits, effects, begun.singles)):
+        return begun
+    fitting = [*begun.fitting, *(e for r in elsewhere.values() for e in r.refit.effects)]
+    extended = extend(start.fitted, start.train_plan, fitting, fits.progress, fits.workers)
+    singles = begun.singles | elsewhere
+    return replace(begun, fitting=fitting, extended=extended, scored=scores(extended), singles=singles)
+
+
+def _together(begun: _Begun) -> SearchResult:
+    """Two effects and more, where one is not enough, and what all of it comes to."""
+    fits, held_out, singles = begun.fits, begun.held_out, begun.singles
     free = _if_runs_drift(fits, singles)
-    several = fitting if free is None or _comes_close(fits, singles, free) else ()
+    several = begun.fitting if free is None or _comes_close(fits, singles, free) else ()
     further, pairs = exchanged(fits, several, singles, try_pairs(fits, several, singles))
-    singles |= further
-    singles |= alone(fits, singles, pairs)
+    singles = singles | further
+    singles = singles | alone(fits, singles, pairs)
     combined = pairs | further_effects(fits, several, singles, pairs)
-    singles |= with_equal_numerics(fits, singles)
-    combined |= with_equal_numerics(fits, combined)
+    singles = singles | with_equal_numerics(fits, singles)
+    combined = combined | with_equal_numerics(fits, combined)
     if (without := by_the_same_gate(fits, singles, combined)) is not None:
         fits, held_out, singles, combined = _from(*without, fits, held_out, singles, combined)
     combined = _over_fewer(singles, combined)
-    evidence = _evidence(fits, extended, scored, held_out, singles, combined, free)
+    evidence = _evidence(fits, begun.extended, begun.scored, held_out, singles, combined, free)
     refits = {names: r.refit for names, r in {**singles, **combined}.items()}
-    return SearchResult(fits.start, extended, scored, refits, evidence)
+    return SearchResult(fits.start, begun.extended, begun.scored, refits, evidence)
 
 
 def _from(
@@ -134,23 +165,25 @@ def _evidence(
     of_singles, of_combined = (
         tuple(sorted((r.trial for r in each.values()), key=lambda t: t.excess)) for each in (singles, combined)
     )
+    farthest, deviations = farthest_off(base)
     return Evidence(
-        base.compared.mean_squared_misfit,
-        held_out.error,
-        start.repeatability,
-        _tested(extended, scored),
-        of_singles,
-        of_combined,
-        _alike(scored, fits.criteria),
-        *farthest_off(base),
-        if_repeatable(base, start, BranchesBy(fits.workers)),
-        start.train_plan.independent,
-        held_out.misfit,
-        held_out.values / start.train_plan.as_one,
-        start.train_plan.as_one,
-        start.plan.noise_freedom,
-        start.stated,
-        free,
+        excess=base.compared.mean_squared_misfit,
+        held_out=held_out.error,
+        repeatability=start.repeatability,
+        tested=_tested(extended, scored),
+        trials=of_singles,
+        combined=of_combined,
+        alike=_alike(scored, fits.criteria),
+        farthest=farthest,
+        deviations=deviations,
+        if_repeatable=if_repeatable(base, start, BranchesBy(fits.workers)),
+        independent=start.train_plan.independent,
+        unseen=held_out.misfit,
+        unseen_independent=held_out.values / start.train_plan.as_one,
+        as_one=start.train_plan.as_one,
+        noise_freedom=start.plan.noise_freedom,
+        stated=start.stated,
+        if_runs_drift=free,
     )
 
 

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from updamp.comparison.comparison import Calibrated
+from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.stated.stated_explanations import MET, Explanation, Explanations, LowForceProblem
 from updamp.diagnosis.stated.stated_predictions import (
     MeasurableQuantity,
@@ -34,9 +35,10 @@ def verdict_of(
     effects: Sequence[Effect],
     predictions: Sequence[StatedPrediction],
     wanted: Sequence[MeasurableQuantity],
+    criteria: Criteria,
     provenance: Mapping[str, str],
 ) -> Verdict:
-    """predictions: of `survivors_of(found)`, of the quantities `wanted`"""
+    """predictions: of `survivors_of(found)`, of the quantities `wanted`; criteria: what looks alike"""
     outcome, group = decided(found)
     accepted = _accepted(found)
     best = min((found.helped[name] for name in accepted), key=lambda e: e.chi2, default=found.calibrated)
@@ -51,7 +53,7 @@ def verdict_of(
         error=ErrorReached(before, after, nan, nan, 1.0),
         next_measurement=separating(predictions, wanted),
         signatures=(),
-        confounding=Confounding(tuple(scored), _cosines(scored), 0.9, _alike(scored, 0.9)),
+        confounding=Confounding(tuple(scored), _cosines(scored), criteria.cosine, _alike(scored, criteria)),
         missing_forces=(),
         history=(Step((), before, nan),),
         provenance=provenance,
@@ -138,26 +140,47 @@ def _sentence(outcome: Outcome, found: Explanations) -> str:
 def _candidates(
     found: Explanations, scored: Mapping[str, StatedScore], effects: Sequence[Effect]
 ) -> tuple[Candidate, ...]:
-    nan, listed = float("nan"), []
-    for effect in effects:
-        named = effect.name, effect.sentence
-        if effect.name in found.helped:
-            helped, score, reason = (
-                found.helped[effect.name],
-                scored[effect.name],
-                why_not_the_cause(found, effect.name),
-            )
-            drop = found.calibrated.chi2 - helped.chi2
-            bic = drop - len(effect.parameters) * float(np.log(len(helped.off)))
-            fit = found.alone[effect.name] if found.alone[effect.name].met else helped
-            listed.append(
-                Candidate(*named, score.score, score.visibility, score.score**2, drop, bic, nan, _parameters(fit),
-                          not reason, reason)
-            )  # fmt: skip
-        else:
-            why = found.without_place.get(effect.name, "it does not move a resonance at small force")
-            listed.append(Candidate(*named, 0.0, 0.0, 0.0, nan, nan, nan, (), False, why))
+    listed = [
+        _fitted(effect, found, scored[effect.name]) if effect.name in found.helped else _not_fitted(effect, found)
+        for effect in effects
+    ]
     return tuple(sorted(listed, key=lambda c: (not c.accepted, -c.obtained_drop if c.obtained_drop > 0 else 0.0)))
+
+
+def _fitted(effect: Effect, found: Explanations, score: StatedScore) -> Candidate:
+    alone, helped = found.alone[effect.name], found.helped[effect.name]
+    reason = why_not_the_cause(found, effect.name)
+    drop = found.calibrated.chi2 - helped.chi2
+    return Candidate(
+        name=effect.name,
+        sentence=effect.sentence,
+        score=score.score,
+        visibility=score.visibility,
+        predicted_drop=score.score**2,
+        obtained_drop=drop,
+        delta_bic=drop - len(effect.parameters) * float(np.log(len(helped.off))),
+        held_out_gain=float("nan"),
+        parameters=_parameters(alone if alone.met else helped),
+        accepted=not reason,
+        reason=reason,
+    )
+
+
+def _not_fitted(effect: Effect, found: Explanations) -> Candidate:
+    nan = float("nan")
+    return Candidate(
+        name=effect.name,
+        sentence=effect.sentence,
+        score=0.0,
+        visibility=0.0,
+        predicted_drop=0.0,
+        obtained_drop=nan,
+        delta_bic=nan,
+        held_out_gain=nan,
+        parameters=(),
+        accepted=False,
+        reason=found.without_place.get(effect.name, "it does not move a resonance at small force"),
+    )
 
 
 def _parameters(fit: Explanation) -> tuple[FittedParameter, ...]:
@@ -185,6 +208,6 @@ def _cosines(scored: Mapping[str, StatedScore]) -> np.ndarray:
     return np.asarray(directions @ directions.T) if len(scored) else np.zeros((0, 0))
 
 
-def _alike(scored: Mapping[str, StatedScore], threshold: float) -> tuple[tuple[str, ...], ...]:
+def _alike(scored: Mapping[str, StatedScore], criteria: Criteria) -> tuple[tuple[str, ...], ...]:
     names, cosine = tuple(scored), np.abs(_cosines(scored))
-    return tuple((names[i], names[j]) for i, j in zip(*np.nonzero(np.triu(cosine, 1) > threshold), strict=True))
+    return tuple((names[i], names[j]) for i, j in zip(*np.nonzero(np.triu(cosine, 1) > criteria.cosine), strict=True))

@@ -1,6 +1,5 @@
 """What the finite elements ask of a solver of large symmetric positive definite systems."""
 
-from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
@@ -40,14 +39,3 @@ class LinearSolver(Protocol):
     """
 
     def __call__(self, matrix: sparse.bsr_array, near_null_space: Floats) -> Factorisation: ...
-
-
-def solve_in_blocks(solve: Callable[[Floats], Floats], rhs: Floats, block: int) -> Floats:
-    """Many right-hand sides, `block` at a time: solvers hold two or three copies of what they are given.
-
-    rhs: (n, m) -> (n, m) in column-major order
-    """
-    solution = np.empty(rhs.shape, order="F")
-    for start in range(0, rhs.shape[1], block):
-        solution[:, start : start + block] = solve(rhs[:, start : start + block])
-    return solution

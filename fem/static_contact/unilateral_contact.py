@@ -39,7 +39,6 @@ def solve_unilateral_contact(
     loads: Floats,
     free_displacements: Floats | None = None,
     options: ContactOptions = DEFAULT_OPTIONS,
-    progress: Callable[[int, int], None] | None = None,
 ) -> ContactSolution:
     """States along a load path, by block principal pivoting (an active-set, or semismooth Newton, method).
 
@@ -65,7 +64,7 @@ def solve_unilateral_contact(
     iterations: list[int] = []
     residuals: list[float] = []
     status = ContactStatus.CONVERGED
-    for step, (load, displacement) in enumerate(zip(loads, free, strict=True)):
+    for load, displacement in zip(loads, free, strict=True):
         equations = partial(ContactEquations, problem, load, displacement, anchor)
         active, state, status, count = _solve_step(equations, problem.friction, active, options)
         iterations.append(count)
@@ -74,8 +73,6 @@ def solve_unilateral_contact(
             break
         states.append(state)
         anchor = state.displacement[:, :2]
-        if progress is not None:
-            progress(step + 1, len(loads))
     return ContactSolution(tuple(states), status, np.asarray(iterations), np.asarray(residuals))
 
 

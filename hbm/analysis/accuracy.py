@@ -1,4 +1,4 @@
-"""How far a curve is from finer settings: its worst points solved again with more harmonics, samples and cycles.
+"""How far a curve is from a finer setting: some of its points solved again with more harmonics, samples or cycles.
 
 A point is solved again on the plane across the branch there, so that what is compared is the shift of the branch, not
 the (much larger) change at a fixed frequency on a steep flank. At the peak five points are, and the top of both sets is
@@ -15,20 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
-from updamp.hbm.analysis.settings import (
-    Refinement,
-    Setting,
-    all_finer,
-    more_harmonics,
-    one_more_cycle,
-    setting_of,
-    twice_the_samples,
-    with_setting,
-)
+from updamp.hbm.analysis.settings import Refinement, setting_of, with_setting
 from updamp.hbm.continuation.branch import BranchPoint, branch_point
 from updamp.hbm.continuation.curve import CurveRequest
 from updamp.hbm.continuation.response_curve import ResponseCurve
-from updamp.hbm.continuation.sweeps import turning_points
 from updamp.hbm.newton import observe
 from updamp.hbm.newton.metric import Metric
 from updamp.hbm.newton.newton import Arc, solve
@@ -46,81 +36,21 @@ class Deviation:
     """A finer setting less the curve. NaN where the finer problem was not solved.
 
     peak_percent: height of the peak, in percent of it; peak_hertz: shift of the resonance, at the phase of the peak
-    elsewhere_percent: largest change of the amplitude at turning points and where most rows slip, percent of the peak
-    turning_hertz: largest shift of a turning point, 0 where there is none
+    elsewhere_percent: largest change of the amplitude at the other points, percent of the peak
     unsolved: frequencies [Hz] at which the finer problem was not solved
     """
 
-    setting: Setting
     peak_percent: float
     peak_hertz: float
     elsewhere_percent: float
-    turning_hertz: float
     unsolved: tuple[float, ...] = ()
-
-
-@dataclass(frozen=True)
-class ErrorEstimate:
-    """Of one curve at one point; `together` refines all three at once and is the estimate of the whole.
-
-    cycles: None where no law has cycles
-    """
-
-    setting: Setting
-    point: str
-    harmonics: Deviation
-    samples: Deviation
-    cycles: Deviation | None
-    together: Deviation
-
-    @property
-    def percent(self) -> float:
-        """Size of the peak's error, in percent of it."""
-        return abs(self.together.peak_percent)
-
-    @property
-    def hertz(self) -> float:
-        """Size of the error of the resonance's frequency."""
-        return abs(self.together.peak_hertz)
-
-    def __str__(self) -> str:
-        parts = [("more harmonics", self.harmonics), ("twice the samples", self.samples)]
-        if self.cycles is not None:
-            parts.append(("one more cycle", self.cycles))
-        shares = ", ".join(f"{name} {part.peak_percent:+.2g} % and {part.peak_hertz:+.2g} Hz" for name, part in parts)
-        return f"peak at '{self.point}' within {self.percent:.2g} % and {self.hertz:.2g} Hz ({shares})"
-
-
-def estimate_error(
-    system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, point: str | None = None
-) -> ErrorEstimate:
-    """Error of `curve`, traced for `request` on `system`, at `point` (default: the first whose peak is told).
-
-    raises: ValueError for a curve of fewer than two points, or an unknown point
-    """
-    if len(curve) < 2:
-        raise ValueError(f"a curve of {len(curve)} points has no branch to compare with: at least two are needed")
-    point = point or request.peaks_at[0]
-    return estimate_of(CheckedPoints.of(system, request, curve, point))
-
-
-def estimate_of(checked: "CheckedPoints") -> ErrorEstimate:
-    setting = setting_of(checked.system)
-    return ErrorEstimate(
-        setting=setting,
-        point=checked.point,
-        harmonics=checked.deviation(more_harmonics),
-        samples=checked.deviation(twice_the_samples),
-        cycles=checked.deviation(one_more_cycle) if setting.cycles is not None else None,
-        together=checked.deviation(all_finer),
-    )
 
 
 @dataclass(frozen=True, eq=False)
 class CheckedPoints:
     """The points of a curve that are solved again.
 
-    near: those around the peak; turning, most_active: turning points, and points with most active rows
+    near: those around the peak; elsewhere: others, by place on the curve
     branch: all of them with their tangents, by place on the curve
     """
 
@@ -129,19 +59,8 @@ class CheckedPoints:
     curve: ResponseCurve
     point: str
     near: Integers
-    turning: Integers
-    most_active: Integers
+    elsewhere: Integers
     branch: dict[int, BranchPoint]
-
-    @staticmethod
-    def of(
-        system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, point: str, most: int = 3
-    ) -> "CheckedPoints":
-        """The peak, all turning points, and at most so many of those with most active rows."""
-        turning = turning_points(curve.frequency)
-        active = np.argsort(curve.active, kind="stable")[::-1]
-        most_active = active[curve.active[active] > 0][:most]
-        return CheckedPoints.at(system, request, curve, point, turning, most_active)
 
     @staticmethod
     def at(
@@ -149,14 +68,13 @@ class CheckedPoints:
         request: CurveRequest,
         curve: ResponseCurve,
         point: str,
-        turning: Integers,
-        most_active: Integers,
+        elsewhere: Integers,
     ) -> "CheckedPoints":
         """The peak, and these places."""
         near = _around_the_peak(np.abs(curve.amplitude(point)))
-        places = sorted({int(i) for i in (*near, *turning, *most_active)})
+        places = sorted({int(i) for i in (*near, *elsewhere)})
         branch = {i: _branch_point(system, request, curve, i) for i in places}
-        return CheckedPoints(system, request, curve, point, near, turning, most_active, branch)
+        return CheckedPoints(system, request, curve, point, near, elsewhere, branch)
 
     def deviation(self, refine: Refinement) -> Deviation:
         """What a finer setting changes at the selected points."""
@@ -164,14 +82,11 @@ class CheckedPoints:
         moved = {i: solve_again(self.request, p, with_setting(self.system, finer)) for i, p in self.branch.items()}
         unsolved = tuple(float(self.curve.frequency[i]) for i, p in moved.items() if p is None)
         before, after = (_Peak.of(self, points) for points in (self.branch, moved))
-        elsewhere = [self._change(i, moved[i]) / before.height for i in (*self.turning, *self.most_active)]
-        shifts = [_shift(self.branch[i], moved[i]) for i in self.turning]
+        elsewhere = [self._change(i, moved[i]) / before.height for i in self.elsewhere]
         return Deviation(
-            setting=finer,
             peak_percent=100 * (after.height / before.height - 1),
             peak_hertz=self._peak_shift(before, after, moved),
             elsewhere_percent=100 * _largest(elsewhere),
-            turning_hertz=_largest(shifts),
             unsolved=unsolved,
         )
 

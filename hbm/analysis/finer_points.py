@@ -59,4 +59,4 @@ def _peak_and_flanks(system: NonlinearSystem, request: CurveRequest, curve: Resp
     top = int(np.argmax(size))
     below = np.flatnonzero(size < size[top] / np.sqrt(2))
     flanks = np.array([*below[below < top][-1:], *below[below > top][:1]], dtype=np.int64)
-    return CheckedPoints.at(system, request, curve, point, np.zeros(0, dtype=np.int64), flanks)
+    return CheckedPoints.at(system, request, curve, point, flanks)

@@ -26,11 +26,6 @@ class Setting:
         if self.cycles is not None and self.cycles < 1:
             raise ValueError(f"cycles = {self.cycles}: at least 1")
 
-    @property
-    def cost(self) -> float:
-        """Of one evaluation, to compare settings by: samples of all cycles times coefficients."""
-        return float(self.time_samples * (self.cycles or 1) * Harmonics(self.orders).n_coefficients)
-
     def __str__(self) -> str:
         cycles = "" if self.cycles is None else f", {self.cycles} cycles"
         return f"harmonics {', '.join(map(str, self.orders))}, {self.time_samples} time samples{cycles}"
@@ -55,10 +50,6 @@ def twice_the_samples(setting: Setting) -> Setting:
 def one_more_cycle(setting: Setting) -> Setting:
     """The same setting where no law has cycles."""
     return setting if setting.cycles is None else replace(setting, cycles=setting.cycles + 1)
-
-
-def all_finer(setting: Setting) -> Setting:
-    return one_more_cycle(twice_the_samples(more_harmonics(setting)))
 
 
 def setting_of(system: NonlinearSystem) -> Setting:

@@ -76,15 +76,3 @@ class IwanMicroslip:
 
     def reference_stiffness(self, parameters: IwanParameters) -> jax.Array:
         return jnp.zeros(1)
-
-
-def stiffness_and_slip_force(lost: float, exponent: float, nearness: float) -> tuple[float, float]:
-    """K [N/m], the joint's stiffness while all sliders stick, and the force [N] at which all of them slip.
-
-    raises: ValueError where gross slip is out of reach, and neither is known
-    """
-    if nearness <= 0:
-        raise ValueError(f"nearness = {nearness:g}: gross slip is out of reach, stiffness and slip force are not known")
-    end = REFERENCE_DISPLACEMENT / nearness
-    R = lost * (1 + exponent) * (2 + exponent) / REFERENCE_DISPLACEMENT ** (1 + exponent)
-    return R * end ** (1 + exponent) / (1 + exponent), R * end ** (2 + exponent) / (2 + exponent)

@@ -198,7 +198,15 @@ def with_point(
 
 def empty_curve(request: CurveRequest, system: NonlinearSystem) -> ResponseCurve:
     none = np.zeros(0)
+    columns: dict[str, Any] = dict.fromkeys(COLUMNS, none)
+    columns |= {"iterations": none.astype(int), "active": none.astype(int), "after_gap": none.astype(bool)}
     return ResponseCurve(
-        request.mode, request.excitation.force, system.harmonics.orders, request.points,
-        none, none, none, none, none, none, none.astype(int), none, none.astype(int), none.astype(bool), False, "", 0.0,
-    )  # fmt: skip
+        mode=request.mode,
+        force=request.excitation.force,
+        orders=system.harmonics.orders,
+        points=request.points,
+        **columns,
+        complete=False,
+        stopped="",
+        seconds=0.0,
+    )

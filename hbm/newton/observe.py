@@ -16,6 +16,9 @@ from updamp.hbm.problem.system import Excitation, NonlinearSystem
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
+LOOP_SAMPLES = 512  # a period, of one force loop
+LOSS_SAMPLES = 1024  # of the loops whose areas are the loss
+
 
 class ContactState(IntEnum):
     """Over a period, as Pesaresi et al. (2017) Fig. 18 distinguish."""
@@ -66,9 +69,7 @@ def _states_of(
     return np.asarray(np.where(open_.all(axis=1), ContactState.NEVER_IN_CONTACT, label))
 
 
-def force_loop(
-    system: NonlinearSystem, x: Floats, w: float, element: int, time_samples: int = 512
-) -> tuple[Floats, Floats]:
+def force_loop(system: NonlinearSystem, x: Floats, w: float, element: int) -> tuple[Floats, Floats]:
     """Relative displacement (n_time, d) [m] and force (n_time, d) [N] of one element over a period.
 
     element: counted through the groups
@@ -80,7 +81,7 @@ def force_loop(
             one = slice(element - first, element - first + 1)
             parameters = type(group.values)(*(value[one] for value in group.values))
             alone = ElementGroup(group.law, parameters, group.rows[one])
-            motion, force = over_period(alone, group.law.force, x[alone.rows], w, system.harmonics, time_samples)
+            motion, force = over_period(alone, group.law.force, x[alone.rows], w, system.harmonics, LOOP_SAMPLES)
             return motion[0], force[0]
         first += len(group.rows)
     raise IndexError(f"element {element}: the system has {first}, numbered from 0")
@@ -91,13 +92,13 @@ def work_in(system: NonlinearSystem, excitation: Excitation, response: Floats) -
     return float(np.pi * excitation.force * -system.harmonics.amplitude(response, 1).imag)
 
 
-def friction_loss(system: NonlinearSystem, x: Floats, w: float, time_samples: int = 1024) -> Floats:
+def friction_loss(system: NonlinearSystem, x: Floats, w: float) -> Floats:
     """Area of each element's force loop, sum of f dx over a period: (n_elements,) [J].
 
     Integrated in time on a grid of its own, so that comparing it with the other energies tests the balance.
     x: (n_relative, n_coefficients) [m]
     """
-    areas = [loop_areas(group, x[group.rows], w, system.harmonics, time_samples) for group in system.groups]
+    areas = [loop_areas(group, x[group.rows], w, system.harmonics, LOSS_SAMPLES) for group in system.groups]
     return np.concatenate(areas)
 
 

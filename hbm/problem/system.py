@@ -217,9 +217,6 @@ class NonlinearSystem:
         """f_nl(x): (n_relative, n_coefficients) [N]."""
         return self.departure_value(x, w) + self.reference_stiffness[:, None] * x
 
-    def with_harmonics(self, harmonics: Harmonics, time_samples: int | None = None) -> "NonlinearSystem":
-        return replace(self, harmonics=harmonics, time_samples=time_samples or self.time_samples)
-
     @cached_property
     def half(self) -> "NonlinearSystem | None":
         """The symmetric motions alone (hbm/problem/mirror.py); None where the problem is not its own mirror image."""

@@ -183,14 +183,18 @@ def _follow(
             yield ResonancePoint(at_log_force, metric.distance(last, at_log_force.state), False, True)
             if log_force == log_forces[-1]:
                 return
-        turning = (
-            len(followed) > 1
-            and (solution.state.log_force - last.log_force) * (last.log_force - followed[-2].state.log_force) < 0
-        )
-        yield ResonancePoint(solution, point.step, turning, False)
+        yield ResonancePoint(solution, point.step, _turns_back(followed, solution), False)
         if (solution.state.log_force > first.state.log_force) != upwards:
             return
         followed = [followed[-1], point]
+
+
+def _turns_back(followed: Sequence[FollowedResonance], next_one: ResonanceSolution) -> bool:
+    """Whether the force changes the other way after the last of them."""
+    if len(followed) < 2:
+        return False
+    before, last = (one.state.log_force for one in followed[-2:])
+    return (next_one.state.log_force - last) * (last - before) < 0
 
 
 def log_forces_passed(log_forces: Sequence[float], here: float, there: float) -> list[float]:

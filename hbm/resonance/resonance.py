@@ -71,15 +71,8 @@ class Hyperplane:
 
 
 def constant_force_plane(state: ResonanceState) -> Hyperplane:
-    return _plane(state, ResonanceState(np.zeros_like(state.z), 0.0, 1.0, 0.0), 1.0)
-
-
-def constant_frequency_plane(state: ResonanceState) -> Hyperplane:
-    return _plane(state, ResonanceState(np.zeros_like(state.z), 1.0, 0.0, 0.0), state.w)
-
-
-def _plane(state: ResonanceState, normal: ResonanceState, scale_w: float) -> Hyperplane:
-    return Hyperplane(state, normal, Metric(np.ones(state.z.shape[1]), scale_w))
+    normal = ResonanceState(np.zeros_like(state.z), 0.0, 1.0, 0.0)
+    return Hyperplane(state, normal, Metric(np.ones(state.z.shape[1]), 1.0))
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,6 +14,7 @@ from updamp.hbm.continuation.curve_records import refuse_window
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.newton import observe
 from updamp.hbm.newton.observe import ContactState
+from updamp.hbm.problem.mirror import Mirror
 from updamp.hbm.problem.system import NonlinearSystem
 from updamp.hbm.resonance.backbone import ResonancePoint, follow_resonance
 from updamp.hbm.resonance.conditions import ResonanceCondition
@@ -57,7 +58,7 @@ class ResonanceCurve:
     response: (n, n_coefficients) displacement of `point` [m], ordered as in hbm/harmonics.py
     displacement: (n, n_relative, n_coefficients) at the contacts [m]
     loss_factor: (n,) from energy; damping_from_phase: (n,) ratio, nan where not defined (see
-    hbm/resonance/equivalent_damping.py) work_in, friction_loss, stored_energy: (n,) [J]
+    hbm/resonance/equivalent_damping.py); work_in, friction_loss: (n,) [J]
     states: (n, 4) number of contacts in each ContactState; all zero where a law has none
     asked_for: (n,) whether the force is one of the request
     turning: (n,) whether the force turned round since the point before
@@ -75,7 +76,6 @@ class ResonanceCurve:
     damping_from_phase: Floats
     work_in: Floats
     friction_loss: Floats
-    stored_energy: Floats
     states: Integers
     asked_for: NDArray[np.bool_]
     turning: NDArray[np.bool_]
@@ -103,11 +103,6 @@ class ResonanceCurve:
         """(n,) half the loss factor"""
         return self.loss_factor / 2
 
-    def harmonic_content(self) -> Floats:
-        """(n, n_orders) amplitude of every harmonic over that of the first, the mean displacement included."""
-        sizes = np.stack([np.abs(self.amplitude(k)) for k in self.orders], axis=1)
-        return sizes / sizes[:, [self.orders.index(1)]]
-
     def passes(self, force: float) -> Integers:
         """Places of the points at a force of the request [N], each time that it was passed."""
         return np.flatnonzero(self.asked_for.astype(bool) & np.isclose(self.force, force, rtol=1e-9))
@@ -134,12 +129,7 @@ def trace_resonance(system: NonlinearSystem, request: ResonanceRequest) -> Itera
     followed on is not raised: it ends the curve with its sentence in `stopped`
     """
     started = time.perf_counter()
-    driven = system.half_driven_at(system.free.row(request.excited))
-    solved, start = (driven[0] if driven else system), request.start
-    if driven and start is not None:
-        start = replace(start, z=driven[1].halved(start.z))
-    excited, observed = solved.free.row(request.excited), solved.free.row(request.point)
-    problem = ResonanceProblem(solved, excited, observed, whole=system if driven else None)
+    problem, start, mirror = _to_solve(system, request)
     rows: list[dict[str, Any]] = []
     n, n_coefficients = system.free.n_relative, system.harmonics.n_coefficients
     shapes = {"response": (n_coefficients,), "displacement": (n, n_coefficients), "states": (len(ContactState),)}
@@ -158,8 +148,8 @@ def trace_resonance(system: NonlinearSystem, request: ResonanceRequest) -> Itera
     )
     try:
         for point in points:
-            row = _row(solved, point)
-            x = driven[1].whole(point.solution.x) if driven else point.solution.x
+            row = _row(problem.system, point)
+            x = mirror.whole(point.solution.x) if mirror is not None else point.solution.x
             rows.append(row | {"displacement": x, "states": _states(system, x, point.solution.w)})
             yield curve()
     except ResonanceStoppedError as stop:
@@ -168,6 +158,19 @@ def trace_resonance(system: NonlinearSystem, request: ResonanceRequest) -> Itera
     reached = bool(rows[-1]["asked_for"]) and np.isclose(rows[-1]["force"], request.forces[-1])
     forces = [row["force"] for row in rows]
     yield curve(complete=bool(reached), stopped="" if reached else _why_short(forces, request))
+
+
+def _to_solve(
+    system: NonlinearSystem, request: ResonanceRequest
+) -> tuple[ResonanceProblem, ResonanceState | None, Mirror | None]:
+    """The problem, or the half of it that is driven; where it begins; and what makes the whole of a half again"""
+    start, driven = request.start, system.half_driven_at(system.free.row(request.excited))
+    solved, mirror = driven or (system, None)
+    if mirror is not None and start is not None:
+        start = replace(start, z=mirror.halved(start.z))
+    excited, observed = solved.free.row(request.excited), solved.free.row(request.point)
+    whole = system if mirror is not None else None
+    return ResonanceProblem(solved, excited, observed, whole=whole), start, mirror
 
 
 def _why_short(forces: Sequence[float], request: ResonanceRequest) -> str:
@@ -199,7 +202,6 @@ def _row(system: NonlinearSystem, point: ResonancePoint) -> dict[str, Any]:
         "damping_from_phase": damping_ratio_from_phase(solution),
         "work_in": work,
         "friction_loss": float(observe.friction_loss(system, solution.x, solution.w).sum()),
-        "stored_energy": stored,
         "asked_for": point.asked_for,
         "turning": point.turning,
         "active": solution.linearised.jacobian.n_active,

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.continuation.sweeps import turning_points
 from updamp.hbm.problem.system import NonlinearSystem
-from updamp.hbm.stability.stability import StabilityOptions, stability
+from updamp.hbm.stability.stability import stability
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -127,13 +127,11 @@ def parts_of(curve: ResponseCurve) -> tuple[Part, ...]:
     return tuple(Part(run[0], run[-1], bool(against[run[0]]) if tells else None) for run, tells in runs)
 
 
-def point_stability(
-    system: NonlinearSystem, curve: ResponseCurve, place: int, against: bool | None, options: StabilityOptions
-) -> Judgement:
+def point_stability(system: NonlinearSystem, curve: ResponseCurve, place: int, against: bool | None) -> Judgement:
     """Whatever cannot be computed is unknown, with the reason."""
     try:
         with np.errstate(all="ignore"):
-            found = stability(system, curve.displacement[place], 2 * np.pi * curve.frequency[place], options, against)
+            found = stability(system, curve.displacement[place], 2 * np.pi * curve.frequency[place], against=against)
     except np.linalg.LinAlgError as error:
         return Judgement(State.UNKNOWN, np.nan, f"{SINGULAR} ({error})")
     except Exception as error:  # of a law, a factorisation, memory: no branch is lost by one of its points
@@ -148,7 +146,6 @@ def branch_stability(
     system: NonlinearSystem,
     curve: ResponseCurve,
     point: str,
-    options: StabilityOptions | None = None,
     report: Callable[[float], None] = lambda _: None,
 ) -> BranchStability:
     """Of all points of a curve traced on `system`.
@@ -162,12 +159,11 @@ def branch_stability(
             f"the curve has harmonics {curve.orders} and displacements {curve.displacement.shape[1:]}, the system "
             f"{system.harmonics.orders} and {shape}: give the system that it was traced on"
         )
-    options, parts = options or StabilityOptions(), parts_of(curve)
-    most, began = most_computed(system, curve), time.perf_counter()
+    parts, most, began = parts_of(curve), most_computed(system, curve), time.perf_counter()
     known: dict[int, Judgement] = {}
     stuck = np.flatnonzero(curve.active == 0)
     if len(stuck):
-        first = point_stability(system, curve, int(stuck[0]), None, options)
+        first = point_stability(system, curve, int(stuck[0]), None)
         known |= {int(i): first for i in stuck}
     peak = int(np.abs(curve.receptance(point)).argmax()) if len(curve) else None
     computed = {int(i) for i in stuck}
@@ -175,7 +171,7 @@ def branch_stability(
         if done >= most:
             break
         report(done / most)
-        known[place] = point_stability(system, curve, place, part.against, options)
+        known[place] = point_stability(system, curve, place, part.against)
         computed.add(place)
     judged = [_judged(i, parts, known) for i in range(len(curve))]
     return _collected(curve, judged, computed, time.perf_counter() - began)

@@ -12,7 +12,6 @@ from updamp.hbm.continuation.detached import Place, detached_through
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.problem.system import NonlinearSystem
 from updamp.hbm.stability.branch_stability import point_stability
-from updamp.hbm.stability.stability import StabilityOptions
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,10 +40,7 @@ def detached_branches(
     began = time.perf_counter()
     branches = (*curve.detached, *detached_through(system, request, curve, places))
     tops = [int(np.abs(branch.receptance(point)).argmax()) for branch in branches]
-    judged = [
-        point_stability(system, branch, top, None, StabilityOptions())
-        for branch, top in zip(branches, tops, strict=True)
-    ]
+    judged = [point_stability(system, branch, top, None) for branch, top in zip(branches, tops, strict=True)]
     return DetachedBranches(
         curve.mode, curve.force, branches, np.array([int(one.state) for one in judged], dtype=np.int64),
         tuple(one.reason for one in judged), time.perf_counter() - began,

@@ -6,7 +6,8 @@ import numpy as np
 import pint
 import pytest
 
-from updamp.effects.catalogue import CATALOGUE
+from updamp.effects import face_angle, face_length
+from updamp.effects.catalogue import CATALOGUE, _by_name
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.newton import observe
 from updamp.hbm.newton.equation import evaluate, linear_solution
@@ -27,6 +28,12 @@ NAMES = (
 # What does nothing by itself: it says how another parameter's effect grows.
 WITHOUT_SIZE = {(e.name, p.name) for e in CATALOGUE.values() for p in e.parameters if p.shape}
 SMOOTH = [name for name in NAMES if not CATALOGUE[name].finite_step]
+
+
+def test_a_name_that_is_there_already_is_refused():
+    assert tuple(_by_name(face_length, face_angle)) == ("face_length", "face_angle")
+    with pytest.raises(ValueError, match='an effect "face_angle" already'):
+        _by_name(face_length, face_angle, face_angle)
 
 
 def solved(model: RigModel, start: np.ndarray, w: float) -> Solution:

@@ -27,7 +27,7 @@ from updamp.hbm.problem.elements import ElementGroup
 from updamp.hbm.problem.linear_model import LinearModel
 from updamp.model.build import rig_model
 from updamp.model.rig_files import load_rig
-from updamp.rig.rig import MeshDivisions
+from updamp.rig.mesh_divisions import MeshDivisions
 
 RIG_FILE = Path(__file__).parents[1] / "data" / "short_faces.toml"
 EI, MASS, LENGTH, ELEMENTS, KEPT = 126.0, 1.14, 0.15, 60, 6  # N m^2, kg/m, m

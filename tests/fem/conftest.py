@@ -11,7 +11,8 @@ from skfem.io.meshio import HEX_MAPPING
 from updamp.geometry.build_mesh import build_mesh
 from updamp.geometry.rig_mesh import ComponentMesh, RigMesh
 from updamp.model.rig_files import load_rig
-from updamp.rig.rig import MeshDivisions, Rig
+from updamp.rig.mesh_divisions import MeshDivisions
+from updamp.rig.rig import Rig
 
 RIG_FILE = Path(__file__).parents[1] / "data" / "short_faces.toml"
 

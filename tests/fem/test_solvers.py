@@ -15,7 +15,6 @@ from updamp.fem.modes import normal_modes
 from updamp.fem.quadratic_mesh import quadratic_mesh
 from updamp.fem.rigid_body import rigid_body_fields
 from updamp.fem.solvers import SOLVERS, SolverFailedError, SolverMissingError, amg, solver_named
-from updamp.fem.solvers.linear_solver import solve_in_blocks
 
 NAMES = tuple(SOLVERS)
 
@@ -52,7 +51,6 @@ def test_solves_one_and_many(prepared, name: str) -> None:
         found = factor.solve(given)
         assert found.shape == given.shape
         np.testing.assert_allclose(found, expected, atol=1e-7 * np.abs(expected).max())
-    np.testing.assert_allclose(solve_in_blocks(factor.solve, rhs, 2), exact, atol=1e-7 * np.abs(exact).max())
     factor.close()
     factor.close()  # twice does no harm
     with pytest.raises(SolverFailedError, match="was closed"):

@@ -299,7 +299,7 @@ def test_peaks_beyond_the_forces_that_the_resonance_was_followed_in_are_drawn_al
     none = np.zeros(3, int)
     followed = ResonanceCurve(
         "OOP", "tip", (0, 1), force, 440 + force, response, np.zeros((3, 0, 3)),
-        of_points, of_points, of_points, of_points, of_points,
+        of_points, of_points, of_points, of_points,
         np.zeros((3, 4), int), none == 0, none > 0, none, none, of_points, True, "", 0.0,
     )  # fmt: skip
     for asked in (10.0, 1.0):

@@ -169,7 +169,7 @@ def folder(tmp_path_factory) -> Path:
     rig = load_rig(RIG)
     reduced = plain_reduced_model(rig, build_mesh(rig, "small").contacts)
     nothing = np.zeros(0)
-    store.write(folder / "fe.h5", FiniteElementResult(reduced, nothing, nothing, nothing), Stamp("fe"))
+    store.write(folder / "fe.h5", FiniteElementResult(reduced, nothing, nothing), Stamp("fe"))
     store.write(folder / "rest.h5", static_contact(reduced, rig), Stamp("rest"))
     return folder
 

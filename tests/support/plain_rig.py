@@ -68,7 +68,7 @@ def curve_jobs(path: Path, forces: tuple[float, ...], folder: Path) -> tuple[Cur
     """Curves of the plain rig near its first stuck mode, with the files of the stages before in the folder."""
     rig = load_rig(path, {"study.modes.OOP.window": around_first_stuck_mode(path, 2.0)})
     reduced, nothing = plain_reduced_model(rig, build_mesh(rig, "small").contacts), np.zeros(0)
-    store.write(folder / "fe.h5", FiniteElementResult(reduced, nothing, nothing, nothing), store.Stamp("fe"))
+    store.write(folder / "fe.h5", FiniteElementResult(reduced, nothing, nothing), store.Stamp("fe"))
     store.write(folder / "rest.h5", static_contact(reduced, rig), store.Stamp("rest"))
     return tuple(
         CurveJob(rig, "OOP", force, f"key {force}", folder / "fe.h5", folder / "rest.h5", folder / f"{force}.h5")

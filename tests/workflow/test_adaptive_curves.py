@@ -28,7 +28,7 @@ def job(tmp_path_factory):
     changes = {"study.modes.OOP.window": around_first_stuck_mode(RIG, 2.0), "harmonic_balance.harmonics": "auto"}
     rig = load_rig(RIG, changes)
     reduced, nothing = plain_reduced_model(rig, build_mesh(rig, "small").contacts), np.zeros(0)
-    store.write(folder / "fe.h5", FiniteElementResult(reduced, nothing, nothing, nothing), Stamp("fe"))
+    store.write(folder / "fe.h5", FiniteElementResult(reduced, nothing, nothing), Stamp("fe"))
     store.write(folder / "rest.h5", static_contact(reduced, rig), Stamp("rest"))
     files = (folder / "fe.h5", folder / "rest.h5", folder / "curve.h5")
     return AdaptiveCurveJob(rig, "OOP", 1.0, "key", *files, point=POINT, tolerance=0.02)

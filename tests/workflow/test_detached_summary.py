@@ -11,7 +11,8 @@ from updamp.hbm.stability.detached_branches import DetachedBranches
 from updamp.workflow import store
 from updamp.workflow.detached_jobs import has_more, resonances_at
 from updamp.workflow.detached_summary import coexisting
-from updamp.workflow.summary import curve_entry, curves_table
+from updamp.workflow.summary import curve_entry
+from updamp.workflow.summary_tables import curves_table
 
 TIP = "blade_right.tip.x"
 
@@ -64,7 +65,7 @@ def test_resonances_that_are_not_on_the_curve_are_looked_at_once_it_is_at_their_
     followed = ResonanceCurve(
         curve.mode, TIP, curve.orders, np.array([2.0, 2.0, 1.0]), curve.frequency[there], none,
         np.stack([curve.displacement[20], 3 * curve.displacement[60], curve.displacement[100]]), none, none, none, none,
-        none, np.zeros((3, 4)), np.array([True, True, True]), np.zeros(3, bool), none, none, none, True, "", 0.0,
+        np.zeros((3, 4)), np.array([True, True, True]), np.zeros(3, bool), none, none, none, True, "", 0.0,
     )  # fmt: skip
     assert len(resonances_at(curve, followed)) == 2, "the third is at another force"
     assert has_more(curve, followed, (410.0, 430.0))

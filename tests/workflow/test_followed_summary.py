@@ -23,7 +23,7 @@ def followed(curve, place, share=1.0, stopped=""):
     none, response = np.zeros(1), share * curve.response[[place], curve.points.index(TIP)]
     return ResonanceCurve(
         curve.mode, TIP, curve.orders, np.array([curve.force]), curve.frequency[[place]], response,
-        curve.displacement[[place]], none, none, none, none, none, np.zeros((1, 4)), np.array([True]),
+        curve.displacement[[place]], none, none, none, none, np.zeros((1, 4)), np.array([True]),
         np.zeros(1, bool), none, none, none, not stopped, stopped, 0.0,
     )  # fmt: skip
 

@@ -14,7 +14,8 @@ from updamp.workflow.curve_jobs import trace_curve
 from updamp.workflow.job_pool import JobEnd
 from updamp.workflow.marching_jobs import MarchingJob
 from updamp.workflow.marching_summary import moving_peaks
-from updamp.workflow.summary import curve_entry, curves_table
+from updamp.workflow.summary import curve_entry
+from updamp.workflow.summary_tables import curves_table
 
 RIG = Path(__file__).parents[1] / "data" / "short_faces.toml"
 TIP = "blade_right.tip.x"

@@ -13,7 +13,7 @@ from updamp.measurement.measurement import MeasurementError
 from updamp.model.build import modal_model
 from updamp.model.rig_files import load_modal
 from updamp.workflow.measured_against_model import measured_against_model
-from updamp.workflow.modal_constant import StraightLine, modal_fit
+from updamp.workflow.modal_constant import modal_fit
 
 RIGS = Path(__file__).parents[2] / "rigs"
 DATA = Path(__file__).parents[3] / "shared" / "data" / "brb" / "response_controlled.csv"
@@ -27,7 +27,7 @@ def oscillator(loss_factor: float, constant: complex = 0.5) -> np.ndarray:
 
 @pytest.mark.parametrize("loss_factor", [0.001, 0.003, 0.02])
 def test_a_modal_constant_is_found_whatever_the_damping(loss_factor: float) -> None:
-    found = modal_fit(F, oscillator(loss_factor, -0.5j), StraightLine())
+    found = modal_fit(F, oscillator(loss_factor, -0.5j))
     assert found.constant == pytest.approx(-0.5j, rel=1e-6)
     assert found.pole == pytest.approx(W0**2 * (1 + 1j * loss_factor), rel=1e-9)
 
@@ -35,9 +35,9 @@ def test_a_modal_constant_is_found_whatever_the_damping(loss_factor: float) -> N
 def test_it_is_not_told_from_what_is_no_resonance() -> None:
     rng = np.random.default_rng(0)
     noise = rng.standard_normal(60) + 1j * rng.standard_normal(60)
-    assert modal_fit(F, noise, StraightLine()) is None
-    assert modal_fit(F, oscillator(1e-5), StraightLine()) is None, "one point on the peak is not enough"
-    assert modal_fit(F, 0 * noise, StraightLine()) is None
+    assert modal_fit(F, noise) is None
+    assert modal_fit(F, oscillator(1e-5)) is None, "one point on the peak is not enough"
+    assert modal_fit(F, 0 * noise) is None
 
 
 @pytest.mark.parametrize("upwards", [False, True])
@@ -47,9 +47,7 @@ def test_it_is_not_told_from_a_resonance_that_bends_over(upwards: bool) -> None:
     beam, softens = Mode(80.4, 0.003, 2.0), Joint(cubic=-2e9)
     f = np.linspace(78.5, 82.0, 100)
     f = f if upwards else f[::-1]
-    slight, bent, jumping = (
-        modal_fit(f, swept((beam,), softens, f, force) / force, StraightLine()) for force in (0.35, 2.0, 4.0)
-    )
+    slight, bent, jumping = (modal_fit(f, swept((beam,), softens, f, force) / force) for force in (0.35, 2.0, 4.0))
     assert slight.constant == pytest.approx(0.5, rel=0.01)
     assert bent is jumping is None
 

@@ -31,7 +31,7 @@ def job(tmp_path_factory):
     rig = load_rig(RIG, {"study.modes.OOP.window": window, "study.force_levels": LEVELS})
     reduced = plain_reduced_model(rig, build_mesh(rig, "small").contacts)
     nothing = np.zeros(0)
-    store.write(folder / "fe.h5", FiniteElementResult(reduced, nothing, nothing, nothing), store.Stamp("fe"))
+    store.write(folder / "fe.h5", FiniteElementResult(reduced, nothing, nothing), store.Stamp("fe"))
     store.write(folder / "rest.h5", static_contact(reduced, rig), store.Stamp("rest"))
     return ResonanceJob(rig, "OOP", POINT, "key", folder / "fe.h5", folder / "rest.h5", folder / "resonance.h5")
 

@@ -9,7 +9,8 @@ import pytest
 from rich.console import Console
 from support.curves import POINTS, softening_curve
 
-from updamp.workflow.summary import curve_entry, curves_table
+from updamp.workflow.summary import curve_entry
+from updamp.workflow.summary_tables import curves_table
 
 ERROR = {"peak_percent": -17.985, "resonance_hertz": -0.00082, "complete": True, "orders": [0, 1, 2, 3, 4, 5, 6, 7]}
 ENTRY = {

@@ -11,7 +11,7 @@ from support.small_model import NOISE, condition, parametrisation, synthetic_pla
 from updamp.comparison.comparison import Comparison, OddPoint
 from updamp.comparison.findings.odd_points import odd_points
 from updamp.comparison.fit.compared import compare_at
-from updamp.comparison.fit.fit import prior_scatter
+from updamp.comparison.fit.fit_round import prior_scatter
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.odd_readings import odd_readings, without_odd
 from updamp.comparison.prediction.traced_branch import trace_branch

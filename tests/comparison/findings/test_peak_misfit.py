@@ -46,7 +46,7 @@ def plans() -> list[Plan]:
 def misfits(plan: Plan, branches: tuple[PredictedBranch, ...]) -> tuple[PeakMisfit, ...]:
     """At parameters that are known exactly."""
     compared = compare_at(parametrisation(), NONE, plan, branches, KNOWN)
-    return peak_misfits(Fit(parametrisation(), compared, 1e-12 * np.eye(4), True, ""), plan, branches)
+    return peak_misfits(Fit(parametrisation(), compared, 1e-12 * np.eye(4), ""), plan, branches)
 
 
 def changed(plan: Plan, change: Callable[[Observations], np.ndarray]) -> Plan:
@@ -181,7 +181,7 @@ def test_what_the_fit_took_for_scatter_does_not_hide_a_shift_that_all_repeats_ha
     plan = changed(plans[0], lambda o: np.array([2e-3 * (o.test == 2), 0, 0, 0, 0]))
     too_large = replace(KNOWN, drift=2e-3)
     compared = compare_at(parametrisation(), NONE, plan, branches, too_large)
-    fit = Fit(parametrisation(), compared, 1e-12 * np.eye(4), True, "")
+    fit = Fit(parametrisation(), compared, 1e-12 * np.eye(4), "")
     assert peak_findings(peak_misfits(fit, plan, branches), plan, NAMES) == ()
     (told,) = peak_findings(misfits(plan, branches), plan, NAMES)
     assert [f.text for f in all_findings(fit, plan, branches, (), NAMES, (), (), of_repeats(fit, plan))] == [told.text]

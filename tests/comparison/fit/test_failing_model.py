@@ -7,8 +7,8 @@ import pytest
 from support.jumping_beam import Joint, Mode, measured
 
 from updamp.comparison.fit.failing_model import STRETCHES, as_many, as_one, inflation, unlikelihood
-from updamp.comparison.fit.fit import prior_scatter
 from updamp.comparison.fit.fit_from_far import fit_from_far
+from updamp.comparison.fit.fit_round import prior_scatter
 from updamp.comparison.fit.observations import plan_of
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.effects.catalogue import JOINTS

@@ -15,7 +15,7 @@ def test_chi_square_of_an_adequate_model_is_as_large_as_its_freedom() -> None:
     columns = rng.normal(size=(n, len(deviation)))
     covariance = np.linalg.inv(columns.T @ columns + np.diag(1 / deviation**2))
     stated: Any = SimpleNamespace(deviation=deviation)
-    freedom = Fit(stated, SimpleNamespace(values=n), covariance, True, "").freedom  # type: ignore[arg-type]
+    freedom = Fit(stated, SimpleNamespace(values=n), covariance, "").freedom  # type: ignore[arg-type]
     drawn = np.where(np.isfinite(deviation), deviation, 3.0)
     chi2 = []
     for _ in range(4000):

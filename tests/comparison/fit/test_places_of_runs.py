@@ -48,5 +48,5 @@ def test_a_zero_has_no_logarithm_and_is_named():
     first = FIRST[0]
     response = first.response.copy()
     response[0, 0, 4] = 0
-    with pytest.raises(MeasurementError, match=r"run '1 N' channel 'tip' harmonic 1: response = 0 at 1 of 12"):
+    with pytest.raises(MeasurementError, match=r"run '1 N' channel 'tip': response = 0 at 1 of 12"):
         conditions(replace(first, response=response))

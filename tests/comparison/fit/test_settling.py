@@ -44,7 +44,7 @@ def fitted(monkeypatch, start, traced=TRACED, moved=MOVED, ahead=AHEAD):
 
     monkeypatch.setattr(loop, "_traced", of_trace)
     monkeypatch.setattr(loop, "_moved", lambda *given: At(given[2].stiffness, moved[given[2].stiffness]))
-    monkeypatch.setattr(loop, "_round", of_round)
+    monkeypatch.setattr(loop, "one_round", of_round)
     monkeypatch.setattr(loop, "reweighed", lambda *given: given[2])
     monkeypatch.setattr(loop, "objective", lambda *given: given[1].objective)
     monkeypatch.setattr(loop, "compare_at", lambda *given: At(float(given[1][0]), moved[float(given[1][0])]))
@@ -59,18 +59,18 @@ def fitted(monkeypatch, start, traced=TRACED, moved=MOVED, ahead=AHEAD):
 def test_places_that_first_order_leads_to_and_fro_between_end_a_fit(monkeypatch, start):
     """A small gain is promised at one of them, more on the way back: for 60 rounds when the branches were traced where
     first order leads to, not where the fit stands."""
-    _, success, places = fitted(monkeypatch, start)
-    assert success
+    _, message, places = fitted(monkeypatch, start)
+    assert message == loop.SETTLED
     assert len(places) <= 3
 
 
 def test_no_fit_ends_higher_than_where_it_was_traced(monkeypatch):
     """Where what was moved seemed lower and is not."""
-    at, success, _ = fitted(
+    at, message, _ = fitted(
         monkeypatch,
         1.258,
         traced={1.258: 2439.0, 1.608: 2446.0},
         moved={1.258: 2440.0, 1.608: 2430.0},
         ahead={2440.0: (1.258, 0.0), 2439.0: (1.608, 9.0), 2430.0: (1.608, 0.0), 2446.0: (1.608, 0.0)},
     )
-    assert at.stiffness == 1.258, (at, success)
+    assert at.stiffness == 1.258, (at, message)

@@ -59,15 +59,15 @@ def test_a_branch_that_was_moved_has_its_points_where_the_contact_begins_to_slip
     inside = [one for one in solved if 40 < np.exp(one.state[0]) < 50]
     before, after = (off(move_branch(parametrisation(), MOVED, branch), inside) for branch in (coarse, fine))
     assert before.max() > 0.2
-    assert after.max() < 3 * InterpolationOptions().error
-    assert np.sqrt(np.mean(after**2)) < InterpolationOptions().error / 2
+    assert after.max() < 3 * InterpolationOptions.error
+    assert np.sqrt(np.mean(after**2)) < InterpolationOptions.error / 2
 
 
 def test_it_does_not_matter_where_the_points_were(solved):
     inside = [one for one in solved if 40 < np.exp(one.state[0]) < 50]
     for options in (None, ContinuationOptions(first_step=0.05, largest_step=0.06)):
         traced = trace_branch(parametrisation(), MOVED, condition(FORCE), options)
-        assert off(traced, inside).max() < 3 * InterpolationOptions().error
+        assert off(traced, inside).max() < 3 * InterpolationOptions.error
 
 
 def test_points_are_put_at_the_corner_and_hardly_elsewhere(coarse, fine):

@@ -23,7 +23,7 @@ def fitted() -> Fit:
     p = parametrisation()
     plan, _ = synthetic_plan(p, U, (condition(60.0),), np.zeros(4), seed=1, repeats=1)
     scatter = Scatter({n.name: n.scatter for n in p.nuisances})
-    return Fit(p, compare_at(p, U, plan, predict_branches(p, U, plan), scatter), np.eye(4), True, "")
+    return Fit(p, compare_at(p, U, plan, predict_branches(p, U, plan), scatter), np.eye(4), "")
 
 
 def test_branches_keep_no_matrices_and_are_differentiated_the_same_with_them_again(fitted):

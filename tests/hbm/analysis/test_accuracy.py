@@ -1,18 +1,26 @@
-"""Error estimates against converged references, and the search for the cheapest setting."""
+"""What finer settings change against converged references, and the search for the cheapest setting."""
 
 import numpy as np
 import pytest
 from support.peers import blades_and_damper_system, one_degree_of_freedom, solved
 
-from updamp.hbm.analysis.accuracy import CheckedPoints, estimate_error
+from updamp.hbm.analysis.accuracy import CheckedPoints, Deviation
 from updamp.hbm.analysis.adaptive import AdaptiveStatus, adaptive, with_orders
-from updamp.hbm.analysis.settings import Setting, all_finer, more_harmonics, one_more_cycle, setting_of, with_setting
+from updamp.hbm.analysis.settings import (
+    Refinement,
+    Setting,
+    more_harmonics,
+    one_more_cycle,
+    setting_of,
+    twice_the_samples,
+    with_setting,
+)
 from updamp.hbm.contact.coulomb_circle import CoulombCircle
 from updamp.hbm.contact.jenkins_box import JenkinsBox
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
 from updamp.hbm.continuation.continuation import ContinuationOptions
 from updamp.hbm.continuation.curve import CurveRequest, trace
-from updamp.hbm.continuation.sweeps import turning_points
+from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.problem.elements import ElementGroup
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
@@ -43,33 +51,38 @@ def last(system: NonlinearSystem, request: CurveRequest):
     return curve
 
 
+def changes(
+    system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, *refinements: Refinement
+) -> list[Deviation]:
+    """At the peak alone."""
+    peak = CheckedPoints.at(system, request, curve, request.peaks_at[0], np.zeros(0, dtype=np.int64))
+    return [peak.deviation(refine) for refine in refinements]
+
+
 def at_phase(curve, point: str, phase: float) -> float:
     """Frequency [Hz] on the first passage through the phase."""
     lag = -np.unwrap(np.angle(curve.receptance(point)))
     return float(np.interp(-phase, lag, curve.frequency))
 
 
-def test_estimate_against_a_converged_reference_with_separation():
+def test_peak_against_a_converged_reference_with_separation():
     """Harmonics 0-3 and 128 samples at 40 N, against 0-9 and 256 samples (more change the peak by less than 0.01 %)."""
     system = blades_and_damper_system(JenkinsBox(2))
     request = friction_request(system)
     curve = last(system, request)
     converged = last(with_setting(system, Setting(tuple(range(10)), 256, 2)), request)
-    estimate = estimate_error(system, request, curve)
+    harmonics, samples, cycles = changes(system, request, curve, more_harmonics, twice_the_samples, one_more_cycle)
     error = 100 * (converged.peak("tip")[1] / curve.peak("tip")[1] - 1)
     assert error < -2
-    assert estimate.together.peak_percent == pytest.approx(error, rel=0.15)
-    assert estimate.harmonics.peak_percent == pytest.approx(error, rel=0.15)
+    assert harmonics.peak_percent == pytest.approx(error, rel=0.15)
     top = np.argmax(np.abs(curve.receptance("tip")))
     phase = float(np.angle(curve.receptance("tip")[top]))
     shift = at_phase(converged, "tip", phase) - curve.frequency[top]
     # 0.01 Hz up or down from one harmonic to the next is what is left of the convergence of this resonance
-    assert estimate.together.peak_hertz == pytest.approx(shift, abs=0.015)
-    assert abs(estimate.samples.peak_percent) < 0.01
-    assert estimate.cycles is not None
-    assert abs(estimate.cycles.peak_percent) < 1e-6, "the box law settles in two cycles"
-    assert estimate.together.unsolved == ()
-    assert "tip" in str(estimate)
+    assert harmonics.peak_hertz == pytest.approx(shift, abs=0.015)
+    assert abs(samples.peak_percent) < 0.01
+    assert abs(cycles.peak_percent) < 1e-6, "the box law settles in two cycles"
+    assert harmonics.unsolved == samples.unsolved == cycles.unsolved == ()
 
 
 def test_one_more_cycle_of_a_law_that_settles_slowly():
@@ -77,37 +90,32 @@ def test_one_more_cycle_of_a_law_that_settles_slowly():
     system = blades_and_damper_system(CoulombCircle(2), (0, 1), 64)
     request = friction_request(system)
     curve = last(system, request)
-    none = np.zeros(0, dtype=np.int64)
-    peak = CheckedPoints.at(system, request, curve, "tip", none, none)
     settled = with_setting(system, Setting((0, 1), 64, 6))
-    converged = peak.deviation(lambda _: setting_of(settled)).peak_percent
-    assert abs(converged) > 1e-4
-    assert 0.5 < peak.deviation(one_more_cycle).peak_percent / converged < 1.0
+    converged, next_one = changes(system, request, curve, lambda _: setting_of(settled), one_more_cycle)
+    assert abs(converged.peak_percent) > 1e-4
+    assert 0.5 < next_one.peak_percent / converged.peak_percent < 1.0
 
 
-def test_estimate_for_duffing_with_turning_points():
+def test_peak_that_overhangs_against_a_converged_reference():
     system = duffing((0, 1))
     request = duffing_request(system)
     curve = last(system, request)
-    estimate = estimate_error(system, request, curve)
+    (found,) = changes(system, request, curve, more_harmonics)
     converged = last(with_setting(system, Setting(tuple(range(12)), 256)), request)
     error = 100 * (converged.peak("mass")[1] / curve.peak("mass")[1] - 1)
-    assert estimate.percent == pytest.approx(abs(error), rel=0.1)
+    assert found.peak_percent == pytest.approx(error, rel=0.1)
     top = np.argmax(np.abs(curve.receptance("mass")))
     phase = float(np.angle(curve.receptance("mass")[top]))
     shift = at_phase(converged, "mass", phase) - curve.frequency[top]
-    assert estimate.together.peak_hertz == pytest.approx(shift, rel=0.1)
-    folds = [c.frequency[turning_points(c.frequency)] for c in (curve, converged)]
-    assert estimate.together.turning_hertz == pytest.approx(np.abs(folds[1] - folds[0]).max(), rel=0.1)
-    assert estimate.cycles is None
+    assert found.peak_hertz == pytest.approx(shift, rel=0.1)
 
 
-def test_estimate_of_a_converged_curve_is_small():
+def test_a_converged_curve_is_hardly_changed():
     system = duffing(tuple(range(8)))
     request = duffing_request(system)
-    estimate = estimate_error(system, request, last(system, request))
-    assert estimate.percent < 1e-3
-    assert estimate.hertz < 1e-5
+    (found,) = changes(system, request, last(system, request), more_harmonics)
+    assert abs(found.peak_percent) < 1e-3
+    assert abs(found.peak_hertz) < 1e-5
 
 
 def traced(system: NonlinearSystem, request: CurveRequest):
@@ -154,7 +162,7 @@ def test_refinements():
     setting = Setting((0, 1, 2, 3), 16, 2)
     assert more_harmonics(setting) == Setting(tuple(range(8)), 28, 2)
     assert more_harmonics(Setting((1, 3), 64)).orders == (1, 3, 5, 7)
-    assert all_finer(setting) == Setting(tuple(range(8)), 56, 3)
+    assert one_more_cycle(twice_the_samples(setting)) == Setting((0, 1, 2, 3), 32, 3)
     assert one_more_cycle(Setting((0, 1), 64)).cycles is None
     system = with_setting(blades_and_damper_system(CoulombCircle(3)), setting)
     assert setting_of(system) == setting
@@ -172,11 +180,3 @@ def test_refinements():
 def test_bad_values_are_refused_by_name(make, name):
     with pytest.raises(ValueError, match=name):
         make()
-
-
-def test_a_single_point_is_no_branch():
-    system = duffing()
-    request = duffing_request(system)
-    first = next(trace(system, request))
-    with pytest.raises(ValueError, match="at least two"):
-        estimate_error(system, request, first)

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from support.peers import blades_and_damper_system
 
-from updamp.hbm.analysis.accuracy import estimate_error
+from updamp.hbm.analysis.accuracy import CheckedPoints
 from updamp.hbm.analysis.finer_points import point_errors
+from updamp.hbm.analysis.settings import one_more_cycle, twice_the_samples
 from updamp.hbm.contact.coulomb_circle import CoulombCircle
 from updamp.hbm.continuation.continuation import ContinuationOptions
 from updamp.hbm.continuation.curve import CurveRequest, trace
@@ -26,12 +27,14 @@ def traced():
 
 
 @pytest.mark.long
-def test_they_are_those_of_the_estimate_at_the_peak(traced):
+def test_at_the_peak_they_are_those_of_the_points_around_it(traced):
     system, request, curve = traced
-    found, estimate = point_errors(system, request, curve, "tip"), estimate_error(system, request, curve)
+    found = point_errors(system, request, curve, "tip")
+    peak = CheckedPoints.at(system, request, curve, "tip", np.zeros(0, dtype=np.int64))
+    samples, cycles = peak.deviation(twice_the_samples), peak.deviation(one_more_cycle)
     assert found.reason == ""
-    assert found.samples[:2] == pytest.approx((estimate.samples.peak_percent, estimate.samples.peak_hertz), abs=1e-9)
-    assert found.cycles[:2] == pytest.approx((estimate.cycles.peak_percent, estimate.cycles.peak_hertz), abs=1e-9)
+    assert found.samples[:2] == pytest.approx((samples.peak_percent, samples.peak_hertz), abs=1e-9)
+    assert found.cycles[:2] == pytest.approx((cycles.peak_percent, cycles.peak_hertz), abs=1e-9)
     assert found.cycles[0] != 0
     assert found.samples[2] > 0, "flanks have changes of their own"
 

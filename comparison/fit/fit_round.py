@@ -1,0 +1,71 @@
+"""One round of a fit: parameters, offsets and scatter with the branches linear about where they were solved."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from updamp.comparison.fit.compared import Compared, reweighed
+from updamp.comparison.fit.linear_fit import fit_within
+from updamp.comparison.fit.observations import Plan
+from updamp.comparison.fit.scatter import MOST_NOISE, Scatter, learn
+from updamp.comparison.prediction.parameters import Parametrisation
+
+# Change of a nuisance parameter up to which branches are nearly linear in it, however well it is known beforehand.
+_LINEAR = 0.2
+# Scatter of the parameters of a single assembly, as a share of what they are expected to scatter by.
+_ALONE = 1e-3
+
+
+def fit_linear(
+    parametrisation: Parametrisation, plan: Plan, compared: Compared, scatter: Scatter, reach: float
+) -> Compared:
+    """Where a fit with a given scatter would go in one round: the branches linear in the parameters, which may change
+    by `reach` of their scale."""
+    prior = prior_scatter(parametrisation, plan)
+    ahead = one_round(parametrisation, plan, compared, scatter, prior, reach)
+    return reweighed(parametrisation, plan, ahead, scatter)
+
+
+def prior_scatter(parametrisation: Parametrisation, plan: Plan) -> Scatter:
+    """As stated, before repeats have been looked at. The only assembly is what the parameters are fitted to: its
+    offsets from others cannot be separated from them."""
+    share = 1.0 if len(plan.repeats) > 1 else _ALONE
+    return Scatter({n.name: share * n.scatter for n in parametrisation.nuisances}, plan.drift, plan.gain)
+
+
+def one_round(
+    parametrisation: Parametrisation, plan: Plan, best: Compared, scatter: Scatter | None, prior: Scatter, reach: float
+) -> Compared:
+    """One round. Where the scatter is learnt, a misfit beyond what noise can be is none of it."""
+    if scatter is not None:
+        return _fit_linear(parametrisation, plan, best, scatter, prior, reach)
+    most = reweighed(parametrisation, plan, best, replace(best.scatter, noise=MOST_NOISE * prior.noise))
+    if (factor := most.inflation) == 1:
+        return _fit_linear(parametrisation, plan, best, None, prior, reach)
+    weighed = reweighed(parametrisation, plan, best, replace(best.scatter, noise=factor * prior.noise))
+    return _fit_linear(parametrisation, plan, weighed, None, prior.inflated(factor), reach)
+
+
+def _fit_linear(
+    parametrisation: Parametrisation,
+    plan: Plan,
+    about: Compared,
+    scatter: Scatter | None,
+    prior: Scatter,
+    reach: float,
+) -> Compared:
+    """Parameters, offsets and scatter with the branches linear about where they were solved."""
+    deviation = parametrisation.deviation
+    # effects, of which nothing is known beforehand, may grow by as much as they are
+    limits = reach * np.where(np.isfinite(deviation), np.maximum(deviation, _LINEAR), np.maximum(1.0, np.abs(about.u)))
+    limits[parametrisation.n_of_model :] = 2 * parametrisation.upper[parametrisation.n_of_model :]  # exactly linear
+    lower = np.maximum(parametrisation.lower, about.u - limits)
+    upper = np.minimum(parametrisation.upper, about.u + limits)
+    now = about
+    for _ in range(3):
+        before, now = now, fit_within(parametrisation, plan, now, lower, upper)
+        if scatter is None:
+            now = now.with_scatter(learn(now.assemblies, prior))
+        if np.max(np.abs(now.u - before.u) / limits) < 0.01:
+            break
+    return now
