@@ -81,6 +81,16 @@ def test_what_nuisance_parameters_can_imitate_is_not_identifiable():
     assert outcome(tested=(hidden,), trials=(RIGHT,)) == ("unknown", ())
 
 
+@pytest.mark.parametrize(("score", "named"), [(9.0, ("right", "second")), (2.0, ())])
+def test_beside_another_effect_it_is_where_the_data_have_something_of_what_they_cannot_imitate(score, named):
+    """The first by itself asks for a calibration that nobody would believe, as another one that is missing makes it."""
+    hidden = EffectScore("second", score, 0.06, score**2, 0.1, score)
+    far = replace(RIGHT, farthest="the gain of a sensor", deviations=-3.9)
+    outcome_, effects = outcome(tested=(*EVIDENCE.tested, hidden), trials=(far,), combined=(PAIR,))
+    assert effects == named
+    assert outcome_ == ("identified" if named else "undecidable")
+
+
 def test_an_effect_that_leaves_a_misfit_is_not_the_answer():
     assert outcome(trials=(replace(RIGHT, excess=2.5),)) == ("unknown", ())
     assert outcome(trials=(replace(RIGHT, unseen=1.6),)) == ("unknown", ())
