@@ -9,15 +9,13 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.compiled.composed import RateShareOfMean, ShareOfMean
+from updamp.hbm.contact.compiled.composed import ShareOfMean
 from updamp.hbm.contact.law import (
     CompiledForces,
-    CompiledRateForces,
     ContactLaw,
     LawAt,
     SumOfLaws,
     compiled_forces_of,
-    compiled_rate_forces_of,
     decoupled_directions_of,
 )
 from updamp.hbm.contact.modified.modified_law import LawArguments, ModifiedLaw
@@ -49,10 +47,6 @@ class StaticShare(ModifiedLaw):
     def compiled(self, harmonics: Harmonics, n_time: int) -> CompiledForces | None:
         inner = compiled_forces_of(self.inner, harmonics, n_time)
         return None if inner is None else ShareOfMean(inner, harmonics.slices.get(0, slice(0)))
-
-    def compiled_rate(self, harmonics: Harmonics, n_time: int) -> CompiledRateForces | None:
-        inner = compiled_rate_forces_of(self.inner, harmonics, n_time)
-        return None if inner is None else RateShareOfMean(inner, harmonics.slices.get(0, slice(0)))
 
     def parameter_derivatives(self, entries: Sequence[str], at: LawAt) -> dict[str, Floats] | None:
         """Those of the inner law at the motion that it sees; None where it sees nothing of the mean."""
