@@ -5,6 +5,7 @@ History is a scan inside the call, the tangent comes from forward-mode different
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Protocol, runtime_checkable
 
 import jax
@@ -232,7 +233,20 @@ class FrictionLaw(ContactLaw, Protocol):
 
 def decoupled_directions_of(law: ContactLaw) -> tuple[int, ...]:
     """See `DecoupledLaw`; none where the law does not say."""
-    return law.decoupled_directions if isinstance(law, DecoupledLaw) else ()
+    if isinstance(law, DecoupledLaw) and is_of_its_force(law, "decoupled_directions"):
+        return law.decoupled_directions
+    return ()
+
+
+@lru_cache(maxsize=64)
+def as_sticking_law(law: ContactLaw) -> StickingLaw | None:
+    """Kept by law: to look at a protocol takes longer than to look at the elements."""
+    return law if isinstance(law, StickingLaw) and is_of_its_force(law, "surely_sticks") else None
+
+
+def parts_of(law: ContactLaw) -> tuple[ContactLaw, ...]:
+    """See `SumOfLaws`; none where the law is no sum."""
+    return law.parts if isinstance(law, SumOfLaws) and is_of_its_force(law, "parts") else ()
 
 
 def compiled_forces_of(law: ContactLaw, harmonics: Harmonics, n_time: int) -> CompiledForces | None:
@@ -243,8 +257,8 @@ def compiled_forces_of(law: ContactLaw, harmonics: Harmonics, n_time: int) -> Co
 
 
 def is_of_its_force(law: ContactLaw, written_out: str) -> bool:
-    """Whether the method by which a law is written out a second time belongs to its force: one that is inherited by a
-    law with a force of its own is another law's."""
+    """Whether what tells of a law's force a second time belongs to it: what is inherited by a law with a force of its
+    own is another law's."""
     classes = type(law).__mro__
 
     def first_with(name: str) -> int:

@@ -13,10 +13,10 @@ from updamp.hbm.contact.law import (
     CompiledForces,
     CompiledHysteresis,
     ContactLaw,
-    StickingLaw,
-    SumOfLaws,
+    as_sticking_law,
     compiled_forces_of,
     is_of_its_force,
+    parts_of,
 )
 from updamp.hbm.contact.memoryless import MemorylessForces, MemorylessLaw
 from updamp.hbm.contact.sticking import overshoot_between_samples
@@ -81,8 +81,7 @@ class ElementGroup:
     @cached_property
     def parts(self) -> "tuple[ElementGroup, ...]":
         """The same elements with each of the laws that theirs is the sum of; none where it is no sum."""
-        laws = self.law.parts if isinstance(self.law, SumOfLaws) else ()
-        return tuple(replace(self, law=law) for law in laws)
+        return tuple(replace(self, law=law) for law in parts_of(self.law))
 
     @cached_property
     def values(self) -> Any:
@@ -91,7 +90,7 @@ class ElementGroup:
 
     def may_slip_or_separate(self, displacement: Floats, harmonics: Harmonics, n_time: int) -> Integers:
         """Numbers of the elements that do not surely stick; displacement: (n_elements, directions, n_coefficients)"""
-        law = _as_sticking_law(self.law)
+        law = as_sticking_law(self.law)
         if law is None:
             return np.arange(len(displacement))
         overshoot = overshoot_between_samples(harmonics.orders[-1], n_time)
@@ -109,12 +108,6 @@ class ElementGroup:
         again.__dict__["stiffness_of_one"] = np.concatenate([self.stiffness_of_one] * n)
         again.__dict__["parts"] = tuple(part.repeated(n) for part in self.parts)
         return again
-
-
-@lru_cache(maxsize=64)
-def _as_sticking_law(law: ContactLaw) -> StickingLaw | None:
-    """Kept by law: to look at a protocol takes longer than to look at the elements."""
-    return law if isinstance(law, StickingLaw) else None
 
 
 @lru_cache(maxsize=64)

@@ -14,9 +14,9 @@ from updamp.hbm.contact.law import (
     CompiledForces,
     ContactLaw,
     LawAt,
-    SumOfLaws,
     compiled_forces_of,
     decoupled_directions_of,
+    parts_of,
 )
 from updamp.hbm.contact.modified.modified_law import LawArguments, ModifiedLaw
 from updamp.hbm.contact.parameter_moves import derivatives_of
@@ -42,7 +42,7 @@ class StaticShare(ModifiedLaw):
     @property
     def parts(self) -> tuple[ContactLaw, ...]:
         """The same share seen by each of the laws that the inner one is the sum of; none where it is no sum."""
-        return tuple(StaticShare(part) for part in self.inner.parts) if isinstance(self.inner, SumOfLaws) else ()
+        return tuple(StaticShare(part) for part in parts_of(self.inner))
 
     def compiled(self, harmonics: Harmonics, n_time: int) -> CompiledForces | None:
         inner = compiled_forces_of(self.inner, harmonics, n_time)
