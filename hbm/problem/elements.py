@@ -118,8 +118,9 @@ def compiled_forces(law: ContactLaw, harmonics: Harmonics, n_time: int) -> Compi
     return compiled_forces_of(law, harmonics, n_time)
 
 
+@lru_cache(maxsize=64)
 def compiled_hysteresis(law: ContactLaw, harmonics: Harmonics, n_time: int) -> CompiledHysteresis | None:
-    """None where JAX alone tells loops, and the answer to what grows."""
+    """None where JAX alone tells loops, and the answer to what grows. Kept: to look at a protocol takes 40 us."""
     forces = None if law.rate_dependent else compiled_forces(law, harmonics, n_time)
     return forces if isinstance(forces, CompiledHysteresis) else None
 
