@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.law import ContactLaw, StickingLaw, force_for_analysis
+from updamp.hbm.contact.law import ContactLaw, as_sticking_law, force_for_analysis
 from updamp.hbm.contact.one_sided import OneSidedLaw
 
 
@@ -52,9 +52,9 @@ class BetweenPoints:
         return jnp.zeros(2)
 
     def surely_sticks(self, displacement: NDArray[np.float64], parameters: Any, overshoot: float) -> NDArray[np.bool_]:
-        if not isinstance(self.inner, StickingLaw):
+        if (inner := as_sticking_law(self.inner)) is None:
             return np.zeros(len(displacement), dtype=bool)
-        return self.inner.surely_sticks(displacement[:, :1] - displacement[:, 1:], parameters, overshoot)
+        return inner.surely_sticks(displacement[:, :1] - displacement[:, 1:], parameters, overshoot)
 
     def one_sided(self, parameters: Any) -> NDArray[np.bool_]:
         if isinstance(self.inner, OneSidedLaw):

@@ -1,15 +1,13 @@
 """Coupled Coulomb friction: the tangential force stays within the circle mu N; unilateral normal spring."""
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
-import numpy as np
-from numpy.typing import NDArray
 
 from updamp.hbm.contact import friction, sticking
 from updamp.hbm.contact.friction import FrictionParameters
+from updamp.hbm.contact.friction_contact import FrictionContact
 from updamp.hbm.contact.parameter_moves import friction_derivatives
 
 
@@ -26,29 +24,16 @@ def at_circle(force: jax.Array, limit: jax.Array) -> jax.Array:
 
 
 @dataclass(frozen=True)
-class CoulombCircle:
+class CoulombCircle(FrictionContact):
     """cycles: hysteresis cycles marched; this law settles gradually (9e-5 from two to three cycles)."""
 
     cycles: int = 3
-    parameters: ClassVar[type] = FrictionParameters
-    directions: ClassVar[int] = 3
-    rate_dependent: ClassVar[bool] = False
 
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
         return friction.dynamic_force(displacement, parameters, radial_return, self.cycles)
 
-    def reference_stiffness(self, parameters: FrictionParameters) -> jax.Array:
-        return friction.stuck_stiffness(parameters)
-
-    def surely_sticks(
-        self, displacement: NDArray[np.float64], parameters: FrictionParameters, overshoot: float
-    ) -> NDArray[np.bool_]:
-        return sticking.stays_below_limit(displacement, parameters, sticking.circle_norm, overshoot)
-
+    surely_sticks = staticmethod(sticking.within_circle)
     parameter_derivatives = staticmethod(friction_derivatives)
-
-    def normal_force(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
-        return friction.normal_force(displacement, parameters)
 
     def state(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
         tangential = friction.tangential_force(displacement, parameters, radial_return, self.cycles)

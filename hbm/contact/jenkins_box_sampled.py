@@ -5,11 +5,10 @@ from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
-import numpy as np
-from numpy.typing import NDArray
 
 from updamp.hbm.contact import friction, sticking
 from updamp.hbm.contact.friction import FrictionParameters
+from updamp.hbm.contact.friction_contact import FrictionContact
 from updamp.hbm.contact.law import CompiledForces
 from updamp.hbm.contact.parameter_moves import friction_derivatives
 from updamp.hbm.harmonics import Harmonics
@@ -25,14 +24,11 @@ def _at_limit(force: jax.Array, limit: jax.Array) -> jax.Array:
 
 
 @dataclass(frozen=True)
-class SampledJenkinsBox:
+class SampledJenkinsBox(FrictionContact):
     """cycles: hysteresis cycles marched; this law settles in exactly two."""
 
     cycles: int = 2
-    parameters: ClassVar[type] = FrictionParameters
-    directions: ClassVar[int] = 3
     decoupled_directions: ClassVar[tuple[int, ...]] = (0, 1)
-    rate_dependent: ClassVar[bool] = False
     divides_by: ClassVar[tuple[str, ...]] = ("kn",)
 
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
@@ -43,18 +39,8 @@ class SampledJenkinsBox:
 
         return at_samples(self.cycles, harmonics, n_time)
 
-    def reference_stiffness(self, parameters: FrictionParameters) -> jax.Array:
-        return friction.stuck_stiffness(parameters)
-
-    def surely_sticks(
-        self, displacement: NDArray[np.float64], parameters: FrictionParameters, overshoot: float
-    ) -> NDArray[np.bool_]:
-        return sticking.stays_below_limit(displacement, parameters, sticking.box_norm, overshoot)
-
+    surely_sticks = staticmethod(sticking.within_box)
     parameter_derivatives = staticmethod(friction_derivatives)
-
-    def normal_force(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
-        return friction.normal_force(displacement, parameters)
 
     def state(self, displacement: jax.Array, velocity: jax.Array, parameters: FrictionParameters) -> jax.Array:
         tangential = friction.tangential_force(displacement, parameters, clip_each, self.cycles)

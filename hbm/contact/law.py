@@ -5,6 +5,7 @@ History is a scan inside the call, the tangent comes from forward-mode different
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Protocol, runtime_checkable
 
 import jax
@@ -87,23 +88,37 @@ class CompiledForces(Protocol):
     """A law's Fourier coefficients, compiled for certain harmonics and time samples, with tangents of their own.
 
     numbers: of the elements to evaluate; displacement: (n_elements, directions, n_coefficients) [m]
+    w: angular frequency [rad/s], one for all elements or (n_elements,)
     parameters: of all elements, in NumPy arrays
     force: like displacement [N]; tangent: (n_elements, directions, n_coefficients, directions, n_coefficients) [N/m];
-        what belongs to the elements of these numbers is written
+        by_frequency: like force, its derivative by w [N s], zeros to begin with, left alone where the law does not
+        depend on the rate; what belongs to the elements of these numbers is written
     """
 
     def write_forces(
-        self, numbers: NDArray[np.int64], displacement: NDArray[np.float64], parameters: Any, force: NDArray[np.float64]
+        self,
+        numbers: NDArray[np.int64],
+        displacement: NDArray[np.float64],
+        w: float | NDArray[np.float64],
+        parameters: Any,
+        force: NDArray[np.float64],
     ) -> None: ...
 
     def write_with_tangents(
         self,
         numbers: NDArray[np.int64],
         displacement: NDArray[np.float64],
+        w: float | NDArray[np.float64],
         parameters: Any,
         force: NDArray[np.float64],
         tangent: NDArray[np.float64],
+        by_frequency: NDArray[np.float64],
     ) -> None: ...
+
+
+@runtime_checkable
+class CompiledHysteresis(CompiledForces, Protocol):
+    """Forces of a law that does not depend on the rate, which also tell its loops, and how it answers what grows."""
 
     def write_perturbed_tangents(
         self,
@@ -141,34 +156,6 @@ class CompiledFriction(CompiledForces, Protocol):
         ...
 
 
-class CompiledRateForces(Protocol):
-    """As `CompiledForces`, of a law that depends on the rate.
-
-    w: angular frequency [rad/s], one for all elements or (n_elements,)
-    by_frequency: like force, its derivative by w [N s], written for the elements of these numbers
-    """
-
-    def write_forces(
-        self,
-        numbers: NDArray[np.int64],
-        displacement: NDArray[np.float64],
-        w: float | NDArray[np.float64],
-        parameters: Any,
-        force: NDArray[np.float64],
-    ) -> None: ...
-
-    def write_with_tangents(
-        self,
-        numbers: NDArray[np.int64],
-        displacement: NDArray[np.float64],
-        w: float | NDArray[np.float64],
-        parameters: Any,
-        force: NDArray[np.float64],
-        tangent: NDArray[np.float64],
-        by_frequency: NDArray[np.float64],
-    ) -> None: ...
-
-
 @runtime_checkable
 class CompiledStates(CompiledForces, Protocol):
     """Forces that tell what a contact does over a period without its samples."""
@@ -182,21 +169,12 @@ class CompiledStates(CompiledForces, Protocol):
 
 @runtime_checkable
 class CompiledLaw(ContactLaw, Protocol):
-    """A law that does not depend on the rate, and is written out a second time, in hbm/contact/compiled/, to be faster.
+    """A law that is written out a second time, in hbm/contact/compiled/, to be faster.
 
     `force` remains its definition, for whatever needs more than coefficients and their derivatives by the motion.
     """
 
     def compiled(self, harmonics: Harmonics, n_time: int) -> CompiledForces | None:
-        """None where a law inside is in JAX alone."""
-        ...
-
-
-@runtime_checkable
-class CompiledRateLaw(ContactLaw, Protocol):
-    """As `CompiledLaw`, for one that depends on the rate."""
-
-    def compiled_rate(self, harmonics: Harmonics, n_time: int) -> CompiledRateForces | None:
         """None where a law inside is in JAX alone."""
         ...
 
@@ -255,7 +233,20 @@ class FrictionLaw(ContactLaw, Protocol):
 
 def decoupled_directions_of(law: ContactLaw) -> tuple[int, ...]:
     """See `DecoupledLaw`; none where the law does not say."""
-    return law.decoupled_directions if isinstance(law, DecoupledLaw) else ()
+    if isinstance(law, DecoupledLaw) and is_of_its_force(law, "decoupled_directions"):
+        return law.decoupled_directions
+    return ()
+
+
+@lru_cache(maxsize=64)
+def as_sticking_law(law: ContactLaw) -> StickingLaw | None:
+    """Kept by law: to look at a protocol takes longer than to look at the elements."""
+    return law if isinstance(law, StickingLaw) and is_of_its_force(law, "surely_sticks") else None
+
+
+def parts_of(law: ContactLaw) -> tuple[ContactLaw, ...]:
+    """See `SumOfLaws`; none where the law is no sum."""
+    return law.parts if isinstance(law, SumOfLaws) and is_of_its_force(law, "parts") else ()
 
 
 def compiled_forces_of(law: ContactLaw, harmonics: Harmonics, n_time: int) -> CompiledForces | None:
@@ -265,16 +256,9 @@ def compiled_forces_of(law: ContactLaw, harmonics: Harmonics, n_time: int) -> Co
     )
 
 
-def compiled_rate_forces_of(law: ContactLaw, harmonics: Harmonics, n_time: int) -> CompiledRateForces | None:
-    """Likewise, of a law that depends on the rate"""
-    if isinstance(law, CompiledRateLaw) and is_of_its_force(law, "compiled_rate"):
-        return law.compiled_rate(harmonics, n_time)
-    return None
-
-
 def is_of_its_force(law: ContactLaw, written_out: str) -> bool:
-    """Whether the method by which a law is written out a second time belongs to its force: one that is inherited by a
-    law with a force of its own is another law's."""
+    """Whether what tells of a law's force a second time belongs to it: what is inherited by a law with a force of its
+    own is another law's."""
     classes = type(law).__mro__
 
     def first_with(name: str) -> int:

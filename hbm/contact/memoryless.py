@@ -87,7 +87,7 @@ class WrittenOutForces:
 
 @dataclass(frozen=True, eq=False)
 class MemorylessForces(WrittenOutForces):
-    """See `law.CompiledRateForces`; of laws that do not depend on the rate too."""
+    """See `law.CompiledForces`."""
 
     law: MemorylessLaw
 

@@ -19,7 +19,6 @@ from updamp.hbm.contact.law import (
     LawAt,
     LawOfMoves,
     compiled_forces_of,
-    compiled_rate_forces_of,
     is_of_its_force,
 )
 
@@ -40,14 +39,11 @@ def derivatives_of(law: ContactLaw, entries: Sequence[str], at: LawAt) -> dict[s
 
 def with_own_tangent(law: ContactLaw, at: LawAt) -> LawAt | None:
     """The same motion with the tangent of this law; None where it is in JAX alone."""
-    numbers, x, tangent = np.arange(len(at.displacement)), at.displacement, np.empty_like(at.tangent)
-    force, rate = np.empty_like(x), np.empty_like(x)
-    if (still := compiled_forces_of(law, at.harmonics, at.n_time)) is not None:
-        still.write_with_tangents(numbers, x, at.parameters, force, tangent)
-    elif (at_rate := compiled_rate_forces_of(law, at.harmonics, at.n_time)) is not None:
-        at_rate.write_with_tangents(numbers, x, at.w, at.parameters, force, tangent, rate)
-    else:
+    compiled = compiled_forces_of(law, at.harmonics, at.n_time)
+    if compiled is None:
         return None
+    numbers, x, tangent = np.arange(len(at.displacement)), at.displacement, np.empty_like(at.tangent)
+    compiled.write_with_tangents(numbers, x, at.w, at.parameters, np.empty_like(x), tangent, np.zeros_like(x))
     return replace(at, tangent=tangent)
 
 

@@ -46,6 +46,8 @@ class CubicSpring:
 class SquareSpring(CubicSpring):
     """force = coefficient |u| u [N/m^2]"""
 
+    surely_sticks = CubicSpring.surely_sticks
+
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: CubicParameters) -> jax.Array:
         return parameters.coefficient * jnp.abs(displacement) * displacement
 
@@ -57,6 +59,8 @@ class SquareSpring(CubicSpring):
 @dataclass(frozen=True)
 class QuinticSpring(CubicSpring):
     """force = coefficient u^5 [N/m^5]"""
+
+    surely_sticks = CubicSpring.surely_sticks
 
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: CubicParameters) -> jax.Array:
         return parameters.coefficient * displacement**5

@@ -10,6 +10,16 @@ Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 
+def within_box(displacement: Floats, parameters: Any, overshoot: float) -> Bools:
+    """Of a law that holds each tangential force within the limit."""
+    return stays_below_limit(displacement, parameters, _box_norm, overshoot)
+
+
+def within_circle(displacement: Floats, parameters: Any, overshoot: float) -> Bools:
+    """Likewise, of one that holds both together"""
+    return stays_below_limit(displacement, parameters, np.hypot, overshoot)
+
+
 def stays_below_limit(
     displacement: Floats, p: Any, norm: Callable[[Floats, Floats], Floats], overshoot: float
 ) -> Bools:
@@ -38,11 +48,5 @@ def overshoot_between_samples(highest_order: int, n_time: int) -> float:
     return (2 * np.pi * highest_order / n_time) ** 2 / 4
 
 
-def box_norm(one: Floats, other: Floats) -> Floats:
-    """Where the friction limit is a box."""
+def _box_norm(one: Floats, other: Floats) -> Floats:
     return np.asarray(np.maximum(np.abs(one), np.abs(other)))
-
-
-def circle_norm(one: Floats, other: Floats) -> Floats:
-    """Where the friction limit is a circle."""
-    return np.asarray(np.hypot(one, other))

@@ -45,6 +45,7 @@ class Clearance(Stop):
     """
 
     at_least: ClassVar[Mapping[str, float]] = {"gap": 0.0}
+    surely_sticks = Stop.surely_sticks
 
     def one_sided(self, parameters: Any) -> NDArray[np.bool_]:
         return np.zeros(np.shape(parameters.gap), dtype=bool)

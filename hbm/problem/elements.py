@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 
 from updamp.hbm.contact.law import (
     CompiledForces,
-    CompiledRateForces,
+    CompiledHysteresis,
     ContactLaw,
-    StickingLaw,
-    SumOfLaws,
+    as_sticking_law,
     compiled_forces_of,
-    compiled_rate_forces_of,
     is_of_its_force,
+    parts_of,
 )
 from updamp.hbm.contact.memoryless import MemorylessForces, MemorylessLaw
 from updamp.hbm.contact.sticking import overshoot_between_samples
@@ -82,8 +81,7 @@ class ElementGroup:
     @cached_property
     def parts(self) -> "tuple[ElementGroup, ...]":
         """The same elements with each of the laws that theirs is the sum of; none where it is no sum."""
-        laws = self.law.parts if isinstance(self.law, SumOfLaws) else ()
-        return tuple(replace(self, law=law) for law in laws)
+        return tuple(replace(self, law=law) for law in parts_of(self.law))
 
     @cached_property
     def values(self) -> Any:
@@ -92,7 +90,7 @@ class ElementGroup:
 
     def may_slip_or_separate(self, displacement: Floats, harmonics: Harmonics, n_time: int) -> Integers:
         """Numbers of the elements that do not surely stick; displacement: (n_elements, directions, n_coefficients)"""
-        law = _as_sticking_law(self.law)
+        law = as_sticking_law(self.law)
         if law is None:
             return np.arange(len(displacement))
         overshoot = overshoot_between_samples(harmonics.orders[-1], n_time)
@@ -113,24 +111,18 @@ class ElementGroup:
 
 
 @lru_cache(maxsize=64)
-def _as_sticking_law(law: ContactLaw) -> StickingLaw | None:
-    """Kept by law: to look at a protocol takes longer than to look at the elements."""
-    return law if isinstance(law, StickingLaw) else None
-
-
-@lru_cache(maxsize=32)
 def compiled_forces(law: ContactLaw, harmonics: Harmonics, n_time: int) -> CompiledForces | None:
-    """None where the law is in JAX alone."""
+    """By numba or NumPy; None where the law is in JAX alone."""
+    if isinstance(law, MemorylessLaw) and is_of_its_force(law, "sampled"):
+        return MemorylessForces(law, harmonics, n_time)
     return compiled_forces_of(law, harmonics, n_time)
 
 
-@lru_cache(maxsize=32)
-def compiled_rate_forces(law: ContactLaw, harmonics: Harmonics, n_time: int) -> CompiledRateForces | None:
-    """Of laws that depend on the rate, or on nothing but the motion at the same instant; None where the law is in JAX
-    alone."""
-    if isinstance(law, MemorylessLaw) and is_of_its_force(law, "sampled"):
-        return MemorylessForces(law, harmonics, n_time)
-    return compiled_rate_forces_of(law, harmonics, n_time)
+@lru_cache(maxsize=64)
+def compiled_hysteresis(law: ContactLaw, harmonics: Harmonics, n_time: int) -> CompiledHysteresis | None:
+    """None where JAX alone tells loops, and the answer to what grows. Kept: to look at a protocol takes 40 us."""
+    forces = None if law.rate_dependent else compiled_forces(law, harmonics, n_time)
+    return forces if isinstance(forces, CompiledHysteresis) else None
 
 
 @lru_cache(maxsize=32)
@@ -181,9 +173,7 @@ def departures(
     rate = np.zeros_like(force)
     compiled = compiled_forces(group.law, harmonics, n_time)
     if compiled is not None:
-        compiled.write_with_tangents(active, displacement, group.values, force, tangent)
-    elif (at_rate := compiled_rate_forces(group.law, harmonics, n_time)) is not None:
-        at_rate.write_with_tangents(active, displacement, w, group.values, force, tangent, rate)
+        compiled.write_with_tangents(active, displacement, w, group.values, force, tangent, rate)
     else:
         evaluate = compiled_with_tangents(group.law, harmonics, n_time)
         for some in _batches(active, elements_a_batch(n_seeds(group.law, harmonics)), len(displacement)):
@@ -229,9 +219,7 @@ def departure_only(
     active, stiffness = group.may_slip_or_separate(displacement, harmonics, n_time), group.stiffness_of_one
     compiled = compiled_forces(group.law, harmonics, n_time)
     if compiled is not None:
-        compiled.write_forces(active, displacement, group.values, force)
-    elif (at_rate := compiled_rate_forces(group.law, harmonics, n_time)) is not None:
-        at_rate.write_forces(active, displacement, w, group.values, force)
+        compiled.write_forces(active, displacement, w, group.values, force)
     else:
         evaluate = compiled_force(group.law, harmonics, n_time)
         for some in _batches(active, FORCES_A_BATCH, len(displacement)):
@@ -266,7 +254,7 @@ def over_period(
 
 def loop_areas(group: ElementGroup, displacement: Floats, w: float, harmonics: Harmonics, n_time: int) -> Floats:
     """(n_elements,) integral of f dx over a period by the trapezoidal rule [J]."""
-    compiled = compiled_forces(group.law, harmonics, n_time)
+    compiled = compiled_hysteresis(group.law, harmonics, n_time)
     if compiled is not None:
         areas = np.zeros(len(displacement))  # of elements that stick
         active = group.may_slip_or_separate(displacement, harmonics, min(n_time, STICKING_SAMPLES))

@@ -8,7 +8,6 @@ from updamp.hbm.problem.elements import (
     ElementForces,
     ElementGroup,
     compiled_forces,
-    compiled_rate_forces,
     departure_only,
     departures,
 )
@@ -49,9 +48,7 @@ def _takes_many(group: ElementGroup, harmonics: Harmonics, n_time: int) -> bool:
     every number of elements."""
     if group.parts:
         return all(_takes_many(part, harmonics, n_time) for part in group.parts)
-    if compiled_forces(group.law, harmonics, n_time) is not None:
-        return True
-    return compiled_rate_forces(group.law, harmonics, n_time) is not None
+    return compiled_forces(group.law, harmonics, n_time) is not None
 
 
 def _flat(displacement: Floats, w: Floats) -> tuple[Floats, Floats]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from updamp.hbm.contact.compiled.at_rest import ELASTIC
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.newton.tangent import NEGLIGIBLE
-from updamp.hbm.problem.elements import ElementGroup, compiled_forces, over_period
+from updamp.hbm.problem.elements import ElementGroup, compiled_hysteresis, over_period
 from updamp.hbm.problem.system import NonlinearSystem
 from updamp.hbm.stability.perturbed_forces import perturbed_tangent
 
@@ -53,7 +53,7 @@ def loose_elements(
 def _elastic(group: ElementGroup, x: Floats, w: float, harmonics: Harmonics, n_time: int) -> NDArray[np.bool_]:
     """As `_follow_springs`; none where the law is compiled, which knows it of each of its sliders (`at_rest.py`), nor
     of a law without sliders, whose tangent at rest is what it is."""
-    if compiled_forces(group.law, harmonics, n_time) is not None or not hasattr(group.law, "cycles"):
+    if compiled_hysteresis(group.law, harmonics, n_time) is not None or not hasattr(group.law, "cycles"):
         return np.zeros(group.rows.shape, dtype=bool)
     return _follow_springs(group, x, w, harmonics, n_time)
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from updamp.hbm.contact.law import ContactLaw, decoupled_directions_of, force_for_analysis
 from updamp.hbm.harmonics import Harmonics
-from updamp.hbm.problem.elements import ElementGroup, compiled_forces
+from updamp.hbm.problem.elements import ElementGroup, compiled_hysteresis
 from updamp.hbm.problem.laws_in_jax import elements_a_batch
 
 Floats = NDArray[np.float64]
@@ -49,7 +49,7 @@ def perturbed_tangent(
     stands for; at s = 0 the tangent of `element_forces`
     """
     numbers = np.arange(len(displacement)) if numbers is None else numbers
-    if (forces := compiled_forces(group.law, harmonics, n_time)) is not None:
+    if (forces := compiled_hysteresis(group.law, harmonics, n_time)) is not None:
         written = np.empty((*displacement.shape, *displacement.shape[1:]), dtype=np.complex128)
         forces.write_perturbed_tangents(numbers, displacement, group.values, s / w, written)
         return np.asarray(written[numbers])

@@ -7,8 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.law import CompiledForces, CompiledRateForces
-
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Integers = NDArray[np.int64]
@@ -18,38 +16,11 @@ Integers = NDArray[np.int64]
 class ShareOfMean:
     """The inner law at a motion with a share of its mean, entry `static_share` of the parameters.
 
+    inner: `law.CompiledHysteresis`; `CompiledForces` of a law that depends on the rate, of which no loops are asked
     mean: places of the coefficients of the mean, none where the zero harmonic is not kept
     """
 
-    inner: CompiledForces
-    mean: slice
-
-    def write_forces(self, numbers: Integers, displacement: Floats, parameters: Any, force: Floats) -> None:
-        self.inner.write_forces(numbers, _seen(displacement, parameters, self.mean), parameters, force)
-
-    def write_with_tangents(
-        self, numbers: Integers, displacement: Floats, parameters: Any, force: Floats, tangent: Floats
-    ) -> None:
-        seen = _seen(displacement, parameters, self.mean)
-        self.inner.write_with_tangents(numbers, seen, parameters, force, tangent)
-        _weigh(numbers, parameters, self.mean, tangent)
-
-    def write_perturbed_tangents(
-        self, numbers: Integers, displacement: Floats, parameters: Any, growth: complex, tangent: Complex
-    ) -> None:
-        seen = _seen(displacement, parameters, self.mean)
-        self.inner.write_perturbed_tangents(numbers, seen, parameters, growth, tangent)
-        _weigh(numbers, parameters, self.mean, tangent)
-
-    def loop_areas(self, numbers: Integers, displacement: Floats, parameters: Any) -> Floats:
-        return self.inner.loop_areas(numbers, _seen(displacement, parameters, self.mean), parameters)
-
-
-@dataclass(frozen=True, eq=False)
-class RateShareOfMean:
-    """As `ShareOfMean`, of an inner law that depends on the rate, which a mean has none of."""
-
-    inner: CompiledRateForces
+    inner: Any
     mean: slice
 
     def write_forces(
@@ -71,6 +42,16 @@ class RateShareOfMean:
         self.inner.write_with_tangents(numbers, seen, w, parameters, force, tangent, by_frequency)
         _weigh(numbers, parameters, self.mean, tangent)
 
+    def write_perturbed_tangents(
+        self, numbers: Integers, displacement: Floats, parameters: Any, growth: complex, tangent: Complex
+    ) -> None:
+        seen = _seen(displacement, parameters, self.mean)
+        self.inner.write_perturbed_tangents(numbers, seen, parameters, growth, tangent)
+        _weigh(numbers, parameters, self.mean, tangent)
+
+    def loop_areas(self, numbers: Integers, displacement: Floats, parameters: Any) -> Floats:
+        return self.inner.loop_areas(numbers, _seen(displacement, parameters, self.mean), parameters)
+
 
 def _seen(displacement: Floats, parameters: Any, mean: slice) -> Floats:
     seen = displacement.copy()
@@ -88,21 +69,31 @@ def _weigh(numbers: Integers, parameters: Any, mean: slice, tangent: NDArray[Any
 class MeanOfSliders:
     """The mean of inner laws with other friction coefficients.
 
+    inner: as of `ShareOfMean`
     factors: (n_sliders,) by which the spread, entry `limit_spread` of the parameters, adds to 1
     """
 
-    inner: CompiledForces
+    inner: Any
     factors: Floats
 
-    def write_forces(self, numbers: Integers, displacement: Floats, parameters: Any, force: Floats) -> None:
+    def write_forces(
+        self, numbers: Integers, displacement: Floats, w: float | Floats, parameters: Any, force: Floats
+    ) -> None:
         for one in _write_mean(numbers, self._each(parameters), force):
-            self.inner.write_forces(numbers, displacement, *one)
+            self.inner.write_forces(numbers, displacement, w, *one)
 
     def write_with_tangents(
-        self, numbers: Integers, displacement: Floats, parameters: Any, force: Floats, tangent: Floats
+        self,
+        numbers: Integers,
+        displacement: Floats,
+        w: float | Floats,
+        parameters: Any,
+        force: Floats,
+        tangent: Floats,
+        by_frequency: Floats,
     ) -> None:
-        for one in _write_mean(numbers, self._each(parameters), force, tangent):
-            self.inner.write_with_tangents(numbers, displacement, *one)
+        for one in _write_mean(numbers, self._each(parameters), force, tangent, by_frequency):
+            self.inner.write_with_tangents(numbers, displacement, w, *one)
 
     def write_perturbed_tangents(
         self, numbers: Integers, displacement: Floats, parameters: Any, growth: complex, tangent: Complex
@@ -116,33 +107,6 @@ class MeanOfSliders:
 
     def _each(self, parameters: Any) -> list[Any]:
         return _of_sliders(parameters, self.factors)
-
-
-@dataclass(frozen=True, eq=False)
-class RateMeanOfSliders:
-    """As `MeanOfSliders`, of inner laws that depend on the rate."""
-
-    inner: CompiledRateForces
-    factors: Floats
-
-    def write_forces(
-        self, numbers: Integers, displacement: Floats, w: float | Floats, parameters: Any, force: Floats
-    ) -> None:
-        for one in _write_mean(numbers, _of_sliders(parameters, self.factors), force):
-            self.inner.write_forces(numbers, displacement, w, *one)
-
-    def write_with_tangents(
-        self,
-        numbers: Integers,
-        displacement: Floats,
-        w: float | Floats,
-        parameters: Any,
-        force: Floats,
-        tangent: Floats,
-        by_frequency: Floats,
-    ) -> None:
-        for one in _write_mean(numbers, _of_sliders(parameters, self.factors), force, tangent, by_frequency):
-            self.inner.write_with_tangents(numbers, displacement, w, *one)
 
 
 def _of_sliders(parameters: Any, factors: Floats) -> list[Any]:

@@ -50,7 +50,7 @@ def _share_above_zero(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
 
 @dataclass(frozen=True, eq=False)
 class FilmForces(WrittenOutForces):
-    """See `law.CompiledRateForces`. law: a `film.FilmForce`"""
+    """See `law.CompiledForces`. law: a `film.FilmForce`"""
 
     def write_forces(
         self, numbers: Integers, displacement: Floats, w: float | Floats, parameters: Any, force: Floats

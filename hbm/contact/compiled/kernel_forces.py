@@ -1,4 +1,4 @@
-"""A law's compiled functions as `law.CompiledForces`: what Python hands to them."""
+"""A law's compiled functions as `law.CompiledHysteresis`: what Python hands to them."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -29,11 +29,25 @@ class KernelForces:
     own: Callable[[Any], Any]
     arguments: tuple[Any, ...]
 
-    def write_forces(self, numbers: Integers, displacement: Floats, parameters: Any, force: Floats) -> None:
+    def write_forces(
+        self, numbers: Integers, displacement: Floats, w: float | Floats, parameters: Any, force: Floats
+    ) -> None:
         of_one = displacement.shape[1:]
-        self.write_with_tangents(numbers, displacement, parameters, force, np.empty((0, *of_one, *of_one)))
+        self._evaluate(numbers, displacement, parameters, force, np.empty((0, *of_one, *of_one)))
 
     def write_with_tangents(
+        self,
+        numbers: Integers,
+        displacement: Floats,
+        w: float | Floats,
+        parameters: Any,
+        force: Floats,
+        tangent: Floats,
+        by_frequency: Floats,
+    ) -> None:
+        self._evaluate(numbers, displacement, parameters, force, tangent)
+
+    def _evaluate(
         self, numbers: Integers, displacement: Floats, parameters: Any, force: Floats, tangent: Floats
     ) -> None:
         self.evaluate(numbers, own(displacement), self.own(parameters), *self.arguments, force, tangent)

@@ -29,7 +29,7 @@ class VaryingFriction:
         self, numbers: Integers, displacement: Floats, w: float | Floats, parameters: Any, force: Floats
     ) -> None:
         mu, _ = self.friction(_of_all(w) * (displacement[:, :2] @ self.rates), parameters)
-        self.inner.write_forces(numbers, displacement, parameters._replace(mu=mu), force)
+        self.inner.write_forces(numbers, displacement, w, parameters._replace(mu=mu), force)
 
     def write_with_tangents(
         self,
@@ -44,7 +44,7 @@ class VaryingFriction:
         speed = displacement[:, :2] @ self.rates
         mu, slope = self.friction(_of_all(w) * speed, parameters)
         p, slope = parameters._replace(mu=mu), slope[numbers]
-        self.inner.write_with_tangents(numbers, displacement, p, force, tangent)
+        self.inner.write_with_tangents(numbers, displacement, w, p, force, tangent, by_frequency)
         by_motion = of_each(w, numbers)[..., None, None] * slope[..., None] * self.rates.T
         by_w = np.sum(slope * speed[numbers], axis=1)[..., None]
         found = self.inner.by_friction(numbers, displacement, p, np.concatenate([*by_motion.swapaxes(0, 1), by_w], 2))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.contact.compiled.film_forces import FilmForces
-from updamp.hbm.contact.law import CompiledRateForces, ContactLaw, LawAt, decoupled_directions_of
+from updamp.hbm.contact.law import CompiledForces, ContactLaw, LawAt, decoupled_directions_of
 from updamp.hbm.contact.modified.modified_law import ModifiedLaw, compression, extended_type, rest_compression
 from updamp.hbm.contact.parameter_moves import derivatives_of
 from updamp.hbm.harmonics import Harmonics
@@ -91,7 +91,7 @@ class FilmForce:
         """(n_elements,) see `modified_law.rest_compression` [m]"""
         return rest_compression(self.inner, parameters)
 
-    def compiled_rate(self, harmonics: Harmonics, n_time: int) -> CompiledRateForces:
+    def compiled(self, harmonics: Harmonics, n_time: int) -> CompiledForces:
         return FilmForces(self, harmonics, n_time)
 
 

@@ -9,13 +9,11 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.compiled.composed import MeanOfSliders, RateMeanOfSliders
+from updamp.hbm.contact.compiled.composed import MeanOfSliders
 from updamp.hbm.contact.law import (
     CompiledForces,
-    CompiledRateForces,
     LawAt,
     compiled_forces_of,
-    compiled_rate_forces_of,
     decoupled_directions_of,
     force_for_analysis,
 )
@@ -48,19 +46,10 @@ class SubPatchMicroslip(ModifiedLaw):
         inner = compiled_forces_of(self.inner, harmonics, n_time)
         return None if inner is None else self.mean_of(inner)
 
-    def compiled_rate(self, harmonics: Harmonics, n_time: int) -> CompiledRateForces | None:
-        inner = compiled_rate_forces_of(self.inner, harmonics, n_time)
-        return None if inner is None else self.rate_mean_of(inner)
-
     @staticmethod
     def mean_of(one: CompiledForces) -> CompiledForces:
         """Of sliders of this spread, from the forces of one."""
         return MeanOfSliders(one, np.asarray(evenly(SLIDERS)))
-
-    @staticmethod
-    def rate_mean_of(one: CompiledRateForces) -> CompiledRateForces:
-        """Likewise, of laws that depend on the rate"""
-        return RateMeanOfSliders(one, np.asarray(evenly(SLIDERS)))
 
     def parameter_derivatives(self, entries: Sequence[str], at: LawAt) -> dict[str, Floats] | None:
         """The mean of those of the sliders, each by its own friction coefficient."""

@@ -14,7 +14,7 @@ import jax
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.law import ContactLaw, FrictionLaw, StickingLaw, force_for_analysis
+from updamp.hbm.contact.law import ContactLaw, FrictionLaw, as_sticking_law, force_for_analysis
 
 
 def with_entries(parameters: Any, **entries: Any) -> Any:
@@ -131,9 +131,9 @@ def sticks_with_friction(
 ) -> NDArray[np.bool_]:
     """As `StickingLaw.surely_sticks` of the law with friction coefficients mu (n_elements,); nowhere if it cannot
     tell."""
-    if not isinstance(law, StickingLaw):
+    if (telling := as_sticking_law(law)) is None:
         return np.zeros(len(displacement), dtype=bool)
-    return law.surely_sticks(displacement, parameters._replace(mu=mu), overshoot)
+    return telling.surely_sticks(displacement, parameters._replace(mu=mu), overshoot)
 
 
 def compression(law: FrictionLaw, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:

@@ -8,8 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.jenkins_box import JenkinsBox
-from updamp.hbm.contact.law import CompiledForces, CompiledRateForces, decoupled_directions_of
+from updamp.hbm.contact.law import CompiledForces, compiled_forces_of, decoupled_directions_of
 from updamp.hbm.contact.modified.microslip import SubPatchMicroslip
 from updamp.hbm.contact.modified.modified_law import LawArguments, ModifiedLaw, rest_compression, with_entries
 from updamp.hbm.contact.modified.velocity_friction import VelocityFriction
@@ -40,24 +39,19 @@ class PressureStiffness(ModifiedLaw):
         return decoupled_directions_of(self.inner)
 
     def compiled(self, harmonics: Harmonics, n_time: int) -> CompiledForces | None:
+        from updamp.hbm.contact.compiled.box_forces import BoxForces
         from updamp.hbm.contact.compiled.pressed_forces import pressed_forces
 
         if isinstance(self.inner, SubPatchMicroslip):
             # all sliders have the same pressure, so that it acts on each of them as on their mean
             of_one = replace(self, inner=self.inner.inner).compiled(harmonics, n_time)
             return None if of_one is None else self.inner.mean_of(of_one)
-        return pressed_forces(self.cycles, harmonics, n_time) if isinstance(self.inner, JenkinsBox) else None
-
-    def compiled_rate(self, harmonics: Harmonics, n_time: int) -> CompiledRateForces | None:
-        if isinstance(self.inner, SubPatchMicroslip):
-            of_one = replace(self, inner=self.inner.inner).compiled_rate(harmonics, n_time)
-            return None if of_one is None else self.inner.rate_mean_of(of_one)
-        if not isinstance(self.inner, VelocityFriction):
-            return None
-        # friction of the speed does not depend on how stiff the contact is
-        return self.inner.of_friction(
-            replace(self, inner=self.inner.inner).compiled(harmonics, n_time), harmonics, n_time
-        )
+        if isinstance(self.inner, VelocityFriction):
+            # friction of the speed does not depend on how stiff the contact is
+            of_any = replace(self, inner=self.inner.inner).compiled(harmonics, n_time)
+            return self.inner.of_friction(of_any, harmonics, n_time)
+        of_box = isinstance(compiled_forces_of(self.inner, harmonics, n_time), BoxForces)
+        return pressed_forces(self.cycles, harmonics, n_time) if of_box else None
 
     def inner_arguments(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> LawArguments:
         p, m = parameters, parameters.pressure_exponent

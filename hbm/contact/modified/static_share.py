@@ -9,16 +9,14 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.hbm.contact.compiled.composed import RateShareOfMean, ShareOfMean
+from updamp.hbm.contact.compiled.composed import ShareOfMean
 from updamp.hbm.contact.law import (
     CompiledForces,
-    CompiledRateForces,
     ContactLaw,
     LawAt,
-    SumOfLaws,
     compiled_forces_of,
-    compiled_rate_forces_of,
     decoupled_directions_of,
+    parts_of,
 )
 from updamp.hbm.contact.modified.modified_law import LawArguments, ModifiedLaw
 from updamp.hbm.contact.parameter_moves import derivatives_of
@@ -44,15 +42,11 @@ class StaticShare(ModifiedLaw):
     @property
     def parts(self) -> tuple[ContactLaw, ...]:
         """The same share seen by each of the laws that the inner one is the sum of; none where it is no sum."""
-        return tuple(StaticShare(part) for part in self.inner.parts) if isinstance(self.inner, SumOfLaws) else ()
+        return tuple(StaticShare(part) for part in parts_of(self.inner))
 
     def compiled(self, harmonics: Harmonics, n_time: int) -> CompiledForces | None:
         inner = compiled_forces_of(self.inner, harmonics, n_time)
         return None if inner is None else ShareOfMean(inner, harmonics.slices.get(0, slice(0)))
-
-    def compiled_rate(self, harmonics: Harmonics, n_time: int) -> CompiledRateForces | None:
-        inner = compiled_rate_forces_of(self.inner, harmonics, n_time)
-        return None if inner is None else RateShareOfMean(inner, harmonics.slices.get(0, slice(0)))
 
     def parameter_derivatives(self, entries: Sequence[str], at: LawAt) -> dict[str, Floats] | None:
         """Those of the inner law at the motion that it sees; None where it sees nothing of the mean."""

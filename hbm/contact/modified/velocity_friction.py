@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.contact.compiled.varying_friction import VaryingFriction
-from updamp.hbm.contact.law import CompiledForces, CompiledFriction, CompiledRateForces, LawAt, compiled_forces_of
+from updamp.hbm.contact.law import CompiledForces, CompiledFriction, LawAt, compiled_forces_of
 from updamp.hbm.contact.modified.modified_law import LawArguments, ModifiedLaw, sticks_with_friction
 from updamp.hbm.contact.parameter_moves import derivatives_of, with_own_tangent
 from updamp.hbm.harmonics import Harmonics
@@ -42,11 +42,11 @@ class VelocityFriction(ModifiedLaw):
         factor = 1 - p.velocity_drop * speed / (speed + p.reference_speed)
         return displacement, velocity, p._replace(mu=p.mu * factor)
 
-    def compiled_rate(self, harmonics: Harmonics, n_time: int) -> CompiledRateForces | None:
+    def compiled(self, harmonics: Harmonics, n_time: int) -> CompiledForces | None:
         return self.of_friction(compiled_forces_of(self.inner, harmonics, n_time), harmonics, n_time)
 
     @staticmethod
-    def of_friction(inner: CompiledForces | None, harmonics: Harmonics, n_time: int) -> CompiledRateForces | None:
+    def of_friction(inner: CompiledForces | None, harmonics: Harmonics, n_time: int) -> CompiledForces | None:
         """Of friction that falls with the speed, from the forces of a law with any; None where they do not tell"""
         if not isinstance(inner, CompiledFriction):
             return None

@@ -102,7 +102,8 @@ def test_loop_areas_are_those_of_the_law_in_jax() -> None:
 def test_elements_that_are_not_asked_for_are_left_alone() -> None:
     motion = motions()
     force, tangent = np.full_like(motion, 7.0), np.full((*motion.shape, 1, 7), 7.0)
-    LAW.compiled(HARMONICS, SAMPLES).write_with_tangents(np.array([3, 30]), motion, group(LAW).values, force, tangent)
+    rate, some = np.zeros_like(motion), np.array([3, 30])
+    LAW.compiled(HARMONICS, SAMPLES).write_with_tangents(some, motion, 1.0, group(LAW).values, force, tangent, rate)
     others = np.delete(np.arange(ELEMENTS), [3, 30])
     assert (force[others] == 7.0).all()
     assert (tangent[others] == 7.0).all()

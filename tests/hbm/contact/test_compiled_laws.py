@@ -86,12 +86,14 @@ def test_likewise_where_a_motion_of_a_high_order_turns_often_between_few_samples
 def test_elements_that_are_not_asked_for_are_left_alone(law):
     p, motion = parameters(), motions(parameters())
     force, tangent = np.full_like(motion, 7.0), np.full((*motion.shape, 3, 7), 7.0)
-    law.compiled(HARMONICS, 128).write_with_tangents(np.array([3, 40]), motion, p, force, tangent)
+    rate = np.zeros_like(motion)
+    law.compiled(HARMONICS, 128).write_with_tangents(np.array([3, 40]), motion, 1.0, p, force, tangent, rate)
+    assert not rate.any()
     others = np.delete(np.arange(ELEMENTS), [3, 40])
     assert (force[others] == 7.0).all()
     assert (tangent[others] == 7.0).all()
     alone = np.full_like(motion, 7.0)
-    law.compiled(HARMONICS, 128).write_forces(np.array([3, 40]), motion, p, alone)
+    law.compiled(HARMONICS, 128).write_forces(np.array([3, 40]), motion, 1.0, p, alone)
     np.testing.assert_array_equal(alone, force)
 
 

@@ -28,9 +28,11 @@ from updamp.hbm.contact.modified.modified_law import with_entries
 from updamp.hbm.contact.modified.pressure_stiffness import PressureStiffness
 from updamp.hbm.contact.modified.static_share import StaticShare
 from updamp.hbm.contact.modified.velocity_friction import VelocityFriction
+from updamp.hbm.contact.springs import CubicSpring
 from updamp.hbm.problem.elements import (
     ElementGroup,
-    compiled_rate_forces,
+    compiled_forces,
+    compiled_hysteresis,
     departures,
     element_forces,
     force_only,
@@ -113,7 +115,7 @@ def test_a_film_is_the_compiled_law_inside_and_dashpots_beside_it(law):
     group = ElementGroup(law, p, rows)
     inside = [part.law for part in group.parts]
     assert len(inside) == 2
-    assert all(compiled_forces_of(a, HARMONICS, 128) or compiled_rate_forces(a, HARMONICS, 128) for a in inside)
+    assert all(compiled_forces(a, HARMONICS, 128) for a in inside)
     ours, theirs = (
         element_forces(g, motion, w, HARMONICS, 128) for g in (group, ElementGroup(CoupledInJax(law), p, rows))
     )
@@ -130,7 +132,7 @@ def test_dashpots_that_open_with_the_contact_are_those_of_the_law_in_jax(inner):
     p = with_entries(pressed_parameters(), viscosity=rng.random(ELEMENTS), limit_spread=rng.random(ELEMENTS))
     motion, rows = motions(p), np.arange(3 * ELEMENTS).reshape(-1, 3)
     motion[19, 2, 0] -= 100.0  # open throughout
-    assert compiled_rate_forces(law, HARMONICS, 128) is not None
+    assert compiled_forces(law, HARMONICS, 128) is not None
     groups = [ElementGroup(each, p, rows) for each in (law, RateInJax(law))]
     ours, theirs = (element_forces(each, motion, w, HARMONICS, 128) for each in groups)
     size = np.abs(theirs.force).max()
@@ -175,7 +177,7 @@ def test_friction_that_depends_on_the_speed_is_the_compiled_law_with_friction_th
     of_speed = {"velocity_drop": 0.6 * rng.random(ELEMENTS), "reference_speed": 0.2 + rng.random(ELEMENTS)}
     p = with_entries(pressed_parameters(), **of_speed, limit_spread=rng.random(ELEMENTS))
     motion, rows = motions(p), np.arange(3 * ELEMENTS).reshape(-1, 3)
-    assert compiled_rate_forces(law, HARMONICS, 128) is not None
+    assert compiled_forces(law, HARMONICS, 128) is not None
     groups = [AllEvaluated(each, p, rows) for each in (law, CoupledInJax(law))]
     ours, theirs = (element_forces(each, motion, w, HARMONICS, 128) for each in groups)
     size = np.abs(theirs.force).max()
@@ -234,10 +236,17 @@ def settled(p):
 
 
 def test_a_law_inside_that_is_not_compiled_leaves_them_to_jax():
-    assert compiled_forces_of(StaticShare(VelocityFriction(JenkinsBox(2))), HARMONICS, 128) is None
     assert compiled_forces_of(SubPatchMicroslip(CoulombCircle(3)), HARMONICS, 128) is None
+    assert compiled_forces_of(VelocityFriction(SampledJenkinsBox(2)), HARMONICS, 128) is None
+
+
+def test_loops_and_what_grows_are_left_to_jax_where_a_law_depends_on_the_rate_or_has_no_memory():
+    assert compiled_hysteresis(StaticShare(JenkinsBox(2)), HARMONICS, 128) is not None
+    for law in (StaticShare(VelocityFriction(JenkinsBox(2))), FilmForce(JenkinsBox(2)), CubicSpring()):
+        assert compiled_forces(law, HARMONICS, 128) is not None
+        assert compiled_hysteresis(law, HARMONICS, 128) is None
 
 
 def test_a_modified_law_is_not_taken_for_the_one_inside():
     assert isinstance(JenkinsBox(2), CompiledLaw)
-    assert not isinstance(VelocityFriction(JenkinsBox(2)), CompiledLaw)
+    assert not isinstance(ViscousFilm(JenkinsBox(2)), CompiledLaw)
