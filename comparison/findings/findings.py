@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from updamp.comparison.comparison import Finding
+from updamp.comparison.findings.words import FAR_LESS, in_percent, level_of, levels_of
 from updamp.comparison.fit.failing_model import RISK, Freedom
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Plan
@@ -29,10 +30,6 @@ FREQUENCY, DAMPING, SENSOR, AMPLITUDE, RUN = "frequency", "damping", "sensor", "
 _SIZES = {FREQUENCY: 0.1, DAMPING: 1.0, SENSOR: 0.1, RUN: float(np.log(2))}
 # Distance from a bound at which a parameter counts as held by it, in prior deviations.
 _AT_BOUND = 1e-3
-# Share of a mode's largest misfit below which a level gets no number: it is right, or far less wrong.
-FAR_LESS = 0.25
-# Share of a level by which it may be off what it is called.
-_AS_MEANT = 0.003
 
 
 @dataclass(frozen=True)
@@ -239,10 +236,10 @@ def _of_mode(
     alike = all(abs(m.relative - mean) < 3 * m.deviation + 0.2 * abs(mean) for m in all_levels)
     read = [m.direction.test for m in all_levels]
     unread = [i for i, c in enumerate(plan.conditions) if c.mode == mode and i not in read]
-    not_read = f", not read at {_levels(unread, plan)}" if unread else ""
+    not_read = f", not read at {levels_of(unread, plan)}" if unread else ""
     if len(all_levels) > 1 and alike and np.all(np.sign(values) == np.sign(mean)):
         kind = "force level" if plan.conditions[0].unit == "N" else "level"
-        where = _levels(read, plan) if unread else f"every {kind}"
+        where = levels_of(read, plan) if unread else f"every {kind}"
         text = f"{mode}: {thing} {in_percent(mean)} at {where}{not_read}"
         return [Finding(text, mode, None, quantity, "", mean, mean / deviation)]
     by_size = sorted(standing, key=lambda m: -m.size)
@@ -294,37 +291,5 @@ def _deviations(fit: Fit) -> float:
     return float((np.cbrt(fit.compared.chi2 / k) - (1 - 2 / (9 * k))) / np.sqrt(2 / (9 * k)))
 
 
-def in_percent(relative: float) -> str:
-    """Such as "0.15 % high"."""
-    size = 100 * abs(relative)
-    digits = 2 if size < 0.995 else 1 if size < 9.95 else 0
-    return f"{size:.{digits}f} % {'high' if relative > 0 else 'low'}"
-
-
 def _at(misfits_there: Sequence[Misfit], plan: Plan) -> str:
-    return _levels([m.direction.test for m in misfits_there], plan)
-
-
-def _levels(tests: Sequence[int], plan: Plan) -> str:
-    return ", ".join(dict.fromkeys(level_of(plan, test) for test in tests))
-
-
-def level_of(plan: Plan, test: int) -> str:
-    """A test's level with its unit, and the sweep's direction where both were swept."""
-    condition = plan.conditions[test]
-    unit = condition.level_name.split(" ", 1)[1]
-    # as it was meant: a force is the mean of what was measured
-    short = [float(f"{condition.level:.{digits}g}") for digits in (1, 2, 3)]
-    name = next((s for s in short if abs(s / condition.level - 1) < _AS_MEANT), short[-1])
-    return f"{name:g} {unit}{_sweep(plan, test)}"
-
-
-def _sweep(plan: Plan, test: int) -> str:
-    """Named only where both directions were swept at the level."""
-    this = plan.conditions[test]
-    others = [
-        c
-        for c in plan.conditions
-        if c.mode == this.mode and c.upwards != this.upwards and abs(c.level / this.level - 1) < 0.05
-    ]
-    return (" upwards" if this.upwards else " downwards") if others else ""
+    return levels_of([m.direction.test for m in misfits_there], plan)

@@ -11,8 +11,9 @@ import numpy as np
 from scipy.stats import norm
 
 from updamp.comparison.comparison import Finding
-from updamp.comparison.findings.findings import AMPLITUDE, DAMPING, FAR_LESS, FREQUENCY, SENSOR, in_percent, level_of
+from updamp.comparison.findings.findings import AMPLITUDE, DAMPING, FREQUENCY, SENSOR
 from updamp.comparison.findings.peak_misfit import PeakMisfit
+from updamp.comparison.findings.words import FAR_LESS, in_percent, level_of
 from updamp.comparison.fit.observations import Plan
 
 # Share of the mean by which levels may differ that share a sentence.

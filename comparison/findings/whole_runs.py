@@ -17,15 +17,13 @@ from updamp.comparison.comparison import Finding
 from updamp.comparison.findings.findings import (
     AMPLITUDE,
     DAMPING,
-    FAR_LESS,
     FREQUENCY,
     RUN,
     Direction,
     equations_with,
-    in_percent,
-    level_of,
     size_of,
 )
+from updamp.comparison.findings.words import FAR_LESS, in_percent, level_of
 from updamp.comparison.fit.failing_model import RISK
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Plan
