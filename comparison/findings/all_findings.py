@@ -3,7 +3,8 @@
 from collections.abc import Mapping, Sequence
 
 from updamp.comparison.comparison import Backbone, Finding
-from updamp.comparison.findings.findings import SENSOR, Misfit, findings
+from updamp.comparison.findings.direction import Misfit
+from updamp.comparison.findings.findings import findings
 from updamp.comparison.findings.gross_misfit import linear_findings
 from updamp.comparison.findings.peak_misfit import peak_misfits, without_peak
 from updamp.comparison.findings.peak_sentences import peak_findings, without_peak_findings
@@ -39,5 +40,5 @@ def all_findings(
     peaks = (*missing, *peak_findings(peak_misfits(fit, plan, branches, repeats), plan, names))
     if not peaks:
         return findings(fit, plan, first_order)
-    of_harmonics = [m for m in first_order if m.direction.quantity == SENSOR and m.direction.sensor[1] != 1]
+    of_harmonics = [m for m in first_order if m.direction.harmonic != 1]
     return (*peaks, *(findings(fit, plan, of_harmonics) if of_harmonics else ()))
