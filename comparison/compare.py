@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from updamp.comparison.comparison import (
     LACK_OF_FIT,
     MOVED_BY_NUMERICS,
+    Backbone,
     Calibrated,
     Comparison,
     FeatureComparison,
+    Finding,
     PointResidual,
 )
 from updamp.comparison.curves import curve_pairs
@@ -31,6 +33,7 @@ from updamp.comparison.fit.numerical_gate import apply_numerical_gate, starting_
 from updamp.comparison.fit.observations import Plan, plan_of
 from updamp.comparison.fit.odd_readings import OddReading
 from updamp.comparison.fit.repeat_scatter import of_repeats
+from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.model_at import ModelAt
 from updamp.comparison.prediction.parameters import Parametrisation
@@ -45,6 +48,11 @@ from updamp.model.calibration import LOSS_FACTOR, together_of_mode
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Progress = Callable[[str], None]
+
+# Least share of the damping that is told as the material's. Where contacts make nearly all of it, the slope that it is
+# read off is about nil, of either sign: what is told of the damping would be nil with a deviation of nil, or turned
+# round.
+_LEAST_SHARE = 0.02
 
 
 @dataclass(frozen=True)
@@ -148,15 +156,11 @@ def comparison_of(
 ) -> Comparison:
     """The findings on a calibrated model, with the curves and numbers behind them."""
     plan, before, fitted, after = calibrated.plan, calibrated.before, calibrated.fit, calibrated.after
-    parametrisation = fitted.parametrisation
-    as_given = compare_at(parametrisation, np.zeros(len(parametrisation)), plan, before, fitted.compared.scatter)
-    loss_factor = parametrisation.names.index(LOSS_FACTOR.name)
+    as_given = compare_at(fitted.parametrisation, np.zeros_like(fitted.u), plan, before, fitted.compared.scatter)
     names = {channel.point: channel.name for channel in measurement.channels}
     of_tests, of_model = measured_backbones(plan, names), model_backbones(plan, names, after)
-    first_order = misfits(fitted, plan, [damping_share(b, loss_factor) for b in after])
     repeats = of_repeats(fitted, plan)
-    told = all_findings(fitted, plan, after, first_order, names, of_tests, of_model, repeats)
-    found = told if calibrated.lag is None else (lag_finding(calibrated.lag), *told)
+    found = _told(calibrated, names, of_tests, of_model, repeats)
     return Comparison(
         title=measurement.title,
         adequate=not found,
@@ -185,6 +189,21 @@ def comparison_of(
     )
 
 
+def _told(
+    calibrated: CalibrationResult,
+    names: Mapping[str, str],
+    measured: Sequence[Backbone],
+    model: Sequence[Backbone],
+    repeats: Scatter,
+) -> tuple[Finding, ...]:
+    """All findings, an angle that measured phases lag by before the others. Arguments as for `all_findings`"""
+    fitted, plan, branches = calibrated.fit, calibrated.plan, calibrated.after
+    loss_factor = fitted.parametrisation.names.index(LOSS_FACTOR.name)
+    first_order = misfits(fitted, plan, [damping_share(branch, loss_factor) for branch in branches])
+    told = all_findings(fitted, plan, branches, first_order, names, measured, model, repeats)
+    return told if calibrated.lag is None else (lag_finding(calibrated.lag), *told)
+
+
 def _provenance(fitted: Fit, plan: Plan) -> dict[str, str]:
     moved = moved_frequencies(fitted.parametrisation.numerics, plan)
     by_chance = {"calibration": fitted.message, LACK_OF_FIT: f"{lack_of_fit(fitted, plan):.3g}"}
@@ -205,7 +224,7 @@ def damping_share(branch: PredictedBranch, loss_factor: int) -> float:
     """The material's share of the damping at the branch's highest point: how much the amplitude there answers to it."""
     top = int(np.argmax(np.abs(branch.amplitude[:, 0])))
     slope = branch.at(branch.place[[top]]).slopes[0, loss_factor, 1]
-    return float(np.clip(-slope, 0.02, 1.0))
+    return float(np.clip(-slope, _LEAST_SHARE, 1.0))
 
 
 def calibrated_factors(fitted: Fit) -> tuple[Calibrated, ...]:

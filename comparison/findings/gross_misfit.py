@@ -28,6 +28,8 @@ Floats = NDArray[np.float64]
 
 # Growth of the damping that is worth a sentence: of the logarithm, in standard deviations, and in itself.
 _STANDS_OUT, _WORTH = 5.0, 0.2
+# Growth, of the logarithm, up to which a damping stays: less than 5 % would be told as 1.0-fold.
+_STAYS = 0.05
 
 
 def linear_findings(
@@ -132,6 +134,6 @@ def _logs(backbones: Sequence[Backbone], plan: Plan, test: int, is_measured: boo
 
 
 def _fold(log_ratio: float) -> str:
-    if abs(log_ratio) < 0.05:
+    if abs(log_ratio) < _STAYS:
         return "stays"
     return f"{'grows' if log_ratio > 0 else 'falls'} {np.exp(abs(log_ratio)):.1f}-fold"
