@@ -24,7 +24,7 @@ class Finding:
     """One sentence on where the model fails.
 
     mode: of the study, "" for all; level: at which it holds, None for every level
-    quantity: "frequency", "damping", "amplitude", "harmonics", "sensor" or "phase"; channel: for a sensor, else ""
+    quantity: "frequency", "damping", "amplitude", "sensor" or "phase"; channel: for a sensor, else ""
     relative: model over measurement less 1, of a phase the measured lag [rad]; significance: in standard deviations of
         the scatter
     """
