@@ -156,11 +156,12 @@ def comparison_of(
 ) -> Comparison:
     """The findings on a calibrated model, with the curves and numbers behind them."""
     plan, before, fitted, after = calibrated.plan, calibrated.before, calibrated.fit, calibrated.after
-    as_given = compare_at(fitted.parametrisation, np.zeros_like(fitted.u), plan, before, fitted.compared.scatter)
+    parametrisation = fitted.parametrisation
+    as_given = compare_at(parametrisation, np.zeros(len(parametrisation)), plan, before, fitted.compared.scatter)
     names = {channel.point: channel.name for channel in measurement.channels}
     of_tests, of_model = measured_backbones(plan, names), model_backbones(plan, names, after)
     repeats = of_repeats(fitted, plan)
-    found = _told(calibrated, names, of_tests, of_model, repeats)
+    found = _findings(calibrated, names, of_tests, of_model, repeats)
     return Comparison(
         title=measurement.title,
         adequate=not found,
@@ -189,18 +190,18 @@ def comparison_of(
     )
 
 
-def _told(
+def _findings(
     calibrated: CalibrationResult,
     names: Mapping[str, str],
-    measured: Sequence[Backbone],
-    model: Sequence[Backbone],
+    of_tests: Sequence[Backbone],
+    of_model: Sequence[Backbone],
     repeats: Scatter,
 ) -> tuple[Finding, ...]:
-    """All findings, an angle that measured phases lag by before the others. Arguments as for `all_findings`"""
-    fitted, plan, branches = calibrated.fit, calibrated.plan, calibrated.after
+    """The lag of all phases first, where there is one."""
+    plan, fitted, after = calibrated.plan, calibrated.fit, calibrated.after
     loss_factor = fitted.parametrisation.names.index(LOSS_FACTOR.name)
-    first_order = misfits(fitted, plan, [damping_share(branch, loss_factor) for branch in branches])
-    told = all_findings(fitted, plan, branches, first_order, names, measured, model, repeats)
+    first_order = misfits(fitted, plan, [damping_share(b, loss_factor) for b in after])
+    told = all_findings(fitted, plan, after, first_order, names, of_tests, of_model, repeats)
     return told if calibrated.lag is None else (lag_finding(calibrated.lag), *told)
 
 
