@@ -49,6 +49,11 @@ Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Progress = Callable[[str], None]
 
+# Least share of the damping that is told as the material's. Where contacts make nearly all of it, the slope that it is
+# read off is about nil, of either sign: what is told of the damping would be nil with a deviation of nil, or turned
+# round.
+_LEAST_SHARE = 0.02
+
 
 @dataclass(frozen=True, eq=False)
 class CalibrationResult:
@@ -227,7 +232,7 @@ def damping_share(branch: PredictedBranch, loss_factor: int) -> float:
     """The material's share of the damping at the branch's highest point: how much the amplitude there answers to it."""
     top = int(np.argmax(np.abs(branch.amplitude[:, 0])))
     slope = branch.at(branch.place[[top]]).slopes[0, loss_factor, 1]
-    return float(np.clip(-slope, 0.02, 1.0))
+    return float(np.clip(-slope, _LEAST_SHARE, 1.0))
 
 
 def calibrated_factors(fitted: Fit) -> tuple[Calibrated, ...]:

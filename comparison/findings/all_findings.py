@@ -3,7 +3,8 @@
 from collections.abc import Mapping, Sequence
 
 from updamp.comparison.comparison import Backbone, Finding
-from updamp.comparison.findings.findings import Misfit, findings
+from updamp.comparison.findings.direction import Misfit
+from updamp.comparison.findings.findings import findings
 from updamp.comparison.findings.gross_misfit import linear_findings
 from updamp.comparison.findings.peak_misfit import peak_misfits, without_peak
 from updamp.comparison.findings.peak_sentences import peak_findings, without_peak_findings

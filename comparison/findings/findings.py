@@ -1,66 +1,30 @@
-"""Where the model fails, in the words of a vibration engineer: which mode and force level, frequency or damping, which
-sensor, and whether that stands out of what the test repeats to.
+"""Where the model fails along its curves: which mode and force level, frequency or damping, which sensor, and whether
+that stands out of what the test repeats to.
 
-Each statement is a direction in the residual: a shift of a run's resonance, more damping in it, a sensor that reads
-high. All of them are estimated together, on top of the fitted parameters, by generalised least squares.
+Each statement is a direction in the residual (`kinds.py`): a shift of a run's resonance, more damping in it, a sensor
+that reads high. All of them are estimated together, on top of the fitted parameters, by generalised least squares.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import TypeVar
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm
 
 from updamp.comparison.comparison import Finding
+from updamp.comparison.findings.direction import Direction, Misfit
+from updamp.comparison.findings.kinds import KINDS, Amplitude
+from updamp.comparison.findings.words import level_of
 from updamp.comparison.fit.failing_model import RISK, Freedom
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.scatter import Assembly, whitened
-from updamp.model.calibration import LOSS_FACTOR
 
 Floats = NDArray[np.float64]
 
-FREQUENCY, DAMPING, SENSOR, AMPLITUDE, RUN = "frequency", "damping", "sensor", "amplitude", "run"
-# Prior size of a misfit, which keeps directions that the data do not tell at zero: relative; of a resonance as a
-# share of the measured window, over which the model is taken as linear here. Shifts of all tests alike are what Young's
-# modulus is for: they are left to it. Whole runs are off by twice or half where they are.
-_SIZES = {FREQUENCY: 0.1, DAMPING: 1.0, SENSOR: 0.1, RUN: float(np.log(2))}
 # Distance from a bound at which a parameter counts as held by it, in prior deviations.
 _AT_BOUND = 1e-3
-# Share of a mode's largest misfit below which a level gets no number: it is right, or far less wrong.
-FAR_LESS = 0.25
-# Share of a level by which it may be off what it is called.
-_AS_MEANT = 0.003
-
-
-@dataclass(frozen=True)
-class Direction:
-    """A kind of misfit: quantity, condition (place in the plan) or sensor (point of the model, harmonic); amplitude is
-    that of all sensors in all tests, run that of all sensors in one"""
-
-    quantity: str
-    test: int = -1
-    sensor: tuple[str, int] = ("", 1)
-
-
-@dataclass(frozen=True)
-class Misfit:
-    """relative: model over measurement less 1; deviation: its standard deviation"""
-
-    direction: Direction
-    relative: float
-    deviation: float
-
-    @property
-    def significance(self) -> float:
-        return self.relative / self.deviation if self.deviation > 0 else 0.0
-
-    @property
-    def size(self) -> float:
-        """Of the logarithm: as much for twice as for half of what was measured."""
-        return abs(float(np.log1p(self.relative)))
 
 
 def misfits(fit: Fit, plan: Plan, damping_share: Sequence[float]) -> tuple[Misfit, ...]:
@@ -70,10 +34,10 @@ def misfits(fit: Fit, plan: Plan, damping_share: Sequence[float]) -> tuple[Misfi
     damping_share: for each condition, the material's share of the damping at its resonance: what turns a factor on
         the material's loss factor into one on all the damping
     """
-    directions = _directions(plan)
+    directions = [one for kind in KINDS for one in kind.along_curves(plan)]
     r, both = equations_with(fit, plan, directions)
     n = both.shape[1] - len(directions)
-    sizes = np.array([size_of(x, plan) for x in directions])
+    sizes = np.array([one.prior(plan) for one in directions])
     before = 1 / fit.parametrisation.deviation**2
     prior = np.concatenate([before + 1 / np.maximum(fit.deviations, 1e-12) ** 2, 1 / sizes**2])
     both[:, :n] *= ~_held(fit)
@@ -91,58 +55,8 @@ def misfits(fit: Fit, plan: Plan, damping_share: Sequence[float]) -> tuple[Misfi
         # as significant as the logarithm is
         return Misfit(direction, relative, deviation * (relative / log if log else 1.0))
 
-    return (*(misfit(*one) for one in _statements(directions, damping_share)), *_of_sensors(directions, misfit))
-
-
-def _statements(directions: Sequence[Direction], damping_share: Sequence[float]) -> list[tuple[Direction, Floats]]:
-    """What is stated, each with the combination of the directions that it is: of the sensors their mean."""
-    found = []
-    for row, direction in zip(np.eye(len(directions)), directions, strict=True):
-        if direction.quantity != SENSOR:
-            found.append((direction, row * (damping_share[direction.test] if direction.quantity == DAMPING else 1.0)))
-    gains = np.array([float(d.quantity == SENSOR) for d in directions])
-    return [*found, (Direction(AMPLITUDE), gains / gains.sum())] if gains.any() else found
-
-
-def _of_sensors(directions: Sequence[Direction], misfit: Callable[[Direction, Floats], Misfit]) -> Iterator[Misfit]:
-    places = {d: i for i, d in enumerate(directions) if d.quantity == SENSOR}
-
-    def against(one: Direction, others: Sequence[Direction]) -> Misfit:
-        combined = np.zeros(len(directions))
-        combined[places[one]] = 1.0
-        combined[[places[other] for other in others]] = -1 / len(others)
-        return misfit(one, combined)
-
-    return farthest_first(list(places), against)
-
-
-Sensor = TypeVar("Sensor")
-
-
-def farthest_first(
-    sensors: Sequence[Sensor], against: Callable[[Sensor, Sequence[Sensor]], Misfit | None]
-) -> Iterator[Misfit]:
-    """How far each sensor is from the others: the farthest first, which the next ones are not held against. Of two,
-    which are as far from each other, the first.
-
-    against: misfit of one sensor against others, None where it cannot be told
-    """
-    left = list(sensors)
-    while len(left) > 1:
-        each = {one: found for one in left if (found := against(one, [s for s in left if s != one])) is not None}
-        if not each:
-            return
-        worst = max(each, key=lambda one: round(abs(each[one].significance), 6))
-        yield each[worst]
-        left.remove(worst)
-
-
-def size_of(direction: Direction, plan: Plan) -> float:
-    """Its prior deviation."""
-    if direction.quantity != FREQUENCY:
-        return _SIZES[direction.quantity]
-    low, high = plan.conditions[direction.test].window
-    return _SIZES[FREQUENCY] * float(np.log(high / low))
+    rows = dict(zip(directions, np.eye(len(directions)), strict=True))
+    return tuple(one for kind in KINDS for one in kind.stated(rows, damping_share, misfit))
 
 
 def _held(fit: Fit) -> NDArray[np.bool_]:
@@ -155,16 +69,6 @@ def _held(fit: Fit) -> NDArray[np.bool_]:
 def whitened_with(a: Assembly, block: Floats, fit: Fit) -> tuple[Floats, Floats]:
     """The assembly's residual and a block of columns, with its scatter taken into account."""
     return whitened(replace(a, common=block), fit.compared.scatter)
-
-
-def _directions(plan: Plan) -> list[Direction]:
-    tests = range(len(plan.conditions))
-    sensors = dict.fromkeys(s for c in plan.conditions for s in c.sensors)
-    return [
-        *(Direction(FREQUENCY, i) for i in tests),
-        *(Direction(DAMPING, i) for i in tests),
-        *(Direction(SENSOR, -1, s) for s in sensors if len(sensors) > 1),
-    ]
 
 
 def equations_with(fit: Fit, plan: Plan, directions: Sequence[Direction]) -> tuple[Floats, Floats]:
@@ -180,21 +84,10 @@ def equations_with(fit: Fit, plan: Plan, directions: Sequence[Direction]) -> tup
 
 
 def _columns(fit: Fit, plan: Plan, repeat: int, directions: Sequence[Direction]) -> Floats:
-    damping = fit.parametrisation.names.index(LOSS_FACTOR.name)
-    blocks = []
+    names, blocks = fit.parametrisation.names, []
     for m in (m for m in fit.compared.matched if m.observations.repeat == repeat):
-        test, sensors = m.observations.test, plan.conditions[m.observations.test].sensors
-        block = np.zeros((m.residual.size, len(directions)))
-        for j, direction in enumerate(directions):
-            if direction.quantity == FREQUENCY and direction.test == test:
-                block[:, j] = m.by_observation[:, :, 0].ravel()
-            elif direction.quantity == DAMPING and direction.test == test:
-                block[:, j] = m.by_parameter[:, :, damping].ravel()
-            elif direction.quantity == RUN and direction.test == test:
-                block[:, j] = np.sum(m.by_observation[:, :, 1::2], axis=2).ravel()
-            elif direction.quantity == SENSOR and direction.sensor in sensors:
-                block[:, j] = m.by_observation[:, :, 1 + 2 * sensors.index(direction.sensor)].ravel()
-        blocks.append(block)
+        sensors = plan.conditions[m.observations.test].sensors
+        blocks.append(np.column_stack([one.column(m, sensors, names) for one in directions]))
     return np.concatenate(blocks)
 
 
@@ -207,70 +100,11 @@ def findings(fit: Fit, plan: Plan, found: Sequence[Misfit], told: Sequence[Findi
     """Sentences on the misfits that stand out; none where the model is adequate. told: what is said already"""
     limit = float(norm.isf(RISK / 2 / max(len(found), 1)))
     standing = [m for m in found if abs(m.significance) > limit]
-    sentences: list[Finding] = []
-    for quantity in (FREQUENCY, DAMPING):
-        for mode in dict.fromkeys(c.mode for c in plan.conditions):
-            of_mode = [m for m in found if m.direction.quantity == quantity and _mode(plan, m) == mode]
-            sentences += _of_mode(quantity, mode, of_mode, [m for m in standing if m in of_mode], plan)
-    sentences += [_of_amplitude(m) for m in standing if m.direction.quantity == AMPLITUDE]
-    sentences += [_of_sensor(m) for m in standing if m.direction.quantity == SENSOR]
+    sentences = [one for kind in KINDS for one in kind.sentences(found, standing, plan)]
     sentences.sort(key=lambda f: -abs(f.significance))
     if not sentences and not told and lack_of_fit(fit, plan) < RISK:
         sentences.append(_of_all(fit, plan))
     return tuple(sentences)
-
-
-def _mode(plan: Plan, misfit: Misfit) -> str:
-    return plan.conditions[misfit.direction.test].mode
-
-
-def _of_mode(
-    quantity: str, mode: str, all_levels: Sequence[Misfit], standing: Sequence[Misfit], plan: Plan
-) -> list[Finding]:
-    """One sentence: that all levels agree, or those that stand out, the largest first, and what holds at the others;
-    and where nothing was read."""
-    if not standing:
-        return []
-    thing = "resonance" if quantity == FREQUENCY else "damping"
-    values = np.array([m.relative for m in all_levels])
-    weights = np.array([1 / m.deviation**2 for m in all_levels])
-    mean = float(np.sum(weights * values) / np.sum(weights))
-    deviation = float(1 / np.sqrt(np.sum(weights)))
-    alike = all(abs(m.relative - mean) < 3 * m.deviation + 0.2 * abs(mean) for m in all_levels)
-    read = [m.direction.test for m in all_levels]
-    unread = [i for i, c in enumerate(plan.conditions) if c.mode == mode and i not in read]
-    not_read = f", not read at {_levels(unread, plan)}" if unread else ""
-    if len(all_levels) > 1 and alike and np.all(np.sign(values) == np.sign(mean)):
-        kind = "force level" if plan.conditions[0].unit == "N" else "level"
-        where = _levels(read, plan) if unread else f"every {kind}"
-        text = f"{mode}: {thing} {in_percent(mean)} at {where}{not_read}"
-        return [Finding(text, mode, None, quantity, "", mean, mean / deviation)]
-    by_size = sorted(standing, key=lambda m: -m.size)
-    worst, named = by_size[0], [m for m in by_size if m.size >= FAR_LESS * by_size[0].size]
-    sizes = dict.fromkeys(in_percent(m.relative) for m in named)
-    parts = [f"{size} at {_at([m for m in named if in_percent(m.relative) == size], plan)}" for size in sizes]
-    rest = {
-        "far less": [m for m in standing if m not in named],
-        "right": [m for m in all_levels if m not in standing],
-    }
-    parts += [f"{what} at {_at(some, plan)}" for what, some in rest.items() if some]
-    level = plan.conditions[worst.direction.test].level
-    text = f"{mode}: {thing} {', '.join(parts)}{not_read}"
-    return [Finding(text, mode, level, quantity, "", worst.relative, worst.significance)]
-
-
-def _of_amplitude(misfit: Misfit) -> Finding:
-    text = f"amplitude {in_percent(misfit.relative)} in all runs, at all sensors"
-    return Finding(text, "", None, AMPLITUDE, "", misfit.relative, misfit.significance)
-
-
-def _of_sensor(misfit: Misfit) -> Finding:
-    point, k = misfit.direction.sensor
-    of_harmonic = f" in harmonic {k}" if k != 1 else ""
-    text = (
-        f"{point}: the model reads {in_percent(misfit.relative)}{of_harmonic}, against the other sensors, in all runs"
-    )
-    return Finding(text, "", None, SENSOR, point, misfit.relative, misfit.significance)
 
 
 def _of_all(fit: Fit, plan: Plan) -> Finding:
@@ -285,46 +119,10 @@ def _of_all(fit: Fit, plan: Plan) -> Finding:
         "large a one by itself"
     )
     relative = float(np.sqrt(mean_squared) - 1)
-    return Finding(text, condition.mode, condition.level, AMPLITUDE, "", relative, _deviations(fit))
+    return Finding(text, condition.mode, condition.level, Amplitude.quantity, "", relative, _deviations(fit))
 
 
 def _deviations(fit: Fit) -> float:
     """How many standard deviations chi2 is too large by (E. B. Wilson and M. M. Hilferty, PNAS 17 (1931) 684)."""
     k = fit.freedom
     return float((np.cbrt(fit.compared.chi2 / k) - (1 - 2 / (9 * k))) / np.sqrt(2 / (9 * k)))
-
-
-def in_percent(relative: float) -> str:
-    """Such as "0.15 % high"."""
-    size = 100 * abs(relative)
-    digits = 2 if size < 0.995 else 1 if size < 9.95 else 0
-    return f"{size:.{digits}f} % {'high' if relative > 0 else 'low'}"
-
-
-def _at(misfits_there: Sequence[Misfit], plan: Plan) -> str:
-    return _levels([m.direction.test for m in misfits_there], plan)
-
-
-def _levels(tests: Sequence[int], plan: Plan) -> str:
-    return ", ".join(dict.fromkeys(level_of(plan, test) for test in tests))
-
-
-def level_of(plan: Plan, test: int) -> str:
-    """A test's level with its unit, and the sweep's direction where both were swept."""
-    condition = plan.conditions[test]
-    unit = condition.level_name.split(" ", 1)[1]
-    # as it was meant: a force is the mean of what was measured
-    short = [float(f"{condition.level:.{digits}g}") for digits in (1, 2, 3)]
-    name = next((s for s in short if abs(s / condition.level - 1) < _AS_MEANT), short[-1])
-    return f"{name:g} {unit}{_sweep(plan, test)}"
-
-
-def _sweep(plan: Plan, test: int) -> str:
-    """Named only where both directions were swept at the level."""
-    this = plan.conditions[test]
-    others = [
-        c
-        for c in plan.conditions
-        if c.mode == this.mode and c.upwards != this.upwards and abs(c.level / this.level - 1) < 0.05
-    ]
-    return (" upwards" if this.upwards else " downwards") if others else ""

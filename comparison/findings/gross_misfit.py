@@ -12,16 +12,10 @@ from numpy.typing import NDArray
 
 from updamp.comparison.comparison import Backbone, Finding
 from updamp.comparison.findings.backbone import FIVE, places_of
-from updamp.comparison.findings.findings import (
-    AMPLITUDE,
-    DAMPING,
-    FREQUENCY,
-    Direction,
-    Misfit,
-    findings,
-    lack_of_fit,
-)
+from updamp.comparison.findings.direction import Misfit
+from updamp.comparison.findings.findings import findings, lack_of_fit
 from updamp.comparison.findings.gross_sensors import sensor_misfits
+from updamp.comparison.findings.kinds import OF_MODES, Amplitude, Damping, OfMode
 from updamp.comparison.findings.peak_misfit import without_peak
 from updamp.comparison.findings.peak_sentences import without_peak_findings
 from updamp.comparison.findings.whole_runs import whole_run_findings
@@ -29,12 +23,13 @@ from updamp.comparison.fit.failing_model import RISK
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
-from updamp.model.calibration import LOSS_FACTOR
 
 Floats = NDArray[np.float64]
 
 # Growth of the damping that is worth a sentence: of the logarithm, in standard deviations, and in itself.
 _STANDS_OUT, _WORTH = 5.0, 0.2
+# Growth, of the logarithm, up to which a damping stays: less than 5 % would be told as 1.0-fold.
+_STAYS = 0.05
 
 
 def linear_findings(
@@ -55,7 +50,7 @@ def linear_findings(
         return findings(fit, plan, first_order)
     if whole_runs := whole_run_findings(fit, plan):
         return whole_runs
-    gains = [m for m in first_order if m.direction.quantity == AMPLITUDE or m.direction.sensor[1] != 1]
+    gains = [m for m in first_order if m.direction == Amplitude()]
     missing = [i for i in without_peak(plan, branches) if _has_peak(plan, i)]
     of_tests = [m for m in gross_misfits(fit, plan, measured, model) if m.direction.test not in missing]
     read = (*of_tests, *sensor_misfits(plan, measured, model))
@@ -66,7 +61,7 @@ def linear_findings(
 def _has_peak(plan: Plan, test: int) -> bool:
     """Whether all runs of a test are highest inside of what was measured, at all sensors, with as many points on both
     sides as a top is read off: of some the window is on the flank of a resonance."""
-    places = 1 + 2 * np.array([j for j, (_, k) in enumerate(plan.conditions[test].sensors) if k == 1])
+    places = 1 + 2 * np.arange(len(plan.conditions[test].sensors))
     runs = [o for o in plan.observations if o.test == test]
     highest = [int(np.argmax(o.observed[:, j] - o.log_force)) for o in runs for j in places]
     last = [len(o) - 1 for o in runs for _ in places]
@@ -79,18 +74,18 @@ def gross_misfits(fit: Fit, plan: Plan, measured: Sequence[Backbone], model: Seq
     measured: one a mode and sensor, entries in the order of the plan's runs; model: likewise, of its conditions
     """
     found = []
-    for quantity in (FREQUENCY, DAMPING):
+    for kind in OF_MODES:
         for test in range(len(plan.conditions)):
-            logs = np.log(_ratios(quantity, test, plan, measured, model))
+            logs = np.log(_ratios(kind, test, plan, measured, model))
             logs = logs[np.isfinite(logs)]
             if len(logs) == 0:
                 continue
             spread = np.std(logs, ddof=1) / np.sqrt(len(logs)) if len(logs) > 1 else 0.0
-            deviation = float(np.hypot(spread, _scatter(quantity, fit)))
+            deviation = float(np.hypot(spread, kind.scatter(fit.compared.scatter)))
             relative = float(np.expm1(np.mean(logs)))
             # as significant as the logarithm is
             scale = relative / float(np.mean(logs)) if relative else 1.0
-            found.append(Misfit(Direction(quantity, test), relative, scale * deviation))
+            found.append(Misfit(kind(test), relative, scale * deviation))
     return tuple(found)
 
 
@@ -110,23 +105,26 @@ def damping_growth(
         if any(np.isnan(logs).all() for logs in (*ends, *of_model)):
             continue
         grown, models = (float(np.nanmean(b) - np.nanmean(a)) for a, b in (ends, of_model))
-        deviation = np.sqrt(2) * _scatter(DAMPING, fit)
+        deviation = np.sqrt(2) * Damping.scatter(fit.compared.scatter)
         significance = (models - grown) / deviation
         if abs(significance) > _STANDS_OUT and abs(models - grown) > _WORTH:
             text = (
                 f"{mode}: measured damping {_fold(grown)} from {first.level_name} to {last.level_name}, "
                 f"the model's {_fold(models)}"
             )
-            found.append(Finding(text, mode, None, DAMPING, "", float(np.expm1(models - grown)), float(significance)))
+            found.append(
+                Finding(text, mode, None, Damping.quantity, "", float(np.expm1(models - grown)), float(significance))
+            )
     return tuple(found)
 
 
-def _ratios(quantity: str, test: int, plan: Plan, measured: Sequence[Backbone], model: Sequence[Backbone]) -> Floats:
+def _ratios(
+    kind: type[OfMode], test: int, plan: Plan, measured: Sequence[Backbone], model: Sequence[Backbone]
+) -> Floats:
     """Model over measured: all runs of a test at all sensors."""
-    column = {FREQUENCY: "frequency", DAMPING: "damping"}[quantity]
     pairs = [(m, c) for m, c in zip(measured, model, strict=True) if m.mode == plan.conditions[test].mode]
     there, here = places_of(plan, test, False), places_of(plan, test, True)
-    return np.concatenate([getattr(c, column)[there] / getattr(m, column)[here] for m, c in pairs])
+    return np.concatenate([kind.of(c)[there] / kind.of(m)[here] for m, c in pairs])
 
 
 def _logs(backbones: Sequence[Backbone], plan: Plan, test: int, is_measured: bool) -> Floats:
@@ -135,13 +133,7 @@ def _logs(backbones: Sequence[Backbone], plan: Plan, test: int, is_measured: boo
     return np.log(np.concatenate([b.damping[places_of(plan, test, is_measured)] for b in backbones if b.mode == mode]))
 
 
-def _scatter(quantity: str, fit: Fit) -> float:
-    """From test to test; that of the damping is no smaller than expected, even where one assembly cannot tell."""
-    scatter = fit.compared.scatter
-    return scatter.drift if quantity == FREQUENCY else max(LOSS_FACTOR.scatter, scatter.parameters[LOSS_FACTOR.name])
-
-
 def _fold(log_ratio: float) -> str:
-    if abs(log_ratio) < 0.05:
+    if abs(log_ratio) < _STAYS:
         return "stays"
     return f"{'grows' if log_ratio > 0 else 'falls'} {np.exp(abs(log_ratio)):.1f}-fold"

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from updamp.comparison.comparison import Backbone
 from updamp.comparison.findings.backbone import places_of
-from updamp.comparison.findings.findings import SENSOR, Direction, Misfit, farthest_first
+from updamp.comparison.findings.direction import Misfit, Sensor, farthest_first
+from updamp.comparison.findings.kinds import SensorGain
 from updamp.comparison.fit.observations import Plan
 
 Floats = NDArray[np.float64]
-Sensor = tuple[str, int]
 
 
 def sensor_misfits(plan: Plan, measured: Sequence[Backbone], model: Sequence[Backbone]) -> tuple[Misfit, ...]:
@@ -59,7 +59,7 @@ def _against(
     log = float(np.mean(logs))
     relative = float(np.expm1(log))
     # as significant as the logarithm is
-    return Misfit(Direction(SENSOR, sensor=sensor), relative, deviation * (relative / log if log else 1.0))
+    return Misfit(SensorGain(sensor=sensor), relative, deviation * (relative / log if log else 1.0))
 
 
 def _differences(sensor: Sensor, others: Sequence[Sensor], tests: Sequence[dict[Sensor, float]]) -> Iterator[float]:

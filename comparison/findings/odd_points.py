@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from updamp.comparison.comparison import OddPoint
-from updamp.comparison.findings.findings import level_of
+from updamp.comparison.findings.words import level_of
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.odd_readings import OddReading
 

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 from scipy.stats import t as student
 
-from updamp.comparison.findings.findings import AMPLITUDE, DAMPING, FREQUENCY, SENSOR, Direction
+from updamp.comparison.findings.direction import Direction
+from updamp.comparison.findings.kinds import KINDS, Amplitude, Damping
 from updamp.comparison.findings.peak_reading import SweptBranch, reading_noise, swept_branch, tops_of_run
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Observations, Plan
@@ -25,8 +26,6 @@ Floats = NDArray[np.float64]
 
 # No top is placed better than to this share of the half-width: steps are a fifth of it.
 PLACED = 0.02
-# Steepest slope of an oscillator's amplitude, of its peak's height by the half-width.
-_STEEPEST = 2 / (3 * np.sqrt(3))
 _LEAST_STEP = 1e-6  # of a parameter, for derivatives
 
 
@@ -121,9 +120,8 @@ def _held_against(i: int, directions: Sequence[Direction], plan: Plan, without: 
     """Combinations of all statements: one by itself, and less the mean over its mode's levels, without some tests."""
     itself, one = np.zeros(len(directions)), directions[i]
     itself[i] = 1.0
-    mode = plan.conditions[one.test].mode
-    alike = [(d.quantity, d.sensor, plan.conditions[d.test].mode) for d in directions]
-    wanted = (one.quantity, one.sensor, mode)
+    alike = [(d.in_all_tests, plan.conditions[d.test].mode) for d in directions]
+    wanted = (one.in_all_tests, plan.conditions[one.test].mode)
     levels = np.array([a == wanted and d.test not in without for a, d in zip(alike, directions, strict=True)])
     return [itself, itself - levels / levels.sum()] if levels.sum() > 1 else [itself]
 
@@ -161,10 +159,11 @@ def _of_damping(test: _Test, directions: Sequence[Direction], covariance: Floats
     if not np.isfinite(made).all():
         return []
     by_phase = np.mean(made, axis=1)
-    i = directions.index(next(d for d in test.directions if d.quantity == AMPLITUDE))
+    place = test.directions[0].test
+    i = directions.index(Amplitude(place))
     mean = float(np.mean(by_phase))
     significance = mean / max(float(np.sqrt(covariance[i, i])), _deviation_of_mean(by_phase))
-    return [PeakMisfit(Direction(DAMPING, directions[i].test), float(np.expm1(mean)), significance, abs(mean))]
+    return [PeakMisfit(Damping(place), float(np.expm1(mean)), significance, abs(mean))]
 
 
 def _covariance(fit: Fit, tests: Sequence[_Test], repeats: int) -> Floats:
@@ -180,7 +179,8 @@ def _of_test(
 ) -> _Test:
     made = [o for o in runs if o is not None]
     swept = swept_branch(branch, made, sensors[0])
-    directions, rows = _statements(test, branch, sensors)
+    stated = [one for kind in KINDS for one in kind.at_tops(test, [branch.condition.sensors[j] for j in sensors])]
+    directions, rows = tuple(d for d, _ in stated), np.array([row for _, row in stated])
     logs, damping = np.full((len(runs), len(rows)), np.nan), np.full((len(runs), len(sensors)), np.nan)
     for i, o in enumerate(runs):
         if o is not None:
@@ -189,27 +189,10 @@ def _of_test(
             damping[i] = np.log(model.loss_factor / measured.loss_factor)
     half_width = swept.half_width(sensors[int(np.argmax(swept.tops(sensors)[len(sensors) :]))])
     common, by_parameter, own = _scatter(fit, swept, sensors, made, half_width)
-    of_one = len(sensors) / max(len(sensors) - 1, 1)
-    unit = {FREQUENCY: half_width / _STEEPEST, AMPLITUDE: 1.0, SENSOR: of_one}
-    units = np.array([unit[d.quantity] for d in directions])
+    units = np.array([d.unit(half_width, len(sensors)) for d in directions])
     matched = [m for m in fit.compared.matched if m.observations.test == test]
     smooth = swept.is_smooth(sensors) and all(swept.has_smooth_run(m, sensors) for m in matched)
     return _Test(directions, logs, damping, common @ rows.T, by_parameter @ rows.T, rows @ own @ rows.T, units, smooth)
-
-
-def _statements(test: int, branch: PredictedBranch, sensors: Sequence[int]) -> tuple[tuple[Direction, ...], Floats]:
-    """What is stated, each as a combination of the tops' values (k, 2 s). Of two sensors the first is held against the
-    second, the other way round it is the same."""
-    n = len(sensors)
-    mean, none = np.full(n, 1 / n), np.zeros(n)
-    directions, rows = (
-        [Direction(FREQUENCY, test), Direction(AMPLITUDE, test)],
-        [np.append(mean, none), np.append(none, mean)],
-    )
-    for i in range({1: 0, 2: 1}.get(n, n)):
-        directions.append(Direction(SENSOR, test, branch.condition.sensors[sensors[i]]))
-        rows.append(np.append(none, np.where(np.arange(n) == i, 1.0, -1 / (n - 1))))
-    return tuple(directions), np.array(rows)
 
 
 def _scatter(

@@ -11,8 +11,10 @@ import numpy as np
 from scipy.stats import norm
 
 from updamp.comparison.comparison import Finding
-from updamp.comparison.findings.findings import AMPLITUDE, DAMPING, FAR_LESS, FREQUENCY, SENSOR, in_percent, level_of
+from updamp.comparison.findings.direction import Direction
+from updamp.comparison.findings.kinds import Amplitude, Damping, Frequency
 from updamp.comparison.findings.peak_misfit import PeakMisfit
+from updamp.comparison.findings.words import FAR_LESS, in_percent, level_of
 from updamp.comparison.fit.failing_model import RISK
 from updamp.comparison.fit.observations import Plan
 
@@ -24,9 +26,10 @@ _LOSSES, _NO_LOSSES = 0.1, 0.05
 
 @dataclass(frozen=True)
 class _Sentence:
-    """with_damping: tests at whose heights it says the damping too"""
+    """what: kind of misfit, in any test; with_damping: tests at whose heights it says the damping too"""
 
     finding: Finding
+    what: Direction
     severity: float
     tests: frozenset[int]
     with_damping: frozenset[int] = frozenset()
@@ -37,20 +40,20 @@ def peak_findings(misfits: Sequence[PeakMisfit], plan: Plan, names: Mapping[str,
 
     names: of the channels, by point of the model
     """
-    damping = {m.direction.test: m for m in misfits if m.direction.quantity == DAMPING}
+    damping = {m.direction.test: m for m in misfits if isinstance(m.direction, Damping)}
     # each is held against the scatter in two ways, to two sides
     limit = float(norm.isf(RISK / 4 / max(len(misfits), 1)))
     sentences: list[_Sentence] = []
-    for key in dict.fromkeys((m.direction.quantity, m.direction.sensor) for m in misfits):
-        same = [m for m in misfits if (m.direction.quantity, m.direction.sensor) == key]
+    for what in dict.fromkeys(m.direction.in_all_tests for m in misfits):
+        same = [m for m in misfits if m.direction.in_all_tests == what]
         modes = dict.fromkeys(plan.conditions[m.direction.test].mode for m in same)
         groups = [[m for m in same if plan.conditions[m.direction.test].mode == mode] for mode in modes]
-        if key[0] not in (FREQUENCY, DAMPING) and len(modes) > 1 and _are_alike(same):
+        if what.modes_share and len(modes) > 1 and _are_alike(same):
             groups = [same]
         for group in groups:
             sentences += _of_group(group, limit, plan, names, damping)
     beside_heights = frozenset[int]().union(*(s.with_damping for s in sentences))
-    sentences = [s for s in sentences if s.finding.quantity != DAMPING or not s.tests <= beside_heights]
+    sentences = [s for s in sentences if not isinstance(s.what, Damping) or not s.tests <= beside_heights]
     sentences.sort(key=lambda s: -s.severity)
     return tuple(s.finding for s in sentences)
 
@@ -62,7 +65,7 @@ def without_peak_findings(tests: Sequence[int], plan: Plan) -> tuple[Finding, ..
         levels = [level_of(plan, i) for i in tests if plan.conditions[i].mode == mode]
         text = f"{mode}: the model has no peak where it was measured, at {_listed(levels)}"
         level = next(plan.conditions[i].level for i in tests if plan.conditions[i].mode == mode)
-        sentences.append(Finding(text, mode, level, FREQUENCY, "", float("nan"), float("nan")))
+        sentences.append(Finding(text, mode, level, Frequency.quantity, "", float("nan"), float("nan")))
     return tuple(sentences)
 
 
@@ -87,19 +90,11 @@ def _of_group(
     worst = max(standing, key=lambda m: m.severity)
     together = len(group) > 1 and _are_alike(group)
     named = list(group) if together else standing
-    if together:
-        what = f"{_span(group)} {_where(group, modes, plan)}"
-    else:
-        small = [m for m in group if m.severity < FAR_LESS * largest]
-        far_less = [level_of(plan, m.direction.test) for m in small if abs(m.significance) > limit]
-        right = [level_of(plan, m.direction.test) for m in small if abs(m.significance) <= limit]
-        parts = [f"{in_percent(m.relative)} at {level_of(plan, m.direction.test)}" for m in standing]
-        parts += [f"{what} at {_listed(at)}" for what, at in (("far less", far_less), ("right", right)) if at]
-        what = ", ".join(parts)
+    what = f"{_span(group)} {_where(group, modes, plan)}" if together else _by_level(group, standing, limit, plan)
     mode = next(iter(modes)) if len(modes) == 1 else ""
-    subject, channel = _subject(worst, plan, names, plural=not mode)
+    subject, channel = worst.direction.subject(plan, names, plural=not mode)
     text = f"{mode}: {subject} {what}" if mode else f"{subject} {what}"
-    aside = _aside(named, damping, plan) if worst.direction.quantity == AMPLITUDE else ""
+    aside = _aside(named, damping, plan) if isinstance(worst.direction, Amplitude) else ""
     text += aside
     level = None if together else plan.conditions[worst.direction.test].level
     significance = max((m.significance for m in named), key=abs)
@@ -108,7 +103,17 @@ def _of_group(
     finding = Finding(text, mode, level, worst.direction.quantity, channel, relative, significance)
     tests = frozenset(m.direction.test for m in named)
     severity = float(np.linalg.norm([m.severity for m in named]))
-    return [_Sentence(finding, severity, tests, tests & damping.keys() if aside else frozenset())]
+    beside = tests & damping.keys() if aside else frozenset[int]()
+    return [_Sentence(finding, worst.direction.in_all_tests, severity, tests, beside)]
+
+
+def _by_level(group: Sequence[PeakMisfit], standing: Sequence[PeakMisfit], limit: float, plan: Plan) -> str:
+    small = [m for m in group if m.severity < FAR_LESS * max(m.severity for m in group)]
+    far_less = [level_of(plan, m.direction.test) for m in small if abs(m.significance) > limit]
+    right = [level_of(plan, m.direction.test) for m in small if abs(m.significance) <= limit]
+    parts = [f"{in_percent(m.relative)} at {level_of(plan, m.direction.test)}" for m in standing]
+    parts += [f"{what} at {_listed(at)}" for what, at in (("far less", far_less), ("right", right)) if at]
+    return ", ".join(parts)
 
 
 def _where(group: Sequence[PeakMisfit], modes: Collection[str], plan: Plan) -> str:
@@ -118,21 +123,6 @@ def _where(group: Sequence[PeakMisfit], modes: Collection[str], plan: Plan) -> s
         return f"at {_listed([level_of(plan, m.direction.test) for m in group])}"
     kind = "force level" if plan.conditions[0].unit == "N" else "level"
     return "in all runs" if len(modes) > 1 else f"at every {kind}"
-
-
-def _subject(misfit: PeakMisfit, plan: Plan, names: Mapping[str, str], plural: bool) -> tuple[str, str]:
-    """What reads high or low, and the channel."""
-    if misfit.direction.quantity == FREQUENCY:
-        return "resonance", ""
-    if misfit.direction.quantity == DAMPING:
-        return "damping", ""
-    if misfit.direction.quantity != SENSOR:
-        return ("peaks" if plural else "peak"), ""
-    point = misfit.direction.sensor[0]
-    others = [p for p, _ in plan.conditions[misfit.direction.test].sensors if p != point]
-    other = names.get(others[0], others[0]) if len(others) == 1 else "the other sensors"
-    name = names.get(point, point)
-    return f"{name} over {other}", name
 
 
 def _span(group: Sequence[PeakMisfit]) -> str:

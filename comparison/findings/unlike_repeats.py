@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.stats import f as f_distribution
 
 from updamp.comparison.comparison import UnlikeRun
-from updamp.comparison.findings.findings import level_of
+from updamp.comparison.findings.words import level_of
 from updamp.comparison.fit.at_sensors import to_sensors
 from updamp.comparison.fit.compared import Compared
 from updamp.comparison.fit.failing_model import RISK, STRETCHES

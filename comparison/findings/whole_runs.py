@@ -14,18 +14,10 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from updamp.comparison.comparison import Finding
-from updamp.comparison.findings.findings import (
-    AMPLITUDE,
-    DAMPING,
-    FAR_LESS,
-    FREQUENCY,
-    RUN,
-    Direction,
-    equations_with,
-    in_percent,
-    level_of,
-    size_of,
-)
+from updamp.comparison.findings.direction import Direction
+from updamp.comparison.findings.findings import equations_with
+from updamp.comparison.findings.kinds import OF_MODES, Amplitude
+from updamp.comparison.findings.words import FAR_LESS, in_percent, level_of
 from updamp.comparison.fit.failing_model import RISK
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Plan
@@ -42,9 +34,9 @@ def whole_run_findings(fit: Fit, plan: Plan) -> tuple[Finding, ...]:
         return ()
     several = dict.fromkeys(modes[test] for test in tests)
     of_modes = [[i for i, test in enumerate(tests) if modes[test] == mode] for mode in several]
-    runs = [Direction(RUN, test) for test in tests]
+    runs = [Amplitude(test) for test in tests]
     estimate, covariance, left = _estimated(fit, plan, runs, _differences(of_modes))
-    others = [Direction(q, test) for q in (FREQUENCY, DAMPING) for test in tests]
+    others = [kind(test) for kind in OF_MODES for test in tests]
     *_, otherwise = _estimated(fit, plan, others, np.eye(len(others)))
     if left > otherwise or left - 1 > FAR_LESS * (fit.compared.mean_squared_misfit - 1):
         return ()
@@ -70,7 +62,7 @@ def _estimated(fit: Fit, plan: Plan, directions: Sequence[Direction], combined: 
     n = columns.shape[1] - len(directions)
     both = np.concatenate([columns[:, :n], columns[:, n:] @ combined], axis=1)
     before = 1 / fit.parametrisation.deviation**2
-    sizes = np.array([size_of(direction, plan) for direction in directions])
+    sizes = np.array([direction.prior(plan) for direction in directions])
     free = combined.T @ (combined / sizes[:, None] ** 2)
     covariance = np.linalg.inv(both.T @ both + scipy.linalg.block_diag(np.diag(before), free))
     estimate = covariance @ (both.T @ r - np.append(fit.u * before, np.zeros(combined.shape[1])))
@@ -101,4 +93,4 @@ def _sentence(plan: Plan, test: int, off: float, significance: float) -> Finding
         f"{condition.mode} at {level_of(plan, test)}: the whole run reads {in_percent(relative)}, at all frequencies, "
         "against the other runs of the mode: is its level, its point of excitation or a gain another one?"
     )
-    return Finding(text, condition.mode, condition.level, AMPLITUDE, "", float(np.expm1(-off)), -significance)
+    return Finding(text, condition.mode, condition.level, Amplitude.quantity, "", float(np.expm1(-off)), -significance)

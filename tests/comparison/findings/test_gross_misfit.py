@@ -4,7 +4,9 @@ from pathlib import Path
 
 from support.held_beam import MODE, RIG, held_beam, of_beam
 
-from updamp.comparison.findings.findings import DAMPING, Direction, Misfit, findings
+from updamp.comparison.findings.direction import Misfit
+from updamp.comparison.findings.findings import findings
+from updamp.comparison.findings.kinds import Damping
 from updamp.comparison.fit.observations import plan_of
 
 SOUND = held_beam((80.40,) * 3, (0.003,) * 3)
@@ -12,13 +14,13 @@ SOUND = held_beam((80.40,) * 3, (0.003,) * 3)
 
 def test_levels_that_were_not_read_are_no_part_of_every_level() -> None:
     plan = plan_of(SOUND)
-    read = [Misfit(Direction(DAMPING, test), relative, 0.01) for test, relative in ((0, 0.20), (1, 0.21))]
+    read = [Misfit(Damping(test), relative, 0.01) for test, relative in ((0, 0.20), (1, 0.21))]
     (alike,) = findings(None, plan, read)
     assert alike.text == f"{MODE}: damping 20 % high at 5 m/s\u00b2, 30 m/s\u00b2, not read at 80 m/s\u00b2"
-    read.append(Misfit(Direction(DAMPING, 2), 0.20, 0.01))
+    read.append(Misfit(Damping(2), 0.20, 0.01))
     (every,) = findings(None, plan, read)
     assert every.text == f"{MODE}: damping 20 % high at every level"
-    (worst,) = findings(None, plan, [read[0], Misfit(Direction(DAMPING, 2), -0.4, 0.01)])
+    (worst,) = findings(None, plan, [read[0], Misfit(Damping(2), -0.4, 0.01)])
     assert worst.text.endswith("not read at 30 m/s\u00b2")
 
 

@@ -9,7 +9,8 @@ from support.small_model import NUISANCES, condition, parametrisation, swept_run
 
 from updamp.comparison.findings.all_findings import all_findings
 from updamp.comparison.findings.backbone import read_resonance
-from updamp.comparison.findings.findings import AMPLITUDE, DAMPING, FREQUENCY, SENSOR
+from updamp.comparison.findings.direction import Direction
+from updamp.comparison.findings.kinds import Amplitude, Damping, Frequency, SensorGain
 from updamp.comparison.findings.peak_misfit import PeakMisfit, by_repeats, peak_misfits, without_peak
 from updamp.comparison.findings.peak_reading import swept_branch, tops_of_run
 from updamp.comparison.findings.peak_sentences import peak_findings, without_peak_findings
@@ -72,28 +73,28 @@ def test_few_points_are_read_alike_wherever_they_lie_about_the_top(branches, poi
             np.testing.assert_allclose(model.loss_factor, measured.loss_factor, rtol=0.01)
 
 
-def of(found: tuple[PeakMisfit, ...], quantity: str) -> list[PeakMisfit]:
-    return [m for m in found if m.direction.quantity == quantity]
+def of(found: tuple[PeakMisfit, ...], kind: type[Direction]) -> list[PeakMisfit]:
+    return [m for m in found if isinstance(m.direction, kind)]
 
 
 def test_nothing_is_said_of_the_model_that_made_the_runs(plans, branches) -> None:
     for plan in plans:
         found = misfits(plan, branches)
-        assert len(of(found, FREQUENCY)) == len(of(found, AMPLITUDE)) == len(of(found, SENSOR)) == 3
+        assert len(of(found, Frequency)) == len(of(found, Amplitude)) == len(of(found, SensorGain)) == 3
         assert peak_findings(found, plan, NAMES) == ()
 
 
 def test_significances_are_those_of_the_scatter(plans, branches) -> None:
     """Levels move together, so there are few independent draws of each."""
-    for quantity in (FREQUENCY, AMPLITUDE, SENSOR):
-        sizes = np.array([m.significance for plan in plans for m in of(misfits(plan, branches), quantity)])
-        assert 0.2 < np.sqrt(np.mean(sizes**2)) < 2.0, quantity
+    for kind in (Frequency, Amplitude, SensorGain):
+        sizes = np.array([m.significance for plan in plans for m in of(misfits(plan, branches), kind)])
+        assert 0.2 < np.sqrt(np.mean(sizes**2)) < 2.0, kind
 
 
 def test_a_peak_that_is_lower_at_one_level_is_read_and_named(plans, branches) -> None:
     plan = changed(plans[0], lambda o: np.array([0.0, -0.2, 0.0, -0.2, 0.0]) * (o.test == 2))
     said = peak_findings(misfits(plan, branches), plan, NAMES)
-    assert [(f.quantity, f.level) for f in said] == [(AMPLITUDE, 6.0)]
+    assert [(f.quantity, f.level) for f in said] == [(Amplitude.quantity, 6.0)]
     assert said[0].relative == pytest.approx(np.expm1(0.2), abs=0.04)
     assert said[0].text.startswith("first: peak 2")
     numbers, others = said[0].text.split(" high at 6 N, ")
@@ -104,16 +105,16 @@ def test_a_peak_that_is_lower_at_one_level_is_read_and_named(plans, branches) ->
 
 def test_a_resonance_that_shifts_with_the_level_is_read_against_the_other_levels(plans, branches) -> None:
     plan = changed(plans[0], lambda o: np.array([0.003 * (o.test == 2), 0, 0, 0, 0]))
-    before, after = (of(misfits(p, branches), FREQUENCY) for p in (plans[0], plan))
+    before, after = (of(misfits(p, branches), Frequency) for p in (plans[0], plan))
     assert after[2].relative - before[2].relative == pytest.approx(-0.003, abs=1e-5)
     said = peak_findings(misfits(plan, branches), plan, NAMES)
-    assert (said[0].quantity, said[0].level) == (FREQUENCY, 6.0)
+    assert (said[0].quantity, said[0].level) == (Frequency.quantity, 6.0)
     assert "low at 6 N" in said[0].text
 
 
 def test_a_sensor_that_reads_high_in_all_runs_is_one_sentence(plans, branches) -> None:
     plan = changed(plans[1], lambda _: np.array([0.0, 0.1, 0.0, 0.0, 0.0]))
-    (said,) = [f for f in peak_findings(misfits(plan, branches), plan, NAMES) if f.quantity == SENSOR]
+    (said,) = [f for f in peak_findings(misfits(plan, branches), plan, NAMES) if f.quantity == SensorGain.quantity]
     assert (said.level, said.channel) == (None, "a")
     assert said.text.startswith("first: a over b ")
     assert said.text.endswith("low at every force level")
@@ -132,14 +133,14 @@ def test_runs_that_end_below_the_top_are_held_against_their_repeats_alone(plans,
 
     plan = replace(plans[0], observations=tuple(ended(o) for o in plans[0].observations))
     found = misfits(plan, branches)
-    (height,) = [m for m in of(found, AMPLITUDE) if m.direction.test == 2]
+    (height,) = [m for m in of(found, Amplitude) if m.direction.test == 2]
     assert height.relative > 0.1
     assert abs(height.significance) < 3.5
     assert all(m.direction.test != 2 or abs(m.significance) < 3.5 for m in found)
     assert peak_findings(found, plan, NAMES) == ()
     # the other levels are held against each other as before
-    for quantity in (FREQUENCY, AMPLITUDE, SENSOR):
-        assert len(of(found, quantity)) == 3
+    for kind in (Frequency, Amplitude, SensorGain):
+        assert len(of(found, kind)) == 3
 
 
 @pytest.mark.parametrize(("t", "deviations"), [(9.925, 2.576), (22.33, 3.090)])
@@ -159,7 +160,7 @@ def test_force_as_measured_is_what_the_model_is_held_at(plans, branches) -> None
     runs = tuple(replace(o, log_force=np.full(len(o), share)) for o in plan.observations)
     lower, usual = (misfits(p, branches) for p in (Plan(CONDITIONS, runs), plans[0]))
     for a, b in zip(lower, usual, strict=True):
-        if a.direction.quantity != DAMPING:
+        if not isinstance(a.direction, Damping):
             assert np.log1p(a.relative) - np.log1p(b.relative) == pytest.approx(0, abs=4e-3)
 
 
