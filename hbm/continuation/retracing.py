@@ -22,6 +22,7 @@ class BranchLimits:
     """When a point is on a branch.
 
     points_kept: as they are, to predict from; of the others only the chords between them
+    before_chord: share of a chord by which a point may lie before its start; as near its end it is the next chord's
     off_chord: a point no further off a chord than this share of the chord, and of the step that led to it, is on it
     same_mean: two mean positions closer than this share of their size are the same
     bifurcation: steps up to this length may pass a bifurcation of a symmetric motion, where the orientation changes; in
@@ -31,6 +32,7 @@ class BranchLimits:
     """
 
     points_kept: int = 60
+    before_chord: float = 0.05
     off_chord: float = 0.1
     same_mean: float = 0.05
     bifurcation: float = 2e-3
@@ -91,7 +93,7 @@ class TracedBranch:
         reach = self.limits.off_chord * step * metric.scale_w
         for i, chord in enumerate(self.chords):
             low, high = sorted((chord.start[1], chord.end[1]))
-            slack = reach + 0.05 * (high - low)
+            slack = reach + self.limits.before_chord * (high - low)
             if low - slack <= point.w <= high + slack and _lies_on(chord, point, metric, step, self.limits):
                 return i
         return None
@@ -102,7 +104,7 @@ def _lies_on(chord: Chord, point: BranchPoint, metric: Metric, step: float, limi
     along, off = (chord.end[0] - x, chord.end[1] - w), (point.x - x, point.w - w)
     length = metric.length(along)
     share = metric.product(along, off) / length**2
-    if not -0.05 < share < 0.95:
+    if not -limits.before_chord < share < 1 - limits.before_chord:
         return False
     rest = (off[0] - share * along[0], off[1] - share * along[1])
     if metric.length(rest) > limits.off_chord * min(length, step):
