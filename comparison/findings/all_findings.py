@@ -8,6 +8,7 @@ from updamp.comparison.findings.findings import findings
 from updamp.comparison.findings.gross_misfit import linear_findings
 from updamp.comparison.findings.peak_misfit import peak_misfits, without_peak
 from updamp.comparison.findings.peak_sentences import peak_findings, without_peak_findings
+from updamp.comparison.findings.several_peaks import several_peaks, several_peaks_findings
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.scatter import Scatter
@@ -36,6 +37,9 @@ def all_findings(
     """
     if fit.parametrisation.base.contacts is None:
         return linear_findings(fit, plan, branches, first_order, measured, model)
-    missing = without_peak_findings(without_peak(plan, branches), plan)
-    peaks = (*missing, *peak_findings(peak_misfits(fit, plan, branches, repeats), plan, names))
-    return peaks or findings(fit, plan, first_order)
+    more = several_peaks(fit, plan, branches)
+    of_others = {one.test for one in more}
+    read = [m for m in peak_misfits(fit, plan, branches, repeats) if m.direction.test not in of_others]
+    missing = [test for test in without_peak(plan, branches) if test not in of_others]
+    told = (*several_peaks_findings(more, plan), *without_peak_findings(missing, plan))
+    return (*told, *peak_findings(read, plan, names)) or findings(fit, plan, first_order)

@@ -18,6 +18,7 @@ from updamp.comparison.findings.gross_sensors import sensor_misfits
 from updamp.comparison.findings.kinds import OF_MODES, Amplitude, Damping, OfMode
 from updamp.comparison.findings.peak_misfit import without_peak
 from updamp.comparison.findings.peak_sentences import without_peak_findings
+from updamp.comparison.findings.several_peaks import several_peaks, several_peaks_findings
 from updamp.comparison.findings.whole_runs import whole_run_findings
 from updamp.comparison.fit.failing_model import RISK
 from updamp.comparison.fit.fit import Fit
@@ -51,10 +52,13 @@ def linear_findings(
     if whole_runs := whole_run_findings(fit, plan):
         return whole_runs
     gains = [m for m in first_order if m.direction == Amplitude()]
-    missing = [i for i in without_peak(plan, branches) if _has_peak(plan, i)]
-    of_tests = [m for m in gross_misfits(fit, plan, measured, model) if m.direction.test not in missing]
+    more = several_peaks(fit, plan, branches)
+    unlike = {one.test for one in more}
+    missing = [i for i in without_peak(plan, branches) if _has_peak(plan, i) and i not in unlike]
+    of_tests = [m for m in gross_misfits(fit, plan, measured, model) if m.direction.test not in unlike.union(missing)]
     read = (*of_tests, *sensor_misfits(plan, measured, model))
-    told = (*without_peak_findings(missing, plan), *damping_growth(fit, plan, measured, model))
+    without = (*several_peaks_findings(more, plan), *without_peak_findings(missing, plan))
+    told = (*without, *(() if unlike else damping_growth(fit, plan, measured, model)))
     return (*told, *findings(fit, plan, (*read, *gains), told))
 
 

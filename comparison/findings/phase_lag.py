@@ -18,6 +18,7 @@ from updamp.comparison.comparison import Finding
 from updamp.comparison.findings.peak_misfit import PLACED, without_peak
 from updamp.comparison.findings.peak_reading import SweptBranch, reading_noise, swept_branch, tops_of_run
 from updamp.comparison.findings.peak_sentences import ALIKE
+from updamp.comparison.findings.several_peaks import several_peaks
 from updamp.comparison.fit.failing_model import RISK
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.matching import Matched
@@ -45,7 +46,7 @@ def phase_lag(fit: Fit, plan: Plan, branches: Sequence[PredictedBranch]) -> Phas
     Read of tests whose runs and whose model have smooth tops: where a sweep jumps, the phase there is where it happens
     to. branches: calibrated, one a condition
     """
-    without = without_peak(plan, branches)
+    without = {*without_peak(plan, branches), *(one.test for one in several_peaks(fit, plan, branches))}
     of_tests = ((c, _of_test(fit, i, branches[i])) for i, c in enumerate(plan.conditions) if i not in without)
     known = [(condition, one) for condition, one in of_tests if one is not None]
     if len({(condition.mode, condition.level) for condition, _ in known}) < 2:
