@@ -172,7 +172,7 @@ def test_a_branch_is_judged_from_some_of_its_points_as_from_all(duffing, monkeyp
 def test_what_cannot_be_computed_is_unknown_with_the_reason(duffing, monkeypatch):
     system, curve, _ = duffing
 
-    def broken(*_):
+    def broken(*_, **__):
         raise ValueError("no exponents today")
 
     monkeypatch.setattr("updamp.hbm.stability.branch_stability.stability", broken)
