@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from updamp.comparison.findings.backbone import half_power_frequency, highest, tops
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.problem.small_amplitude import SmallAmplitude
-from updamp.measurement.measurement import MeasuredRun, Measurement, MeasurementError
+from updamp.measurement.measurement import Channel, MeasuredRun, Measurement, MeasurementError
 from updamp.model.calibration import PRELOAD
 from updamp.model.small_amplitude import numbers_by_name, small_amplitude
 from updamp.rig.questions import possible_resonances
@@ -31,13 +31,14 @@ class QuestionOptions:
     exact: how close to a known factor an amplitude is for it to be asked about; odd: a factor that is asked about in
     any case: mode shapes are hardly wrong by as much
     turned: of a quarter of a turn, by which an oscillator's phase turns between its half-power points, the least and
-        the most (all changes added up) that nothing is asked about: where a sweep jumps it turns by up to two quarters
+        the most (all changes added up) that nothing is asked about: where a sweep jumps it turns by up to two quarters,
+        or by less than one; half a turn in radians, taken for degrees, is a thirtieth of a quarter
     """
 
     frequency: float = 0.2
     exact: float = 0.06
     odd: float = 5.0
-    turned: tuple[float, float] = (0.5, 3.0)
+    turned: tuple[float, float] = (0.1, 3.0)
 
 
 FREQUENCY_UNITS = {"kHz": 1e3, "mHz": 1e-3, "rad/s": 1 / (2 * np.pi), "1/min": 1 / 60}
@@ -95,11 +96,27 @@ def measured_against_model(model: RigModel, measurement: Measurement) -> list[st
         found = small_amplitude(model, near)
         for run in enough:
             _check_frequency(run, _resonances(model, found))
-        lowest = min(enough, key=lambda run: run.level)
         for channel in measurement.channels:
-            if channel.name in lowest.channels:
-                questions += _channel(model, found, lowest, channel.name, channel.point)
+            questions += _of_channel(model, found, _lowest_of_modes(enough), channel)
     return questions
+
+
+def _lowest_of_modes(runs: Sequence[MeasuredRun]) -> list[MeasuredRun]:
+    """The lowest level of each mode, the lowest of all first."""
+    ordered = sorted(runs, key=lambda run: run.level)
+    return list({run.mode: run for run in reversed(ordered)}.values())[::-1]
+
+
+def _of_channel(model: RigModel, found: SmallAmplitude, runs: Sequence[MeasuredRun], channel: Channel) -> Iterator[str]:
+    """Each kind of question once, of the first run that it is asked of: two sensors that are exchanged are right in the
+    modes in which both move alike."""
+    asked: set[str] = set()
+    for run in runs:
+        if channel.name in run.channels:
+            for kind, question in _channel(model, found, run, channel.name, channel.point):
+                if kind not in asked:
+                    yield question
+                asked.add(kind)
 
 
 def _check_excitation(model: RigModel, measurement: Measurement) -> None:
@@ -173,9 +190,12 @@ def _sizes(units: Sequence[str]) -> str:
     return " or ".join(f"{max(f, 1 / f):.3g}" for f in (FREQUENCY_UNITS[unit] for unit in units))
 
 
-def _channel(model: RigModel, found: SmallAmplitude, run: MeasuredRun, name: str, point: str) -> Iterator[str]:
+def _channel(
+    model: RigModel, found: SmallAmplitude, run: MeasuredRun, name: str, point: str
+) -> Iterator[tuple[str, str]]:
+    """Kinds of questions, and the questions."""
     if name not in run.without_phase and (guess := _turn(run, name)):
-        yield guess
+        yield "turn", guess
     measured = modal_fit(run.frequency, run.receptance(name))
     if measured is None:
         return
@@ -187,19 +207,23 @@ def _channel(model: RigModel, found: SmallAmplitude, run: MeasuredRun, name: str
     where = f"channel '{name}' (run '{run.name}')"
     ratio = complex(measured.constant / own)
     if guess := _factor(name, abs(ratio), frequency):
-        yield f"{where}: its modal constant at {frequency:.4g} Hz is {abs(ratio):.3g} times the model's; {guess}?"
+        size = f"its modal constant at {frequency:.4g} Hz is {abs(ratio):.3g} times the model's"
+        yield "size", f"{where}: {size}; {guess}?"
     if name in run.without_phase:
         return
     if measured.pole.imag < 0:
         yield (
+            "time",
             f"{where}: its phase rises through the resonance at {frequency:.4g} Hz, as of a structure that gives "
-            'energy; is time_convention right ("exp(+iwt)", "exp(-iwt)"), and the sign of its phases?'
+            'energy; is time_convention right ("exp(+iwt)", "exp(-iwt)"), and the sign of its phases?',
         )
     # nearer to the opposite sign than to a quarter of a turn, which another quantity would be
     elif certain and abs(np.angle(ratio)) > 3 * np.pi / 4:
         yield (
+            "sign",
             f"{where}: it moves against the model at the resonance at {frequency:.4g} Hz; is "
-            f"channels.{name}.direction right (with a minus sign where the sensor looks the other way), and its point?"
+            f"channels.{name}.direction right (with a minus sign where the sensor looks the other way), its point (two "
+            f'sensors, or their phases, exchanged?), and mode = "{run.mode}"?',
         )
 
 

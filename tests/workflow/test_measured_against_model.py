@@ -68,6 +68,21 @@ def test_a_sensor_that_looks_the_other_way_is_asked_about() -> None:
     assert "channels.tip.direction" in question
 
 
+def test_sensors_that_are_exchanged_are_asked_about_in_the_mode_that_tells() -> None:
+    """Both move alike in the first mode, whose run comes first, and against each other in the second one."""
+    right = swept_arm(modes=("first", "second"))
+    assert measured_against_model(two_modes(), right) == []
+    runs = tuple(replace(run, response=run.response[::-1]) for run in right.runs)
+    signs = [q for q in measured_against_model(two_modes(), replace(right, runs=runs)) if "moves against" in q]
+    assert [question.split("'")[1::2][:2] for question in signs] == [["drive", "second 1 N"], ["tip", "second 1 N"]]
+    assert all("two sensors, or their phases, exchanged?" in question for question in signs)
+
+
+def test_a_sensor_that_looks_the_other_way_is_asked_about_once() -> None:
+    questions = measured_against_model(two_modes(), swept_arm(tip=-1.0, modes=("first", "second")))
+    assert len(questions) == 1
+
+
 def test_phases_that_run_the_other_way_are_asked_about() -> None:
     questions = measured_against_model(two_modes(), swept_arm(conjugated=True))
     assert [question.split("'")[1] for question in questions] == ["drive", "tip"]
