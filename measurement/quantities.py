@@ -51,7 +51,21 @@ def si_factor(unit: str, quantity: str, uncalibrated: bool = False) -> float:
     except ValueError as error:
         text = str(error).replace(f'"1 {example}"', f'"{example}"')
         hint = '; for multiples of the standard gravity write "g_0" ("g" is gram, "G" gauss)' if unit in GRAVITY else ""
-        raise ValueError(f'unit = "{unit}": for a {quantity}: {text}{hint}') from None
+        if _is_over_force(unit, kind):
+            hint = (
+                f"; a response over the force is read from universal files alone: multiply it by the force, unit = "
+                f'"{example}"'
+            )
+        raise ValueError(f'unit = "{unit}": for quantity = "{quantity}": {text}{hint}') from None
+
+
+def _is_over_force(unit: str, kind: SensorQuantity) -> bool:
+    """Whether it is one of the quantity over a force's, as a frequency response function is exported."""
+    try:
+        Quantity(f"{kind.si}/N", f"1 {kind.si}/N").to_si(f"1 {unit}")
+    except ValueError:
+        return False
+    return True
 
 
 def spellings(label: str) -> tuple[str, ...]:
