@@ -139,11 +139,11 @@ def _recorded(where: str, file: MeasurementFile, sweep: RecordedSweep, name: str
     what = "the force, " if name == file.force_channel else ""
     if told := _told(sweep, label):
         raise MeasurementError(f"{where}: {what}channel '{name}' cannot be read: {told}")
-    present = {n for n in file.channels if file.label(n) in sweep.channels} - {file.force_channel}
     free = near(label, sweep.others) if sweep.others else f"all that it has are taken: {', '.join(sweep.channels)}"
+    has = [n for n in file.channels if file.label(n) in sweep.channels and n != file.force_channel]
+    remedy = f"correct its label, or name those that the run has: channels = {has}" if has else "correct its label"
     raise MeasurementError(
-        f"{where}: {what}channel '{name}' (label = \"{label}\") is not in the file; {free}. "
-        f"Correct its label, or name those that the run has: channels = {[n for n in file.channels if n in present]}"
+        f"{where}: {what}channel '{name}' (label = \"{label}\") is not in the file; {free}; {remedy}"
     )
 
 
