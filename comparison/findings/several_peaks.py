@@ -53,10 +53,10 @@ def several_peaks_findings(found: Sequence[SeveralPeaks], plan: Plan) -> tuple[F
     for mode in dict.fromkeys(plan.conditions[one.test].mode for one in found):
         tests = sorted((o for o in found if plan.conditions[o.test].mode == mode), key=lambda o: _level(plan, o))
         first = tests[0]
-        of_model = "none" if not first.model else " and ".join(f"{f:.5g} Hz" for f in first.model)
+        of_model = f"{_number(first.model)}, at {_and(first.model)}" if first.model else "none"
         text = (
-            f"{mode}: {len(first.measured)} peaks were measured, at {_and(first.measured)}, where the model has "
-            f"{'one at ' if len(first.model) == 1 else ''}{of_model} ({levels_of([o.test for o in tests], plan)})"
+            f"{mode}: {_number(first.measured)} peaks were measured, at {_and(first.measured)}, where the model has "
+            f"{of_model} ({levels_of([o.test for o in tests], plan)})"
         )
         sentences.append(Finding(text, mode, _level(plan, first), Frequency.quantity, "", float("nan"), float("nan")))
     return tuple(sentences)
@@ -66,9 +66,13 @@ def _level(plan: Plan, one: SeveralPeaks) -> float:
     return plan.conditions[one.test].level
 
 
+def _number(frequencies: Sequence[float]) -> str:
+    return {1: "one", 2: "two", 3: "three"}.get(len(frequencies), str(len(frequencies)))
+
+
 def _and(frequencies: Sequence[float]) -> str:
     *others, last = (f"{f:.5g}" for f in frequencies)
-    return f"{', '.join(others)} and {last} Hz"
+    return f"{', '.join(others)} and {last} Hz" if others else f"{last} Hz"
 
 
 def _of_sensor(

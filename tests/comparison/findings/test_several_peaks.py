@@ -33,8 +33,8 @@ def test_two_peaks_where_the_model_has_one_are_told_with_their_frequencies() -> 
     lower, upper = (float(word) for word in first.text.split(" at ")[1].split(" Hz")[0].split(" and "))
     assert lower == pytest.approx(RESONANCE - apart, abs=0.05)
     assert upper == pytest.approx(RESONANCE + apart, abs=0.05)
-    assert "2 peaks were measured" in first.text
-    assert "the model has one at " in first.text
+    assert "two peaks were measured" in first.text
+    assert "the model has one, at " in first.text
     assert not [f for f in others if f.quantity in ("frequency", "damping")], "nothing is read off either of them"
 
 
