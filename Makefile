@@ -12,7 +12,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 help:
 	@echo "make run     the reference rig at full size, into results/pesaresi2017/"
 	@echo "make test    ruff, mypy, import contracts and the tests (PYTEST_OPTIONS='-k rig' for some of them);"
-	@echo "             16 minutes on two slow cores"
+	@echo "             12 minutes on two cores"
 	@echo "make test-all  the same with the tests that are marked long: whole searches, curves traced again and again"
 	@echo "make bench   the benchmarks"
 	@echo "make wheel   dist/updamp-*.whl, which pip installs without this folder"
