@@ -103,8 +103,10 @@ def measured_against_model(model: RigModel, measurement: Measurement) -> list[st
 
 def _lowest_of_modes(runs: Sequence[MeasuredRun]) -> list[MeasuredRun]:
     """The lowest level of each mode, the lowest of all first."""
-    ordered = sorted(runs, key=lambda run: run.level)
-    return list({run.mode: run for run in reversed(ordered)}.values())[::-1]
+    lowest: dict[str, MeasuredRun] = {}
+    for run in sorted(runs, key=lambda run: run.level):
+        lowest.setdefault(run.mode, run)
+    return list(lowest.values())
 
 
 def _of_channel(model: RigModel, found: SmallAmplitude, runs: Sequence[MeasuredRun], channel: Channel) -> Iterator[str]:

@@ -4,7 +4,7 @@ import math
 from html import escape
 
 from updamp.comparison.comparison import FeatureComparison
-from updamp.report.markup import MISSING, level_name, number, percent, table
+from updamp.report.markup import MISSING, level_name, number, paragraph, percent, table
 from updamp.report.section import Content, Report, ReportSection
 
 HEAD = ("Quantity", "Mode", "Force", "Measured", "Model", "Model against measured")
@@ -16,7 +16,7 @@ def render(report: Report) -> Content | None:
     features = report.comparison.features
     if not features:
         return None
-    judged = "" if report.comparison.curves == () else f"<p>{escape(NOT_JUDGED)}</p>"
+    judged = paragraph(NOT_JUDGED) if report.comparison.curves else ""
     return Content(judged + table(HEAD, [_row(each) for each in features], numbers_from=2))
 
 
