@@ -65,6 +65,7 @@ class RigModel:
     residual_of: of each component (n_rows, n_rows) its share of the residual flexibility as built [m/N]; none where
         that is not known
     running_in: growth of the logarithm of the contacts' friction from the first run of an assembly to the last
+    windows: mode -> the rig file's window of its curve [Hz]; a branch through a narrower one comes in from its ends
     """
 
     components: LinearModel
@@ -89,6 +90,7 @@ class RigModel:
     momentum_about_clamp: Mapping[str, Floats] = field(default_factory=dict)
     residual_of: Mapping[str, Floats] = field(default_factory=dict)
     running_in: float = 0.0
+    windows: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     @cached_property
     def system(self) -> NonlinearSystem:

@@ -81,6 +81,7 @@ def as_built(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> RigModel:
         stated_pressure=float(rest.normal_force.sum() / reduced.contacts.area.sum()),
         momentum_about_clamp=_momenta_about_clamps(reduced),
         residual_of=residual_flexibility(reduced),
+        windows=rig.windows,
     )
 
 
@@ -121,6 +122,7 @@ def _as_identified(rig: ModalRig) -> RigModel:
         elements=(nothing,),
         identified=True,
         modes=tuple(rig.modes),
+        windows=rig.windows,
     )
 
 

@@ -16,7 +16,7 @@ from scipy.stats import t as student
 
 from updamp.comparison.findings.direction import Direction
 from updamp.comparison.findings.kinds import KINDS, Amplitude, Damping
-from updamp.comparison.findings.peak_reading import SweptBranch, reading_noise, swept_branch, tops_of_run
+from updamp.comparison.findings.peak_reading import SweptBranch, damping_noise, reading_noise, swept_branch, tops_of_run
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Observations, Plan
 from updamp.comparison.fit.scatter import Scatter
@@ -47,6 +47,7 @@ class _Test:
     """One test's statements, k of them.
 
     directions: (k,); logs: (repeats, k) of model over measured, nan where a repeat is missing; damping: (repeats, s)
+    damping_variance: of the mean of all of these, by noise
     common: (q, k) what scatter of assemblies (sensors' gains among it) by one deviation does, the same in all tests
     by_parameter: (p, k); own: (k, k) covariance of what this test alone scatters by
     units: (k,) what a severity of 1 is; smooth: whether model and runs have tops, and do not jump from them
@@ -55,6 +56,7 @@ class _Test:
     directions: tuple[Direction, ...]
     logs: Floats
     damping: Floats
+    damping_variance: float
     common: Floats
     by_parameter: Floats
     own: Floats
@@ -154,7 +156,8 @@ def _deviation_of_mean(each: Floats) -> float:
 
 
 def _of_damping(test: _Test, directions: Sequence[Direction], covariance: Floats) -> list[PeakMisfit]:
-    """Where the phase of every sensor tells it in every run: as well as the height is known, at best."""
+    """Where the phase of every sensor tells it in every run: as well as the height is known, at best, and as noise
+    lets it be read; about a top that the sweep jumps from or ends at, as its repeats have it."""
     made = test.damping[np.isfinite(test.logs).any(axis=1)]
     if not np.isfinite(made).all():
         return []
@@ -162,7 +165,9 @@ def _of_damping(test: _Test, directions: Sequence[Direction], covariance: Floats
     place = test.directions[0].test
     i = directions.index(Amplitude(place))
     mean = float(np.mean(by_phase))
-    significance = mean / max(float(np.sqrt(covariance[i, i])), _deviation_of_mean(by_phase))
+    deviation = float(np.sqrt(covariance[i, i] + test.damping_variance))
+    by_scatter = abs(mean) / max(deviation, _deviation_of_mean(by_phase))
+    significance = float(np.copysign(by_scatter if test.smooth else by_repeats(by_phase), mean))
     return [PeakMisfit(Damping(place), float(np.expm1(mean)), significance, abs(mean))]
 
 
@@ -192,7 +197,10 @@ def _of_test(
     units = np.array([d.unit(half_width, len(sensors)) for d in directions])
     matched = [m for m in fit.compared.matched if m.observations.test == test]
     smooth = swept.is_smooth(sensors) and all(swept.has_smooth_run(m, sensors) for m in matched)
-    return _Test(directions, logs, damping, common @ rows.T, by_parameter @ rows.T, rows @ own @ rows.T, units, smooth)
+    noise = fit.compared.scatter.noise * np.concatenate([damping_noise(o, sensors) for o in made])
+    of_damping = float(np.sum(noise**2)) / len(noise) ** 2
+    of_tops = common @ rows.T, by_parameter @ rows.T, rows @ own @ rows.T
+    return _Test(directions, logs, damping, of_damping, *of_tops, units, smooth)
 
 
 def _scatter(

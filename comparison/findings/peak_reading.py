@@ -17,6 +17,7 @@ from updamp.comparison.findings.backbone import (
     five_about,
     half_power_frequency,
     highest,
+    loss_by_phase,
     read_resonance,
     summit,
     summit_deviation,
@@ -63,6 +64,24 @@ def reading_noise(o: Observations, sensors: Sequence[int]) -> Floats:
         height.append(of_top * noise)
         frequency.append(min(of_place * noise, 2.0 * step))
     return np.array(frequency + height)
+
+
+def damping_noise(o: Observations, sensors: Sequence[int]) -> Floats:
+    """(s,) deviations of the logarithms of a run's loss factors (`Tops.loss_factor`) by the sensors' stated noise, to
+    first order: of a top with points on one side of it alone they are hardly known."""
+    return np.array([_noise_of_damping(o, j) for j in sensors])
+
+
+def _noise_of_damping(o: Observations, sensor: int) -> float:
+    log_receptance, noise = _log_receptance(o, sensor), o.noise[:, 1 + 2 * sensor : 3 + 2 * sensor]
+    if not np.isfinite(noise).all():
+        return float("inf")
+    changes = []
+    for unit, deviations in zip((1.0, 1.0j), noise.T, strict=True):
+        for each in np.diag(unit * deviations):
+            ends = [loss_by_phase(o.frequency, np.exp(log_receptance + sign * each)) for sign in (1, -1)]
+            changes.append(np.log(ends[0] / ends[1]) / 2)
+    return float(np.linalg.norm(np.nan_to_num(changes, nan=np.inf)))
 
 
 def _top_and_step(o: Observations, sensor: int) -> tuple[int, float]:

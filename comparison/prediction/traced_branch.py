@@ -52,9 +52,12 @@ def trace_sweeps(
         return (observe(there, conditions[0], *trace_held(there, condition)),)
     system, excitation = there.system, there.excited_by(condition.force)
     low, high = condition.wider
+    # A test may be recorded inside a hysteresis alone, which the curve of the rig file's window shows whole.
+    outer = there.model.windows.get(condition.mode, condition.wider)
 
     def follow(upwards: bool) -> Iterable[BranchPoint]:
-        return continue_branch(system, excitation, (low, high), options, upwards)
+        begin = outer[0] if upwards else outer[1]
+        return continue_branch(system, excitation, (low, high), options, upwards, from_outside=begin)
 
     far_end = BranchFromFarEnd(lambda: follow(not condition.upwards), 2 * np.pi * (high - low))
     found = observe_sweeps(there, conditions, follow(condition.upwards), far_end=far_end)

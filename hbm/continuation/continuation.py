@@ -20,17 +20,21 @@ def continue_branch(
     options: ContinuationOptions | None = None,
     upwards: bool = True,
     resume_from: Sequence[BranchPoint] = (),
+    from_outside: float | None = None,
 ) -> Iterator[BranchPoint]:
     """Points of the branch through `window` [Hz], from its lower end (or upper: upwards=False) until it leaves it.
 
     resume_from: the last points of an interrupted branch; the first point handed out is the one that follows
+    from_outside: a frequency [Hz] on that side of the window where there is one response: the branch that comes in from
+        there is wanted, of several where the window ends inside a hysteresis. Where none comes in, one at the end is
 
     raises: BranchStoppedError where the step would fall below its floor
     """
     options = options or ContinuationOptions()
     stepper = PredictorCorrector(system, excitation, options, options.scale_w(window))
     low, high = (2 * np.pi * f for f in window)
-    points = list(resume_from) or _first_points(stepper, excitation, low, high, upwards)
+    shares = *_beyond(window, upwards, from_outside), 0.0, *options.outside
+    points = list(resume_from) or _first_points(stepper, excitation, low, high, upwards, shares)
     traced = TracedBranch.through(points)
     yield from points[len(resume_from) :]
     handed_out = len(points)
@@ -44,17 +48,33 @@ def continue_branch(
             return
 
 
+def _beyond(window: tuple[float, float], upwards: bool, frequency: float | None) -> tuple[float, ...]:
+    """How far that lies beyond the end at which a branch begins, in shares of the window; none where it does not."""
+    if frequency is None:
+        return ()
+    low, high = window
+    share = (low - frequency if upwards else frequency - high) / (high - low)
+    return (share,) if share > 0 else ()
+
+
 def _first_points(
-    stepper: PredictorCorrector, excitation: Excitation, low: float, high: float, upwards: bool
+    stepper: PredictorCorrector,
+    excitation: Excitation,
+    low: float,
+    high: float,
+    upwards: bool,
+    shares: Sequence[float],
 ) -> Sequence[BranchPoint]:
     """Points from the window's end [rad/s] on: one at it, or those of a branch that begins outside and leads in, or
     inside and leads out. Off resonance the contacts bear less, and a first point is found where it is not at the end.
+
+    shares: how far beyond the end to begin, in shares of the window, the first that leads in
 
     raises: BranchStoppedError that says what stopped the attempt at the end itself
     """
     end, sign = (low, 1.0) if upwards else (high, -1.0)
     stopped: BranchStoppedError | None = None
-    for share in (0.0, *stepper.options.outside):
+    for share in shares:
         w = end - sign * share * (high - low)
         try:
             solution = first_point(stepper.system, excitation, w, stepper.options.persistent)

@@ -8,11 +8,11 @@ import pytest
 from support.small_model import NUISANCES, condition, parametrisation, swept_run, synthetic_plan
 
 from updamp.comparison.findings.all_findings import all_findings
-from updamp.comparison.findings.backbone import read_resonance
+from updamp.comparison.findings.backbone import loss_by_phase, read_resonance
 from updamp.comparison.findings.direction import Direction
 from updamp.comparison.findings.kinds import Amplitude, Damping, Frequency, SensorGain
 from updamp.comparison.findings.peak_misfit import PeakMisfit, by_repeats, peak_misfits, without_peak
-from updamp.comparison.findings.peak_reading import swept_branch, tops_of_run
+from updamp.comparison.findings.peak_reading import damping_noise, swept_branch, tops_of_run
 from updamp.comparison.findings.peak_sentences import peak_findings, without_peak_findings
 from updamp.comparison.fit.compared import compare_at
 from updamp.comparison.fit.fit import Fit
@@ -215,3 +215,16 @@ def test_no_damping_is_told_where_the_phase_does_not_turn_as_an_oscillator_does(
     flat = receptance / np.sqrt(1 + (size / (0.5 * size.max())) ** 2)
     assert np.isnan(read_resonance(f, flat, np.ones(201)).loss_factor)
     assert read_resonance(f, flat, np.ones(201)).frequency == pytest.approx(80, abs=0.02)
+
+
+@pytest.mark.parametrize("reach", [2.0, 0.6], ids=["both flanks", "one flank hardly"])
+def test_damping_is_known_as_well_as_is_said(reach: float) -> None:
+    """Read off one flank and a top that is hardly passed, it is far worse known than the height."""
+    rng, noise, half_width = np.random.default_rng(11), 0.003, 0.25
+    f = 50.0 + half_width * np.linspace(-reach, 2.0, 14)
+    exact = np.log(1 / (50.0 - f + 1j * half_width))
+    observed = np.column_stack([np.log(f), exact.real, exact.imag])
+    run = Observations("run", 0, 1, observed, np.tile([1e-6, noise, noise], (14, 1)), np.zeros(14))
+    drawn = exact + noise * (rng.standard_normal((400, 14)) + 1j * rng.standard_normal((400, 14)))
+    read = np.log([loss_by_phase(f, np.exp(each)) for each in drawn])
+    assert np.std(read) == pytest.approx(damping_noise(run, [0])[0], rel=0.15)

@@ -261,3 +261,23 @@ def test_a_thinned_branch_is_the_same_curve_with_its_gap(softening):
     again = move_branch(softening, at(softening), thin)
     assert again is not None
     assert_the_same(again, branch)
+
+
+@pytest.mark.parametrize("upwards", [False, True])
+def test_in_a_window_inside_a_hysteresis_both_parts_are_kept(softening, upwards):
+    """What a sweep that begins outside brings in: a run there may have been on either part."""
+    inside = replace(DOWN, mode="first_bending", window=(77.4, 78.2), upwards=upwards)
+    branch, full = trace_branch(softening, at(softening), inside), whole(softening, at(softening), DOWN)
+    (gap,) = [i for i, point in enumerate(branch.points) if point.after_gap]
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(full.frequency)))) + 1
+    lower, upper = np.sort(full.frequency[turns[[0, -1]]])
+    assert lower < inside.wider[0] < inside.wider[1] < upper
+    expected = [size_at(full, first, last, 77.8) for first, last in ((0, turns[0]), (turns[-1], -1))]
+    found = [size_at(branch, first, last, 77.8) for first, last in ((0, gap - 1), (gap, -1))]
+    np.testing.assert_allclose(np.sort(found), np.sort(expected), rtol=1e-3)
+
+
+def size_at(branch: PredictedBranch, first: int, last: int, frequency: float) -> float:
+    """Between two of its points, where the branch passes a frequency [Hz]."""
+    value = branch.at(np.linspace(branch.place[first], branch.place[last], 2000)).value
+    return float(np.exp(value[np.argmin(abs(value[:, 0] - np.log(frequency))), 1]))
