@@ -2,8 +2,12 @@
 
 A model that fails differs from the runs by more than they scatter by. What scatters is therefore read off the repeats,
 and the sensors' noise off how rough a first fit leaves the runs; neither is learnt from the misfit. Without repeats
-what differs from run to run is as it is stated. Single points that are unlike those next to them are left out, and all
-is done again without them.
+what differs from run to run is as it is stated.
+
+Single points that are unlike those next to them are left out. One alone, a hundred deviations off, may lead a fit to
+where it is one of many. So those that are odd beside the model as given are left out of a first calibration, and
+counted again where they are not odd beside its outcome; those that are odd beside that are left out too, and all is
+done again.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -12,9 +16,10 @@ from functools import partial
 
 import numpy as np
 
-from updamp.comparison.fit.compared import reweighed
+from updamp.comparison.fit.compared import compare_at, reweighed
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
 from updamp.comparison.fit.fit_from_far import LAST, fit_from_far
+from updamp.comparison.fit.fit_round import prior_scatter
 from updamp.comparison.fit.noise_by_amplitude import (
     Sensor,
     SensorNoise,
@@ -43,6 +48,10 @@ class Calibration:
     repeatability: float
     odd: tuple[OddReading, ...] = ()
 
+    def also_without(self, odd: Sequence[OddReading]) -> "Calibration":
+        """Of points that had been left out before."""
+        return replace(self, odd=tuple(sorted((*odd, *self.odd), key=lambda one: one.chance)))
+
     def rests_on(self, plan: Plan) -> Plan:
         """Of the runs that were given, and of others of the same measurement, what counts: without the points that
         were left out, and with the noise of each sensor."""
@@ -60,17 +69,49 @@ def calibration(
 
     raises: BranchStoppedError where the model has no response at the beginning of a run
     """
-    contacts = parametrisation.base.contacts is not None
-    far, once_more = (partial(fit, options=_FIRST), FitOptions()) if contacts else (fit_from_far, LAST)
-    start = np.zeros(len(parametrisation))
-    first = far(parametrisation, plan, start, None, branches, progress=progress, branches_of=branches_of)
-    noise = noise_of_each_sensor(first.compared.matched, plan)
-    given, plan = plan, with_noise_of_sensors(plan, noise)
-    beside = reweighed(parametrisation, plan, first.compared, replace(first.compared.scatter, noise=1.0))
-    scatter, repeatability = scatter_of_repeats(replace(first, compared=beside), plan)
-    found = fit(parametrisation, plan, first.u, scatter, first.compared.branches, once_more, progress, branches_of)
-    if not (odd := odd_readings(found.compared.matched, plan)):
-        return Calibration(found, noise, repeatability)
-    progress(f"calibration without {len(odd)} odd points")
-    again = calibration(parametrisation, without_odd(given, odd), branches, progress, branches_of)
-    return replace(again, odd=tuple(sorted((*odd, *again.odd), key=lambda one: one.chance)))
+    work = _Work(parametrisation, branches, progress, branches_of)
+    suspects = work.odd_beside_given(plan)
+    found = work.calibrated(without_odd(plan, suspects))
+    if not suspects:
+        return found
+    odd = {one.point for one in work.odd_beside(found, plan)}
+    confirmed = tuple(one for one in suspects if one.point in odd)
+    if len(confirmed) < len(suspects):
+        found = work.calibrated(without_odd(plan, confirmed))
+    return found.also_without(confirmed)
+
+
+@dataclass(frozen=True, eq=False)
+class _Work:
+    """What all calibrations of one model begin with. branches: of the model as given"""
+
+    parametrisation: Parametrisation
+    branches: Sequence[PredictedBranch]
+    progress: Callable[[str], None]
+    branches_of: Branches
+
+    def calibrated(self, given: Plan) -> Calibration:
+        """Of all points but those that are odd beside the outcome."""
+        p, progress, branches_of = self.parametrisation, self.progress, self.branches_of
+        contacts = p.base.contacts is not None
+        far, once_more = (partial(fit, options=_FIRST), FitOptions()) if contacts else (fit_from_far, LAST)
+        first = far(p, given, np.zeros(len(p)), None, self.branches, progress=progress, branches_of=branches_of)
+        noise = noise_of_each_sensor(first.compared.matched, given)
+        plan = with_noise_of_sensors(given, noise)
+        beside = reweighed(p, plan, first.compared, replace(first.compared.scatter, noise=1.0))
+        scatter, repeatability = scatter_of_repeats(replace(first, compared=beside), plan)
+        found = fit(p, plan, first.u, scatter, first.compared.branches, once_more, progress, branches_of)
+        if not (odd := odd_readings(found.compared, plan)):
+            return Calibration(found, noise, repeatability)
+        progress(f"calibration without {len(odd)} odd points")
+        return self.calibrated(without_odd(given, odd)).also_without(odd)
+
+    def odd_beside_given(self, plan: Plan) -> tuple[OddReading, ...]:
+        p, prior = self.parametrisation, prior_scatter(self.parametrisation, plan)
+        spread = np.where(np.isfinite(p.deviation), p.deviation, 0.0)
+        return odd_readings(compare_at(p, np.zeros(len(p)), plan, self.branches, prior, None, spread), plan)
+
+    def odd_beside(self, found: Calibration, plan: Plan) -> tuple[OddReading, ...]:
+        """Of points that it was not calibrated with too."""
+        counting, c = found.rests_on(plan), found.fit.compared
+        return odd_readings(compare_at(self.parametrisation, c.u, counting, c.branches, c.scatter), counting)

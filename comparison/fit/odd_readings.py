@@ -6,9 +6,10 @@ in the middle of it stands out by as much as the model is off around it. So the 
 one of the sensors' noise and of what the model leaves of the six, and has Student's t distribution: with the degrees of
 freedom that the noise is known by, or with these six (N. R. Draper and H. Smith, Applied Regression Analysis, 1998, ch.
 8). The worse a model describes a run, the farther off a point has to be; and farther than the model changes by between
-the points on both sides, or it may be the model that is a part of a step off in frequency. Where most runs of a mode
-show it alike, at one frequency, it is the rig's: a mode that the model lacks, as narrow as a step, or the flank of one
-at the end of the runs.
+the points on both sides, or it may be the model that is a part of a step off in frequency. Where the sweep jumps from
+one part of the branch to another between these, each point is held against the nearer part, and one that lies between
+both was recorded while the rig jumped. Where most runs of a mode show a point alike, at one frequency, it is the rig's:
+a mode that the model lacks, as narrow as a step, or the flank of one at the end of the runs.
 
 Such a point says nothing of the rig, and one alone, a hundred deviations off, would lead a fit: it is left out of all
 that rests on the runs, with all of its sensors, and told.
@@ -24,10 +25,12 @@ from numpy.typing import NDArray
 from scipy.stats import t as student
 
 from updamp.comparison.fit.at_sensors import left_at_sensors, recorded
+from updamp.comparison.fit.compared import Compared
 from updamp.comparison.fit.failing_model import RISK
 from updamp.comparison.fit.matching import Matched
 from updamp.comparison.fit.numerical_gate import with_unwrapped_phases
 from updamp.comparison.fit.observations import Observations, Plan
+from updamp.comparison.prediction.predicted_branch import PredictedBranch
 
 Floats = NDArray[np.float64]
 _SIDE = 3  # points on each side, as many as there are, six in all
@@ -49,12 +52,18 @@ class OddReading:
     by: float
     chance: float
 
+    @property
+    def point(self) -> tuple[str, int, float]:
+        """Run, repeat and frequency: all sensors there"""
+        return self.run, self.repeat, self.frequency
+
 
 @dataclass(frozen=True, eq=False)
 class _Column:
     """What one sensor recorded of a run, amplitudes or phases, of n points.
 
     left: (n,) what the model leaves, in deviations of the sensors; noise: (n,) one deviation; model: (n,) what it says
+    in_jump: (n,) whether a sweep jumps between the points on both sides
     """
 
     run: str
@@ -66,11 +75,21 @@ class _Column:
     left: Floats
     noise: Floats
     model: Floats
+    in_jump: NDArray[np.bool_]
 
     def at(self, frequency: float) -> float:
         """What the model leaves at the nearest point, logarithm of the amplitude or phase [rad]."""
         nearest = int(np.argmin(np.abs(self.frequency - frequency)))
         return float(self.left[nearest] * self.noise[nearest])
+
+    def stands_out(self, i: int, by: float) -> bool:
+        """Whether a point is farther off than a model by a part of a step in frequency may be, or between what is said
+        on both sides of a jump."""
+        around = self.model[max(i - 1, 0) : i + 2]
+        if not self.in_jump[i]:
+            return bool(abs(by) >= np.ptp(around))
+        reading = self.model[i] + self.left[i] * self.noise[i]
+        return bool(min(around[0], around[-1]) < reading < max(around[0], around[-1]))
 
     def is_of(self, other: Self) -> bool:
         """Whether of the same sensor and mode."""
@@ -81,12 +100,12 @@ class _Column:
         return np.asarray(np.abs(some - frequency) <= np.median(np.abs(np.diff(self.frequency))) / 2)
 
 
-def odd_readings(matched: Sequence[Matched], plan: Plan) -> tuple[OddReading, ...]:
-    """The least likely first, one a point and sensor, those left out that most runs of their mode show. A measurement
-    without any has one taken for it with a probability of `RISK`."""
-    long_enough = [m for m in matched if _is_long_enough(m)]
+def odd_readings(compared: Compared, plan: Plan) -> tuple[OddReading, ...]:
+    """Of a plan's runs: the least likely first, one a point and sensor, those left out that most runs of their mode
+    show. A measurement without any has one taken for it with a probability of `RISK`."""
+    long_enough = [m for m in compared.matched if _is_long_enough(m)]
     tested = sum(len(m.observations) * len(recorded(m)) for m in long_enough)
-    columns = [column for m in long_enough for column in _columns(m, plan)]
+    columns = [column for m in long_enough for column in _columns(m, compared.branches[m.observations.test], plan)]
     unlikely = [(column, one) for column in columns for one in _readings(column, plan.noise_freedom, RISK)]
     found: dict[tuple[str, int, str, float], tuple[_Column, OddReading]] = {}
     for column, one in unlikely:
@@ -115,7 +134,7 @@ def _is_of_most_runs(
 
 def without_odd(plan: Plan, odd: Collection[OddReading]) -> Plan:
     """The same runs without these points, whichever sensor they are odd at."""
-    left_out = {(one.run, one.repeat, one.frequency) for one in odd}
+    left_out = {one.point for one in odd}
     return replace(plan, observations=tuple(_without(o, left_out) for o in plan.observations)) if left_out else plan
 
 
@@ -131,8 +150,8 @@ def _is_long_enough(m: Matched) -> bool:
     return len(m.observations) > 2 * _SIDE
 
 
-def _columns(m: Matched, plan: Plan) -> Iterator[_Column]:
-    o, condition = m.observations, plan.conditions[m.observations.test]
+def _columns(m: Matched, branch: PredictedBranch, plan: Plan) -> Iterator[_Column]:
+    o, condition, in_jump = m.observations, branch.condition, _in_jumps(m, branch)
     as_measured = next(one for one in plan.observations if (one.test, one.repeat) == (o.test, o.repeat))
     model = with_unwrapped_phases(o.observed - m.difference)
     model[:, 1::2] -= o.log_force[:, None]  # at one force, or a bad sample of it would be a change of the model's
@@ -141,15 +160,25 @@ def _columns(m: Matched, plan: Plan) -> Iterator[_Column]:
         at = condition.sensors[sensor][0]
         yield _Column(
             as_measured.run, o.repeat, condition.mode, at, bool(of_phase),
-            as_measured.frequency, left, o.noise[:, place], model[:, place],
+            as_measured.frequency, left, o.noise[:, place], model[:, place], in_jump,
         )  # fmt: skip
+
+
+def _in_jumps(m: Matched, branch: PredictedBranch) -> NDArray[np.bool_]:
+    """(n,) whether from the point before to the one after some of the branch is passed that a sweep does not see"""
+    found = np.zeros(len(m.place), dtype=bool)
+    for i in range(1, len(m.place) - 1):
+        low, high = np.sort(m.place[[i - 1, i + 1]])
+        between = (branch.place[1:] > low) & (branch.place[:-1] < high)
+        found[i] = not branch.seen[between].all()
+    return found
 
 
 def _readings(column: _Column, noise_freedom: float, chance: float) -> Iterator[OddReading]:
     """Those less likely than a chance."""
     for i, (off, by_chance) in enumerate(_off(column.left, noise_freedom)):
         by = off * float(column.noise[i])
-        if by_chance < chance and abs(by) >= np.ptp(column.model[max(i - 1, 0) : i + 2]):
+        if by_chance < chance and column.stands_out(i, by):
             c, frequency = column, float(column.frequency[i])
             yield OddReading(c.run, c.repeat, c.sensor, c.of_phase, frequency, by, by_chance)
 

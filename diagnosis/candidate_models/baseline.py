@@ -120,7 +120,7 @@ def _without_odd_unseen(plan: Plan, held_out: Sequence[int], fitted: Fit, branch
         return plan
     p, u, unseen = fitted.parametrisation, fitted.u, plan.only(held_out)
     branches = predict_branches(p, u, unseen, None, branches_of)
-    return without_odd(plan, odd_readings(compare_at(p, u, unseen, branches, fitted.compared.scatter).matched, unseen))
+    return without_odd(plan, odd_readings(compare_at(p, u, unseen, branches, fitted.compared.scatter), unseen))
 
 
 def _held_out(plan: Plan, names: Sequence[str] | None) -> tuple[int, ...]:

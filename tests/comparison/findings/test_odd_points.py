@@ -6,14 +6,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support.held_beam import held_beam, of_beam
-from support.small_model import NOISE, condition, parametrisation, synthetic_plan
+from support.small_model import NOISE, condition, parametrisation, swept_run, synthetic_plan
+from support.softening_beam import DOWN, UP, at, softening_beam
 
 from updamp.comparison.comparison import Comparison, OddPoint
 from updamp.comparison.findings.odd_points import odd_points
 from updamp.comparison.fit.compared import compare_at
 from updamp.comparison.fit.fit_round import prior_scatter
-from updamp.comparison.fit.observations import Plan
+from updamp.comparison.fit.observations import Observations, Plan
 from updamp.comparison.fit.odd_readings import odd_readings, without_odd
+from updamp.comparison.prediction.run_condition import RunCondition
 from updamp.comparison.prediction.traced_branch import trace_branch
 
 CONDITIONS = (condition(20.0), condition(60.0), condition(60.0, upwards=False))
@@ -36,7 +38,7 @@ def runs(seed: int) -> Plan:
 def named(plan: Plan, branches) -> tuple[OddPoint, ...]:
     p = parametrisation()
     compared = compare_at(p, MISFIT, plan, branches, prior_scatter(p, plan))
-    return odd_points(odd_readings(compared.matched, plan), plan, NAMES)
+    return odd_points(odd_readings(compared, plan), plan, NAMES)
 
 
 def with_odd(plan: Plan, run: int, point: int, column: int, by: float) -> Plan:
@@ -72,6 +74,26 @@ def test_points_that_differ_by_chance_are_left_alone(branches) -> None:
     assert [len(named(runs(seed), branches)) for seed in range(3)] == [0] * 3
 
 
+@pytest.mark.parametrize("condition", [DOWN, UP], ids=["down", "up"])
+def test_a_point_recorded_while_the_rig_jumped_is_named(condition: RunCondition) -> None:
+    """Half-way between both parts, where it would cost more than all others together; none of a sound run."""
+    beam = softening_beam()
+    u, condition = at(beam), replace(condition, noise=(2e-6, NOISE, NOISE))
+    branch = trace_branch(beam, u, condition)
+    run = swept_run(branch, 0, 1, np.zeros(1), NOISE, np.random.default_rng(5), points=60)
+
+    def odd(run: Observations) -> list[float]:
+        plan = Plan((condition,), (run,))
+        found = odd_readings(compare_at(beam, u, plan, [branch], prior_scatter(beam, plan)), plan)
+        return [one.frequency for one in found]
+
+    jump = int(np.argmax(np.abs(np.diff(run.observed[:, 1]))))
+    changed = run.observed.copy()
+    changed[jump, 1:] += np.diff(run.observed, axis=0)[jump, 1:] / 2
+    assert odd(replace(run, observed=changed)) == [pytest.approx(run.frequency[jump])]
+    assert odd(run) == []
+
+
 SOUND = held_beam((80.40,) * 3, (0.003,) * 3)
 
 
@@ -102,7 +124,7 @@ def test_what_is_left_out_is_left_out_at_all_sensors_of_that_run_alone() -> None
     plan = with_odd(runs(seed=3), run=1, point=9, column=3, by=np.log(0.8))
     p = parametrisation()
     branches = [trace_branch(p, MISFIT, c) for c in CONDITIONS]
-    odd = odd_readings(compare_at(p, MISFIT, plan, branches, prior_scatter(p, plan)).matched, plan)
+    odd = odd_readings(compare_at(p, MISFIT, plan, branches, prior_scatter(p, plan)), plan)
     left = without_odd(plan, odd)
     assert [len(o) - len(other) for o, other in zip(plan.observations, left.observations, strict=True)] == [
         int(i == 1) for i in range(len(plan.observations))
