@@ -36,6 +36,9 @@ HARMONICS = "harmonics"
 _FURTHER_ORDERS = 2
 # A finer model is traced beyond the measured window by this share of it.
 _FURTHER = 0.4
+# How often the windows of the model's own branches are widened by what finer ones shift: one that is half-way to its
+# resonance shifts otherwise than at it.
+_WIDENED = 3
 # Places taken of it for each of its points.
 _DENSELY = 40
 
@@ -66,7 +69,8 @@ def apply_numerical_gate(
     branches_of: Branches = in_turn,
 ) -> tuple[Parametrisation, tuple[PredictedBranch, ...]]:
     """The nuisance parameters of a model with its numerical error, and its branches at their nominal values, one a
-    condition and without that error.
+    condition and without that error. Where finer numerics shift the response by more than the measured window has room
+    for, the model's own is solved that much farther: what changes at its resonance is not seen on a flank.
 
     rig_effects: effects of the rig file, which neither model has yet
     finer: name -> model with finer numerics; that of more harmonics and time samples is made here
@@ -78,7 +82,18 @@ def apply_numerical_gate(
     branches = predict_branches(parametrisation, nominal, plan, None, branches_of)
     progress("numerical error")
     models = finer_than(model, finer)
-    return with_numerical_error(parametrisation, nominal, plan, branches, models, branches_of), branches
+    found = with_numerical_error(parametrisation, nominal, plan, branches, models, branches_of)
+    for _ in range(_WIDENED):
+        windows = [found.numerics.solved_window(c.name, c.window) for c in plan.conditions]
+        short = [i for i, branch in enumerate(branches) if not branch.covers(windows[i])]
+        if not short:
+            break
+        conditions = tuple(replace(plan.conditions[i], solved=windows[i]) for i in short)
+        wider = predict_branches(parametrisation, nominal, replace(plan, conditions=conditions), None, branches_of)
+        known = dict(zip(short, wider, strict=True))
+        branches = tuple(known.get(i, branch) for i, branch in enumerate(branches))
+        found = with_numerical_error(parametrisation, nominal, plan, branches, models, branches_of)
+    return found, branches
 
 
 def starting_at(

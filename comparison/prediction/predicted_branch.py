@@ -76,7 +76,11 @@ class PredictedBranch:
     @property
     def covers_window(self) -> bool:
         """Whether it shows all frequencies that were measured, or ends within them since it could not be followed."""
-        (low, high), ends = self.condition.window, np.exp(self.state[[0, -1], 0])
+        return self.covers(self.condition.window)
+
+    def covers(self, window: tuple[float, float]) -> bool:
+        """Likewise the frequencies of a window [Hz]"""
+        (low, high), ends = window, np.exp(self.state[[0, -1], 0])
         return bool(self.stopped) or bool(ends.min() <= low and high <= ends.max())
 
     @cached_property

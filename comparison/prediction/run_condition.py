@@ -34,6 +34,7 @@ class RunCondition:
     control: the response that a controller held; None where the force is what was set
     noise: standard deviations of what is observed, as in `Observations`; a branch is interpolated as well as they ask
         for, or as the steps have it where there are none
+    solved: frequencies [Hz] that the model is to be solved at besides, None for those of the window alone
     place: among the runs of an assembly in the order in which they were made, from -1/2 for the first to 1/2 for the
         last, in the mean of those at its level; 0 where the order is not known
     """
@@ -49,6 +50,7 @@ class RunCondition:
     control: HeldResponse | None = None
     noise: tuple[float, ...] = ()
     place: float = 0.0
+    solved: tuple[float, float] | None = None
 
     def seen_by(self, sensors: Sequence[tuple[str, int]]) -> "RunCondition":
         """The same test with other sensors, whose noise is not known."""

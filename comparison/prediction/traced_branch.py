@@ -71,8 +71,9 @@ def trace_sweeps(
 def solved_in(parametrisation: Parametrisation, conditions: Sequence[RunCondition]) -> RunCondition:
     """The tests as one, in the window that their branch is to be solved in."""
     window_of = parametrisation.numerics.solved_window
-    each = [replace(c, window=window_of(c.name, c.window)) for c in conditions]
-    return each[0].along_with(each[1:])
+    windows = [window for c in conditions for window in (window_of(c.name, c.window), c.solved) if window is not None]
+    low, high = zip(*windows, strict=True)
+    return replace(conditions[0].along_with(conditions[1:]), window=(min(low), max(high)))
 
 
 def observe_sweeps(

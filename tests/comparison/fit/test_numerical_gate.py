@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from support.small_model import condition, parametrisation, small_model, synthetic_plan
 
+from updamp.comparison.fit import numerical_gate
 from updamp.comparison.fit.compared import predict_branches
 from updamp.comparison.fit.fit import FitOptions, fit
 from updamp.comparison.fit.moved_by_numerics import moved_by_numerics, moved_frequencies
 from updamp.comparison.fit.numerical_gate import (
+    apply_numerical_gate,
     change_of_branch,
     finer_than,
     starting_at,
@@ -17,7 +19,9 @@ from updamp.comparison.fit.numerical_gate import (
     with_unwrapped_phases,
 )
 from updamp.comparison.prediction.numerical_error import UNSURE
-from updamp.comparison.prediction.predicted_branch import with_patterns
+from updamp.comparison.prediction.parameters import Parametrisation
+from updamp.comparison.prediction.predicted_branch import PredictedBranch, with_patterns
+from updamp.comparison.prediction.traced_branch import trace_branch
 from updamp.hbm.harmonics import Harmonics
 from updamp.model.calibration import YOUNGS_MODULUS
 
@@ -72,6 +76,32 @@ def test_all_that_was_measured_is_compared_with_the_branch_wherever_finer_numeri
         u[p.names.index("sliding_friction")] = 0.2
         (moved,) = predict_branches(p, u, plan, (branch,))
         assert moved.covers_window
+
+
+def test_where_its_own_resonance_is_beyond_the_window_the_model_is_known_as_well(monkeypatch):
+    """Finer numerics bring it in: what they change on the flank that the window shows is not what they change there."""
+    finer = YOUNGS_MODULUS.apply(small_model(), float(np.exp(-0.1)))
+    truth, wide = Parametrisation(finer, ()), condition(30.0, window=(36.0, 50.0))
+    exact = trace_branch(truth, np.zeros(0), wide)
+    top = float(exact.frequency[np.argmax(abs(exact.amplitude[:, 0]))])
+    narrow = condition(30.0, window=(top - 0.3, top + 0.3))
+    plan, _ = synthetic_plan(truth, np.zeros(0), (narrow,), np.zeros(0), seed=2)
+
+    def off() -> float:
+        """Largest error of the logarithm of the amplitude, in the window"""
+        p, before = apply_numerical_gate(small_model(), (), plan, {"softer": finer})
+        (branch,) = starting_at(p, np.zeros(len(p)), plan, before)
+        log_f = np.log(np.linspace(*narrow.window, 101))
+        return float(np.abs(log_amplitude(branch, log_f) - log_amplitude(exact, log_f)).max())
+
+    assert off() < 0.02
+    monkeypatch.setattr(numerical_gate, "_WIDENED", 0)
+    assert off() > 0.1
+
+
+def log_amplitude(branch: PredictedBranch, log_f: np.ndarray) -> np.ndarray:
+    value = branch.at(np.linspace(branch.place[0], branch.place[-1], 5000)).value
+    return np.interp(log_f, value[:, 0], value[:, 1])
 
 
 def test_a_parameter_is_as_open_as_it_makes_up_for_half_of_what_finer_numerics_change(gated):
