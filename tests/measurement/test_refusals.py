@@ -312,9 +312,9 @@ def test_what_is_wrong_in_a_table_is_named(tmp_path: Path) -> None:
     message = refused(tmp_path)
     assert "there is no 'frequency_Hz', 'Frequency_Hz' is none of these" in message
     lines = good.splitlines()
-    (tmp_path / "data.csv").write_text("\n".join([lines[0], "-,-,-,Hz,-,-,N,N", *lines[1:], ""]))
+    (tmp_path / "data.csv").write_text("\n".join([*lines[:3], "-,-,-,Hz,-,-,N,N", *lines[3:], ""]))
     message = refused(tmp_path)
-    assert 'line 2: frequency_Hz = "Hz": not a number; take its line out' in message
+    assert 'line 4: frequency_Hz = "Hz": not a number; take its line out' in message
 
 
 def test_one_frequency_is_no_sweep() -> None:
