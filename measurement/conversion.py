@@ -139,7 +139,8 @@ def _recorded(where: str, file: MeasurementFile, sweep: RecordedSweep, name: str
     what = "the force, " if name == file.force_channel else ""
     if told := _told(sweep, label):
         raise MeasurementError(f"{where}: {what}channel '{name}' cannot be read: {told}")
-    free = near(label, sweep.others) if sweep.others else f"all that it has are taken: {', '.join(sweep.channels)}"
+    taken = f"all that it has are taken: {', '.join(sweep.channels)}" if sweep.channels else "it has no channel at all"
+    free = near(label, sweep.others) if sweep.others else taken
     has = [n for n in file.channels if file.label(n) in sweep.channels and n != file.force_channel]
     remedy = f"correct its label, or name those that the run has: channels = {has}" if has else "correct its label"
     raise MeasurementError(
