@@ -18,6 +18,7 @@ from updamp.measurement.sweep_checks import (
     check_level,
     check_magnitudes,
     check_not_zero,
+    check_own_unit,
     check_power,
     check_statements,
     in_order_of_the_sweep,
@@ -105,6 +106,7 @@ def _checked(
             check_magnitudes(here, channel, sweep.frequency)
         if table.uncalibrated:
             stands_for = f"1 {table.unit} stands for 1 {QUANTITIES[table.quantity].si}"
+            check_own_unit(here, channel, table.unit)
             notes.append(f"{here} is not calibrated: {stands_for}, and results are in {table.unit}")
         else:
             told = _told(sweep, file.label(name))

@@ -47,8 +47,8 @@ def _as_stated(where: str, channel: RecordedChannel, table: ChannelTable) -> Rec
             )
         if channel.per_force and table.quantity == "force":
             raise MeasurementError(
-                f"{where}: the file says that it is {_WHAT[True]}, so it is not the force; name the force's own channel "
-                f"by its label, or state recorded = false where the file has none"
+                f"{where}: the file says that it is {_WHAT[True]}, so it is not the force; name the force's own "
+                f"channel by its label, or state recorded = false where the file has none"
             )
         return channel
     above, below = _units_of_ratio(channel.unit)

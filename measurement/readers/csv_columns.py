@@ -61,7 +61,7 @@ def read_csv_columns(path: Path, labels: tuple[str, ...], options: ColumnOptions
         table.texts[name] if name is not None else absent for name in (options.run, options.repeat, options.sweep)
     )
     used = {options.frequency, *present, *parts, *marks}
-    others = tuple(name for name in header.names if name not in used)
+    others = tuple(name for name in header.names if name and name not in used)
     groups = group_rows(run, repeat, sweep)
     _check_units(path, table, options)
     check_columns(path, table, options.phase, labels[0])

@@ -113,7 +113,7 @@ def _check_delimiter(path: Path, lines: Sequence[str], place: int, delimiter: st
 
 
 def _check_names(path: Path, names: tuple[str, ...]) -> None:
-    if twice := next((name for name in names if names.count(name) > 1), None):
+    if twice := next((name for name in names if name and names.count(name) > 1), None):
         raise MeasurementError(
             f"{path}: header = {','.join(names)[:80]!r}: {names.count(twice)} columns have the name '{twice[:60]}'; "
             f"give each its own"

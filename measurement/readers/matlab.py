@@ -20,7 +20,8 @@ _TO_HERTZ = {"Hz": 1.0, "rad/s": 1 / (2 * np.pi)}
 
 
 class MatlabOptions(InputTable):
-    """frequency: variable of the frequencies; frequency_unit: "Hz" or "rad/s"; harmonics: of the rows of a channel's array, (n_harmonics, n) in MATLAB.
+    """frequency: variable of the frequencies; frequency_unit: theirs, "Hz" or "rad/s"; harmonics: of the rows of a
+    channel's array, (n_harmonics, n) in MATLAB.
 
     A field of a structure is written with a point, as in MATLAB: "test.frequency".
     """

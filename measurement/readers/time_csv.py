@@ -51,7 +51,7 @@ def read_time_csv(path: Path, labels: tuple[str, ...], options: TimeCsvOptions) 
     check_axis(path, table.units, options.step, "Hz", HERTZ)
     frequency, found, notes = sweep_of_steps(path, _steps(path, table, present, options), present, options)
     channels = {label: replace(channel, unit=table.unit(label)) for label, channel in found.items()}
-    others = tuple(name for name in header.names if name not in numeric)
+    others = tuple(name for name in header.names if name and name not in numeric)
     return (RecordedSweep("", None, "", frequency, channels, others, (*table.notes, *notes)),)
 
 

@@ -113,6 +113,14 @@ def test_the_first_line_of_a_spreadsheet_that_states_the_delimiter(tmp_path: Pat
     assert 'the line above it, "sep=;", is left out' in said(export, "names of the columns")
 
 
+def test_empty_columns_at_the_right_edge_are_passed_over(tmp_path: Path) -> None:
+    """As a spreadsheet exports a sheet in which a cell to the right of the table was once used."""
+    padded = "".join(f"{line};;\r\n" for line in text(above=PREAMBLE[:1], units=UNITS).splitlines())
+    export = load(tmp_path, padded)
+    assert_same(export, load(tmp_path, text()))
+    assert not any("are not used" in sentence for sentence in export.assumptions)
+
+
 def test_the_long_form_has_a_preamble_too(tmp_path: Path) -> None:
     columns = "run;frequency_Hz;channel;real;imag"
     lines = [

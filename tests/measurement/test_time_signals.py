@@ -94,9 +94,9 @@ def test_csv_below_a_preamble_and_above_a_row_of_units(tmp_path: Path, name: str
     [
         (
             "",
-            r"no column 'frequency_Hz', that of the commanded frequency \[Hz\] \(`step` names this column; `frequency`",
+            r"no column 'frequency_Hz', that of the commanded frequency .*`step` names this column; `frequency` is",
         ),
-        ('step = "f_soll", ', r"no column 'f_soll', .*did you mean f_set"),
+        ('step = "f_sat", ', r"no column 'f_sat', .*did you mean f_set"),
         ('frequency = "f_set", ', r'frequency = "f_set": is a value, .* is named by step = "f_set"'),
     ],
 )
