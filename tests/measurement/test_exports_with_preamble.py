@@ -9,6 +9,7 @@ from support.measured_oscillator import FREQUENCY, TOML, recorded
 
 from updamp.measurement.load import load_measurement
 from updamp.measurement.measurement import Measurement, MeasurementError
+from updamp.measurement.readers.csv_columns import ColumnOptions, read_csv_columns
 
 FORCE, LASER = (recorded().channels[name].amplitude[0] for name in ("force", "laser"))
 NAMES = ("Frequenz", "Kraft", "Kraft Phase", "Prüfling", "Prüfling Phase")
@@ -246,3 +247,12 @@ def test_damaged_utf_16(tmp_path: Path) -> None:
     (tmp_path / "data.csv").write_bytes(text().encode("utf-16")[:-1])
     with pytest.raises(MeasurementError, match=r"data\.csv: damaged text in UTF-16"):
         load_measurement(stated(tmp_path, GERMAN))
+
+
+def test_the_documented_export_is_read_as_documented(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "measurements.md").read_text(encoding="utf-8")
+    block = page[page.index("### Exports with a preamble") :].split("```")[1].lstrip("\n")
+    (tmp_path / "data.csv").write_text(block, encoding="latin-1")
+    options = ColumnOptions(delimiter=";", decimal=",")
+    (sweep,) = read_csv_columns(tmp_path / "data.csv", ("force", "laser 1"), options)
+    assert (sweep.frequency, sweep.channels["force"].amplitude, sweep.channels["laser 1"].unit) == (446, 16.98, "mm/s")
