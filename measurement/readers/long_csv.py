@@ -72,7 +72,7 @@ def write_long_csv(path: Path, sweeps: Iterable[RecordedSweep]) -> None:
 
 def _check_header(path: Path, header: tuple[str, ...]) -> None:
     missing = [name for name in REQUIRED if name not in header]
-    unknown = [name for name in header if name not in COLUMNS]
+    unknown = [name for name in header if name and name not in COLUMNS]
     if missing or unknown:
         raise MeasurementError(
             f"{path}: header = {','.join(header)[:80]!r}: wanted is {','.join(COLUMNS)}"
