@@ -18,6 +18,7 @@ from updamp.measurement.sweep_checks import (
     check_level,
     check_magnitudes,
     check_not_zero,
+    check_own_unit,
     check_power,
     check_statements,
     in_order_of_the_sweep,
@@ -105,6 +106,7 @@ def _checked(
             check_magnitudes(here, channel, sweep.frequency)
         if table.uncalibrated:
             stands_for = f"1 {table.unit} stands for 1 {QUANTITIES[table.quantity].si}"
+            check_own_unit(here, channel, table.unit)
             notes.append(f"{here} is not calibrated: {stands_for}, and results are in {table.unit}")
         else:
             told = _told(sweep, file.label(name))
@@ -139,7 +141,8 @@ def _recorded(where: str, file: MeasurementFile, sweep: RecordedSweep, name: str
     what = "the force, " if name == file.force_channel else ""
     if told := _told(sweep, label):
         raise MeasurementError(f"{where}: {what}channel '{name}' cannot be read: {told}")
-    free = near(label, sweep.others) if sweep.others else f"all that it has are taken: {', '.join(sweep.channels)}"
+    taken = f"all that it has are taken: {', '.join(sweep.channels)}" if sweep.channels else "it has no channel at all"
+    free = near(label, sweep.others) if sweep.others else taken
     has = [n for n in file.channels if file.label(n) in sweep.channels and n != file.force_channel]
     remedy = f"correct its label, or name those that the run has: channels = {has}" if has else "correct its label"
     raise MeasurementError(

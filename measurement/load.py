@@ -26,6 +26,7 @@ from updamp.measurement.measurement_file import (
     with_defaults,
 )
 from updamp.measurement.overload import without_overload
+from updamp.measurement.per_force import with_stated_ratios
 from updamp.measurement.readers.registry import reader_of, usable_file
 from updamp.measurement.recorded import RecordedSweep, one_way
 from updamp.measurement.repeat_checks import check_numbers, copies
@@ -148,6 +149,8 @@ def _runs(path: Path, file: MeasurementFile, files: _Files) -> tuple[tuple[Measu
                 assumptions.append((run.name, note))
             if given := phases_not_used(file, run):
                 assumptions.append((run.name, f"{data}: run '{run.name}': {given}"))
+            wanted = {name: file.channels[name] for name in (file.force_channel, *(run.channels or file.channels))}
+            sweep = with_stated_ratios(f"{data}: run '{run.name}'", sweep, wanted)
             _check_phases(f"{data}: run '{run.name}'", file, run, sweep)
             free = [n for n in run.channels or file.channels if n not in (file.force_channel, run.held_channel)]
             sweep, cut = without_overload(f"{data}: run '{run.name}'", sweep, {n: file.label(n) for n in free})

@@ -148,7 +148,7 @@ class MeasurementError(ValueError):
 
 def near(name: str, known: Iterable[str], most: int = 12) -> str:
     """ "did you mean a or b?" where something known comes close, else what there is."""
-    names = list(known)
+    names = [name for name in known if name]
     if close := get_close_matches(name, names, n=3, cutoff=0.6):
         return f"did you mean {' or '.join(close)}?"
     more = f" and {len(names) - most} more" if len(names) > most else ""

@@ -53,8 +53,8 @@ def si_factor(unit: str, quantity: str, uncalibrated: bool = False) -> float:
         hint = '; for multiples of the standard gravity write "g_0" ("g" is gram, "G" gauss)' if unit in GRAVITY else ""
         if _is_over_force(unit, kind):
             hint = (
-                f"; a response over the force is read from universal files alone: multiply it by the force, unit = "
-                f'"{example}"'
+                f'; for a response divided by the force state the unit of the response alone, such as "{example}", and '
+                f"per_force = true beside it"
             )
         raise ValueError(f'unit = "{unit}": for quantity = "{quantity}": {text}{hint}') from None
 
@@ -66,6 +66,12 @@ def _is_over_force(unit: str, kind: SensorQuantity) -> bool:
     except ValueError:
         return False
     return True
+
+
+def is_over_force(label: str) -> bool:
+    """Whether a label in a data file is the unit of a response over that of a force."""
+    responses = [kind for kind in QUANTITIES.values() if kind.derivatives is not None]
+    return bool(label) and any(_is_over_force(one, kind) for one in spellings(label) for kind in responses)
 
 
 def spellings(label: str) -> tuple[str, ...]:

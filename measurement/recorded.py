@@ -25,14 +25,16 @@ class RecordedChannel:
 
     amplitude: (n_harmonics, n) complex, in the unit of the file; harmonics: their numbers
     noise: (n_harmonics, n) standard deviation of the real or imaginary part, in the same unit; None where not known
-    per_force: the amplitude is a frequency response function: divided by the force of the same sweep
-    unit, quantity, direction: what the file itself says, such as "mm/s", "velocity", "-X"; "" where it says nothing
+    per_force: whether the amplitude is a frequency response function, divided by the force of the same sweep; None
+        where the file does not say
+    unit, quantity, direction: what the file itself says, such as "mm/s", "velocity", "-X"; "" where it says nothing; of
+        a frequency response function the response's
     """
 
     amplitude: Complex
     harmonics: tuple[int, ...] = (1,)
     noise: Floats | None = None
-    per_force: bool = False
+    per_force: bool | None = None
     unit: str = ""
     quantity: str = ""
     direction: str = ""

@@ -21,6 +21,11 @@ def check_samples(where: str, file: MeasurementFile, run: RunTable, reader: str)
                 f'{where}: channels.{name}.phase_of = "{table.phase_of}": {what}; samples have no phase of another '
                 f"quantity: take the line out"
             )
+        if table.per_force:
+            raise MeasurementError(
+                f"{where}: channels.{name}.per_force = true: {what}; samples are not divided by the force: take the "
+                f"line out"
+            )
         if table.amplitude not in (None, "peak"):
             raise MeasurementError(
                 f'{where}: channels.{name}.amplitude = "{table.amplitude}": {what}; samples are instantaneous values: '

@@ -7,6 +7,7 @@ import numpy as np
 from updamp.measurement.measurement import MeasurementError
 from updamp.measurement.quantities import label_factor, quantity_of_label, si_factor
 from updamp.measurement.recorded import Complex, Floats, RecordedChannel, RecordedSweep
+from updamp.rig.fields import Quantity
 
 LEVEL_TOLERANCE = 0.25  # of the median measured against the stated level; RMS taken for peak is off by 0.29
 
@@ -158,6 +159,18 @@ def check_statements(where: str, channel: RecordedChannel, quantity: str, unit: 
                     f"{f' ({told})' if told else ''}"
                 )
     return notes
+
+
+def check_own_unit(where: str, channel: RecordedChannel, unit: str) -> None:
+    """Of a channel that is not calibrated. raises: MeasurementError where the file has a multiple of the unit stated"""
+    try:
+        factor = Quantity(unit, f"1 {unit}").to_si(f"1 {channel.unit}")
+    except Exception:  # none, or one of the maker's own, over which the parser of units may stumble in any way
+        return
+    if not np.isclose(factor, 1, rtol=1e-6):
+        raise MeasurementError(
+            f'{where}: the file says {channel.unit}, measurement.toml unit = "{unit}"; correct one of them'
+        )
 
 
 def in_order_of_the_sweep(where: str, sweep: RecordedSweep, stated: str) -> tuple[bool, bool, list[str]]:

@@ -34,6 +34,8 @@ class ChannelTable(InputTable):
     phase_of: quantity whose phase the file states, where it is not the one of the amplitude
     noise: standard deviation of the real or imaginary part of the reading, in the unit and the sort of its amplitude
     phase: "none" where amplitudes alone were recorded
+    per_force: true where the files hold the response divided by the force of the same sweep, in `unit` over the force's
+        unit; false where they do not; left out: as the file says, and not divided where it says nothing
     recorded: false for a force that was not: it is taken to be the run's level, at every frequency
     uncalibrated: the reading is proportional to the quantity, in a unit that may be any (a strain gauge in "V"); one of
         it stands for one of the quantity's SI unit, in the rig file's modal masses too
@@ -50,6 +52,7 @@ class ChannelTable(InputTable):
     phase: Literal["none"] | None = None
     recorded: Annotated[bool, Field(strict=True, examples=[False])] = True
     uncalibrated: Annotated[bool, Field(strict=True, examples=[True])] = False
+    per_force: Annotated[bool, Field(strict=True, examples=[True])] | None = None
 
     @model_validator(mode="before")
     @classmethod
@@ -72,6 +75,11 @@ class ChannelTable(InputTable):
             raise ValueError(f'phase_of = "{self.phase_of}": a force has the phase of a force only; leave the key out')
         if not self.recorded and self.quantity != "force":
             raise ValueError("recorded = false: holds for the force alone, which is then the run's level")
+        if self.per_force and self.quantity == "force":
+            raise ValueError(
+                "per_force = true: is for responses, which the files divide by this force; take the line out of the "
+                "force's channel (where the files do not hold the force itself, recorded = false there)"
+            )
         return self
 
     @property

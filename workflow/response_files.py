@@ -58,9 +58,10 @@ def _write_csv(path: Path, curves: Sequence[ResponseCurve], stability: Known) ->
 def _recorded(curve: ResponseCurve) -> RecordedSweep:
     """As a measured sweep would be written: spectra of the displacements [m] and of the force [N]"""
     force = np.full((1, len(curve)), complex(curve.force))
-    channels = {"force": RecordedChannel(force, unit="N", quantity="force")}
+    channels = {"force": RecordedChannel(force, per_force=False, unit="N", quantity="force")}
     for point in written_points(curve):
-        channels[point] = RecordedChannel(_amplitudes(curve, point), curve.orders, unit="m", quantity="displacement")
+        x = _amplitudes(curve, point)
+        channels[point] = RecordedChannel(x, curve.orders, per_force=False, unit="m", quantity="displacement")
     return RecordedSweep(f"{curve.mode} {curve.force:g} N", None, "", curve.frequency, channels)
 
 

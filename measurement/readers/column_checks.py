@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.measurement.measurement import MeasurementError
-from updamp.measurement.readers.table import Floats, Table, line_of
+from updamp.measurement.readers.table import Table
+from updamp.measurement.readers.text_file import line_of
 
 # Wrapped phases lie within one turn, the difference of two of them within two; only unwrapped ones go beyond, and
 # unwrapping leaves no step above half a turn.
@@ -27,16 +28,17 @@ def check_columns(path: Path, table: Table, phase: Mapping[str, str], force: str
             )
     for label in dict.fromkeys((*phase, *([force] if phase else []))):
         if label in table.numbers:
-            _check_amplitudes(path, label, table.numbers[label])
+            _check_amplitudes(path, table, label)
 
 
-def _check_amplitudes(path: Path, label: str, values: Floats) -> None:
+def _check_amplitudes(path: Path, table: Table, label: str) -> None:
+    values = table.numbers[label]
     if (negative := values < 0).any():
         i = int(np.argmax(negative))
         raise MeasurementError(
-            f"{path}: line {line_of(path, i)}: {label} = {values[i]:g}: an amplitude with a phase is not negative (so "
-            f"are {negative.sum()} of {len(values)} values); mend it or its phase, or make amplitudes of values in dB "
-            f"(10^(dB/20) of their reference)"
+            f"{path}: line {line_of(path, table.start, i)}: {label} = {values[i]:g}: an amplitude with a phase is not "
+            f"negative (so are {negative.sum()} of {len(values)} values); mend it or its phase, or make amplitudes of "
+            f"values in dB (10^(dB/20) of their reference)"
         )
 
 

@@ -10,9 +10,12 @@ from pydantic import Field, model_validator
 
 from updamp.measurement.measurement import MeasurementError, near
 from updamp.measurement.readers.column_checks import check_columns, check_radians
+from updamp.measurement.readers.csv_form import CsvForm
 from updamp.measurement.readers.gather import group_rows, repeat_number, sweep_direction, text_of
+from updamp.measurement.readers.header import Wanted, header_of
 from updamp.measurement.readers.registry import register
-from updamp.measurement.readers.table import Codes, CsvForm, Table, header_of, read_table
+from updamp.measurement.readers.table import Codes, Table, read_table
+from updamp.measurement.readers.units_row import ANGLE, HERTZ, check_axis
 from updamp.measurement.recorded import Complex, RecordedChannel, RecordedSweep, complex_of
 
 _TO_RADIANS = {"rad": 1.0, "deg": np.pi / 180}
@@ -48,18 +51,19 @@ class ColumnOptions(CsvForm):
 def read_csv_columns(path: Path, labels: tuple[str, ...], options: ColumnOptions) -> tuple[RecordedSweep, ...]:
     """A label is the column of the channel's amplitude, or of its real part where `imaginary` names another column."""
     _check_keys(path, labels, options)
-    header = header_of(path, options)
-    present = [label for label in labels if label in header]
+    header = header_of(path, Wanted((options.frequency,), labels), options)
+    present = [label for label in labels if label in header.names]
     parts = [table[label] for label in present for table in (options.phase, options.imaginary) if label in table]
     marks = [name for name in (options.run, options.repeat, options.sweep) if name is not None]
-    table = read_table(path, [*dict.fromkeys((options.frequency, *present, *parts))], marks, options)
+    table = read_table(path, header, [*dict.fromkeys((options.frequency, *present, *parts))], marks, options)
     absent = Codes(np.zeros(len(table.numbers[options.frequency]), np.int32), {"": 0})
     run, repeat, sweep = (
         table.texts[name] if name is not None else absent for name in (options.run, options.repeat, options.sweep)
     )
     used = {options.frequency, *present, *parts, *marks}
-    others = tuple(name for name in header if name not in used)
+    others = tuple(name for name in header.names if name and name not in used)
     groups = group_rows(run, repeat, sweep)
+    _check_units(path, table, options)
     check_columns(path, table, options.phase, labels[0])
     if options.phase_unit == "rad":
         check_radians(path, table, options.phase, groups)
@@ -67,7 +71,10 @@ def read_csv_columns(path: Path, labels: tuple[str, ...], options: ColumnOptions
     found = []
     for rows in groups:
         name = text_of(run, rows)
-        channels = {label: RecordedChannel(_amplitude(table, options, label, rows)[None]) for label in present}
+        channels = {
+            label: RecordedChannel(_amplitude(table, options, label, rows)[None], unit=table.unit(label))
+            for label in present
+        }
         number = repeat_number(path, name, text_of(repeat, rows))
         direction = sweep_direction(path, name, text_of(sweep, rows))
         frequency = table.numbers[options.frequency][rows]
@@ -84,6 +91,22 @@ def _check_keys(path: Path, labels: tuple[str, ...], options: ColumnOptions) -> 
                     f'{path}: options.{key}: "{label}" = "{table[label]}": no channel has the label "{label}"; '
                     f"{near(label, labels)} (a label is the name of the amplitude's column)"
                 )
+
+
+def _check_units(path: Path, table: Table, options: ColumnOptions) -> None:
+    """raises: MeasurementError where the row of units has another one for frequencies or phases than they are read in,
+    or for an imaginary part than for its real part"""
+    check_axis(path, table.units, options.frequency, "Hz", HERTZ)
+    for column in options.phase.values():
+        check_axis(path, table.units, column, options.phase_unit or "rad", ANGLE)
+    for label, column in options.imaginary.items():
+        real, imaginary = table.unit(label), table.unit(column)
+        if real and imaginary and real != imaginary:
+            raise MeasurementError(
+                f'{path}: options.imaginary: "{label}" = "{column}": the row of units has {real} for the one and '
+                f"{imaginary} for the other, a real and an imaginary part have the same; name the column of the "
+                f"imaginary part (that of a phase belongs into options.phase)"
+            )
 
 
 def _granted(

@@ -58,7 +58,8 @@ def _put(group: h5py.Group, sweep: RecordedSweep) -> None:
     for number, (name, channel) in enumerate(sweep.channels.items()):
         entry = table.create_group(f"{number:04d}")  # a name may hold any character, a key may not
         for key in ("unit", "quantity", "direction", "per_force"):
-            entry.attrs[key] = getattr(channel, key)
+            if (stated := getattr(channel, key)) is not None:
+                entry.attrs[key] = stated
         entry.attrs["name"] = name
         entry.create_dataset("harmonics", data=np.array(channel.harmonics)).attrs["unit"] = "1"
         entry.create_dataset("amplitude", data=channel.amplitude, fletcher32=True).attrs["unit"] = channel.unit
@@ -87,7 +88,8 @@ def _channel(path: Path, label: str, entry: h5py.Group, n: int) -> RecordedChann
                 f"{len(harmonics)} harmonics and {n} frequencies"
             )
     stated = {key: str(_stated(path, entry, key)) for key in ("unit", "quantity", "direction")}
-    return RecordedChannel(amplitude, harmonics, noise, bool(_stated(path, entry, "per_force")), **stated)
+    per_force = entry.attrs.get("per_force")
+    return RecordedChannel(amplitude, harmonics, noise, None if per_force is None else bool(per_force), **stated)
 
 
 def _stated(path: Path, group: h5py.Group, key: str) -> Any:

@@ -7,24 +7,30 @@ from pathlib import Path
 import numpy as np
 
 from updamp.measurement.measurement import MeasurementError
+from updamp.measurement.readers.csv_form import CsvForm
 from updamp.measurement.readers.gather import Samples, sweeps_from_samples
+from updamp.measurement.readers.header import Wanted, header_of
 from updamp.measurement.readers.registry import register
-from updamp.measurement.readers.table import Codes, CsvForm, header_of, read_table
+from updamp.measurement.readers.table import Codes, read_table
+from updamp.measurement.readers.units_row import HERTZ, check_axis
 from updamp.measurement.recorded import RecordedSweep, complex_of
 
 COLUMNS = ("run", "repeat", "sweep", "frequency_Hz", "channel", "harmonic", "real", "imag")
 OPTIONAL = ("repeat", "sweep", "harmonic")
+REQUIRED = tuple(name for name in COLUMNS if name not in OPTIONAL)
 
 
 @register("long_csv", endings=(".csv",), options=CsvForm)
 def read_long_csv(path: Path, labels: tuple[str, ...], options: CsvForm) -> tuple[RecordedSweep, ...]:
     """Header `run,repeat,sweep,frequency_Hz,channel,harmonic,real,imag`, in any order; repeat, sweep and harmonic may
-    be missing (harmonic 1 then). Lines that start with # are comments. options: its delimiter and decimal sign."""
-    header = header_of(path, options)
-    _check_header(path, header)
-    numeric = [name for name in ("frequency_Hz", "harmonic", "real", "imag") if name in header]
-    texts = [name for name in ("run", "repeat", "sweep", "channel") if name in header]
-    table = read_table(path, numeric, texts, options)
+    be missing (harmonic 1 then). Lines above it are left out, and those that start with #, which are comments.
+    options: its delimiter and decimal sign."""
+    header = header_of(path, Wanted(REQUIRED), options)
+    _check_header(path, header.names)
+    numeric = [name for name in ("frequency_Hz", "harmonic", "real", "imag") if name in header.names]
+    texts = [name for name in ("run", "repeat", "sweep", "channel") if name in header.names]
+    table = read_table(path, header, numeric, texts, options)
+    check_axis(path, table.units, "frequency_Hz", "Hz", HERTZ)
     n = len(table.numbers["real"])
     absent = Codes(np.zeros(n, np.int32), {"": 0})
     run, repeat, sweep = (table.texts.get(name, absent) for name in ("run", "repeat", "sweep"))
@@ -65,8 +71,8 @@ def write_long_csv(path: Path, sweeps: Iterable[RecordedSweep]) -> None:
 
 
 def _check_header(path: Path, header: tuple[str, ...]) -> None:
-    missing = [name for name in COLUMNS if name not in header and name not in OPTIONAL]
-    unknown = [name for name in header if name not in COLUMNS]
+    missing = [name for name in REQUIRED if name not in header]
+    unknown = [name for name in header if name and name not in COLUMNS]
     if missing or unknown:
         raise MeasurementError(
             f"{path}: header = {','.join(header)[:80]!r}: wanted is {','.join(COLUMNS)}"

@@ -20,7 +20,8 @@ _TO_HERTZ = {"Hz": 1.0, "rad/s": 1 / (2 * np.pi)}
 
 
 class MatlabOptions(InputTable):
-    """frequency: variable of the frequencies; harmonics: of the rows of a channel's array, (n_harmonics, n) in MATLAB.
+    """frequency: variable of the frequencies; frequency_unit: theirs, "Hz" or "rad/s"; harmonics: of the rows of a
+    channel's array, (n_harmonics, n) in MATLAB.
 
     A field of a structure is written with a point, as in MATLAB: "test.frequency".
     """
@@ -45,7 +46,10 @@ def read_matlab(path: Path, labels: tuple[str, ...], options: MatlabOptions) -> 
         if label in variables
     }
     used = {name.split(".")[0] for name in wanted}
-    note = f"{path.name}: frequency_unit is not stated; '{options.frequency}' is read in Hz"
+    note = (
+        f"{path.name}: frequency_unit is not stated; '{options.frequency}' is read in Hz "
+        f"(allowed are {' and '.join(_TO_HERTZ)})"
+    )
     notes = () if options.frequency_unit else (note,)
     return (RecordedSweep("", None, "", frequency, channels, tuple(n for n in top if n not in used), notes),)
 

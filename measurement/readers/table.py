@@ -1,44 +1,23 @@
 """Tables of numbers as text, read in pieces: numbers and codes are kept, no text, so a gigabyte fits into memory."""
 
 import csv
-import json
-import os
-from collections.abc import Collection, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
-from typing import IO, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.measurement.measurement import MeasurementError, near
-from updamp.measurement.readers.registry import usable_file
-from updamp.rig.fields import InputTable
-from updamp.rig.toml_file import UTF_16
+from updamp.measurement.measurement import MeasurementError
+from updamp.measurement.readers.csv_form import PLAIN, CsvForm, is_number, with_point
+from updamp.measurement.readers.header import Header, check_column
+from updamp.measurement.readers.text_file import Start, has_line_end, line_of, lines_of, opened
+from updamp.measurement.readers.units_row import is_row_of_units, plain_unit
 
-LARGEST = 2e9  # bytes; the long form takes 1.7 GB of memory for a file of 1 GB
 LINES_AT_ONCE = 100_000
-OTHER_DELIMITERS = {";": "semicolon", ",": "comma", "\t": "tab"}
-LONGEST_LINE = 10_000  # characters; a longer one is no line of numbers
 
 Floats = NDArray[np.float64]
-_COMMAS = str.maketrans({",": ".", ".": " . "})  # a point beside decimal commas parts thousands: no number here
-
-
-class CsvForm(InputTable):
-    """How a CSV file is written. delimiter: between its columns; decimal: "," where its numbers have decimal commas"""
-
-    delimiter: Literal[",", ";", "\t"] = ","
-    decimal: Literal[".", ","] = "."
-
-    def plain(self, text: str) -> str:
-        """The text of a number with a decimal point."""
-        return text if self.decimal == "." else text.translate(_COMMAS)
-
-
-PLAIN = CsvForm()
 
 
 @dataclass
@@ -59,164 +38,131 @@ class Codes:
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """header: all columns; numbers: (n,) by column; texts: by column; notes: what was taken for granted"""
+    """header: all columns; numbers: (n,) by column; texts: by column; start: of its rows; notes: what was taken for
+    granted; units: those of the row of units by column, without brackets, empty where there is no such row
+    """
 
     header: tuple[str, ...]
     numbers: dict[str, Floats]
     texts: dict[str, Codes]
+    start: Start
     notes: tuple[str, ...] = ()
+    units: Mapping[str, str] = field(default_factory=dict)
+
+    def unit(self, column: str) -> str:
+        """As the row of units has it; "" where it says nothing."""
+        return self.units.get(column, "")
 
 
-def read_table(path: Path, numeric: Collection[str], text: Collection[str] = (), form: CsvForm = PLAIN) -> Table:
-    """A header line and lines below it; those that start with # are comments. Columns not named are skipped.
-
-    raises: MeasurementError where the file is missing, empty, too large, no text, has no such columns, is cut off or
-        has something else than numbers in a numeric column
-    """
-    usable_file(path, LARGEST)
-    with _opened(path, form.delimiter) as file:
-        reader = csv.reader(_lines(path, file), skipinitialspace=True, delimiter=form.delimiter)
-        header = _header(path, reader, form.delimiter)
-        _check_columns(path, header, [*numeric, *text])
-        return _body(path, reader, header, numeric, text, form)
-
-
-def header_of(path: Path, form: CsvForm = PLAIN) -> tuple[str, ...]:
-    """Names of the columns. raises: MeasurementError as in `read_table`"""
-    usable_file(path)
-    with _opened(path, form.delimiter) as file:
-        reader = csv.reader(_lines(path, file), skipinitialspace=True, delimiter=form.delimiter)
-        return _header(path, reader, form.delimiter)
-
-
-@contextmanager
-def _opened(path: Path, delimiter: str) -> Iterator[IO[str]]:
-    """raises: MeasurementError where what is read is no text in UTF-8, or no table"""
-    with path.open("rb") as start:
-        if start.read(2) in UTF_16:
-            raise MeasurementError(f"{path}: the text is UTF-16; save it as UTF-8")
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            yield file
-    except UnicodeDecodeError as error:
-        raise MeasurementError(
-            f"{path}: not a text file in UTF-8 ({error}); save it as UTF-8, or name the reader that suits it"
-        ) from None
-    except csv.Error as error:
-        raise MeasurementError(f"{path}: not a table parted by '{delimiter}' ({error})") from None
-
-
-def _header(path: Path, reader: Iterator[list[str]], delimiter: str) -> tuple[str, ...]:
-    header = tuple(name.strip() for name in next(reader, []))
-    for other, name in OTHER_DELIMITERS.items():
-        if len(header) == 1 and other != delimiter and other in header[0]:
-            raise MeasurementError(
-                f"{path}: its columns are parted by {name}s, '{delimiter}' is wanted here; state in its run options = "
-                f'{{ delimiter = {json.dumps(other)} }}, and decimal = "," beside it where numbers have decimal commas'
-            )
-    if twice := next((name for name in header if header.count(name) > 1), None):
-        raise MeasurementError(
-            f"{path}: header = {','.join(header)[:80]!r}: {header.count(twice)} columns have the name '{twice[:60]}'; "
-            f"give each its own"
-        )
-    return header
-
-
-def _lines(path: Path, file: IO[str]) -> Iterator[str]:
-    while line := file.readline(LONGEST_LINE):
-        if len(line) == LONGEST_LINE:
-            raise MeasurementError(
-                f"{path}: a line of more than {LONGEST_LINE} characters; this is no table of numbers"
-            )
-        if line.strip() and not line.startswith("#"):
-            yield line
-
-
-def _check_columns(path: Path, header: tuple[str, ...], wanted: Sequence[str]) -> None:
-    for name in wanted:
-        if name not in header:
-            raise MeasurementError(f"{path}: no column '{name[:60]}'; {near(name, header)}")
-
-
-def _body(
-    path: Path,
-    reader: Iterator[list[str]],
-    header: tuple[str, ...],
-    numeric: Collection[str],
-    text: Collection[str],
-    form: CsvForm,
+def read_table(
+    path: Path, header: Header, numeric: Collection[str], text: Collection[str] = (), form: CsvForm = PLAIN
 ) -> Table:
-    place = {name: header.index(name) for name in (*numeric, *text)}
+    """The lines below the header, without a row of units; those that start with # are comments. Columns not named are
+    skipped.
+
+    raises: MeasurementError where there are no such columns or no lines, or the file is cut off or has something else
+        than numbers in a numeric column
+    """
+    for name in (*numeric, *text):
+        check_column(path, header, name)
+    with opened(path, header.start.codec, form.delimiter) as file:
+        lines = islice(lines_of(path, file), header.start.lines, None)
+        reader = csv.reader(lines, skipinitialspace=True, delimiter=form.delimiter)
+        units, first = _units(header.names, numeric, next(reader, None))
+        start = Start(header.start.codec, header.start.lines + (reader.line_num if units else 0))
+        rows = _Rows(path, header.names, start, form)
+        numbers, texts, last = _columns(rows, chain(first, reader), numeric, text)
+    notes = header.notes
+    if units:
+        notes += (_note_on_units(path, line_of(path, header.start, 0), units),)
+    if header.names[-1] in (*numeric, *text) and not has_line_end(path, start.codec):
+        # A file that was cut off within its last value shows it by nothing else than its missing line end.
+        told = f"no line end after its last value, {last[:40]}: taken as complete, as if nothing were cut off"
+        notes += (f"{path.name}: {told}",)
+    return Table(header.names, numbers, texts, start, notes, units)
+
+
+def _units(
+    names: tuple[str, ...], numeric: Collection[str], row: list[str] | None
+) -> tuple[dict[str, str], list[list[str]]]:
+    """Units by column where the row has them, and the rows that are to be read: itself where it has none."""
+    if row is None:
+        return {}, []
+    by_column = dict(zip(names, row, strict=False))  # a row of units may be shorter than the table
+    if not is_row_of_units([by_column.get(name, "") for name in numeric]):
+        return {}, [row]
+    return {name: plain_unit(by_column.get(name, "")) for name in numeric}, []
+
+
+def _note_on_units(path: Path, number: int, units: Mapping[str, str]) -> str:
+    told = ", ".join(f"'{name}' {unit}" for name, unit in units.items() if unit)
+    return f"{path.name}: line {number} is taken as the row of units and left out: {told[:400]}"
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """What errors in the rows of a table have to name."""
+
+    path: Path
+    header: tuple[str, ...]
+    start: Start
+    form: CsvForm
+
+
+def _columns(
+    rows: _Rows, reader: Iterator[list[str]], numeric: Collection[str], text: Collection[str]
+) -> tuple[dict[str, Floats], dict[str, Codes], str]:
+    """Numbers and texts by column, and the text of the very last cell."""
+    place = {name: rows.header.index(name) for name in (*numeric, *text)}
     codes = {name: Codes() for name in text}
     parts: dict[str, list[NDArray[np.int32]]] = {name: [] for name in text}
     values: dict[str, list[Floats]] = {name: [] for name in numeric}
     done, last = 0, ""
-    while rows := list(islice(reader, LINES_AT_ONCE)):
-        _check_rows(path, len(header), rows, done)
-        columns = list(zip(*rows, strict=True))
+    while piece := list(islice(reader, LINES_AT_ONCE)):
+        _check_rows(rows, piece, done)
+        columns = list(zip(*piece, strict=True))
         for name in numeric:
-            values[name].append(_numbers(path, name, columns[place[name]], done, form))
+            values[name].append(_numbers(rows, name, columns[place[name]], done))
         for name in text:
             parts[name].append(codes[name].of(columns[place[name]]))
-        done, last = done + len(rows), rows[-1][-1]
+        done, last = done + len(piece), piece[-1][-1]
     if done == 0:
-        raise MeasurementError(f"{path}: a header and no line below it; export the data again")
+        raise MeasurementError(f"{rows.path}: a header and no line below it; export the data again")
     for name in text:
         codes[name].codes = np.concatenate(parts.pop(name))
-    notes = _last_value(path, last) if header[-1] in place else ()
-    return Table(header, {name: np.concatenate(values.pop(name)) for name in numeric}, codes, notes)
+    return {name: np.concatenate(values.pop(name)) for name in numeric}, codes, last
 
 
-def _last_value(path: Path, text: str) -> tuple[str, ...]:
-    """A file that was cut off within its last value shows it by nothing else than its missing line end."""
-    with path.open("rb") as file:
-        file.seek(-1, os.SEEK_END)
-        ended = file.read() in b'\r\n"'
-    note = f"{path.name}: no line end after its last value, {text[:40]}: taken as complete, as if nothing were cut off"
-    return () if ended else (note,)
-
-
-def _check_rows(path: Path, width: int, rows: list[list[str]], before: int) -> None:
+def _check_rows(rows: _Rows, piece: list[list[str]], before: int) -> None:
     """before: rows of the file before these"""
-    for i, row in enumerate(rows):
+    width = len(rows.header)
+    for i, row in enumerate(piece):
         if len(row) != width:
+            number = line_of(rows.path, rows.start, before + i)
             raise MeasurementError(
-                f"{path}: line {line_of(path, before + i)}, {','.join(row)[:60]!r}, has {len(row)} columns, the "
+                f"{rows.path}: line {number}, {','.join(row)[:60]!r}, has {len(row)} columns, the "
                 f"header {width}; the file is cut off or its columns are parted otherwise (decimal commas need "
                 f"semicolons between columns)"
             )
 
 
-def line_of(path: Path, row: int) -> int:
-    """Number in the file, from 1, of a row below the header: empty lines and comments are counted here."""
-    with path.open(encoding="utf-8-sig", newline="") as file:
-        lines = (number for number, line in enumerate(file, 1) if line.strip() and not line.startswith("#"))
-        return next(islice(lines, row + 1, None), 0)
-
-
-def _numbers(path: Path, column: str, texts: Sequence[str], before: int, form: CsvForm) -> Floats:
+def _numbers(rows: _Rows, column: str, texts: Sequence[str], before: int) -> Floats:
+    plain = rows.form.plain
     try:
-        return np.array([form.plain(text) for text in texts], dtype=np.float64)
+        return np.array([plain(text) for text in texts], dtype=np.float64)
     except ValueError:
-        i, bad = next((i, text) for i, text in enumerate(texts) if not _is_number(form.plain(text)))
+        i, bad = next((i, text) for i, text in enumerate(texts) if not is_number(plain(text)))
+        number = line_of(rows.path, rows.start, before + i)
         raise MeasurementError(
-            f'{path}: line {line_of(path, before + i)}: {column} = "{bad[:60]}": not a number; {_remedy(bad, form)}'
+            f'{rows.path}: line {number}: {column} = "{bad[:60]}": not a number; {_remedy(bad, rows.form)}'
         ) from None
 
 
 def _remedy(bad: str, form: CsvForm) -> str:
     if form.decimal == ",":
         return 'with decimal = "," numbers have a decimal comma and no points'
-    if _is_number(bad.translate(_COMMAS)):
+    if is_number(with_point(bad)):
         return 'write numbers with a decimal point, or state in its run options = { decimal = "," } with its delimiter'
     if bad.strip() and not any(sign.isdigit() for sign in bad):
         return "take its line out (units belong into measurement.toml), or begin it with # as a comment"
     return "write numbers with a decimal point"
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True

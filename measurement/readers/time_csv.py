@@ -1,16 +1,21 @@
 """CSV of time signals: a column a channel, and one with the commanded frequency where the file holds several steps."""
 
+from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from updamp.measurement.measurement import MeasurementError, near
+from updamp.measurement.measurement import MeasurementError
+from updamp.measurement.readers.csv_form import CsvForm
+from updamp.measurement.readers.header import Header, Wanted, check_column, header_of
 from updamp.measurement.readers.registry import register
-from updamp.measurement.readers.table import CsvForm, header_of, read_table
+from updamp.measurement.readers.table import Floats, Table, read_table
 from updamp.measurement.readers.time_steps import TimeOptions, TimeStep, sweep_of_steps
+from updamp.measurement.readers.units_row import HERTZ, SECONDS, check_axis
 from updamp.measurement.recorded import RecordedSweep
 
 
@@ -20,31 +25,60 @@ class TimeCsvOptions(TimeOptions, CsvForm):
     time: Annotated[str, Field(examples=["time_s"])] = "time_s"
     step: Annotated[str, Field(examples=["frequency_Hz"])] = "frequency_Hz"
 
+    @model_validator(mode="before")
+    @classmethod
+    def _frequency_is_no_column(cls, options: Any) -> Any:
+        """Elsewhere `frequency` names a column."""
+        stated = options.get("frequency") if isinstance(options, dict) else None
+        if isinstance(stated, str) and not any(sign.isdigit() for sign in stated):
+            raise ValueError(
+                f'frequency = "{stated}": is a value, such as "430 Hz", of a file with one step; the column of the '
+                f'commanded frequency is named by step = "{stated}"'
+            )
+        return options
+
 
 @register("time_csv", options=TimeCsvOptions, of_samples=True)
 def read_time_csv(path: Path, labels: tuple[str, ...], options: TimeCsvOptions) -> tuple[RecordedSweep, ...]:
     """One sweep: its steps are the stretches over which the commanded frequency is constant and time does not start
     again."""
-    header = header_of(path, options)
-    if labels[0] not in header:
-        raise MeasurementError(f"{path}: no column '{labels[0]}': the force; {near(labels[0], header)}")
-    present = [label for label in labels if label in header]
-    stepped = options.frequency is None
-    numeric = [options.time, *present, *([options.step] if stepped else [])]
-    table = read_table(path, dict.fromkeys(numeric), (), options)
-    numbers = table.numbers
+    header = header_of(path, Wanted((options.time, labels[0])), options)
+    check_column(path, header, labels[0], ": the force")
+    present = [label for label in labels if label in header.names]
+    numeric = [options.time, *present, *_column_of_steps(path, header, options)]
+    table = read_table(path, header, dict.fromkeys(numeric), (), options)
+    check_axis(path, table.units, options.time, "s", SECONDS)
+    check_axis(path, table.units, options.step, "Hz", HERTZ)
+    frequency, found, notes = sweep_of_steps(path, _steps(path, table, present, options), present, options)
+    channels = {label: replace(channel, unit=table.unit(label)) for label, channel in found.items()}
+    others = tuple(name for name in header.names if name and name not in numeric)
+    return (RecordedSweep("", None, "", frequency, channels, others, (*table.notes, *notes)),)
+
+
+def _column_of_steps(path: Path, header: Header, options: TimeCsvOptions) -> list[str]:
+    """None where the file has one step. raises: MeasurementError where it is missing"""
+    if options.frequency is not None:
+        return []
+    what = (
+        ", that of the commanded frequency [Hz] (`step` names this column; `frequency` is a value, such as "
+        'options = { frequency = "430 Hz" }, for a file with one step)'
+    )
+    check_column(path, header, options.step, what)
+    return [options.step]
+
+
+def _steps(path: Path, table: Table, present: Sequence[str], options: TimeCsvOptions) -> list[TimeStep]:
+    """raises: MeasurementError where a time or a commanded frequency is not finite"""
+    numbers, stepped = table.numbers, options.frequency is None
     time = numbers[options.time]
-    commanded = numbers[options.step] if stepped else np.full(len(time), options.frequency)
+    commanded: Floats = numbers[options.step] if stepped else np.full(len(time), options.frequency)
     if not (np.isfinite(time).all() and np.isfinite(commanded).all()):
         raise MeasurementError(f"{path}: a time or a commanded frequency is no finite number; export the file again")
     begins = np.diff(commanded) != 0
     if stepped:  # one frequency may be commanded twice in a row, as where a sweep turns round
         begins |= time[1:] <= time[0]
     edges = [0, *(np.flatnonzero(begins) + 1).tolist(), len(time)]
-    steps = [
+    return [
         TimeStep(float(commanded[a]), time[a:b], {label: numbers[label][a:b] for label in present})
         for a, b in pairwise(edges)
     ]
-    frequency, channels, notes = sweep_of_steps(path, steps, present, options)
-    others = tuple(name for name in header if name not in numeric)
-    return (RecordedSweep("", None, "", frequency, channels, others, (*table.notes, *notes)),)

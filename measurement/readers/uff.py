@@ -171,7 +171,7 @@ def _channel(path: Path, label: str, records: Sequence[Record]) -> RecordedChann
     quantity, toward = QUANTITIES.get(int(first["ordinate_spec_data_type"]), ""), direction(first)
     if not is_ratio(first):
         unit = stated_unit(first)
-        return RecordedChannel(amplitude, ordered, unit=unit, quantity=quantity, direction=toward)
+        return RecordedChannel(amplitude, ordered, None, False, unit, quantity, toward)
     unit, force_unit = units_of_ratio(path, first)
     return FrequencyResponse(
         amplitude,

@@ -46,7 +46,7 @@ def refused(folder: Path, toml: str = TOML, sweep: RecordedSweep | None = None, 
         ('"g_0"', '"g"', ['unit = "g"', 'write "g_0"', "gram"]),
         ('unit = "N"\n', "", ["channels.force.unit: missing", 'such as unit = "N"']),
         ('"g_0"', '"G"', ['unit = "G"', 'write "g_0"', "gauss"]),
-        ('"g_0"', '"m/s^2/N"', ["of the kind m/s^2", "universal files alone: multiply it by the force"]),
+        ('"g_0"', '"m/s^2/N"', ["of the kind m/s^2", 'such as "m/s^2", and per_force = true']),
         ('"g_0"', '"gn"', ['unit = "gn"', 'write "g_0"']),
         ('file = "data.csv"', 'file = "/dev/null"', ["/dev/null: is a device or pipe, no file"]),
         ('"17 N"', '"17"', ['level = "17"', "state its unit"]),
@@ -312,9 +312,9 @@ def test_what_is_wrong_in_a_table_is_named(tmp_path: Path) -> None:
     message = refused(tmp_path)
     assert "there is no 'frequency_Hz', 'Frequency_Hz' is none of these" in message
     lines = good.splitlines()
-    (tmp_path / "data.csv").write_text("\n".join([lines[0], "-,-,-,Hz,-,-,N,N", *lines[1:], ""]))
+    (tmp_path / "data.csv").write_text("\n".join([*lines[:3], "-,-,-,Hz,-,-,N,N", *lines[3:], ""]))
     message = refused(tmp_path)
-    assert 'line 2: frequency_Hz = "Hz": not a number; take its line out' in message
+    assert 'line 4: frequency_Hz = "Hz": not a number; take its line out' in message
 
 
 def test_one_frequency_is_no_sweep() -> None:

@@ -58,6 +58,58 @@ def test_csv(tmp_path: Path) -> None:
     assert any("trigger" in text for text in measurement.assumptions)
 
 
+@pytest.mark.parametrize("name", ["laser", "Prüfling 1"])
+def test_csv_below_a_preamble_and_above_a_row_of_units(tmp_path: Path, name: str) -> None:
+    """As a logger writes it, in Latin-1 with tabs: the very harmonics of the plain file; units of another kind of time
+    or frequency are refused."""
+    rows = [
+        "\t".join(f"{x:.9g}" for x in (t, FREQUENCY[step], f, v))
+        for step in STEPS
+        for t, f, v in zip(*signals(step), strict=True)
+    ]
+    toml = TOML.replace('amplitude = "rms"', 'amplitude = "peak"').replace(
+        "[channels.laser]", f'[channels.laser]\nlabel = "{name}"'
+    )
+    options = OPTIONS.format("time_csv").replace("settle", r'delimiter = "\t", settle')
+    path = tmp_path / "measurement.toml"
+    path.write_text(toml + options, encoding="utf-8")
+    header = f"time_s\tfrequency_Hz\tforce\t{name}"
+    runs = []
+    for above, below in (([], []), (["Aufzeichnung: Köln, 3.5.2024", "Rate\t3600"], ["s\tHz\tN\t[mm/s]"])):
+        (tmp_path / "data.csv").write_bytes("\r\n".join([*above, header, *below, *rows, ""]).encode("latin-1"))
+        runs += load_measurement(path).runs
+    np.testing.assert_array_equal(runs[1].response, runs[0].response)
+    for units, words in (
+        ("ms\tHz\tN\tmm/s", "column 'time_s': its row of units says ms, it is read in s"),
+        ("s\tkHz\tN\tmm/s", "column 'frequency_Hz': its row of units says kHz, it is read in Hz"),
+        ("s\tHz\tN\tm/s", "channel 'laser': the file says m/s"),
+    ):
+        (tmp_path / "data.csv").write_bytes("\r\n".join([header, units, *rows, ""]).encode("latin-1"))
+        with pytest.raises(MeasurementError, match=words):
+            load_measurement(path)
+
+
+@pytest.mark.parametrize(
+    ("option", "words"),
+    [
+        (
+            "",
+            r"no column 'frequency_Hz', that of the commanded frequency .*`step` names this column; `frequency` is",
+        ),
+        ('step = "f_sat", ', r"no column 'f_sat', .*did you mean f_set"),
+        ('frequency = "f_set", ', r'frequency = "f_set": is a value, .* is named by step = "f_set"'),
+    ],
+)
+def test_the_column_of_the_commanded_frequency_is_missing(tmp_path: Path, option: str, words: str) -> None:
+    """The message tells the two keys apart: `step` is a column, `frequency` a value."""
+    (tmp_path / "data.csv").write_text("time_s,f_set,force,laser\n0,430,1,1\n")
+    path = tmp_path / "measurement.toml"
+    options = OPTIONS.format("time_csv").replace("harmonics", f"{option}harmonics")
+    path.write_text(TOML.replace('"rms"', '"peak"') + options)
+    with pytest.raises(MeasurementError, match=words):
+        load_measurement(path)
+
+
 def test_time_that_restarts_parts_the_steps_at_a_turning_point(tmp_path: Path) -> None:
     lines = ["time_s,frequency_Hz,force,laser"]
     for place, step in enumerate((8, 13, 18, 18, 13, 8)):

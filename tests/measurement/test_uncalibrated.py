@@ -130,6 +130,29 @@ def test_the_beams_are_read_as_their_readme_has_them() -> None:
     assert [len(run) for run in magnets.runs] == [81, 79, 81, 79, 106, 100, 121, 119]
 
 
+@pytest.mark.parametrize(
+    ("stated", "unit", "stays"),
+    [
+        ("V", "V", True),
+        ("V", "mV", False),
+        ("V", "EU", True),
+        ("V", "", True),
+        ("EU", "mV", True),
+        ("% FS(", "V", True),
+    ],
+)
+def test_a_row_of_units_has_another_multiple(tmp_path: Path, stated: str, unit: str, stays: bool) -> None:
+    """Results are told in the unit stated, so the file's must be that one."""
+    path = written(tmp_path, 'unit = "V"', f'unit = "{stated}"')
+    data = tmp_path / "sweep.csv"
+    data.write_text(data.read_text().replace("f,gauge\n", f"f,gauge\nHz,{unit}\n"))
+    if stays:
+        assert len(load_measurement(path).runs) == 2
+        return
+    with pytest.raises(MeasurementError, match=r'channel \'gauge\': the file says mV, measurement\.toml unit = "V"'):
+        load_measurement(path)
+
+
 def test_frequencies_are_known_as_well_as_is_stated(tmp_path):
     stated = load_measurement(written(tmp_path, "repeatability = 0.03", "repeatability = 0.03\nfrequency_error = 4e-4"))
     assert (plan_of(stated).observations[0].noise[:, 0] == 4e-4).all()

@@ -144,8 +144,9 @@ DATA = [
     data("empty", ".csv", lambda _: b"", FILE, "empty"),
     data("header alone", ".csv", lambda b: b[: b.index(b"\n") + 1], FILE, "no line below"),
     data("BOM", ".csv", lambda b: b"\xef\xbb\xbf" + b, "Oscillator", welcome=True),
-    data("UTF-16", ".csv", lambda b: b.decode().encode("utf-16"), FILE, "UTF-16", "UTF-8"),
-    data("Latin-1", ".csv", _line(7, lambda b: b + b"\xf6"), FILE, "UTF-8"),
+    data("UTF-16", ".csv", lambda b: b.decode().encode("utf-16"), "Oscillator", welcome=True),
+    data("Latin-1 in a number", ".csv", _line(7, lambda b: b + b"\xf6"), FILE, "line 7", "not a number"),
+    data("binary", ".csv", lambda b: b[:300] + GARBAGE, FILE, "no text", "name the reader that suits it"),
     data("semicolons", ".csv", lambda b: b.replace(b",", b";"), FILE, "semicolon", 'options = { delimiter = ";" }'),
     data("tabs", ".csv", lambda b: b.replace(b",", b"\t"), FILE, "tab", r'options = { delimiter = "\t" }'),
     data(
