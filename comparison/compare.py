@@ -25,11 +25,12 @@ from updamp.comparison.findings.odd_points import odd_points
 from updamp.comparison.findings.phase_lag import PhaseLag, fitted_lag, lag_finding, phase_lag
 from updamp.comparison.findings.stated_values import feature_findings
 from updamp.comparison.findings.unlike_repeats import unlike_repeats
-from updamp.comparison.fit.calibration import calibration
+from updamp.comparison.fit.calibration import Calibration
 from updamp.comparison.fit.compared import compare_at, predict_branches
 from updamp.comparison.fit.fit import Fit
+from updamp.comparison.fit.gated_calibration import GatedCalibration, gated_calibration
 from updamp.comparison.fit.moved_by_numerics import moved_frequencies
-from updamp.comparison.fit.numerical_gate import apply_numerical_gate, starting_at
+from updamp.comparison.fit.numerical_gate import NumericalGate, finer_than
 from updamp.comparison.fit.observations import Plan, plan_of
 from updamp.comparison.fit.odd_readings import OddReading
 from updamp.comparison.fit.repeat_scatter import of_repeats
@@ -43,7 +44,7 @@ from updamp.effects.phase_lag import EFFECT as PHASE_LAG
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.newton.observe import ContactState, contact_states
 from updamp.measurement.measurement import Measurement
-from updamp.model.calibration import LOSS_FACTOR, together_of_mode
+from updamp.model.calibration import LOSS_FACTOR, nuisances, together_of_mode
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -60,13 +61,15 @@ class CalibrationResult:
     """What a comparison rests on, and all of it that takes long.
 
     plan, measured: what counts, and all that was measured
-    before, after: branches as the rig file has the model and as calibrated, one a condition
+    given: the model as the rig file has it, with its numerical error
+    before, after: branches of that and as calibrated, one a condition
     lag: fitted together with the calibration, None where measured phases do not ask for it
     odd: points that do not count, since they are unlike those next to them
     """
 
     plan: Plan
     measured: Plan
+    given: Parametrisation
     before: tuple[PredictedBranch, ...]
     fit: Fit
     after: tuple[PredictedBranch, ...]
@@ -110,33 +113,27 @@ def calibrate(
     """As for `compare`, of a measurement with runs. Where all measured phases lag the model's by one angle, together
     with that angle."""
     plan = plan_of(measurement)
-    parametrisation, plain = apply_numerical_gate(model, rig_effects, plan, finer or {}, progress, branches_of)
-    before = starting_at(parametrisation, np.zeros(len(parametrisation)), plan, plain, branches_of)
-    del plain
-    found = _calibrated_from(before, parametrisation, plan, progress, branches_of)
+    plain = Parametrisation(model, nuisances(model), rig_effects=tuple(rig_effects))
+    gate, everything = NumericalGate(plan, finer_than(model, finer or {}), branches_of), range(len(plan.conditions))
+    first = gated_calibration(plain, gate, everything, None, progress)
+    found = _with_curves(first, first.calibration, plan, progress, branches_of)
     read = phase_lag(found.fit, found.plan, found.after)
     if read is None:
         return found
-    lagging = replace(parametrisation, effects=(PHASE_LAG,))
-    at_rest = predict_branches(lagging, np.zeros(len(lagging)), plan, None, branches_of)
-    again = _calibrated_from(at_rest, lagging, plan, progress, branches_of)
-    return replace(again, lag=fitted_lag(again.fit))
+    start = np.append(found.fit.u[: len(plain)], 0.0)
+    lagging = gated_calibration(replace(plain, effects=(PHASE_LAG,)), gate, everything, start, progress).calibration
+    return replace(_with_curves(first, lagging, plan, progress, branches_of), lag=fitted_lag(lagging.fit))
 
 
-def _calibrated_from(
-    before: Sequence[PredictedBranch],
-    parametrisation: Parametrisation,
-    plan: Plan,
-    progress: Progress,
-    branches_of: Branches,
+def _with_curves(
+    first: GatedCalibration, found: Calibration, plan: Plan, progress: Progress, branches_of: Branches
 ) -> CalibrationResult:
-    progress("calibration")
-    found = calibration(parametrisation, plan, before, progress, branches_of)
+    """first: which began with the model as given"""
     fitted, counts = found.fit, found.rests_on(plan)
     progress("curves")
-    after = predict_branches(parametrisation, fitted.u, counts, fitted.compared.branches, branches_of)
+    after = predict_branches(fitted.parametrisation, fitted.u, counts, fitted.compared.branches, branches_of)
     moved = tuple(at_sizes(branch, fitted.u) for branch in after)
-    return CalibrationResult(counts, plan, tuple(before), fitted, moved, odd=found.odd)
+    return CalibrationResult(counts, plan, first.given, first.before, fitted, moved, odd=found.odd)
 
 
 def comparison_of(
@@ -147,8 +144,8 @@ def comparison_of(
 ) -> Comparison:
     """The findings on a calibrated model, with the curves and numbers behind them."""
     plan, before, fitted, after = calibrated.plan, calibrated.before, calibrated.fit, calibrated.after
-    parametrisation = fitted.parametrisation
-    as_given = compare_at(parametrisation, np.zeros(len(parametrisation)), plan, before, fitted.compared.scatter)
+    given = calibrated.given
+    as_given = compare_at(given, np.zeros(len(given)), plan, before, fitted.compared.scatter)
     names = {channel.point: channel.name for channel in measurement.channels}
     of_tests, of_model = measured_backbones(plan, names), model_backbones(plan, names, after)
     repeats = of_repeats(fitted, plan)

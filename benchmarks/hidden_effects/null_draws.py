@@ -101,7 +101,7 @@ def _record(calibrated: CalibrationResult) -> dict[str, Any]:
 
 def at_truth(calibrated: CalibrationResult) -> Compared:
     """The comparison with the parameters at their true values, numerical error and scatter fitted."""
-    parametrisation, plan, branches = calibrated.fit.parametrisation, calibrated.plan, calibrated.before
+    parametrisation, plan, branches = calibrated.given, calibrated.plan, calibrated.before
     n = len(parametrisation.nuisances)
     prior = Scatter({x.name: x.scatter for x in parametrisation.nuisances})
     u = np.zeros(len(parametrisation))

@@ -5,9 +5,9 @@ and the sensors' noise off how rough a first fit leaves the runs; neither is lea
 what differs from run to run is as it is stated.
 
 Single points that are unlike those next to them are left out. One alone, a hundred deviations off, may lead a fit to
-where it is one of many. So those that are odd beside the model as given are left out of a first calibration, and
-counted again where they are not odd beside its outcome; those that are odd beside that are left out too, and all is
-done again.
+where it is one of many. So those that are odd beside the model that it begins with are left out of a first calibration,
+and counted again where they are not odd beside its outcome; those that are odd beside that are left out too, and all
+is done again.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from updamp.comparison.fit.compared import compare_at, reweighed
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
@@ -32,6 +33,8 @@ from updamp.comparison.fit.repeat_scatter import scatter_of_repeats
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
+
+Floats = NDArray[np.float64]
 
 # Of the calibration that the scatter of repeats is learnt beside; the one after it goes on until it settles.
 _FIRST = FitOptions(rounds=4, retraced=False)
@@ -62,15 +65,17 @@ def calibration(
     parametrisation: Parametrisation,
     plan: Plan,
     branches: Sequence[PredictedBranch],
+    start: Floats | None = None,
     progress: Callable[[str], None] = lambda _: None,
     branches_of: Branches = in_turn,
 ) -> Calibration:
-    """branches: of the model as given, one a condition
+    """start: (p,) parameters to begin with, those of the model as given by default; branches: there, one a condition
 
     raises: BranchStoppedError where the model has no response at the beginning of a run
     """
-    work = _Work(parametrisation, branches, progress, branches_of)
-    suspects = work.odd_beside_given(plan)
+    start = np.zeros(len(parametrisation)) if start is None else start
+    work = _Work(parametrisation, branches, start, progress, branches_of)
+    suspects = work.odd_beside_start(plan)
     found = work.calibrated(without_odd(plan, suspects))
     if not suspects:
         return found
@@ -83,10 +88,11 @@ def calibration(
 
 @dataclass(frozen=True, eq=False)
 class _Work:
-    """What all calibrations of one model begin with. branches: of the model as given"""
+    """What all calibrations of one model begin with. branches: at the start"""
 
     parametrisation: Parametrisation
     branches: Sequence[PredictedBranch]
+    start: Floats
     progress: Callable[[str], None]
     branches_of: Branches
 
@@ -95,7 +101,7 @@ class _Work:
         p, progress, branches_of = self.parametrisation, self.progress, self.branches_of
         contacts = p.base.contacts is not None
         far, once_more = (partial(fit, options=_FIRST), FitOptions()) if contacts else (fit_from_far, LAST)
-        first = far(p, given, np.zeros(len(p)), None, self.branches, progress=progress, branches_of=branches_of)
+        first = far(p, given, self.start, None, self.branches, progress=progress, branches_of=branches_of)
         noise = noise_of_each_sensor(first.compared.matched, given)
         plan = with_noise_of_sensors(given, noise)
         beside = reweighed(p, plan, first.compared, replace(first.compared.scatter, noise=1.0))
@@ -106,10 +112,10 @@ class _Work:
         progress(f"calibration without {len(odd)} odd points")
         return self.calibrated(without_odd(given, odd)).also_without(odd)
 
-    def odd_beside_given(self, plan: Plan) -> tuple[OddReading, ...]:
+    def odd_beside_start(self, plan: Plan) -> tuple[OddReading, ...]:
         p, prior = self.parametrisation, prior_scatter(self.parametrisation, plan)
         spread = np.where(np.isfinite(p.deviation), p.deviation, 0.0)
-        return odd_readings(compare_at(p, np.zeros(len(p)), plan, self.branches, prior, None, spread), plan)
+        return odd_readings(compare_at(p, self.start, plan, self.branches, prior, None, spread), plan)
 
     def odd_beside(self, found: Calibration, plan: Plan) -> tuple[OddReading, ...]:
         """Of points that it was not calibrated with too."""

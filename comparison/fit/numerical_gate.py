@@ -5,8 +5,8 @@ its uncertainty enters the fit as patterns (`numerical_error.py`). After a fit t
 the parameters may have been moved by numerical error (`moved_by_numerics.py`).
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,12 +20,10 @@ from updamp.comparison.prediction.numerical_error import UNSURE, NumericalError,
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch, with_patterns
 from updamp.comparison.prediction.run_condition import RunCondition, same_sweeps
-from updamp.effects.chosen import ChosenEffect
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.analysis.settings import Setting, more_harmonics, twice_the_samples
 from updamp.hbm.continuation.continuation import ContinuationOptions
 from updamp.hbm.harmonics import Harmonics
-from updamp.model.calibration import nuisances
 
 Floats = NDArray[np.float64]
 
@@ -60,40 +58,49 @@ def finer_than(model: RigModel, finer: Mapping[str, RigModel]) -> dict[str, RigM
     return {HARMONICS: with_finer_harmonics(model), **finer}
 
 
-def apply_numerical_gate(
-    model: RigModel,
-    rig_effects: Sequence[ChosenEffect],
-    plan: Plan,
-    finer: Mapping[str, RigModel],
-    progress: Callable[[str], None] = lambda _: None,
-    branches_of: Branches = in_turn,
-) -> tuple[Parametrisation, tuple[PredictedBranch, ...]]:
-    """The nuisance parameters of a model with its numerical error, and its branches at their nominal values, one a
-    condition and without that error. Where finer numerics shift the response by more than the measured window has room
-    for, the model's own is solved that much farther: what changes at its resonance is not seen on a flank.
+@dataclass(frozen=True, eq=False)
+class NumericalGate:
+    """plan: all runs; finer: models with finer numerics, by name, without effects of the rig file"""
 
-    rig_effects: effects of the rig file, which neither model has yet
-    finer: name -> model with finer numerics; that of more harmonics and time samples is made here
-    raises: BranchStoppedError where a model has no response at the beginning of a run
-    """
-    parametrisation = Parametrisation(model, nuisances(model), rig_effects=tuple(rig_effects))
-    nominal = np.zeros(len(parametrisation))
-    progress("prediction")
-    branches = predict_branches(parametrisation, nominal, plan, None, branches_of)
-    progress("numerical error")
-    models = finer_than(model, finer)
-    found = with_numerical_error(parametrisation, nominal, plan, branches, models, branches_of)
-    for _ in range(_WIDENED):
-        windows = [found.numerics.solved_window(c.name, c.window) for c in plan.conditions]
-        short = [i for i, branch in enumerate(branches) if not branch.covers(windows[i])]
-        if not short:
-            break
-        conditions = tuple(replace(plan.conditions[i], solved=windows[i]) for i in short)
-        wider = predict_branches(parametrisation, nominal, replace(plan, conditions=conditions), None, branches_of)
-        known = dict(zip(short, wider, strict=True))
-        branches = tuple(known.get(i, branch) for i, branch in enumerate(branches))
-        found = with_numerical_error(parametrisation, nominal, plan, branches, models, branches_of)
-    return found, branches
+    plan: Plan
+    finer: Mapping[str, RigModel]
+    branches_of: Branches = in_turn
+
+    def at(self, plain: Parametrisation, u: Floats) -> tuple[Parametrisation, tuple[PredictedBranch, ...]]:
+        """A parametrisation with its numerical error, and its branches without that error, one a condition. Where finer
+        numerics shift the response by more than the measured window has room for, the model's own is solved that much
+        farther: what changes at its resonance is not seen on a flank.
+
+        plain: without numerical error; u: (p,) where that is asked for
+        raises: BranchStoppedError where a model has no response at the beginning of a run
+        """
+        branches = predict_branches(plain, u, self.plan, None, self.branches_of)
+        found = self._with_error(plain, u, branches)
+        for _ in range(_WIDENED):
+            windows = [found.numerics.solved_window(c.name, c.window) for c in self.plan.conditions]
+            short = [i for i, branch in enumerate(branches) if not branch.covers(windows[i])]
+            if not short:
+                break
+            conditions = tuple(replace(self.plan.conditions[i], solved=windows[i]) for i in short)
+            wider = predict_branches(plain, u, replace(self.plan, conditions=conditions), None, self.branches_of)
+            known = dict(zip(short, wider, strict=True))
+            branches = tuple(known.get(i, branch) for i, branch in enumerate(branches))
+            found = self._with_error(plain, u, branches)
+        return found, branches
+
+    def _with_error(self, plain: Parametrisation, u: Floats, branches: Sequence[PredictedBranch]) -> Parametrisation:
+        return with_numerical_error(plain, u, self.plan, branches, self.finer, self.branches_of)
+
+
+def largest_change(numerics: NumericalError, plan: Plan) -> float:
+    """By finer numerics, anywhere along the branches, in deviations: of frequencies in those of their drift from run to
+    run, of what sensors read in those of their noise."""
+    found = [0.0]
+    for test, condition in enumerate(plan.conditions):
+        if numerics.expected is not None and condition.name in numerics.expected:
+            deviations = np.append(plan.drift, noise_of(plan.observations, test)[1:])
+            found.append(float(np.max(np.abs(numerics.expected[condition.name]) / deviations)))
+    return max(found)
 
 
 def starting_at(

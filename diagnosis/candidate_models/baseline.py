@@ -12,14 +12,15 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.fit.calibration import calibration
 from updamp.comparison.fit.compared import compare_at, predict_branches
 from updamp.comparison.fit.failing_model import Freedom
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
+from updamp.comparison.fit.gated_calibration import gated_calibration
 from updamp.comparison.fit.moved_by_numerics import beside_noise
 from updamp.comparison.fit.numerical_gate import (
     HARMONICS,
-    apply_numerical_gate,
+    NumericalGate,
+    finer_than,
     solved_as,
     starting_at,
     with_finer_harmonics,
@@ -29,10 +30,12 @@ from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.odd_readings import odd_readings, without_odd
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.numerical_error import NumericalError
+from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.diagnosis.criteria import Criteria
 from updamp.effects.chosen import ChosenEffect
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.continuation.continuation import BranchStoppedError
+from updamp.model.calibration import nuisances
 
 Floats = NDArray[np.float64]
 # Fewest levels of a mode of which one is kept for judging.
@@ -102,12 +105,9 @@ def baseline(
     """
     kept = _held_out(plan, held_out)
     training = tuple(i for i in range(len(plan.conditions)) if i not in kept)
-    parametrisation, before = apply_numerical_gate(model, rig_effects, plan, finer, progress, branches_of)
-    train = plan.only(training)
-    start = np.zeros(len(parametrisation))
-    at_start = starting_at(parametrisation, start, train, [before[i] for i in training], branches_of)
-    progress("calibration")
-    found = calibration(parametrisation, train, at_start, progress, branches_of)
+    plain = Parametrisation(model, nuisances(model), rig_effects=rig_effects)
+    gate = NumericalGate(plan, finer_than(model, finer), branches_of)
+    found = gated_calibration(plain, gate, training, None, progress).calibration
     whole = _without_odd_unseen(found.rests_on(plan), kept, found.fit, branches_of)
     if whole.noise_read and finer:  # else it is not known how far the model is off along a curve
         whole = replace(whole, common=beside_noise(found.fit))

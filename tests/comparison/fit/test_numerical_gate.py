@@ -11,7 +11,7 @@ from updamp.comparison.fit.compared import predict_branches
 from updamp.comparison.fit.fit import FitOptions, fit
 from updamp.comparison.fit.moved_by_numerics import moved_by_numerics, moved_frequencies
 from updamp.comparison.fit.numerical_gate import (
-    apply_numerical_gate,
+    NumericalGate,
     change_of_branch,
     finer_than,
     starting_at,
@@ -81,7 +81,7 @@ def test_all_that_was_measured_is_compared_with_the_branch_wherever_finer_numeri
 def test_where_its_own_resonance_is_beyond_the_window_the_model_is_known_as_well(monkeypatch):
     """Finer numerics bring it in: what they change on the flank that the window shows is not what they change there."""
     finer = YOUNGS_MODULUS.apply(small_model(), float(np.exp(-0.1)))
-    truth, wide = Parametrisation(finer, ()), condition(30.0, window=(36.0, 50.0))
+    plain, truth, wide = parametrisation(), Parametrisation(finer, ()), condition(30.0, window=(36.0, 50.0))
     exact = trace_branch(truth, np.zeros(0), wide)
     top = float(exact.frequency[np.argmax(abs(exact.amplitude[:, 0]))])
     narrow = condition(30.0, window=(top - 0.3, top + 0.3))
@@ -89,7 +89,8 @@ def test_where_its_own_resonance_is_beyond_the_window_the_model_is_known_as_well
 
     def off() -> float:
         """Largest error of the logarithm of the amplitude, in the window"""
-        p, before = apply_numerical_gate(small_model(), (), plan, {"softer": finer})
+        gate = NumericalGate(plan, finer_than(small_model(), {"softer": finer}))
+        p, before = gate.at(plain, np.zeros(4))
         (branch,) = starting_at(p, np.zeros(len(p)), plan, before)
         log_f = np.log(np.linspace(*narrow.window, 101))
         return float(np.abs(log_amplitude(branch, log_f) - log_amplitude(exact, log_f)).max())

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support.small_model import NUISANCES, condition, small_model, synthetic_plan
 
-from updamp.comparison.fit import fit, numerical_gate
+from updamp.comparison.fit import fit
 from updamp.comparison.fit.compared import objective
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.diagnosis.candidate_models.baseline import baseline
@@ -46,7 +46,7 @@ TWOFOLD = effect("twofold", lambda size: size * (sum(ALIKE) - size) / (ALIKE[0] 
 
 @pytest.fixture
 def fitted(monkeypatch):
-    monkeypatch.setattr(numerical_gate, "nuisances", lambda _: NUISANCES)
+    monkeypatch.setattr("updamp.diagnosis.candidate_models.baseline.nuisances", lambda _: NUISANCES)
 
     def of(one):
         truth = Parametrisation(spring(small_model(), 1.0), NUISANCES)

@@ -32,7 +32,7 @@ SHARE = EffectParameter("share", 0.0, 0.0, 1.0, 0.5, "", "test")
 
 @pytest.mark.parametrize(("ends", "said"), [((), "spring.share"), ((1.0,), "")])
 def test_a_parameter_at_a_bound_is_told_unless_the_bound_makes_sense_itself(monkeypatch, ends, said):
-    monkeypatch.setattr(numerical_gate, "nuisances", lambda _: NUISANCES)
+    monkeypatch.setattr("updamp.diagnosis.candidate_models.baseline.nuisances", lambda _: NUISANCES)
     truth = Parametrisation(with_share(small_model(), {"share": 1.3}), NUISANCES)
     plan, _ = synthetic_plan(truth, np.zeros(4), (condition(60.0),), np.array([1e-4, 0.02, 0.02, 0.01]), seed=3)
     effect = Effect("spring", "there is a spring", (replace(SHARE, ends=ends),), with_share)
@@ -66,7 +66,7 @@ SPRING = Effect("spring", "there is a spring", (EffectParameter("size", 0.0, 0.0
     reason="what a finer mesh changes, carried over from other parameters, is too rough: notes of experiments",
 )
 def test_a_fit_that_leaves_a_misfit_of_its_mesh_explains_the_data_once_that_is_known(monkeypatch):
-    monkeypatch.setattr(numerical_gate, "nuisances", lambda _: NUISANCES)
+    monkeypatch.setattr("updamp.diagnosis.candidate_models.baseline.nuisances", lambda _: NUISANCES)
     truth = Parametrisation(apply(FINE, {"size": 1.0}), NUISANCES)
     conditions = (replace(LEVEL, name="10 N", force=10.0), LEVEL)
     plan, _ = synthetic_plan(truth, np.zeros(4), conditions, np.array([1e-4, 0.02, 0.02, 0.01]), seed=7)
@@ -85,7 +85,7 @@ def test_a_fit_that_leaves_a_misfit_of_its_mesh_explains_the_data_once_that_is_k
 @pytest.mark.long
 def test_with_its_own_numerical_error_a_model_is_solved_with_more_harmonics(monkeypatch):
     """What they change is not carried over from other parameters then."""
-    monkeypatch.setattr(numerical_gate, "nuisances", lambda _: NUISANCES)
+    monkeypatch.setattr("updamp.diagnosis.candidate_models.baseline.nuisances", lambda _: NUISANCES)
     given = replace(small_model(), harmonics=Harmonics((1,)))
     truth = Parametrisation(numerical_gate.with_finer_harmonics(given), NUISANCES)
     noise = 0.001
@@ -120,7 +120,7 @@ WEAKLY = Effect(
 
 @pytest.mark.long
 def test_a_fit_that_ended_at_the_wrong_sign_is_turned_round(monkeypatch):
-    monkeypatch.setattr(numerical_gate, "nuisances", lambda _: NUISANCES)
+    monkeypatch.setattr("updamp.diagnosis.candidate_models.baseline.nuisances", lambda _: NUISANCES)
     truth = Parametrisation(shown_weakly(FINE, {"size": 1.0}), NUISANCES)
     plan, _ = synthetic_plan(truth, np.zeros(4), (LEVEL,), np.array([1e-4, 0.02, 0.02, 0.01]), seed=7)
     start, criteria = baseline(small_model(), (), plan, {"fine": FINE}), Criteria()

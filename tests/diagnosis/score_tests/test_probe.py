@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from support.small_model import NUISANCES, condition, small_model, synthetic_plan
 
-from updamp.comparison.fit import numerical_gate
 from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.diagnosis.candidate_models.baseline import baseline
@@ -50,7 +49,7 @@ CONDITIONS = tuple(condition(f) for f in (10.0, 60.0))
 @pytest.fixture(scope="module")
 def start():
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(numerical_gate, "nuisances", lambda _: NUISANCES)
+        patched.setattr("updamp.diagnosis.candidate_models.baseline.nuisances", lambda _: NUISANCES)
         truth = Parametrisation(by_spring(small_model(), STIFFNESS), NUISANCES)
         plan, _ = synthetic_plan(truth, np.zeros(4), CONDITIONS, SCATTER, seed=5)
         return baseline(small_model(), (), plan, {})

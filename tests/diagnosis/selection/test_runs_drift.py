@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from support.small_model import NUISANCES, condition, parametrisation, small_model, synthetic_plan
 
-from updamp.comparison.fit import numerical_gate
 from updamp.diagnosis.candidate_models.baseline import baseline
 from updamp.diagnosis.candidate_models.if_runs_drift import if_runs_drift
 from updamp.diagnosis.criteria import Criteria
@@ -42,7 +41,7 @@ def wandering(repeats):
 
 def calibrated(plan):
     with pytest.MonkeyPatch.context() as few:
-        few.setattr(numerical_gate, "nuisances", lambda _: NUISANCES)
+        few.setattr("updamp.diagnosis.candidate_models.baseline.nuisances", lambda _: NUISANCES)
         return baseline(small_model(), (), plan, {})
 
 

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from support.small_model import NUISANCES, condition, small_model, synthetic_plan
 
-from updamp.comparison.fit import numerical_gate
 from updamp.comparison.fit.compared import compare_at, predict_branches
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.diagnosis.candidate_models.baseline import baseline
@@ -53,7 +52,7 @@ WEAKER = effect("weaker", "share", 0.3, lambda m, v: m.with_contacts(n0=m.contac
 
 @pytest.fixture(autouse=True)
 def few_nuisances(monkeypatch):
-    monkeypatch.setattr(numerical_gate, "nuisances", lambda _: NUISANCES)
+    monkeypatch.setattr("updamp.diagnosis.candidate_models.baseline.nuisances", lambda _: NUISANCES)
 
 
 @lru_cache
