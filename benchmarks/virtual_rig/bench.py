@@ -67,8 +67,7 @@ class BenchElement:
 @dataclass(frozen=True, eq=False)
 class Bench:
     """loss_factor: hysteretic, of the blades; damper_loss: the damper's over that
-    loss_growth: b in loss_factor (1 + b A), A the tip's amplitude, each
-        blade's own [1/m]
+    loss_growth: b in loss_factor (1 + b A), A the amplitude of the tip, each blade its own [1/m]
     tuning: factors on the frequencies of "blade_left", "blade_right" and "damper": those of another Young's modulus
     clamp_compliance: turning of each blade's root about z [rad/(N m)]
     mean_share: of the mean motion that the contacts see; 0 where the mean position is held
