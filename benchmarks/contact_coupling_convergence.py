@@ -48,7 +48,7 @@ def stuck_frequencies(rig: Rig, divisions: dict[str, int]) -> tuple[int, dict[st
     mesh = build_mesh(rig, "here")
     solver = solver_named(rig.reduction.solver)
     found = {}
-    blade_part, damper_part = assemble_rig(mesh, rig.material, COUPLINGS["patch"])
+    blade_part, damper_part = assemble_rig(mesh, rig, COUPLINGS["patch"])
     with factorised(blade_part, solver) as on_root, factorised(damper_part, solver) as on_support:
         for name, coupling in COUPLINGS.items():
             blade = coupled_by(on_root, mesh.contacts, coupling, blade_interface)

@@ -50,9 +50,12 @@ def _of_table(rig: AnyRig, path: str) -> RigNumber:
     *tables, last = path.split(".")
     here: Any = rig
     for depth, name in enumerate(tables):
-        here = _entry(here, name, ".".join(tables[: depth + 1]))
+        table = ".".join(tables[: depth + 1])
+        here = _entry(here, name, table)
+        if here is None:
+            raise ValueError(f"{path}: the rig file has no table [{table}]; add it there, with all its keys")
         if not isinstance(here, BaseModel | Mapping):
-            raise ValueError(f"{'.'.join(tables[: depth + 1])} is no table, so {last} cannot be in it")
+            raise ValueError(f"{table} is no table, so {last} cannot be in it")
     value = _entry(here, last, path)
     field = type(here).model_fields[last] if isinstance(here, BaseModel) else None
     if field is None or isinstance(value, bool) or not isinstance(value, int | float):

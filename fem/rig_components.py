@@ -51,16 +51,19 @@ class RigComponents:
         if name not in self._factorised:
             with self.clock("assembly", f"stiffness and mass of the {name}"):
                 coupling = coupling_named(self.rig.contact.coupling)
-                part = _ASSEMBLED[name](self.mesh, self.rig.material, coupling)
+                part = _ASSEMBLED[name](self.mesh, self.rig, coupling)
             with self.clock("modes", f"factorisation of the {name}"):
                 solver = solver_named(self.rig.reduction.solver)
                 self._factorised[name] = self._held.enter_context(factorised(part, solver))
         return self._factorised[name]
 
 
-def assemble_rig(mesh: RigMesh, material: ElasticMaterial, coupling: Coupling) -> tuple[Component, Component]:
-    """The clamped right-hand blade and the free damper. raises: ValueError, GeometryError for meshes that do not fit"""
-    return assemble_blade(mesh, material, coupling), assemble_damper(mesh, material, coupling)
+def assemble_rig(mesh: RigMesh, rig: Rig, coupling: Coupling) -> tuple[Component, Component]:
+    """The clamped right-hand blade and the free damper, each of its material.
+
+    raises: ValueError, GeometryError for meshes that do not fit
+    """
+    return _blade_of(mesh, rig, coupling), _damper_of(mesh, rig, coupling)
 
 
 def assemble_blade(mesh: RigMesh, material: ElasticMaterial, coupling: Coupling) -> Component:
@@ -77,7 +80,15 @@ def assemble_damper(mesh: RigMesh, material: ElasticMaterial, coupling: Coupling
     return component(own, matrices, damper_interface(own, matrices, mesh.contacts, coupling), free=True)
 
 
-_ASSEMBLED = {BLADE: assemble_blade, DAMPER: assemble_damper}
+def _blade_of(mesh: RigMesh, rig: Rig, coupling: Coupling) -> Component:
+    return assemble_blade(mesh, rig.material, coupling)
+
+
+def _damper_of(mesh: RigMesh, rig: Rig, coupling: Coupling) -> Component:
+    return assemble_damper(mesh, rig.damper_material, coupling)
+
+
+_ASSEMBLED = {BLADE: _blade_of, DAMPER: _damper_of}
 
 
 class Clock:

@@ -3,7 +3,7 @@
 What a rig has taken up is applied in one order everywhere: calibration first, then effects, as a fit applies them.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import jax.numpy as jnp
 import numpy as np
@@ -68,7 +68,7 @@ def as_built(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> RigModel:
     """
     reduced, rest = DAMPER_MODELS[rig.damper_model].apply(reduced, rest)
     return RigModel(
-        components=from_reduced(reduced, rig.material.loss_factor),
+        components=from_reduced(reduced, rig.loss_factors),
         owner=tuple(component.name for component in reduced.components for _ in component.omega),
         attachments=wire_attachments(rig),
         by_pull=tuple(spring.name for spring in wire_springs(rig) if spring.by_pull),
@@ -170,18 +170,20 @@ def _places(rig: Rig) -> dict[str, Point]:
     }
 
 
-def from_reduced(reduced: ReducedModel, loss_factor: float) -> LinearModel:
-    """Both blades and the damper, not yet coupled; `loss_factor` of the material of all three.
+def from_reduced(reduced: ReducedModel, loss_factors: Mapping[str, float]) -> LinearModel:
+    """Both blades and the damper, not yet coupled.
 
+    loss_factors: component -> of its material, and so of its modes
     Points are named component.point, such as "blade_right.tip.x".
     """
     points = tuple(f"{c.name}.{p}" for c in reduced.components for p in c.points)
     omega_squared = np.concatenate([c.omega for c in reduced.components]) ** 2
+    loss = np.concatenate([np.full(len(c.omega), loss_factors[c.name]) for c in reduced.components])
     return LinearModel(
         omega_squared=omega_squared,
         phi=np.hstack([rows @ c.phi for c, rows in zip(reduced.components, _rows_of(reduced), strict=True)]),
         residual=np.sum([*residual_flexibility(reduced).values()], axis=0),
-        hysteretic=loss_factor * np.diag(omega_squared),
+        hysteretic=np.diag(loss * omega_squared),
         viscous=np.zeros((len(omega_squared), len(omega_squared))),
         n_relative=3 * len(reduced.contacts),
         points=points,

@@ -5,7 +5,8 @@ origin = "fitted with edge_gap to ..., 2026-11-20"
 sliding_friction = 0.94           # factors on the rig file's own values
 
 `sliding_friction` is the factor on the friction coefficient in vibration alone: the preload stays that of the stated
-coefficient, which eq. (5) of Pesaresi et al. (2017) and static contact take from the rig file.
+coefficient, which eq. (5) of Pesaresi et al. (2017) and static contact take from the rig file. `youngs_modulus` and
+`loss_factor` are factors on those of blades and damper alike, also where the damper has a material of its own.
 """
 
 import math

@@ -19,7 +19,7 @@ class DesignNumbers:
     displacement_ratio: C, u of the platform over u of the tip; platform_ratio: D, u over v of the platform
     frequency_shift: E, resonance over the free blade's first frequency
     energy_ratio: F, friction loss over the work of the excitation
-    contact_strain: G, mean pressure at rest over Young's modulus
+    contact_strain: G, mean pressure at rest over the blades' Young's modulus
     """
 
     force_ratio: float

@@ -1,4 +1,4 @@
-"""The damper's mass from its dimensions."""
+"""The damper's mass from its dimensions and its density."""
 
 from updamp.rig.rig import Rig
 
@@ -8,4 +8,4 @@ def damper_mass(rig: Rig) -> float:
     damper, (wide, low), (narrow, high) = rig.damper, rig.face_bottom, rig.face_top
     base, faces = 2 * wide * damper.base_height, (wide + narrow) * (high - low)
     apex = (narrow + damper.apex_flat / 2) * damper.apex_height
-    return rig.material.density * rig.blade.width * (base + faces + apex)
+    return rig.damper_material.density * rig.blade.width * (base + faces + apex)

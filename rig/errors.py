@@ -99,6 +99,7 @@ def _locate(loc: tuple[int | str, ...], model: type[BaseModel]) -> tuple[str, ty
     kind: Any = model
     field: FieldInfo | None = None
     for part in loc:
+        kind = _stated(kind)
         origin, arguments = get_origin(kind), get_args(kind)
         if part == "[key]":
             continue
@@ -112,6 +113,13 @@ def _locate(loc: tuple[int | str, ...], model: type[BaseModel]) -> tuple[str, ty
         else:
             path, kind, field = f"{path}.{part}", arguments[-1] if arguments else Any, None
     return path.removeprefix("."), table, field
+
+
+def _stated(annotation: Any) -> Any:
+    """Of a table that may be left out, the table."""
+    parts = get_args(annotation) if get_origin(annotation) in (Union, UnionType) else ()
+    others = [part for part in parts if part is not type(None)]
+    return others[0] if len(others) == 1 else annotation
 
 
 def _tagged(members: tuple[Any, ...], tag: int | str) -> type[BaseModel] | None:

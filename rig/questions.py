@@ -15,7 +15,7 @@ import numpy as np
 
 from updamp.rig.damper_mass import damper_mass
 from updamp.rig.pressure import FePressure
-from updamp.rig.rig import Rig
+from updamp.rig.rig import Material, Rig
 from updamp.rig.size import VECTORS_A_MODE, size_of
 
 Range = tuple[float, float]
@@ -48,7 +48,7 @@ class Usual:
 def questions(rig: Rig) -> list[str]:
     """Empty where nothing is odd; the rig is run as it is, whatever is asked."""
     return [
-        *_material(rig),
+        *_materials(rig),
         *_dimensions(rig),
         *_wires(rig),
         *_contact(rig),
@@ -57,22 +57,29 @@ def questions(rig: Rig) -> list[str]:
     ]
 
 
-def _material(rig: Rig) -> Iterator[str]:
-    modulus, density, loss = rig.material.youngs_modulus, rig.material.density, rig.material.loss_factor
+def _materials(rig: Rig) -> Iterator[str]:
+    """Of the blades, and of the damper where it has its own."""
+    yield from _material("material", rig.material)
+    if rig.damper.material is not None:
+        yield from _material("damper.material", rig.damper.material)
+
+
+def _material(table: str, material: Material) -> Iterator[str]:
+    modulus, density, loss = material.youngs_modulus, material.density, material.loss_factor
     if not Usual.youngs_modulus[0] <= modulus <= Usual.youngs_modulus[1]:
         yield (
-            f"material.youngs_modulus = {modulus / 1e6:g} MPa: metals have 16 to 411 GPa; is it meant in another unit "
+            f"{table}.youngs_modulus = {modulus / 1e6:g} MPa: metals have 16 to 411 GPa; is it meant in another unit "
             f'(steel: "197 GPa")?'
         )
     if not Usual.density[0] <= density <= Usual.density[1]:
         yield (
-            f"material.density = {density:g} kg/m^3: materials have 100 to 23,000; is it meant in another unit "
+            f"{table}.density = {density:g} kg/m^3: materials have 100 to 23,000; is it meant in another unit "
             f'(steel: "7800 kg/m^3" or "7.8 g/cm^3")?'
         )
     if loss < Usual.loss_factor[0]:
-        yield f"material.loss_factor = {loss:g}: steel has 0.0001 to 0.01; peaks have hardly a bound then; is it meant?"
+        yield f"{table}.loss_factor = {loss:g}: steel has 0.0001 to 0.01; peaks have hardly a bound then; is it meant?"
     if loss > Usual.loss_factor[1]:
-        yield f"material.loss_factor = {loss:g}: steel has 0.0001 to 0.01; is it meant in per cent, or as 1 / Q?"
+        yield f"{table}.loss_factor = {loss:g}: steel has 0.0001 to 0.01; is it meant in per cent, or as 1 / Q?"
 
 
 def _dimensions(rig: Rig) -> Iterator[str]:

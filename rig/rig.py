@@ -31,7 +31,7 @@ Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$")]
 
 
 class Material(InputTable):
-    """Linear elastic material of the blades and the damper. SI."""
+    """Linear elastic material: of the blades, and of a damper that states none of its own, [damper.material]. SI."""
 
     youngs_modulus: Annotated[float, Quantity("Pa", "197 GPa", above=0, at_most=2000)]
     poissons_ratio: Annotated[float, Field(strict=True, ge=0, le=0.49, examples=[0.3])]
@@ -61,6 +61,8 @@ class Damper(InputTable):
     """Wedge damper under both platforms; lengths of the face along the underside. [m]
 
     With apex_height 0 the damper ends at the upper end of its faces and apex_flat has no meaning.
+
+    material: of the damper alone, with all keys of [material]; left out where it is that of the blades
     """
 
     face_start: Length
@@ -68,6 +70,17 @@ class Damper(InputTable):
     apex_height: Annotated[float, Quantity("m", "0.5 mm", at_least=0, at_most=10_000)]
     apex_flat: Length
     base_height: Length
+    material: Material | None = None
+
+    @property
+    def dimensions(self) -> Self:
+        """Without the material: what a mesh depends on."""
+        return self.model_copy(update={"material": None})
+
+    @model_serializer(mode="wrap")
+    def _without_material(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """A material that is not stated leaves no trace: what was stored before it existed still holds."""
+        return {name: value for name, value in handler(self).items() if name != "material" or value is not None}
 
 
 class Wire(InputTable):
@@ -228,6 +241,17 @@ class Rig(InputTable):
         return {name: mode.window for name, mode in self.study.modes.items()}
 
     @property
+    def damper_material(self) -> Material:
+        """Its own where the file states one, else that of the blades."""
+        return self.damper.material or self.material
+
+    @property
+    def loss_factors(self) -> dict[str, float]:
+        """Component -> of its material"""
+        blades = self.material.loss_factor
+        return {"blade_left": blades, "blade_right": blades, "damper": self.damper_material.loss_factor}
+
+    @property
     def underside_length(self) -> float:
         """Of the platform's sloping underside, from its inner edge to the stem. [m]"""
         reach = self.blade.axis_offset - self.blade.thickness / 2 - self.platform.gap / 2
@@ -271,16 +295,33 @@ class Rig(InputTable):
     @property
     def state(self) -> str:
         """SHA-256 of all that the file states."""
-        return self.digest(*type(self).model_fields)
+        return self.digest(*type(self).model_fields, *(table for table in APART if self.states(table)))
 
     def digest(self, *keys: str) -> str:
-        """SHA-256 of what stands under the keys (dotted paths, such as "contact.pressure" or "mesh.full")."""
-        return hashlib.sha256(to_json([(key, reduce(_entry, key.split("."), self)) for key in keys])).hexdigest()
+        """SHA-256 of what stands under the keys (dotted paths, such as "contact.pressure" or "mesh.full"); what is in
+        a table of `APART` enters by its own keys alone."""
+        return hashlib.sha256(to_json([(key, _keyed(self._at(key))) for key in keys])).hexdigest()
 
     def states(self, key: str) -> bool:
-        """Whether something stands under a key that may be left out, such as "effects"."""
-        return bool(reduce(_entry, key.split("."), self))
+        """Whether something stands under a key that may be left out, such as "effects" or "damper.material.density"."""
+        found = self._at(key)
+        return isinstance(found, float) or bool(found)
+
+    def _at(self, key: str) -> Any:
+        return reduce(_entry, key.split("."), self)
+
+
+# Tables within others that have keys of their own in `Rig.digest`: the mesh depends on the damper's dimensions and not
+# on its material.
+APART = ("damper.material",)
 
 
 def _entry(table: Any, key: str) -> Any:
+    """None below a table that is left out."""
+    if table is None:
+        return None
     return table[key] if isinstance(table, Mapping) else getattr(table, key)
+
+
+def _keyed(entry: Any) -> Any:
+    return entry.dimensions if isinstance(entry, Damper) else entry

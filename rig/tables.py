@@ -8,6 +8,7 @@ from pydantic import BaseModel
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
+from updamp.rig.damper_mass import damper_mass
 from updamp.rig.effects import Calibration, RigEffect
 from updamp.rig.fields import Quantity
 from updamp.rig.modal_rig import ModalRig
@@ -132,6 +133,7 @@ def _derived(rig: Rig) -> Iterator[tuple[str, str]]:
     yield "junction of underside and stem, height", mm(rig.junction_height)
     yield "damper's faces, upper end (half-width, height)", ", ".join(map(mm, rig.face_top))
     yield "damper's faces, lower end (half-width, height)", ", ".join(map(mm, rig.face_bottom))
+    yield "damper's mass", f"{1e3 * damper_mass(rig):.2f} g"
     yield "area of one face", f"{1e6 * rig.face_area:.2f} mm^2"
     divisor = 2 * rig.face_area * (math.cos(angle) + contact.friction_coefficient * math.sin(angle))
     yield "uniform pressure, eq. (5) of Pesaresi et al. 2017", f"{rig.load.pull / divisor / 1e6:.4f} MPa"

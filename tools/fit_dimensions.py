@@ -47,7 +47,7 @@ def linear_numbers(path: Path, lengths: Floats, preset: str) -> Linear:
     """lengths: of LENGTHS [m]"""
     rig = load_rig(path, {name: f"{value:.9f} m" for name, value in zip(LENGTHS, lengths, strict=True)})
     result = finite_element_model(build_mesh(rig, preset), rig)
-    model = attach(from_reduced(result.reduced, rig.material.loss_factor), wire_attachments(rig))
+    model = attach(from_reduced(result.reduced, rig.loss_factors), wire_attachments(rig))
     area = result.reduced.contacts.area
     per_area = np.array([rig.contact.tangential_stiffness] * 2 + [rig.contact.normal_stiffness])
     stuck = stuck_on(model, np.outer(area, per_area).ravel())

@@ -3,15 +3,14 @@
 It compares two rig files by the sections that each stage reads (`workflow/stages.py`); no folder is looked at.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import Any
 
 from rich.table import Table
 
-from updamp.rig.rig import Rig
+from updamp.rig.rig import APART, Rig
 from updamp.workflow import stages
-from updamp.workflow.stages import Stage
 
 _ABSENT = "not stated"
 
@@ -57,7 +56,9 @@ def explain(new: Rig, old: Rig, preset: str) -> tuple[StageVerdict, ...]:
     for stage in (*stages.STAGES, stages.RESONANCE):
         for mode in new.study.modes if stage in (stages.CURVE, stages.RESONANCE) else ("",):
             name = f"{stage.name} {mode}".strip()
-            changes = list(_changes(stage, {"preset": preset, "mode": mode}, entries["new"], entries["old"]))
+            choice = {"preset": preset, "mode": mode}
+            read = {*stage.read(new, choice), *stage.read(old, choice)}
+            changes = list(_changes(read, entries["new"], entries["old"]))
             if stage is stages.CURVE and not changes:
                 changes += _further_forces(new, old)
             after = tuple(one.name for one in stage.after if one.name in found and found[one.name].again)
@@ -78,13 +79,17 @@ def other_changes(new: Rig, old: Rig, verdicts: Sequence[StageVerdict]) -> tuple
     return tuple(one for one in _differing(_leaves(new), _leaves(old)) if one.path not in told)
 
 
-def _changes(
-    stage: Stage, choice: Mapping[str, str], new: Mapping[str, Any], old: Mapping[str, Any]
-) -> Iterator[Change]:
-    sections = [section.format(**choice) for section in (*stage.sections, *stage.optional)]
+def _changes(read: Set[str], new: Mapping[str, Any], old: Mapping[str, Any]) -> Iterator[Change]:
+    """read: sections"""
     for one in _differing(new, old):
-        if any(one.path == section or one.path.startswith(f"{section}.") for section in sections):
+        if any(_within(one.path, section) for section in read):
             yield one
+
+
+def _within(path: str, section: str) -> bool:
+    """As `Rig.digest` has it: what is in a table of `APART` is not part of the table about that."""
+    apart = any(path.startswith(f"{table}.") and not section.startswith(table) for table in APART)
+    return path == section or (path.startswith(f"{section}.") and not apart)
 
 
 def _differing(new: Mapping[str, Any], old: Mapping[str, Any]) -> Iterator[Change]:

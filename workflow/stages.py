@@ -31,6 +31,7 @@ class Stage:
     optional: further ones, which enter where the file states something there: keys from before they existed still hold
     choices: what else distinguishes one product from another: "force" is the excitation's amplitude
     after: the stages whose products it takes
+    instead: (section, the one that enters in its place where the file states something there), for the same reason
     part_of: stages of whose products it takes a part alone: what that depends on stands among its own sections, and
         only the versions of these stages enter
     """
@@ -41,6 +42,7 @@ class Stage:
     after: tuple["Stage", ...] = ()
     choices: tuple[str, ...] = ()
     optional: tuple[str, ...] = ()
+    instead: tuple[tuple[str, str], ...] = ()
     part_of: tuple["Stage", ...] = ()
 
     def key(self, rig: StatedRig, choice: Mapping[str, str]) -> str:
@@ -48,16 +50,21 @@ class Stage:
 
         choice: values of "preset", "mode" and "force", as far as this stage and those before it use them
         """
-        sections = (*self.sections, *(section for section in self.optional if rig.states(section)))
         ingredients = {
             "stage": self.name,
             "version": self.version,
-            "rig": rig.digest(*(section.format(**choice) for section in sections)),
+            "rig": rig.digest(*self.read(rig, choice)),
             "choices": {name: choice[name] for name in self.choices},
             "after": [stage.key(rig, choice) for stage in self.after],
             "part_of": [(stage.name, stage.version) for stage in self.part_of],
         }
         return hashlib.sha256(json.dumps(ingredients, sort_keys=True).encode()).hexdigest()
+
+    def read(self, rig: StatedRig, choice: Mapping[str, str]) -> tuple[str, ...]:
+        """The sections that enter for this rig. choice: as `key`"""
+        instead = {section: own for section, own in self.instead if rig.states(own)}
+        stated = (section for section in self.optional if rig.states(section))
+        return tuple(instead.get(section, section).format(**choice) for section in (*self.sections, *stated))
 
 
 # --- the one table of what depends on what ---
@@ -68,10 +75,9 @@ MESH = Stage(
     sections=("blade", "platform", "damper", "excitation.height", "response", "mesh.{preset}"),
 )
 
+_MATERIAL = ("material.youngs_modulus", "material.poissons_ratio", "material.density")
 _ELASTIC = (
-    "material.youngs_modulus",
-    "material.poissons_ratio",
-    "material.density",
+    *_MATERIAL,
     "contact.coupling",
     "reduction",
 )
@@ -116,6 +122,7 @@ DAMPER = Stage(
         "mesh.{preset}.damper_apex",
         "mesh.{preset}.damper_base",
     ),
+    instead=tuple((section, f"damper.{section}") for section in _MATERIAL),
     part_of=(MESH,),
 )
 # Both put together: a moment's work.
@@ -150,7 +157,7 @@ CURVE = Stage(
     ),
     after=(STATIC_CONTACT,),
     choices=("force",),
-    optional=("effects", "calibration"),
+    optional=("effects", "calibration", "damper.material.loss_factor"),
 )
 
 # A mode's resonance followed in the force, through all levels of the study; what goes into a curve goes into it.

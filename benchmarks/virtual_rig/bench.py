@@ -66,8 +66,8 @@ class BenchElement:
 
 @dataclass(frozen=True, eq=False)
 class Bench:
-    """loss_factor: hysteretic, of all bodies; loss_growth: b in loss_factor (1 + b A), A the tip's amplitude, each
-        blade's own [1/m]
+    """loss_factor: hysteretic, of the blades; damper_loss: the damper's over that
+    loss_growth: b in loss_factor (1 + b A), A the amplitude of the tip, each blade its own [1/m]
     tuning: factors on the frequencies of "blade_left", "blade_right" and "damper": those of another Young's modulus
     clamp_compliance: turning of each blade's root about z [rad/(N m)]
     mean_share: of the mean motion that the contacts see; 0 where the mean position is held
@@ -93,6 +93,12 @@ class Bench:
     viscous_at: float | None = None
     changes: Mapping[str, float] | None = None
     running_in: float = 0.0
+    damper_loss: float = 1.0
+
+    @property
+    def loss_factors(self) -> dict[str, float]:
+        """Of each body, where no tip moves."""
+        return {name: self.loss_factor * (self.damper_loss if name == "damper" else 1.0) for name in BODIES}
 
     def in_run(self, place: float) -> "Bench":
         """As it is in one of an assembly's runs. place: from -1/2 for the first to 1/2 for the last"""
@@ -142,7 +148,8 @@ def bench_of(rig: Rig, bodies: Bodies) -> Bench:
         viscosity=np.zeros(n),
     )
     excitation = f"blade_{rig.excitation.blade}.excitation.x"
-    return Bench(bodies, patches, wires(rig), excitation, rig.material.loss_factor)
+    own, blades = rig.damper_material.loss_factor, rig.material.loss_factor
+    return Bench(bodies, patches, wires(rig), excitation, blades, damper_loss=own / blades)
 
 
 def spring(name: str, direction: Mapping[str, float], stiffness: float) -> BenchAttachment:

@@ -34,6 +34,8 @@ SECTIONS = (
     "blade", "platform", "damper", "excitation.height", "response", "reduction", "contact.coupling",
     "material.youngs_modulus", "material.poissons_ratio", "material.density",
 )  # fmt: skip
+# What of a material of the damper alone does, where the file states one.
+OF_DAMPER = ("damper.material.youngs_modulus", "damper.material.poissons_ratio", "damper.material.density")
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +86,8 @@ def bodies_of(rig: Rig, preset: str, kept: Path = KEPT) -> Bodies:
 
     Files of the same rig and mesh that another version of updamp has made are removed.
     """
-    name = f"{preset}_{rig.digest(*SECTIONS, f'mesh.{preset}')[:16]}"
+    stated = (section for section in OF_DAMPER if rig.states(section))
+    name = f"{preset}_{rig.digest(*SECTIONS, f'mesh.{preset}', *stated)[:16]}"
     path = kept / f"{name}_{code_version(*SOURCE)[:16]}.npz"
     if path.is_file() and (found := _read(path)) is not None:
         return found
@@ -112,7 +115,7 @@ def _read(path: Path) -> Bodies | None:
 def computed(rig: Rig, preset: str) -> Bodies:
     """By finite elements on the mesh of that name."""
     mesh = build_mesh(rig, preset)
-    blade, damper = assemble_rig(mesh, rig.material, coupling_named(rig.contact.coupling))
+    blade, damper = assemble_rig(mesh, rig, coupling_named(rig.contact.coupling))
     options = ReductionOptions(rig.reduction.modes)
     with ExitStack() as held:
         on_root, floating = (

@@ -55,7 +55,7 @@ def _each(matrices: Complex, columns: Complex) -> Complex:
 def receptance(rig: Assembled, basis: Basis, w: float, tip_amplitude: dict[str, float]) -> BenchReceptance:
     """tip_amplitude: of the blades, which the loss factor may grow with [m]"""
     bench, stuck = rig.bench, rig.stuck
-    loss = {b: bench.loss_factor * (1 + bench.loss_growth * tip_amplitude.get(b, 0.0)) for b in BODIES}
+    loss = {b: own * (1 + bench.loss_growth * tip_amplitude.get(b, 0.0)) for b, own in bench.loss_factors.items()}
     damping = sum(loss[b] * rig.free.elastic[b] for b in BODIES)
     V, modal, through, answer = rig.attached.T, [], [], []
     for k in range(1, basis.harmonics + 1):

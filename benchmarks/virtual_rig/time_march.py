@@ -42,7 +42,7 @@ def march(rig: Assembled, motion: Motion, observed: str, periods: int, steps: in
     phi, R = read @ modal.phi, read @ modal.residual @ read.T
     excited, row = rig.row(bench.excitation), rig.row(observed)
     h = 2 / w * np.tan(np.pi / steps)
-    C = bench.loss_factor / bench.viscous_at * modal.stiffness
+    C = _damping(rig)
     q, v, a = _state(rig, motion, phi, stiffness)
     p = bench.patches
     shares = np.ones(1) if p.spread == 0 else 1 + p.spread * ((2 * np.arange(sliders) + 1) / sliders - 1)
@@ -56,6 +56,12 @@ def march(rig: Assembled, motion: Motion, observed: str, periods: int, steps: in
     )  # fmt: skip
     turn = np.exp(-2j * np.pi * np.arange(1, steps + 1) / steps)
     return Marched(2 / steps * series.reshape(periods, steps) @ turn, opened / len(p.kt), slipped / len(p.kt))
+
+
+def _damping(rig: Assembled) -> Floats:
+    """(m, m) viscous"""
+    loss = rig.bench.loss_factors
+    return np.asarray(sum(loss[body] * rig.free.elastic[body] for body in loss) / (rig.bench.viscous_at or 1.0))
 
 
 def _state(rig: Assembled, motion: Motion, phi: Floats, stiffness: Floats) -> tuple[Floats, Floats, Floats]:
@@ -73,8 +79,7 @@ def _state(rig: Assembled, motion: Motion, phi: Floats, stiffness: Floats) -> tu
         load[:n] = -f
         load[excited] += motion.force if k == 1 else 0.0
         w = k * motion.w
-        damping = 1j * w * rig.bench.loss_factor / (rig.bench.viscous_at or 1.0)
-        D = rig.free.stiffness * (1 + damping) - w**2 * np.eye(len(q))
+        D = rig.free.stiffness + 1j * w * _damping(rig) - w**2 * np.eye(len(q))
         shapes = V.T @ rig.free.phi
         D = D + shapes.T @ np.linalg.solve(np.diag(1 / stiffness) + V.T @ rig.free.residual @ V, shapes)
         static = V.T @ (rig.free.residual @ load)

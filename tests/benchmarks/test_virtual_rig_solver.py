@@ -69,6 +69,24 @@ def bench(rig: Rig, bodies: Bodies) -> Bench:
     return bench_of(rig, bodies)
 
 
+OWN = {"youngs_modulus": "197 GPa", "poissons_ratio": 0.3, "density": "15600 kg/m^3", "loss_factor": 0.02}
+
+
+def test_a_material_of_the_damper_alone_changes_its_body_and_its_loss_alone(
+    rig: Rig, bodies: Bodies, bench: Bench, tmp_path: Path
+) -> None:
+    own = load_rig(RIG, {"mesh.tiny": EIGHT, "reduction.modes": 10, "damper.material": OWN})
+    other = bodies_of(own, "tiny", tmp_path)
+    assert np.array_equal(other.blade_phi, bodies.blade_phi)
+    elastic = bodies.damper_omega > 0
+    assert other.damper_omega[elastic] == pytest.approx(bodies.damper_omega[elastic] / np.sqrt(2))
+    bodies_of(rig, "tiny", tmp_path)
+    assert len(list(tmp_path.iterdir())) == 2, "each has a file of its own"
+    loss = rig.material.loss_factor
+    assert bench.loss_factors == dict.fromkeys(("blade_left", "blade_right", "damper"), loss)
+    assert bench_of(own, other).loss_factors == pytest.approx({"blade_left": loss, "blade_right": loss, "damper": 0.02})
+
+
 LAWS = {
     "box": {},
     "speed": {"speed_drop": 0.5},

@@ -20,12 +20,14 @@ from rich.console import Console
 from support.curves import softening_curve
 from support.short_study import RIG, run_command, short_study
 
+from updamp.fem.lumped_damper import damper_mass
 from updamp.hbm.analysis.finer_points import PointErrors
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.stability.branch_stability import BranchStability, State
 from updamp.model.rig_files import load_rig
 from updamp.parallel.resources import Meter
 from updamp.pictures import scene
+from updamp.rig.damper_mass import damper_mass as mass_of_dimensions
 from updamp.workflow import stages, store
 from updamp.workflow.accuracy_summary import error_cells, numerical_error
 from updamp.workflow.products import Products, Stored
@@ -218,6 +220,19 @@ def test_after_a_change_of_the_damper_the_blade_is_kept(finished, tmp_path):
     again, products = products_again(finished, tmp_path, change, functions, until=stages.COUPLED_CHECK)
     assert again.executed == ["mesh", "damper", "finite_elements", "coupled_check"]
     assert products.coupled_check.product.largest_difference < 1e-3, "the check has a blade of its own"
+
+
+def test_after_a_change_of_the_dampers_material_mesh_and_blade_are_kept(finished, tmp_path):
+    functions = StageFunctions(mesh=must_not_run, blade=must_not_run)
+    material = {"youngs_modulus": "197 GPa", "poissons_ratio": 0.3, "density": "15600 kg/m^3", "loss_factor": 0.001}
+    change = {"damper.material": material}
+    again, products = products_again(finished, tmp_path, change, functions, until=stages.COUPLED_CHECK)
+    assert again.executed == ["damper", "finite_elements", "coupled_check"]
+    assert products.coupled_check.product.largest_difference < 1e-3, "the check has the same material"
+    plain = load_rig(finished[0])
+    assert damper_mass(products.finite_elements.product.reduced) == pytest.approx(
+        2 * mass_of_dimensions(plain), rel=1e-6
+    )
 
 
 def test_after_a_change_of_contact_stiffness_the_check_alone_is_made_again(finished, tmp_path):

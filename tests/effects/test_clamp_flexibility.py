@@ -148,7 +148,7 @@ def built() -> tuple[RigModel, np.ndarray, np.ndarray]:
     }  # fmt: skip
     rig = rig.model_copy(update={"mesh": {"tiny": MeshDivisions(**divisions)}})
     mesh = build_mesh(rig, "tiny")
-    blade, _ = assemble_rig(mesh, rig.material, coupling_named(rig.contact.coupling))
+    blade, _ = assemble_rig(mesh, rig, coupling_named(rig.contact.coupling))
     with factorised(blade, solver_named(rig.reduction.solver)) as part:
         modes = normal_modes(part, rig.reduction.modes)
     x, y = blade.mesh.nodes[blade.matrices.free_nodes, :2].T

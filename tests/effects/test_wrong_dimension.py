@@ -78,6 +78,23 @@ def test_it_is_the_model_itself_at_null_and_the_rebuilt_one_after_a_step(name, b
         np.testing.assert_allclose(*values, rtol=1e-12)
 
 
+def test_a_damper_of_its_own_material_keeps_it():
+    """With another loss factor too: at both ends the model is the rebuilt one, between them each body has its own."""
+    material = {"youngs_modulus": "3 GPa", "poissons_ratio": 0.3, "density": "1400 kg/m^3", "loss_factor": 0.05}
+    rig = load_rig(RIG, {**CHANGES, "damper.material": material})
+    models = []
+    for there in (rig, DIMENSIONS["face_length"].changed(rig, STEP)):
+        reduced = finite_element_model(build_mesh(there, "tiny"), there).reduced
+        models.append(as_built(reduced, static_contact(reduced, there), there))
+    plain, wanted = models
+    able = replace(plain, dimensions={"face_length": varied_dimension(plain, wanted, STEP)})
+    assert error(changed(able, "face_length", STEP), wanted) < 1e-9
+    between = changed(able, "face_length", STEP / 3)
+    loss = np.array([rig.loss_factors[name] for name in between.owner])
+    squared = between.components.omega_squared
+    np.testing.assert_allclose(between.components.hysteretic, np.diag(loss * squared), atol=1e-9 * squared.max())
+
+
 @pytest.mark.parametrize("name", DIMENSIONS)
 def test_between_it_errs_by_the_square_of_the_step(name, built, model):
     """Half a step away from both ends: a quarter of the error for half the step. The steps are short: two modes that

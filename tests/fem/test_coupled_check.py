@@ -51,7 +51,7 @@ def without_residual(tiny_mesh, reference_rig):
 
 def assembled_frequencies(mesh, rig, springs, n: int) -> np.ndarray:
     """(n,) [Hz] of blades, damper and springs as one sparse matrix, factorised as such."""
-    blade, damper = assemble_rig(mesh, rig.material, patch)
+    blade, damper = assemble_rig(mesh, rig, patch)
     parts = [blade, blade, damper]
     operator = sparse.block_diag([part.interface.operator for part in parts], format="csc")
     seen = operator @ sparse.csc_array(springs.directions)

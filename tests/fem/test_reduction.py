@@ -37,7 +37,7 @@ class Case:
 @pytest.fixture(scope="module")
 def cases(tiny_mesh, reference_rig) -> dict[str, Case]:
     found = {}
-    for own in assemble_rig(tiny_mesh, reference_rig.material, patch):
+    for own in assemble_rig(tiny_mesh, reference_rig, patch):
         with factorised(own, pardiso) as part:
             modes = component_modes(part, ReductionOptions())
             reduced = [reduce_component(part, modes, ReductionOptions(residual=on)) for on in (True, False)]
@@ -156,7 +156,7 @@ def test_loads_that_differ_by_sign_or_are_sums_of_others_are_solved_once() -> No
 
 
 def test_in_half_of_a_blade_half_of_the_loads_are_independent(tiny_mesh, reference_rig) -> None:
-    blade = assemble_rig(tiny_mesh, reference_rig.material, patch)[0]
+    blade = assemble_rig(tiny_mesh, reference_rig, patch)[0]
     operator = blade.interface.operator
     halves = half_models(blade.mesh.nodes[blade.matrices.free_nodes], blade.matrices)
     counts = [independent_loads(half.within(operator))[0].shape[1] for half in halves]

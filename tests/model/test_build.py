@@ -44,7 +44,7 @@ def side_by_side(stages) -> tuple[NonlinearSystem, Excitation]:
     """The coupled problem put together by hand: components, wires, contacts."""
     reduced, rest, rig = stages
     reduced, rest = DAMPER_MODELS[rig.damper_model].apply(reduced, rest)
-    linear = attach(from_reduced(reduced, rig.material.loss_factor), wire_attachments(rig))
+    linear = attach(from_reduced(reduced, rig.loss_factors), wire_attachments(rig))
     balance, contacts = rig.harmonic_balance, contact_group(reduced.contacts.area, rest, rig)
     system = NonlinearSystem(linear, (contacts,), Harmonics(balance.harmonics), balance.time_samples)
     return system, Excitation(linear.row(f"blade_{rig.excitation.blade}.excitation.x"), 25.0)
@@ -90,7 +90,7 @@ def test_another_pull_changes_preload_tension_and_roll_stiffness_alone(stages, m
 
 def test_wires_are_springs_at_both_ends_and_against_roll(stages):
     reduced, _, rig = stages
-    free = from_reduced(reduced, rig.material.loss_factor)
+    free = from_reduced(reduced, rig.loss_factors)
     directions, stiffness = np.zeros((free.n_rows, 7)), np.empty(7)
     for i, (end, axis) in enumerate((e, a) for e in ("back", "front") for a in "xyz"):
         directions[free.row(f"damper.wire_{end}.{axis}"), i] = 1

@@ -213,7 +213,7 @@ def test_the_problem_of_a_curve_is_that_of_the_diagnosis_and_without_effects_tha
     rig = job_of(folder).rig
     reduced = plain_reduced_model(rig, build_mesh(rig, "small").contacts)
     rest = static_contact(reduced, rig)
-    by_hand = attach(from_reduced(reduced, rig.material.loss_factor), wire_attachments(rig))
+    by_hand = attach(from_reduced(reduced, rig.loss_factors), wire_attachments(rig))
     for name in ("omega_squared", "phi", "residual", "hysteretic", "viscous"):
         np.testing.assert_array_equal(getattr(plain.free, name), getattr(by_hand, name))
     assert request.excitation.force == 0.5

@@ -119,7 +119,7 @@ def _damper(rig: Rig, contacts: ContactElements) -> ReducedComponent:
             points.append(f"wire_{end}.{axis}")
             rows.append(_rigid(place, bottom)["xyz".index(axis)])
     local = np.concatenate([axes @ _rigid(c, bottom) for axes, c in zip(contacts.axes, contacts.centroid, strict=True)])
-    mass = rig.material.density * 1.2e-4 * rig.blade.width
+    mass = rig.damper_material.density * 1.2e-4 * rig.blade.width
     inertia = mass * np.array([rig.blade.width**2, rig.blade.width**2, (2 * half_width) ** 2]) / 12
     phi = np.vstack([local, rows]) / np.sqrt([mass, mass, mass, *inertia])
     return ReducedComponent("damper", np.zeros(6), phi, LOCAL_FLEXIBILITY * np.eye(len(phi)), tuple(points))

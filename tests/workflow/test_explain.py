@@ -23,6 +23,12 @@ CHANGES = {
     "mesh.full.face": 8,
     "effects": [{"name": "edge_gap", "values": {"depth": "0.3 um"}}],
     "name": "other",
+    "damper.material": {
+        "youngs_modulus": "114 GPa",
+        "poissons_ratio": 0.33,
+        "density": "4430 kg/m^3",
+        "loss_factor": 0.0005,
+    },
 }
 
 
@@ -64,6 +70,21 @@ def test_a_change_of_the_damper_leaves_the_blade_alone():
     assert not told["blade"].again
     assert told["damper"].because == "damper.base_height: 0.003 -> 0.0025"
     assert told["finite_elements"].because == "damper runs again"
+
+
+@pytest.mark.parametrize("key", ["density", "loss_factor"])
+@pytest.mark.parametrize("table", ["material", "damper.material"])
+def test_each_material_is_told_where_it_enters(table, key):
+    own = {"damper.material": CHANGES["damper.material"]}
+    change = {f"{table}.{key}": {"density": "5000 kg/m^3", "loss_factor": 0.003}[key]}
+    old, new = load_rig(RIG, own), load_rig(RIG, {**own, **change})
+    told = {one.name: one for one in explain(new, old, "small")}
+    for stage in stages.STAGES[:-1]:
+        choice = {"preset": "small"}
+        assert told[stage.name].again == (stage.key(new, choice) != stage.key(old, choice)), stage.name
+    named = {name for name, one in told.items() if f"{table}.{key}" in [change.path for change in one.changes]}
+    body = {"material": "blade", "damper.material": "damper"}[table]
+    assert named == ({body} if key == "density" else {"curve OOP", "curve IP", "resonance OOP", "resonance IP"})
 
 
 def test_an_effect_that_is_new_is_named():

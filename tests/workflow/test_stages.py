@@ -1,5 +1,6 @@
 """Which stages run again after which change of the rig file."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -63,6 +64,43 @@ def changed(a, b):
 )  # fmt: skip
 def test_only_what_depends_on_a_change_runs_again(override, again):
     assert changed(keys(), keys(override)) == again
+
+
+OWN = {"damper.material": {
+    "youngs_modulus": "114 GPa", "poissons_ratio": 0.33, "density": "4430 kg/m^3", "loss_factor": 0.0005,
+}}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("override", "again"),
+    [
+        ({"damper.material.density": "4500 kg/m^3"}, DAMPER_ALONE - {"mesh"}),
+        ({"damper.material.youngs_modulus": "115 GPa"}, DAMPER_ALONE - {"mesh"}),
+        ({"damper.material.poissons_ratio": 0.0}, DAMPER_ALONE - {"mesh"}),
+        ({"damper.material.loss_factor": 0.001}, {"curve"}),
+        ({"material.density": "7700 kg/m^3"}, BLADE_ALONE - {"mesh"}),
+        ({"material.loss_factor": 0.002}, {"curve"}),
+        ({"damper.base_height": "2 mm"}, DAMPER_ALONE),
+    ],
+)
+def test_a_material_of_the_damper_alone_is_an_input_of_the_damper_alone(override, again):
+    assert changed(keys(OWN), keys({**OWN, **override})) == again
+
+
+def test_stating_a_material_of_the_damper_keeps_mesh_and_blade():
+    assert changed(keys(), keys(OWN)) == DAMPER_ALONE - {"mesh"}
+
+
+def test_keys_from_before_the_damper_could_have_a_material_still_hold():
+    rig, choice = load_rig(RIG), {"preset": "small", "mode": "OOP", "force": "3.84"}
+    for stage in stages.STAGES:
+        before = replace(stage, instead=(), optional=())
+        assert before.key(rig, choice) == stage.key(rig, choice)
+    assert stages.DAMPER.read(rig, choice)[:3] == (
+        "material.youngs_modulus",
+        "material.poissons_ratio",
+        "material.density",
+    )
 
 
 CHANGES = {
