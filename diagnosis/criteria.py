@@ -40,7 +40,7 @@ class Criteria:
         a verdict; one in 370, three deviations of a normal distribution
     doubtful: likewise, from where on more is looked for than what has been found
     visibility: share of an effect's signature that the nuisance parameters cannot imitate, below which it is looked for
-        only where the score test sees something of that share, and not named by itself
+        and named only where the score test sees something of that share
     delta_bic: by which an effect has to improve the information criterion, twice the logarithm of the odds (10: 150 to
         1), the misfit that is left taken as noise
     gain: share by which the error on held-out runs has to fall

@@ -156,13 +156,14 @@ def _explains(trial: Trial, evidence: Evidence, criteria: Criteria) -> bool:
 
 
 def _not_seen(trial: Trial, evidence: Evidence, criteria: Criteria) -> str:
-    """Which of a fit's effects these data cannot show, "" if none. Beside another one it is enough that the data have
-    something of what calibration cannot imitate: a stiffer wire shifts all resonances for the most part."""
+    """Which of a fit's effects these data cannot show, "" if none: one that calibration imitates for the most part, of
+    whose rest the data have nothing. A stiffer wire shifts all resonances, and the little that it does besides may
+    still stand out of the noise."""
     for name in trial.effects:
         tested = evidence.test_of(name)
         if tested is None or tested.visibility >= criteria.visibility:
             continue
-        if len(trial.effects) == 1 or tested.score < criteria.search.score:
+        if tested.score < criteria.search.score:
             return f"{name} is {not_identifiable(tested.visibility)}"
     return ""
 

