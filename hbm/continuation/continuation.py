@@ -1,6 +1,7 @@
 """Pseudo-arclength continuation of a response branch in frequency, as an iterator over solved points."""
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -8,6 +9,7 @@ from updamp.hbm.continuation.branch import BranchPoint, other_way_round, point_a
 from updamp.hbm.continuation.first_point import first_point
 from updamp.hbm.continuation.predictor_corrector import BranchStoppedError, ContinuationOptions, PredictorCorrector
 from updamp.hbm.continuation.retracing import TracedBranch
+from updamp.hbm.newton.newton import Solution
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 __all__ = ["BranchStoppedError", "ContinuationOptions", "continue_branch", "first_point"]
@@ -81,16 +83,38 @@ def _first_points(
         except BranchStoppedError as stop:
             stopped = stopped or stop
             continue
-        inwards = share > 0
-        start = point_at(solution, excitation, stepper.scale_w, (0 * solution.x, sign if inwards else -sign), 0.0)
-        if inwards:
-            if led := _until(stepper, start, lambda w: low <= w <= high):
-                return led[-2:]
+        if share > 0:
+            if led := _led_in(stepper, excitation, solution, low, high):
+                return led
         else:
+            start = point_at(solution, excitation, stepper.scale_w, (0 * solution.x, -sign), 0.0)
             led = _until(stepper, start, lambda w: not low < w < high) if share else [start]
             return other_way_round(led or [start])
     assert stopped is not None, "the attempt at the end has returned or stopped"
     raise stopped
+
+
+def _led_in(
+    stepper: PredictorCorrector, excitation: Excitation, solution: Solution, low: float, high: float
+) -> Sequence[BranchPoint]:
+    """From a solution outside the window [rad/s] to the last point before it and the first one inside; none where the
+    branch does not lead in. Far from a narrow window steps are as long as the way that is left allows, and shorter the
+    nearer it is."""
+    end, sign = (low, 1.0) if solution.w < low else (high, -1.0)
+    direction = 0 * solution.x, sign
+    while True:
+        width = max(abs(end - solution.w), high - low)
+        scale_w = stepper.options.frequency_scale * width
+        start = point_at(solution, excitation, scale_w, direction, 0.0)
+        led = _until(replace(stepper, scale_w=scale_w), start, lambda w: sign * (w - end) >= 0)
+        if not led:
+            return []
+        before, last = led[-2:]
+        if width == high - low:
+            return [before, last] if low <= last.w <= high else []
+        if before is start:
+            return []
+        solution, direction = before.solution, before.tangent
 
 
 def _until(
