@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 from updamp.comparison.compare import calibrate, comparison_of
+from updamp.comparison.fit.numerical_gate import with_unwrapped_phases
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.comparison.prediction.run_condition import RunCondition
@@ -108,7 +109,7 @@ def _swept(branch: PredictedBranch, reach: Floats, points: int) -> tuple[Floats,
     rise = np.abs(np.diff(log_size))
     for jump in np.flatnonzero(rise > _JUMP):
         wanted = wanted[(wanted <= f[jump]) | (wanted >= f[jump + 1])]
-    parts = [np.interp(wanted, f, column) for column in np.unwrap(value, axis=0).T[1:]]
+    parts = [np.interp(wanted, f, column) for column in with_unwrapped_phases(value).T[1:]]
     response = np.array([np.exp(parts[i] + 1j * parts[i + 1]) for i in range(0, len(parts), 2)])
     order = slice(None) if branch.condition.upwards else slice(None, None, -1)
     return wanted[order], response[:, order]
@@ -116,9 +117,7 @@ def _swept(branch: PredictedBranch, reach: Floats, points: int) -> tuple[Floats,
 
 def _visited(branch: PredictedBranch) -> tuple[Floats, Floats]:
     """What the sweep sees inside its window, by rising frequency."""
-    place = np.linspace(branch.place[0], branch.place[-1], _DENSELY)
-    near = np.clip(np.searchsorted(branch.place, place, side="right") - 1, 0, len(branch.place) - 2)
-    value = branch.at(place[branch.visited[near] & branch.visited[near + 1]]).value
+    value = branch.at(branch.seen_places(_DENSELY)).value
     value = value[np.argsort(value[:, 0])]
     low, high = branch.condition.window
     f = np.exp(value[:, 0])

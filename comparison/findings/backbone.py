@@ -49,7 +49,7 @@ def read_resonance(frequency: Floats, receptance: Complex, force: Floats) -> Res
     size = np.abs(receptance)
     i = highest(size)
     top, at = summit(frequency, np.log(receptance), i)
-    by_phase = loss_by_phase(frequency, receptance)
+    by_phase = _loss_factor(frequency, receptance, i, at)
     widths = np.array([half_power_frequency(frequency, size, i, side) for side in (-1, 1)])
     # both halves together, which another mode nearby makes unlike each other; a window narrower than them tells neither
     by_width = by_phase if np.isnan(widths).all() else 2 * float(np.mean(np.abs(widths - at))) / at
@@ -169,7 +169,10 @@ def _jumps_in_size(f: Floats, log_size: Floats) -> bool:
 def loss_by_phase(f: Floats, receptance: Complex) -> float:
     """Loss factor by the phase's slope about the highest top, nan where too few points tell it."""
     i = highest(np.abs(receptance))
-    at = summit(f, np.log(receptance), i)[1]
+    return _loss_factor(f, receptance, i, summit(f, np.log(receptance), i)[1])
+
+
+def _loss_factor(f: Floats, receptance: Complex, i: int, at: float) -> float:
     phase = np.unwrap(np.angle(receptance))
     near = np.abs(phase - phase[i]) < _NEAR
     # the run of neighbours about the peak, not what lies beyond a jump

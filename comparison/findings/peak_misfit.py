@@ -47,7 +47,7 @@ class _Test:
     """One test's statements, k of them.
 
     directions: (k,); logs: (repeats, k) of model over measured, nan where a repeat is missing; damping: (repeats, s)
-    damping_variance: of the mean of all of these, by noise
+    damping_variance: of the mean of all of these, by noise; nan where it is not asked for
     common: (q, k) what scatter of assemblies (sensors' gains among it) by one deviation does, the same in all tests
     by_parameter: (p, k); own: (k, k) covariance of what this test alone scatters by
     units: (k,) what a severity of 1 is; smooth: whether model and runs have tops, and do not jump from them
@@ -165,10 +165,13 @@ def _of_damping(test: _Test, directions: Sequence[Direction], covariance: Floats
     place = test.directions[0].test
     i = directions.index(Amplitude(place))
     mean = float(np.mean(by_phase))
-    deviation = float(np.sqrt(covariance[i, i] + test.damping_variance))
-    by_scatter = abs(mean) / max(deviation, _deviation_of_mean(by_phase))
-    significance = float(np.copysign(by_scatter if test.smooth else by_repeats(by_phase), mean))
-    return [PeakMisfit(Damping(place), float(np.expm1(mean)), significance, abs(mean))]
+    if test.smooth:
+        deviation = float(np.sqrt(covariance[i, i] + test.damping_variance))
+        significance = abs(mean) / max(deviation, _deviation_of_mean(by_phase))
+    else:
+        significance = by_repeats(by_phase)
+    signed = float(np.copysign(significance, mean))
+    return [PeakMisfit(Damping(place), float(np.expm1(mean)), signed, abs(mean))]
 
 
 def _covariance(fit: Fit, tests: Sequence[_Test], repeats: int) -> Floats:
@@ -197,8 +200,10 @@ def _of_test(
     units = np.array([d.unit(half_width, len(sensors)) for d in directions])
     matched = [m for m in fit.compared.matched if m.observations.test == test]
     smooth = swept.is_smooth(sensors) and all(swept.has_smooth_run(m, sensors) for m in matched)
-    noise = fit.compared.scatter.noise * np.concatenate([damping_noise(o, sensors) for o in made])
-    of_damping = float(np.sum(noise**2)) / len(noise) ** 2
+    of_damping = np.nan
+    if smooth and np.isfinite(damping[[o is not None for o in runs]]).all():
+        noise = fit.compared.scatter.noise * np.concatenate([damping_noise(o, sensors) for o in made])
+        of_damping = float(np.sum(noise**2)) / len(noise) ** 2
     of_tops = common @ rows.T, by_parameter @ rows.T, rows @ own @ rows.T
     return _Test(directions, logs, damping, of_damping, *of_tops, units, smooth)
 

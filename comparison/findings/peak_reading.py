@@ -141,13 +141,14 @@ class SweptBranch:
     def has_smooth_run(self, m: Matched, sensors: Sequence[int]) -> bool:
         """Whether a run has a top among the points that are read, and all of these on one part of the branch: it does
         not end on the way up, nor jump there."""
-        o, place = m.observations, self.branch.place
+        o = m.observations
         for j in sensors:
             log_receptance = _log_receptance(o, j)
             i = highest(log_receptance.real)
             near = m.place[five_about(i)]
-            between = (place[1:] > near.min()) & (place[:-1] < near.max())
-            if summit(o.frequency, log_receptance, i)[1] == o.frequency[i] or not self.branch.seen[between].all():
+            if summit(o.frequency, log_receptance, i)[1] == o.frequency[i]:
+                return False
+            if not self.branch.seen_from(near.min(), near.max()):
                 return False
         return True
 
@@ -263,9 +264,7 @@ class SweptBranch:
 
 def swept_branch(branch: PredictedBranch, runs: Sequence[Observations], sensor: int) -> SweptBranch:
     """runs: of the branch's condition; sensor: whose points tell how densely was measured"""
-    place = np.linspace(branch.place[0], branch.place[-1], _PLACES)
-    near = np.clip(np.searchsorted(branch.place, place, side="right") - 1, 0, len(branch.place) - 2)
-    place = place[branch.seen[near]]
+    place = branch.seen_places(_PLACES)
     observed = branch.at(place)
     step = float(np.median([_top_and_step(o, sensor)[1] for o in runs]))
     return SweptBranch(branch, place, observed.value, observed.slopes[:, :-1], step)

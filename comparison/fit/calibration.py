@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from updamp.comparison.fit.compared import compare_at, reweighed
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
 from updamp.comparison.fit.fit_from_far import LAST, fit_from_far
-from updamp.comparison.fit.fit_round import prior_scatter
+from updamp.comparison.fit.fit_round import compared_at_start, prior_scatter
 from updamp.comparison.fit.noise_by_amplitude import (
     Sensor,
     SensorNoise,
@@ -65,15 +65,14 @@ def calibration(
     parametrisation: Parametrisation,
     plan: Plan,
     branches: Sequence[PredictedBranch],
-    start: Floats | None = None,
+    start: Floats,
     progress: Callable[[str], None] = lambda _: None,
     branches_of: Branches = in_turn,
 ) -> Calibration:
-    """start: (p,) parameters to begin with, those of the model as given by default; branches: there, one a condition
+    """start: (p,) parameters to begin with; branches: there, one a condition
 
     raises: BranchStoppedError where the model has no response at the beginning of a run
     """
-    start = np.zeros(len(parametrisation)) if start is None else start
     work = _Work(parametrisation, branches, start, progress, branches_of)
     suspects = work.odd_beside_start(plan)
     found = work.calibrated(without_odd(plan, suspects))
@@ -113,9 +112,8 @@ class _Work:
         return self.calibrated(without_odd(given, odd)).also_without(odd)
 
     def odd_beside_start(self, plan: Plan) -> tuple[OddReading, ...]:
-        p, prior = self.parametrisation, prior_scatter(self.parametrisation, plan)
-        spread = np.where(np.isfinite(p.deviation), p.deviation, 0.0)
-        return odd_readings(compare_at(p, self.start, plan, self.branches, prior, None, spread), plan)
+        p = self.parametrisation
+        return odd_readings(compared_at_start(p, self.start, plan, self.branches, prior_scatter(p, plan)), plan)
 
     def odd_beside(self, found: Calibration, plan: Plan) -> tuple[OddReading, ...]:
         """Of points that it was not calibrated with too."""

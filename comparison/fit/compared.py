@@ -146,7 +146,7 @@ def compare_at(
     start: offsets to begin with, by repeat; spread: (p,) for the first round, later ones use the scatter
     rounds: in which offsets are tried, the first ones among them
     """
-    of_scatter = _padded(np.array([scatter.parameters[x.name] for x in parametrisation.nuisances]), len(u))
+    of_scatter = padded(np.array([scatter.parameters[x.name] for x in parametrisation.nuisances]), len(u))
     first = of_scatter if spread is None else np.maximum(spread, of_scatter)
     given = _Given(parametrisation, u, plan, branches, scatter)
     widths = (first, *[of_scatter] * (rounds - 1))
@@ -206,7 +206,7 @@ class _Given:
 
     def _assembled(self, runs: Sequence[Observations], offsets: Offsets, width: Floats) -> _OfRepeat:
         sensors = self._sensors(runs)
-        there = self.u + _padded(offsets.parameters, len(self.u))
+        there = self.u + padded(offsets.parameters, len(self.u))
         matched = [
             match(self.branches[o.test], o, there, width, offsets.correction(o.run, s))
             for o, s in zip(runs, sensors, strict=True)
@@ -244,7 +244,7 @@ def _with_best_offsets(
     return best
 
 
-def _padded(values: Floats, length: int) -> Floats:
+def padded(values: Floats, length: int) -> Floats:
     return np.append(values, np.zeros(length - len(values)))
 
 

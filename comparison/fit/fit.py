@@ -18,7 +18,7 @@ from updamp.comparison.fit.compared import (
     predict_branches,
     reweighed,
 )
-from updamp.comparison.fit.fit_round import one_round, prior_scatter
+from updamp.comparison.fit.fit_round import compared_at_start, one_round, prior_scatter
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.scatter import Scatter, learn
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
@@ -125,8 +125,7 @@ def fit(
     options = options or FitOptions()
     prior = prior_scatter(parametrisation, plan)
     common = at_start if at_start is not None else predict_branches(parametrisation, start, plan, None, branches_of)
-    spread = np.where(np.isfinite(parametrisation.deviation), parametrisation.deviation, 0.0)
-    first = compare_at(parametrisation, start, plan, tuple(common), scatter or prior, None, spread)
+    first = compared_at_start(parametrisation, start, plan, common, scatter or prior)
     rounds = _Rounds(parametrisation, plan, scatter, prior, options, progress, branches_of, known)
     now = _Reached(first, options.largest_step, options.retraced)
     for _ in range(options.rounds):

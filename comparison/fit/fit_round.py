@@ -1,14 +1,19 @@
 """One round of a fit: parameters, offsets and scatter with the branches linear about where they were solved."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from updamp.comparison.fit.compared import Compared, reweighed
+from updamp.comparison.fit.compared import Compared, compare_at, reweighed
 from updamp.comparison.fit.linear_fit import fit_within
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.scatter import MOST_NOISE, Scatter, learn
 from updamp.comparison.prediction.parameters import Parametrisation
+from updamp.comparison.prediction.predicted_branch import PredictedBranch
+
+Floats = NDArray[np.float64]
 
 # Change of a nuisance parameter up to which branches are nearly linear in it, however well it is known beforehand.
 _LINEAR = 0.2
@@ -31,6 +36,14 @@ def prior_scatter(parametrisation: Parametrisation, plan: Plan) -> Scatter:
     offsets from others cannot be separated from them."""
     share = 1.0 if len(plan.repeats) > 1 else _ALONE
     return Scatter({n.name: share * n.scatter for n in parametrisation.nuisances}, plan.drift, plan.gain)
+
+
+def compared_at_start(
+    parametrisation: Parametrisation, u: Floats, plan: Plan, branches: Sequence[PredictedBranch], scatter: Scatter
+) -> Compared:
+    """Where nothing has been fitted yet: points are matched as far off as the priors have the parameters."""
+    spread = np.where(np.isfinite(parametrisation.deviation), parametrisation.deviation, 0.0)
+    return compare_at(parametrisation, u, plan, branches, scatter, None, spread)
 
 
 def one_round(

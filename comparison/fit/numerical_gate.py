@@ -34,9 +34,6 @@ HARMONICS = "harmonics"
 _FURTHER_ORDERS = 2
 # A finer model is traced beyond the measured window by this share of it.
 _FURTHER = 0.4
-# How often the windows of the model's own branches are widened by what finer ones shift: one that is half-way to its
-# resonance shifts otherwise than at it.
-_WIDENED = 3
 # Places taken of it for each of its points.
 _DENSELY = 40
 
@@ -60,11 +57,15 @@ def finer_than(model: RigModel, finer: Mapping[str, RigModel]) -> dict[str, RigM
 
 @dataclass(frozen=True, eq=False)
 class NumericalGate:
-    """plan: all runs; finer: models with finer numerics, by name, without effects of the rig file"""
+    """plan: all runs; finer: models with finer numerics, by name, without effects of the rig file
+    widened: how often at most the windows of the model's own branches are widened by what finer ones shift: one that is
+        half-way to its resonance shifts otherwise than at it
+    """
 
     plan: Plan
     finer: Mapping[str, RigModel]
     branches_of: Branches = in_turn
+    widened: int = 3
 
     def at(self, plain: Parametrisation, u: Floats) -> tuple[Parametrisation, tuple[PredictedBranch, ...]]:
         """A parametrisation with its numerical error, and its branches without that error, one a condition. Where finer
@@ -76,7 +77,7 @@ class NumericalGate:
         """
         branches = predict_branches(plain, u, self.plan, None, self.branches_of)
         found = self._with_error(plain, u, branches)
-        for _ in range(_WIDENED):
+        for _ in range(self.widened):
             windows = [found.numerics.solved_window(c.name, c.window) for c in self.plan.conditions]
             short = [i for i, branch in enumerate(branches) if not branch.covers(windows[i])]
             if not short:

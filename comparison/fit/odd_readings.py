@@ -168,9 +168,7 @@ def _in_jumps(m: Matched, branch: PredictedBranch) -> NDArray[np.bool_]:
     """(n,) whether from the point before to the one after some of the branch is passed that a sweep does not see"""
     found = np.zeros(len(m.place), dtype=bool)
     for i in range(1, len(m.place) - 1):
-        low, high = np.sort(m.place[[i - 1, i + 1]])
-        between = (branch.place[1:] > low) & (branch.place[:-1] < high)
-        found[i] = not branch.seen[between].all()
+        found[i] = not branch.seen_from(*np.sort(m.place[[i - 1, i + 1]]))
     return found
 
 

@@ -151,6 +151,16 @@ class PredictedBranch:
         from one to the other: what is measured there is compared with the branch beside it."""
         return np.asarray(self.visited[:-1] & self.visited[1:] & self.followed)
 
+    def seen_from(self, first: float, last: float) -> bool:
+        """Whether a sweep sees all of the branch between two places, the first before the last."""
+        return bool(self.seen[(self.place[1:] > first) & (self.place[:-1] < last)].all())
+
+    def seen_places(self, n: int) -> Floats:
+        """(k,) those of n evenly spaced places that a sweep sees."""
+        place = np.linspace(self.place[0], self.place[-1], n)
+        near = np.clip(np.searchsorted(self.place, place, side="right") - 1, 0, len(self.place) - 2)
+        return np.asarray(place[self.seen[near]])
+
     @property
     def frequency(self) -> Floats:
         """(n,) [Hz]"""

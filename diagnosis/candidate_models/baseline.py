@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.fit.compared import compare_at, predict_branches
+from updamp.comparison.fit.compared import compare_at, padded, predict_branches
 from updamp.comparison.fit.failing_model import Freedom
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
 from updamp.comparison.fit.gated_calibration import gated_calibration
@@ -218,6 +218,6 @@ def _with_numerics_of_its_start(found: Fit, start: Baseline, options: FitOptions
     meshes = {name: solved_as(mesh, solved) for name, mesh in start.finer.items()}
     coarser = {HARMONICS: solved_as(p.base, start.given)}
     extended = with_numerical_error(plain, at, start.plan, branches, meshes, coarser=coarser)
-    u = np.append(at, np.zeros(len(extended) - len(plain)))
+    u = padded(at, len(extended))
     at_start = starting_at(extended, u, start.train_plan, [branches[i] for i in start.training])
     return fit(extended, start.train_plan, u, found.compared.scatter, at_start, options)

@@ -47,7 +47,7 @@ def fitted(monkeypatch, start, traced=TRACED, moved=MOVED, ahead=AHEAD):
     monkeypatch.setattr(loop, "one_round", of_round)
     monkeypatch.setattr(loop, "reweighed", lambda *given: given[2])
     monkeypatch.setattr(loop, "objective", lambda *given: given[1].objective)
-    monkeypatch.setattr(loop, "compare_at", lambda *given: At(float(given[1][0]), moved[float(given[1][0])]))
+    monkeypatch.setattr(loop, "compared_at_start", lambda *given: At(float(given[1][0]), moved[float(given[1][0])]))
     monkeypatch.setattr(loop, "prior_scatter", lambda *_: None)
     monkeypatch.setattr(loop, "_weighed", lambda *given: given[2])
     monkeypatch.setattr(loop, "_fall", lambda *_: "")
