@@ -38,7 +38,8 @@ class FitOptions:
     """rounds: in which branches are solved anew, at most: several times what a fit takes that settles, since where one
         is cut short on its way hangs on round-off; largest_step: of a parameter in a round, in units of its scale
         (prior deviation, or typical size of an effect)
-    tolerance: fall of chi2 to be expected of another round below which there is none; share: likewise, of chi2
+    tolerance: fall of chi2 to be expected of another round below which that is the last: where it leads is solved and
+        has to promise no more; share: likewise, of chi2
     retraced: whether it settles, and turns back from a step, on traced branches alone, not on those that were moved:
         what no sweep saw where a branch came from has been left out of it, and may be what a sweep sees now
     """
@@ -141,13 +142,15 @@ def fit(
 class _Reached:
     """best: with the branches of where it stands, or near; reach: of the next step; moved: whether its branches are not
     traced; checked: the last that was traced where first order promised nothing more; only_traced: whether what is
-    moved is not to be trusted any more; ended: how, "" where it goes on"""
+    moved is not to be trusted any more; confirmed: whether a promise of little has led there, and it was solved
+    ended: how, "" where it goes on"""
 
     best: Compared
     reach: float
     moved: bool
     checked: Compared | None = None
     only_traced: bool = False
+    confirmed: bool = False
     ended: str = ""
 
 
@@ -171,9 +174,10 @@ class _Rounds:
         here = reweighed(p, plan, now.best, ahead.scatter)
         if self.known(ahead):
             return replace(now, best=ahead, moved=False, ended="leads to what is known")
-        if objective(p, here) - objective(p, ahead) < max(options.tolerance, options.share * here.weighed):
-            # what is still to be gained is, to first order: two standard deviations at most
-            return self._checked(now) if now.moved else replace(now, best=ahead, ended=SETTLED)
+        promised = objective(p, here) - objective(p, ahead)
+        if promised < max(options.tolerance, options.share * here.weighed):
+            # two standard deviations at most
+            return self._at_the_end(now, ahead, here, now.confirmed or promised < _DIGITS * here.weighed)
         solved, is_traced = self._solved(now, ahead, here)
         self.progress(_fall(here, solved))
         if _rises(p, here, solved):
@@ -181,7 +185,17 @@ class _Rounds:
             ended = "no step lowers chi-square any more" if shorter < 0.01 * options.largest_step else ""
             return replace(now, reach=shorter, ended=ended)
         longer = min(1.5 * now.reach, options.largest_step)
-        return replace(now, best=solved, reach=longer, moved=options.retraced and not is_traced)
+        return replace(now, best=solved, reach=longer, moved=options.retraced and not is_traced, confirmed=False)
+
+    def _at_the_end(self, now: _Reached, ahead: Compared, here: Compared, confirmed: bool) -> _Reached:
+        """What is still to be gained is little, to first order. It may be more: where a gap opens that was closed at
+        first order's place, or a contact begins to slip, the derivatives leap. So where it leads is solved too."""
+        if confirmed:
+            return self._checked(now) if now.moved else replace(now, best=ahead, ended=SETTLED)
+        solved, is_traced = self._solved(now, ahead, here)
+        if not _rises(self.parametrisation, here, solved):
+            return replace(now, best=solved, moved=self.options.retraced and not is_traced, confirmed=True)
+        return self._checked(now) if now.moved else replace(now, best=here, ended=SETTLED)
 
     def _checked(self, now: _Reached) -> _Reached:
         """Traced where it stands. What was moved since the last time may have seemed lower and not be: from there on

@@ -70,6 +70,11 @@ def best_first(found: CandidateFits) -> list[FittedCandidate]:
     return sorted(found.values(), key=lambda r: -r.refit.drop)
 
 
+def most_promising(found: CandidateFits) -> list[FittedCandidate]:
+    """By what they may leave: fits that were cut short by where they would go on to."""
+    return sorted(found.values(), key=lambda r: r.refit.promised)
+
+
 def better_of(some: CandidateFits, others: CandidateFits) -> CandidateFits:
     """All of them; of those that differ by the order of their effects the one that takes off more."""
     found = dict(some)

@@ -16,6 +16,7 @@ from updamp.comparison.fit.compared import (
 from updamp.comparison.fit.failing_model import TOLERATED
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
 from updamp.comparison.fit.fit_from_far import LAST, fit_from_far
+from updamp.comparison.fit.fit_round import fit_linear
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.scatter import Offsets
 from updamp.comparison.prediction.parameters import Parametrisation
@@ -45,6 +46,7 @@ class Refit:
 
     at_bound: parameter that stands at a bound beyond which it makes no sense, "" if none
     own_numerics: whether the numerical error is that of the model with the effects (`baseline.with_own_numerics`)
+    ahead: mean squared misfit where one more round would lead to first order, of a fit that was cut short
     also: other minima that the data do not tell from this one (`other_sizes.py`), without their branches
     elsewhere: other minima, which the data do tell from this one (`minima.py`), likewise
     """
@@ -55,12 +57,18 @@ class Refit:
     delta_bic: float
     at_bound: str
     own_numerics: bool = False
+    ahead: float = np.inf
     also: tuple[Fit, ...] = ()
     elsewhere: tuple[Fit, ...] = ()
 
     @property
     def mean_squared_misfit(self) -> float:
         return self.fitted.compared.mean_squared_misfit
+
+    @property
+    def promised(self) -> float:
+        """Mean squared misfit that the effects may leave, for all that is known of a fit that was cut short"""
+        return min(self.mean_squared_misfit, self.ahead)
 
 
 def refit(
@@ -100,7 +108,8 @@ def refit(
             break
         fitted = _fit_from(base, plan, extended, kind, full)
         found += [] if fitted is None else [assessed(base, fitted, plan, effects, criteria)]
-    return max(found, key=lambda r: r.drop, default=None)
+    best = max(found, key=lambda r: r.drop, default=None)
+    return best if full or best is None else replace(best, ahead=_ahead(best.fitted, plan))
 
 
 def _nested(base: Fit, plan: Plan, extended: Parametrisation) -> Fit | None:
@@ -205,6 +214,13 @@ def assessed(base: Fit, found: Fit, plan: Plan, effects: Sequence[Effect], crite
     parameters = sum(len(e.parameters) for e in effects)
     delta_bic = gain_of_bic(drop, parameters, plan.independent, plan.as_one)
     return Refit(tuple(effects), found, drop, delta_bic, _at_bound(found, effects, criteria))
+
+
+def _ahead(found: Fit, plan: Plan) -> float:
+    """Mean squared misfit where the next round would lead to first order."""
+    reach = _SHORT.largest_step
+    ahead = fit_linear(found.parametrisation, plan, found.compared, found.compared.scatter, reach)
+    return ahead.mean_squared_misfit
 
 
 def gain_of_bic(drop: float, parameters: int, independent: float, as_one: float) -> float:

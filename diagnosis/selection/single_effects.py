@@ -8,6 +8,7 @@ from updamp.diagnosis.candidate_models.candidate_fits import (
     CandidateFits,
     FitContext,
     best_first,
+    most_promising,
     nearly,
 )
 from updamp.diagnosis.candidate_models.fit_tasks import FitTask, FittedCandidate
@@ -43,20 +44,19 @@ def try_singles(fits: FitContext, effects: Sequence[Effect], scored: Sequence[Sc
     half = (len(likely) + 1) // 2
     first = 1 if badly else half
     found = _in_turn(fits, (likely[:first], likely[first:half], likely[half:]), found)
-    found |= _settled(fits, found, 1)
+    found |= _settled(fits, best_first(found)[:1], found)
     if _explaining(fits, found) is None:
-        found |= _settled(fits, found, criteria.search.full)
+        found |= _settled(fits, most_promising(found)[: criteria.search.full], found)
         found |= refits_with_own_numerics(fits, found)
     found |= _rivals(fits, seen[: criteria.search.short], by_probes, found)
-    found |= _settled(fits, found, criteria.search.full)
+    found |= _settled(fits, most_promising(found)[: criteria.search.full], found)
     return found | refits_with_own_numerics(fits, found)
 
 
-def _settled(fits: FitContext, found: CandidateFits, most: int) -> CandidateFits:
-    """Full fits of the best ones."""
-    best = best_first(found)[:most]
-    close = [r for r in best if not r.trial.full and _gains_as_much(r.refit, best[0].refit, fits)]
-    return fits.full(close)
+def _settled(fits: FitContext, some: Sequence[FittedCandidate], found: CandidateFits) -> CandidateFits:
+    """Full fits of those that may be as good as the best one found."""
+    best = best_first(found)[:1]
+    return fits.full([r for r in some if not r.trial.full and _gains_as_much(r.refit, best[0].refit, fits)])
 
 
 def _in_turn(fits: FitContext, tasks: Iterable[Sequence[FitTask]], known: CandidateFits) -> CandidateFits:
@@ -115,9 +115,7 @@ def _left(start: Baseline, share: float) -> float:
 
 
 def _comes_close(one: Refit, best: Refit, start: Baseline, criteria: Criteria) -> bool:
-    return one.mean_squared_misfit < criteria.search.close * best.mean_squared_misfit or nearly(
-        one, best, start, criteria
-    )
+    return one.promised < criteria.search.close * best.mean_squared_misfit or nearly(one, best, start, criteria)
 
 
 def _explaining(fits: FitContext, found: CandidateFits) -> FittedCandidate | None:
@@ -147,5 +145,6 @@ def _rivals(
 
 
 def _gains_as_much(one: Refit, best: Refit, fits: FitContext) -> bool:
-    """Whether it comes close to the best; a short fit may stop half-way, but has to gain something."""
+    """Whether it comes close to the best, or would to first order: a short fit may stop half-way, but has to gain
+    something."""
     return one.delta_bic > 0 and _comes_close(one, best, fits.start, fits.criteria)

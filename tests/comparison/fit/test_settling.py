@@ -74,3 +74,20 @@ def test_no_fit_ends_higher_than_where_it_was_traced(monkeypatch):
         ahead={2440.0: (1.258, 0.0), 2439.0: (1.608, 9.0), 2430.0: (1.608, 0.0), 2446.0: (1.608, 0.0)},
     )
     assert at.stiffness == 1.258, (at, message)
+
+
+def test_a_fit_does_not_end_short_of_where_a_derivative_leaps(monkeypatch):
+    """A gap at the edges that opens at 0.3 of its typical size: up to there first order promises little, from there on
+    much (case 002 of the draw 30138193)."""
+    places = {0.27: 317.3, 0.31: 308.0, 0.51: 193.0}
+    ahead = {317.3: (0.31, 0.4), 308.0: (0.51, 115.0), 193.0: (0.51, 0.0)}
+    at, message, _ = fitted(monkeypatch, 0.27, traced=places, moved=places, ahead=ahead)
+    assert (at.stiffness, message) == (0.51, loop.SETTLED)
+
+
+def test_a_promise_of_little_that_is_not_kept_ends_where_it_was_solved(monkeypatch):
+    places = {0.27: 317.3, 0.31: 318.0}
+    at, message, _ = fitted(
+        monkeypatch, 0.27, traced=places, moved=places, ahead={317.3: (0.31, 0.4), 318.0: (0.27, 5.0)}
+    )
+    assert (at.stiffness, message) == (0.27, loop.SETTLED)

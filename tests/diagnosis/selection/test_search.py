@@ -159,14 +159,14 @@ def test_the_next_likely_are_fitted_until_two_in_a_row_do_not_come_close():
     ((_, best),) = fits.results([FitTask((SPRING,), (np.full(1, 1.5),), full=True)]).items()
     left = {"poor": 5.0, "as good": 1.0, "poorer": 6.0, "poorest": 7.0, "never reached": 1.0}
 
+    def leaving(share):
+        misfit = share * best.refit.mean_squared_misfit
+        return SimpleNamespace(mean_squared_misfit=misfit, promised=misfit, delta_bic=9.0)
+
     def runner(_start, _criteria, tasks, _done):
         asked.extend(task.effects[0].name for task in tasks)
         return [
-            replace(
-                best,
-                refit=SimpleNamespace(mean_squared_misfit=left[name] * best.refit.mean_squared_misfit, delta_bic=9.0),
-                trial=replace(best.trial, effects=(name,)),
-            )
+            replace(best, refit=leaving(left[name]), trial=replace(best.trial, effects=(name,)))
             for name in (task.effects[0].name for task in tasks)
         ]
 
