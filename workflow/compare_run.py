@@ -1,6 +1,6 @@
 """`updamp compare`: from a rig file and a measurement to comparison.json and report.html."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from importlib.metadata import version
@@ -128,14 +128,18 @@ def comparison_inputs(
     display: Display,
     finer: Sequence[str] | None = None,
     dimensions: Sequence[str] = (),
+    check: Callable[[Measurement], None] = lambda _: None,
 ) -> ComparisonInputs:
     """The model, built where it is not there yet, and the measurement.
 
     dimensions: of which the models know what another value changes; of stated frequencies alone, none
+    check: asked of the measurement before anything is built; what it raises is raised
     raises: RigError, MeasurementError and what the stages raise, naming what to mend
     """
     modal = is_modal(files.rig)
-    inputs = _of_modal_rig(files) if modal else _of_rig(files, preset, workers, display, finer, dimensions)
+    inputs = (
+        _of_modal_rig(files, check) if modal else _of_rig(files, check, preset, workers, display, finer, dimensions)
+    )
     model = with_tried_effects(inputs.before_effects, inputs.rig_effects)
     asked = (*inputs.measurement.questions, *measured_against_model(model, inputs.measurement))
     for question in asked:
@@ -147,6 +151,7 @@ def comparison_inputs(
 
 def _of_rig(
     files: CompareFiles,
+    check: Callable[[Measurement], None],
     preset: str,
     workers: int,
     display: Display,
@@ -155,6 +160,7 @@ def _of_rig(
 ) -> ComparisonInputs:
     rig = load_rig(files.rig)
     measurement = load_measurement(files.measurement, _points(), rig.name)
+    check(measurement)
     about_runs = (*unknown_modes(measurement, tuple(rig.study.modes)), *another_pull(measurement, rig.load.pull))
     measurement = replace(measurement, questions=(*questions(rig), *measurement.questions, *about_runs))
     built = built_rig(rig, preset, files.out, workers, display)
@@ -169,11 +175,12 @@ def _of_rig(
     )
 
 
-def _of_modal_rig(files: CompareFiles) -> ComparisonInputs:
+def _of_modal_rig(files: CompareFiles, check: Callable[[Measurement], None]) -> ComparisonInputs:
     rig = load_modal(files.rig)
     check_folder(files.out, rig.name)
     model = modal_before_effects(rig)
     measurement = load_measurement(files.measurement, model.components.points, rig.name)
+    check(measurement)
     about_runs = (*measurement.questions, *unknown_modes(measurement, model.modes))
     measurement = replace(measurement, questions=about_runs)
     make_folder(files.out)
@@ -201,7 +208,7 @@ class _ProgressBar:
 
     def __call__(self, step: str) -> None:
         self._share, self._step = self._share + (1 - self._share) / 6, step
-        self._display.update("comparison", self._share, step)
+        self._display.step("comparison", self._share, step)
 
     def branch(self, name: str, done: int, of: int) -> None:
         """One more of the branches that the step needs."""

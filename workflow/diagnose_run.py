@@ -33,6 +33,7 @@ from updamp.effects.effect import Effect
 from updamp.effects.own_effects import own_effects
 from updamp.hbm.analysis.settings import Setting
 from updamp.hbm.continuation.predictor_corrector import BranchStoppedError
+from updamp.measurement.measurement import Measurement
 from updamp.model.rig_files import is_modal, load_any, load_rig
 from updamp.parallel.processes import chosen_workers
 from updamp.parallel.workers import Workers
@@ -74,6 +75,11 @@ class DiagnoseOptions:
     dimensions: tuple[str, ...] | None = None
     criteria: Criteria = field(default_factory=Criteria)
 
+    def check(self, measurement: Measurement) -> None:
+        """raises: ValueError where what is to be held out was not measured, or is all there is"""
+        if measurement.runs:
+            held_out_runs(plan_of(measurement), self.held_out, self.held_out_modes)
+
 
 def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console: Console) -> Verdict:
     """Build the model where it is not there yet, search, write diagnosis.json and report.html.
@@ -84,7 +90,7 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
     """
     with Display(console) as display:
         dimensions = chosen_dimensions(options.dimensions)
-        inputs = comparison_inputs(files, preset, options.jobs, display, options.finer, dimensions)
+        inputs = comparison_inputs(files, preset, options.jobs, display, options.finer, dimensions, options.check)
         provenance = {**provenance_of(files, inputs, preset), "date": date.today().isoformat()}
         if not inputs.measurement.runs:
             return _of_stated(files, options, inputs, provenance, display, console)
@@ -270,6 +276,6 @@ def _progress_bar(display: Display) -> Callable[[str], None]:
     def progress(step: str) -> None:
         nonlocal share
         share += (1 - share) / 40
-        display.update(_STAGE, share, step)
+        display.step(_STAGE, share, step)
 
     return progress

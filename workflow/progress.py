@@ -69,6 +69,12 @@ class Display:
         if not self.console.is_terminal:
             self._line("begins", "dim", name)
 
+    def step(self, name: str, share: float, what: str) -> None:
+        """The bar of work of which nobody knows how many steps it takes; a line for each where no bar can be seen."""
+        self.update(name, share, what)
+        if not self.console.is_terminal:
+            self._line("at", "dim", f"{name:<16} {what}")
+
     def forget(self, name: str) -> None:
         """Take a bar away without a line."""
         if name in self._bars:

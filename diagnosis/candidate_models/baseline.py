@@ -127,9 +127,7 @@ def _held_out(plan: Plan, names: Sequence[str] | None) -> tuple[int, ...]:
     """Places of the conditions: the second highest level of each mode, unless stated otherwise."""
     if names is not None:
         known = [c.name for c in plan.conditions]
-        unknown = [name for name in names if name not in known]
-        if unknown:
-            raise ValueError(f"no run '{unknown[0]}' to hold out; there are {', '.join(known)}")
+        _check_known("run", names, known)
         return tuple(i for i, name in enumerate(known) if name in names)
     kept: list[int] = []
     for mode in dict.fromkeys(c.mode for c in plan.conditions):
@@ -165,18 +163,22 @@ def calibrated_as(base: Fit, other: Fit) -> Floats:
 def held_out_runs(plan: Plan, runs: Sequence[str] | None, modes: Sequence[str]) -> tuple[str, ...] | None:
     """Names of the runs: those given and all of the modes; None where neither is given, for the usual choice.
 
-    raises: ValueError for a mode that was not measured, and where nothing would be left to fit to
+    raises: ValueError for a run or a mode that was not measured, and where nothing would be left to fit to
     """
     if not modes and runs is None:
         return None
-    known = dict.fromkeys(c.mode for c in plan.conditions)
-    unknown = [mode for mode in modes if mode not in known]
-    if unknown:
-        raise ValueError(f"no mode '{unknown[0]}' to hold out; there are {', '.join(known)}")
+    _check_known("mode", modes, list(dict.fromkeys(c.mode for c in plan.conditions)))
+    _check_known("run", runs or (), [c.name for c in plan.conditions])
     wanted = {*(runs or ()), *(c.name for c in plan.conditions if c.mode in modes)}
     if wanted.issuperset(c.name for c in plan.conditions):
         raise ValueError("all runs are to be held out, and none is left to fit to: hold out fewer")
     return tuple(sorted(wanted))
+
+
+def _check_known(kind: str, names: Sequence[str], known: Sequence[str]) -> None:
+    unknown = [name for name in names if name not in known]
+    if unknown:
+        raise ValueError(f"no {kind} '{unknown[0]}' to hold out; there are {', '.join(known)}")
 
 
 def unseen(start: Baseline) -> str:

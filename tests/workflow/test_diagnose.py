@@ -239,5 +239,7 @@ def test_a_scheduler_without_workers_is_not_waited_for_for_ever(
     ],
 )
 def test_what_cannot_be_held_out_is_refused(folder: Path, changes: dict[str, Any], message: str) -> None:
+    """Before anything is built."""
     with pytest.raises(ValueError, match=message):
         diagnosis(folder, "refused", **changes)
+    assert not (folder / "refused").exists()

@@ -35,6 +35,19 @@ def test_work_that_begins_is_said_once_where_no_bar_can_be_seen(terminal: bool) 
     assert said.getvalue().count("begins    OOP 17 N, more harmonics") == (0 if terminal else 1)
 
 
+@pytest.mark.parametrize("terminal", [False, True])
+def test_steps_are_lines_where_no_bar_can_be_seen(terminal: bool) -> None:
+    said = io.StringIO()
+    with Display(Console(file=said, force_terminal=terminal)) as display:
+        for share, what in ((0.1, "calibration"), (0.3, "edge_gap: leaves 1.20 times the scatter")):
+            display.step("search", share, what)
+        display.forget("search")
+    lines = [line for line in said.getvalue().splitlines() if line.startswith("at ")]
+    assert [line.split(maxsplit=2)[2] for line in lines] == (
+        [] if terminal else ["calibration", "edge_gap: leaves 1.20 times the scatter"]
+    )
+
+
 def test_time_left_follows_from_the_share_once_it_is_known() -> None:
     assert time_left(10.0, 0.01) == ""
     assert time_left(10.0, 0.25) == ", about 30 s left"
