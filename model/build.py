@@ -74,7 +74,7 @@ def as_built(reduced: ReducedModel, rest: StaticContact, rig: Rig) -> RigModel:
         by_pull=tuple(spring.name for spring in wire_springs(rig) if spring.by_pull),
         contacts=contact_group(reduced.contacts.area, rest, rig),
         patches=reduced.contacts,
-        excitation=f"blade_{rig.excitation.blade}.excitation.x",
+        excitation=rig.excitation.point,
         harmonics=Harmonics(rig.harmonic_balance.harmonics),
         time_samples=rig.harmonic_balance.time_samples,
         places=_places(rig),

@@ -103,6 +103,11 @@ class ExcitationPoint(InputTable):
     blade: Literal["left", "right"]
     height: Length
 
+    @property
+    def point(self) -> str:
+        """Of the models that are built of the rig"""
+        return f"blade_{self.blade}.excitation.x"
+
 
 class Response(InputTable):
     """Where the blades' response is measured, below their tips. [m]"""

@@ -27,7 +27,12 @@ from updamp.rig.questions import questions
 from updamp.rig.rig import Rig
 from updamp.workflow.built_rig import built_rig, finer_rigs
 from updamp.workflow.history import record_comparison
-from updamp.workflow.measured_against_model import another_pull, measured_against_model, unknown_modes
+from updamp.workflow.measured_against_model import (
+    another_pull,
+    check_excitation,
+    measured_against_model,
+    unknown_modes,
+)
 from updamp.workflow.output_folder import STATE, check_folder, make_folder
 from updamp.workflow.progress import Display
 from updamp.workflow.response_files import matlab_name
@@ -160,6 +165,7 @@ def _of_rig(
 ) -> ComparisonInputs:
     rig = load_rig(files.rig)
     measurement = load_measurement(files.measurement, _points(), rig.name)
+    check_excitation(rig.excitation.point, measurement)
     check(measurement)
     about_runs = (*unknown_modes(measurement, tuple(rig.study.modes)), *another_pull(measurement, rig.load.pull))
     measurement = replace(measurement, questions=(*questions(rig), *measurement.questions, *about_runs))

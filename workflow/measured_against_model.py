@@ -85,7 +85,7 @@ def measured_against_model(model: RigModel, measurement: Measurement) -> list[st
     raises: MeasurementError where the model is excited elsewhere, or a run has no frequency at which it can resonate:
         nothing could be compared
     """
-    _check_excitation(model, measurement)
+    check_excitation(model.excitation, measurement)
     questions: list[str] = []
     runs = {run.name: run for run in reversed(measurement.runs)}  # one of each test
     enough = [run for run in reversed(runs.values()) if len(run) >= StraightLine.points]
@@ -121,10 +121,14 @@ def _of_channel(model: RigModel, found: SmallAmplitude, runs: Sequence[MeasuredR
                 asked.add(kind)
 
 
-def _check_excitation(model: RigModel, measurement: Measurement) -> None:
-    if measurement.excitation and measurement.excitation != model.excitation:
+def check_excitation(point: str, measurement: Measurement) -> None:
+    """point: of the model
+
+    raises: MeasurementError where the measurement states another one
+    """
+    if measurement.excitation and measurement.excitation != point:
         raise MeasurementError(
-            f'excitation = "{measurement.excitation}": the rig file excites the model at "{model.excitation}"; state '
+            f'excitation = "{measurement.excitation}": the rig file excites the model at "{point}"; state '
             'the same there ([excitation] blade = "left" or "right"; excitation of a rig given by modes), or correct '
             "it here with the point of the force"
         )

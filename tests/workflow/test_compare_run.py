@@ -59,6 +59,17 @@ def test_a_measurement_of_another_rig_is_refused(measurement: Path, tmp_path: Pa
     assert "other" in result.output
 
 
+def test_a_rig_that_is_excited_elsewhere_is_told_before_finite_elements(measurement: Path, tmp_path: Path) -> None:
+    text = measurement.read_text(encoding="utf-8").replace("brake_reuss", "pesaresi2017")
+    text = text.replace("beam.drive", "blade_left.excitation")
+    measurement.write_text(text, encoding="utf-8")
+    result = compare(RIGS / "pesaresi2017.toml", measurement, "--out", tmp_path / "out")
+    assert result.exit_code == 2
+    assert "the rig file excites the model at" in result.output
+    assert "blade_right.excitation.x" in result.output
+    assert not (tmp_path / "out").exists()
+
+
 def finer(mesh: str, wanted: list[str] | None, out: Path) -> tuple[list[str], str]:
     """Presets that tell the numerical error, and what is said."""
     said = StringIO()
