@@ -164,7 +164,8 @@ def compare(
     quiet: no progress on the terminal
     raises: RigError, MeasurementError, ValueError: naming file, value and remedy
     """
-    from updamp.workflow.compare_run import CompareFiles, run_compare
+    from updamp.workflow.compare_run import run_compare
+    from updamp.workflow.comparison_inputs import CompareFiles
 
     files = CompareFiles(_path(rig, "rig"), _path(measurement, "measurement"), _path(out, "out"))
     comparison, _ = run_compare(files, mesh, jobs, Console(quiet=quiet), _names(finer))
@@ -202,7 +203,7 @@ def diagnose(
     criteria: what is decided by
     raises: RigError, MeasurementError, ValueError: naming file, value and remedy
     """
-    from updamp.workflow.compare_run import CompareFiles
+    from updamp.workflow.comparison_inputs import CompareFiles
     from updamp.workflow.diagnose_run import DiagnoseOptions
     from updamp.workflow.diagnose_run import diagnose as search
 

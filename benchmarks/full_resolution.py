@@ -31,7 +31,7 @@ from updamp.diagnosis.verdict import Verdict
 from updamp.hbm.compilation_cache import keep_compiled
 from updamp.model.rig_files import load_rig
 from updamp.workflow import diagnose_run as diagnosing
-from updamp.workflow.compare_run import CompareFiles
+from updamp.workflow.comparison_inputs import CompareFiles
 from updamp.workflow.progress import Display
 
 FITTED, LABORATORY = "diagnosis_146", "laboratory_100"

@@ -36,7 +36,7 @@ from updamp.effects.effect import Effect
 from updamp.hbm.compilation_cache import keep_compiled
 from updamp.parallel.processes import processes
 from updamp.parallel.workers import Elsewhere, Workers
-from updamp.workflow.compare_run import CompareFiles, ComparisonInputs, comparison_inputs
+from updamp.workflow.comparison_inputs import CompareFiles, ComparisonInputs, comparison_inputs
 from updamp.workflow.progress import Display
 
 # Of the eight curves: the levels of each mode, lowest and highest first.

@@ -45,7 +45,8 @@ def compare(
         from updamp.hbm.compilation_cache import keep_compiled
         from updamp.report.sections.calibration import far_calibrated
         from updamp.report.sections.outcome import verdict_sentence
-        from updamp.workflow.compare_run import CompareFiles, run_compare
+        from updamp.workflow.compare_run import run_compare
+        from updamp.workflow.comparison_inputs import CompareFiles
 
         keep_compiled()
         console = Console()

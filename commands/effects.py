@@ -89,7 +89,7 @@ def diagnose(
     with clean_errors(debug), interruptible():
         one_thread()
         from updamp.hbm.compilation_cache import keep_compiled
-        from updamp.workflow.compare_run import CompareFiles
+        from updamp.workflow.comparison_inputs import CompareFiles
         from updamp.workflow.diagnose_run import DiagnoseOptions
         from updamp.workflow.diagnose_run import diagnose as search_effects
 

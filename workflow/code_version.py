@@ -18,7 +18,7 @@ PACKAGE = "updamp"
 # What a search for effects depends on, from the rig file to the decision; a test holds it against the imports.
 SEARCH = (
     "rig", "geometry", "fem", "hbm", "effects", "model", "parallel", "measurement", "comparison", "diagnosis",
-    "workflow/compare_run.py", "workflow/diagnose_run.py", "workflow/stages.py",
+    "workflow/comparison_inputs.py", "workflow/diagnose_run.py", "workflow/stages.py",
     "workflow/built_rig.py",
 )  # fmt: skip
 

@@ -40,7 +40,8 @@ from updamp.parallel.workers import Workers
 from updamp.report.page import write_report
 from updamp.workflow.built_rig import chosen_dimensions
 from updamp.workflow.code_version import SEARCH, code_version
-from updamp.workflow.compare_run import CompareFiles, ComparisonInputs, comparison_inputs, pictures_of, provenance_of
+from updamp.workflow.compare_run import pictures_of, provenance_of
+from updamp.workflow.comparison_inputs import CompareFiles, ComparisonInputs, comparison_inputs
 from updamp.workflow.diagnose_stated import diagnose_stated, tables
 from updamp.workflow.kept_results import ResultKey, inputs_digest
 from updamp.workflow.progress import Display

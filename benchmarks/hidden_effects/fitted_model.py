@@ -12,7 +12,7 @@ from updamp.model.rig_files import load_rig
 from updamp.workflow import stages
 from updamp.workflow.built_rig import FOLDER as DIMENSIONS
 from updamp.workflow.built_rig import built_rig, chosen_dimensions
-from updamp.workflow.compare_run import CompareFiles
+from updamp.workflow.comparison_inputs import CompareFiles
 from updamp.workflow.diagnose_run import DiagnoseOptions, diagnose
 from updamp.workflow.progress import Display
 from updamp.workflow.run import Run

@@ -29,7 +29,7 @@ from updamp.comparison.fit.compared import Compared, compare_at
 from updamp.comparison.fit.scatter import Scatter, learn
 from updamp.model.rig_files import load_rig
 from updamp.workflow.code_version import SEARCH, code_version
-from updamp.workflow.compare_run import CompareFiles, comparison_inputs
+from updamp.workflow.comparison_inputs import CompareFiles, comparison_inputs
 from updamp.workflow.progress import Display
 
 Floats = NDArray[np.float64]

@@ -15,7 +15,8 @@ from updamp.comparison.compare import CalibrationResult, calibrate
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.measurement.measurement import Measurement
 from updamp.workflow.code_version import SEARCH, code_version
-from updamp.workflow.compare_run import CompareFiles, comparison_inputs, provenance_of
+from updamp.workflow.compare_run import provenance_of
+from updamp.workflow.comparison_inputs import CompareFiles, comparison_inputs
 from updamp.workflow.kept_results import ResultKey, inputs_digest, read_result, write_result
 from updamp.workflow.progress import Display
 

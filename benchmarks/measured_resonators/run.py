@@ -29,7 +29,7 @@ from updamp.benchmarks.hidden_effects.layout import read, write_whole
 from updamp.benchmarks.measured_resonators.laws import LAWS
 from updamp.benchmarks.measured_resonators.measured import FAULTS, measure
 from updamp.hbm.compilation_cache import keep_compiled
-from updamp.workflow.compare_run import CompareFiles
+from updamp.workflow.comparison_inputs import CompareFiles
 from updamp.workflow.diagnose_run import DiagnoseOptions, diagnose
 
 # What is hidden, and in how many resonators.

@@ -16,7 +16,7 @@ from updamp.measurement.load import load_measurement
 from updamp.model.rig_files import load_rig
 from updamp.pipeline import app
 from updamp.rig.questions import questions
-from updamp.workflow.compare_run import _points
+from updamp.workflow.comparison_inputs import model_points
 
 
 @pytest.fixture
@@ -32,7 +32,7 @@ def test_the_files_are_sound_and_the_truth_is_sealed(folder: Path) -> None:
     rig = load_rig(folder / "rig.toml")
     assert questions(rig) == []
     assert next(iter(rig.mesh)) == "small", "what commands take where no mesh is named"
-    measurement = load_measurement(folder / "measurement.toml", _points(), rig.name)
+    measurement = load_measurement(folder / "measurement.toml", model_points(), rig.name)
     assert {run.mode for run in measurement.runs} == set(rig.study.modes)
     sealed = json.loads((folder / "sealed.json").read_text())
     assert [one["name"] for one in sealed["hidden"]] == ["blade_mistuning"]
@@ -49,7 +49,7 @@ def test_the_steps_are_commands_of_this_program_on_files_that_are_there(folder: 
         assert name in known
         assert {one for one in arguments if one.endswith(".toml") and one != "better.toml"} <= there
         assert purpose
-    runs = {run.name for run in load_measurement(folder / "measurement.toml", _points()).runs}
+    runs = {run.name for run in load_measurement(folder / "measurement.toml", model_points()).runs}
     words = [word for step, _ in STEPS for word in shlex.split(step)]
     held_out = {words[i + 1] for i, word in enumerate(words) if word == "--hold-out"}
     assert set() < held_out < runs

@@ -19,7 +19,7 @@ from updamp.diagnosis.verdict import VERDICT_JSON, Verdict
 from updamp.effects.catalogue import JOINTS, catalogue
 from updamp.parallel import processes
 from updamp.workflow import diagnose_run as module
-from updamp.workflow.compare_run import CompareFiles, comparison_inputs
+from updamp.workflow.comparison_inputs import CompareFiles, comparison_inputs
 from updamp.workflow.diagnose_run import DiagnoseOptions, diagnose
 from updamp.workflow.progress import Display
 

@@ -17,7 +17,7 @@ from updamp.measurement.readers.hdf5 import write_hdf5
 from updamp.measurement.readers.long_csv import write_long_csv
 from updamp.measurement.readers.uff import write_uff58
 from updamp.measurement.recorded import RecordedSweep
-from updamp.workflow.compare_run import CompareFiles, comparison_inputs
+from updamp.workflow.comparison_inputs import CompareFiles, comparison_inputs
 from updamp.workflow.progress import Display
 
 POINTS = ["mass.drive.x", "mass.tip.x"]
@@ -260,12 +260,12 @@ def _other_mode(folder: Path) -> Told:
 def _asked_of_rig(path: Path) -> str:
     """What is asked before the model of a rig with geometry is made."""
     from updamp.model.rig_files import load_rig
-    from updamp.workflow import compare_run
+    from updamp.workflow.comparison_inputs import model_points
+    from updamp.workflow.measured_against_model import unknown_modes
 
     rig = load_rig(RIGS / "pesaresi2017.toml")
-    measurement = load_measurement(path, compare_run._points(), rig.name)
-    ask = getattr(compare_run, "unknown_modes", None)
-    return " ".join(ask(measurement, tuple(rig.study.modes))) if ask else ""
+    measurement = load_measurement(path, model_points(), rig.name)
+    return " ".join(unknown_modes(measurement, tuple(rig.study.modes)))
 
 
 def _other_point(folder: Path) -> Told:
