@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 from updamp.comparison.compare import calibrate, comparison_of
-from updamp.comparison.fit.numerical_gate import with_unwrapped_phases
+from updamp.comparison.fit.numerical_patterns import with_unwrapped_phases
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.comparison.prediction.run_condition import RunCondition

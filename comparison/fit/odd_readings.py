@@ -28,7 +28,7 @@ from updamp.comparison.fit.at_sensors import left_at_sensors, recorded
 from updamp.comparison.fit.compared import Compared
 from updamp.comparison.fit.failing_model import RISK
 from updamp.comparison.fit.matching import Matched
-from updamp.comparison.fit.numerical_gate import with_unwrapped_phases
+from updamp.comparison.fit.numerical_patterns import with_unwrapped_phases
 from updamp.comparison.fit.observations import Observations, Plan
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
 

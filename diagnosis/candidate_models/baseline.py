@@ -24,7 +24,6 @@ from updamp.comparison.fit.numerical_gate import (
     solved_as,
     starting_at,
     with_finer_harmonics,
-    with_numerical_error,
 )
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.odd_readings import odd_readings, without_odd
@@ -216,10 +215,9 @@ def _with_numerics_of_its_start(found: Fit, start: Baseline, options: FitOptions
     p, solved = found.parametrisation, with_finer_harmonics(start.given)
     plain = replace(p, base=solved_as(p.base, solved), numerics=NumericalError())
     at = found.u[: len(plain)]
-    branches = predict_branches(plain, at, start.plan)
     meshes = {name: solved_as(mesh, solved) for name, mesh in start.finer.items()}
     coarser = {HARMONICS: solved_as(p.base, start.given)}
-    extended = with_numerical_error(plain, at, start.plan, branches, meshes, coarser=coarser)
+    extended, branches = NumericalGate(start.plan, meshes, coarser=coarser).at(plain, at)
     u = padded(at, len(extended))
     at_start = starting_at(extended, u, start.train_plan, [branches[i] for i in start.training])
     return fit(extended, start.train_plan, u, found.compared.scatter, at_start, options)

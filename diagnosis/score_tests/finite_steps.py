@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.fit.numerical_gate import change_of_branch, with_unwrapped_phases
+from updamp.comparison.fit.numerical_gate import change_of_branch
+from updamp.comparison.fit.numerical_patterns import with_unwrapped_phases
 from updamp.comparison.prediction.model_at import ModelAt
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.comparison.prediction.run_condition import RunCondition

@@ -15,8 +15,8 @@ from updamp.comparison.fit.numerical_gate import (
     finer_than,
     starting_at,
     with_numerical_error,
-    with_unwrapped_phases,
 )
+from updamp.comparison.fit.numerical_patterns import with_unwrapped_phases
 from updamp.comparison.prediction.numerical_error import UNSURE
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch, with_patterns

@@ -7,6 +7,7 @@ import pytest
 from support.small_model import condition, parametrisation
 
 from updamp.comparison.fit import numerical_gate
+from updamp.comparison.fit.numerical_patterns import with_unwrapped_phases
 from updamp.comparison.prediction.model_at import ModelAt
 from updamp.comparison.prediction.traced_branch import trace_branch
 from updamp.diagnosis.score_tests import finite_steps
@@ -62,7 +63,7 @@ def test_where_all_sticks_nothing_changes_and_nothing_is_traced(there, branches,
 def test_where_contacts_slip_or_the_structure_changes_the_step_is_that_of_a_trace(there, branches):
     found = steps(there, branches, WEAKER, SPRING)
     for branch, (weaker, spring) in zip(branches, found, strict=True):
-        observed = numerical_gate.with_unwrapped_phases(branch.observed.value)
+        observed = with_unwrapped_phases(branch.observed.value)
         for own, change in ((WEAKER, weaker), (SPRING, spring)):
             if own is WEAKER and branch is branches[0]:
                 continue
