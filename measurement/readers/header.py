@@ -1,14 +1,14 @@
 """The line of a CSV file that names its columns, which programs write below lines of their own: date, title, sensors.
 
-It is the first line that has the columns wanted. Where none has, the line that comes closest is taken, so that the
-error names what stands there.
+It is the first line that has the columns wanted, or else a comment above the table that has them. Where none has, the
+line that comes closest is taken, so that the error names what stands there.
 """
 
 import csv
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import islice
+from itertools import islice, takewhile
 from pathlib import Path
 
 from updamp.measurement.measurement import MeasurementError, near
@@ -54,6 +54,8 @@ def header_of(path: Path, wanted: Wanted, form: CsvForm = PLAIN) -> Header:
         lines = list(islice(lines_of(path, file), SEARCHED))
     place = _place(lines, form.delimiter, wanted)
     found = place is not None
+    if place is None and (of_comment := _of_comment(path, codec, form.delimiter, wanted)):
+        return of_comment
     if place is None:
         place = _nearest(lines, form.delimiter, wanted)
         _check_delimiter(path, lines, place, form.delimiter, wanted)
@@ -84,6 +86,19 @@ def _row(lines: Sequence[str], place: int, delimiter: str) -> tuple[tuple[str, .
 def _place(lines: Sequence[str], delimiter: str, wanted: Wanted) -> int | None:
     """Of the first line that has the columns wanted."""
     return next((i for i in range(len(lines)) if wanted.are_in(_row(lines, i, delimiter)[0])), None)
+
+
+def _of_comment(path: Path, codec: str, delimiter: str, wanted: Wanted) -> Header | None:
+    """The comment above the table that has the columns wanted, as numpy and others write their names."""
+    with opened(path, codec, delimiter) as file:
+        above = takewhile(lambda line: line.startswith("#") or not line.strip(), islice(file, SEARCHED))
+        for number, line in enumerate(above, 1):
+            names, _ = _row([line.lstrip("#").lstrip()], 0, delimiter)
+            if wanted.are_in(names):
+                _check_names(path, names)
+                note = f"{path.name}: line {number}, a comment, has the names of the columns"
+                return Header(names, Start(codec, 0), number, (*encoding_notes(path, codec), note))
+    return None
 
 
 def _nearest(lines: Sequence[str], delimiter: str, wanted: Wanted) -> int:

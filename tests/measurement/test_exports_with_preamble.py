@@ -108,6 +108,20 @@ def test_a_tabbed_export_with_a_long_head(tmp_path: Path) -> None:
     assert "line 13 has the names of the columns; the 11 lines above it" in said(export, "names of the columns")
 
 
+@pytest.mark.parametrize("above", [(), ("# Pruefstand 3", "# Messung 7, Sweep abwaerts", "")])
+def test_names_of_columns_in_a_comment(tmp_path: Path, above: tuple[str, ...]) -> None:
+    """As numpy.savetxt writes them."""
+    head, *rows = text().split("\r\n")
+    found = load(tmp_path, "\n".join([*above, f"# {head}", *rows]))
+    assert_same(found, load(tmp_path, text()))
+    said(found, f"line {len(above) + 1}, a comment, has the names of the columns")
+
+
+def test_a_comment_that_lacks_a_column_is_none(tmp_path: Path) -> None:
+    head, *rows = text().replace("Kraft Phase", "phase").split("\r\n")
+    assert "no column" in refused(tmp_path, "\n".join([f"# {head}", *rows]))
+
+
 def test_the_first_line_of_a_spreadsheet_that_states_the_delimiter(tmp_path: Path) -> None:
     export = load(tmp_path, text(above=("sep=;",)))
     assert_same(export, load(tmp_path, text()))
