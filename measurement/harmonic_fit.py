@@ -43,22 +43,42 @@ def fit_harmonics(time: Floats, signals: Floats, frequency: float, harmonics: Se
     raises: ValueError where the record is shorter than eight periods, is sampled too slowly for the harmonics, or its
         force has another frequency
     """
-    _check_record(time, frequency, harmonics)
+    unknowns = 2 + 2 * len(harmonics)
+    check_record(time, frequency, harmonics, unknowns)
     time = time - time.mean()
     corrected = _corrected(time, signals[0], frequency)
     whole, residual = _least_squares(time, signals, corrected, harmonics)
-    if float(np.var(residual[0])) > 0.5 * float(np.var(signals[0])):
-        raise ValueError(f"most of the force is not at {frequency:.6g} Hz, which is stated, nor at its harmonics")
-    blocks = [_least_squares(time[part], signals[:, part], corrected, harmonics)[0] for part in _blocks(len(time))]
-    spread = np.array(blocks) - np.mean(blocks, axis=0)
+    check_force(residual[0], signals[0], frequency)
+    blocks = [_least_squares(time[part], signals[:, part], corrected, harmonics)[0] for part in blocks_of(len(time))]
+    return HarmonicFit(whole, deviation_of(np.array(blocks), residual, unknowns), corrected)
+
+
+def deviation_of(blocks: Complex, residual: Floats, unknowns: int) -> Floats:
+    """(n_signals, n_harmonics) of a real or imaginary part: the larger of what amplitudes by blocks (n_blocks,
+    n_signals, n_harmonics) scatter by and of white noise that leaves such a residual (n_signals, n)."""
+    spread, n = blocks - np.mean(blocks, axis=0), residual.shape[1]
     by_blocks = np.sqrt(np.sum(np.abs(spread) ** 2, axis=0) / (2 * (BLOCKS - 1)) / BLOCKS)
     # Each part of X_k has the variance 2 s^2 / n where the columns are orthogonal: nearly so over many periods.
-    unknowns = 2 + 2 * len(harmonics)
-    white = np.sqrt(2 * np.sum(residual**2, axis=1) / (len(time) - unknowns) / len(time))
-    return HarmonicFit(whole, np.maximum(by_blocks, white[:, None]), corrected)
+    white = np.sqrt(2 * np.sum(residual**2, axis=1) / (n - unknowns) / n)
+    return np.asarray(np.maximum(by_blocks, white[:, None]))
 
 
-def _check_record(time: Floats, frequency: float, harmonics: Sequence[int]) -> None:
+def check_force(residual: Floats, force: Floats, frequency: float) -> None:
+    """raises: ValueError where most of the force (n,) is left"""
+    if float(np.var(residual)) > 0.5 * float(np.var(force)):
+        raise ValueError(f"most of the force is not at {frequency:.6g} Hz, which is stated, nor at its harmonics")
+
+
+def check_clock(drift: float, frequency: float) -> None:
+    """drift: of the force's frequency from the one stated [Hz]. raises: ValueError where that is no error of clocks"""
+    if abs(drift) > CLOCK_ERROR * frequency:
+        raise ValueError(
+            f"the force is not at {frequency:.6g} Hz, which is stated: its phase drifts through the record"
+        )
+
+
+def check_record(time: Floats, frequency: float, harmonics: Sequence[int], unknowns: int) -> None:
+    """unknowns: of the fit, of which each block should have two samples. raises: ValueError"""
     steps = np.diff(time)
     if len(time) < 2 or not np.all(steps > 0):
         raise ValueError("time does not increase from sample to sample")
@@ -73,13 +93,14 @@ def _check_record(time: Floats, frequency: float, harmonics: Sequence[int]) -> N
             f"{1 / float(np.max(steps)):.4g} samples a second (at the widest gap) are too few for harmonic {highest} "
             f"of {frequency:g} Hz: more than {2 * highest * frequency:.4g} are wanted"
         )
-    if (each := len(time) // BLOCKS) < 2 * (2 + 2 * len(harmonics)):
+    if (each := len(time) // BLOCKS) < 2 * unknowns:
         raise ValueError(
             f"{len(time)} samples are too few for {len(harmonics)} harmonics ({each} in one of {BLOCKS} blocks)"
         )
 
 
-def _blocks(n: int) -> list[slice]:
+def blocks_of(n: int) -> list[slice]:
+    """As many parts of a record of n samples, one after the other."""
     edges = np.linspace(0, n, BLOCKS + 1).astype(int)
     return [slice(a, b) for a, b in pairwise(edges.tolist())]
 
@@ -100,12 +121,11 @@ def _corrected(time: Floats, force: Floats, frequency: float) -> float:
     """Frequency from the drift of the force's phase over the blocks [Hz]."""
     start = frequency
     for _ in range(3):
-        parts = _blocks(len(time))
+        parts = blocks_of(len(time))
         amplitudes = [_least_squares(time[part], force[None, part], frequency, (1,))[0][0, 0] for part in parts]
         if not np.all(np.abs(amplitudes) > 0):
             raise ValueError("the force is zero over a part of the record")
         middles = np.array([time[part].mean() for part in parts])
         frequency += float(np.polyfit(middles, np.unwrap(np.angle(amplitudes)), 1)[0]) / (2 * np.pi)
-    if abs(frequency - start) > CLOCK_ERROR * start:
-        raise ValueError(f"the force is not at {start:.6g} Hz, which is stated: its phase drifts through the record")
+    check_clock(frequency - start, start)
     return frequency

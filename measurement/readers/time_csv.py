@@ -1,6 +1,6 @@
 """CSV of time signals: a column a channel, and one with the commanded frequency where the file holds several steps."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field, model_validator
 
+from updamp.measurement.harmonic_fit import PERIODS
 from updamp.measurement.measurement import MeasurementError
 from updamp.measurement.readers.csv_form import CsvForm
 from updamp.measurement.readers.header import Header, Wanted, check_column, header_of
@@ -17,13 +18,17 @@ from updamp.measurement.readers.table import Floats, Table, read_table
 from updamp.measurement.readers.time_steps import TimeOptions, TimeStep, sweep_of_steps
 from updamp.measurement.readers.units_row import HERTZ, SECONDS, check_axis
 from updamp.measurement.recorded import RecordedSweep
+from updamp.measurement.swept_fit import phase_of_sweep
 
 
 class TimeCsvOptions(TimeOptions, CsvForm):
-    """time: column of the time [s]; step: column of the commanded frequency [Hz], which marks the steps"""
+    """time: column of the time [s]; step: column of the commanded frequency [Hz], which marks the steps
+    periods: in each window of a sweep without stops
+    """
 
     time: Annotated[str, Field(examples=["time_s"])] = "time_s"
     step: Annotated[str, Field(examples=["frequency_Hz"])] = "frequency_Hz"
+    periods: Annotated[int, Field(strict=True, ge=PERIODS + 1, examples=[20])] = 20
 
     @model_validator(mode="before")
     @classmethod
@@ -41,7 +46,7 @@ class TimeCsvOptions(TimeOptions, CsvForm):
 @register("time_csv", options=TimeCsvOptions, of_samples=True)
 def read_time_csv(path: Path, labels: tuple[str, ...], options: TimeCsvOptions) -> tuple[RecordedSweep, ...]:
     """One sweep: its steps are the stretches over which the commanded frequency is constant and time does not start
-    again."""
+    again; windows of as many periods each where it does not stop."""
     header = header_of(path, Wanted((options.time, labels[0])), options)
     check_column(path, header, labels[0], ": the force")
     present = [label for label in labels if label in header.names]
@@ -77,8 +82,45 @@ def _steps(path: Path, table: Table, present: Sequence[str], options: TimeCsvOpt
     begins = np.diff(commanded) != 0
     if stepped:  # one frequency may be commanded twice in a row, as where a sweep turns round
         begins |= time[1:] <= time[0]
+    signals = {label: numbers[label] for label in present}
+    if stepped and 2 * np.count_nonzero(begins) > len(time):
+        return _windows(path, time, commanded, signals, options)
     edges = [0, *(np.flatnonzero(begins) + 1).tolist(), len(time)]
     return [
-        TimeStep(float(commanded[a]), time[a:b], {label: numbers[label][a:b] for label in present})
+        TimeStep(float(commanded[a]), time[a:b], {label: values[a:b] for label, values in signals.items()})
         for a, b in pairwise(edges)
+    ]
+
+
+def _windows(
+    path: Path, time: Floats, commanded: Floats, signals: Mapping[str, Floats], options: TimeCsvOptions
+) -> list[TimeStep]:
+    """Of a sweep without stops, where most samples have another commanded frequency than the one before: as many
+    periods each, what is left over at the end aside.
+
+    raises: MeasurementError where the sweep is shorter than a window, its time does not rise or settle is stated
+    """
+    if options.settle:
+        raise MeasurementError(
+            f"{path}: settle = {options.settle:g} s: the commanded frequency changes from sample to sample, so nothing "
+            f"settles; leave it out"
+        )
+    if not np.all(np.diff(time) > 0):
+        raise MeasurementError(
+            f"{path}: time starts again within a sweep without stops; split the file, a run is one sweep one way"
+        )
+    turns = phase_of_sweep(time, commanded) / (2 * np.pi)
+    edges = np.searchsorted(turns, np.arange(0.0, turns[-1], options.periods))
+    if len(edges) < 2:
+        raise MeasurementError(
+            f"{path}: {turns[-1]:.3g} periods are less than one window of periods = {options.periods}; state fewer"
+        )
+    return [
+        TimeStep(
+            float(commanded[(a + b) // 2]),
+            time[a:b],
+            {label: values[a:b] for label, values in signals.items()},
+            commanded[a:b],
+        )
+        for a, b in pairwise(edges.tolist())
     ]

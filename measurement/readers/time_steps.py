@@ -11,6 +11,7 @@ from pydantic import AfterValidator, Field
 from updamp.measurement.harmonic_fit import HarmonicFit, fit_harmonics
 from updamp.measurement.measurement import MeasurementError
 from updamp.measurement.recorded import Floats, RecordedChannel
+from updamp.measurement.swept_fit import fit_swept
 from updamp.rig.fields import InputTable, Quantity
 
 
@@ -32,11 +33,13 @@ class TimeOptions(InputTable):
 
 @dataclass(frozen=True, eq=False)
 class TimeStep:
-    """frequency: as commanded [Hz]; time: (n,) [s]; signals: label -> (n,)"""
+    """frequency: as commanded [Hz]; time: (n,) [s]; signals: label -> (n,)
+    swept: (n,) likewise, of a window of a sweep without stops; None of a step"""
 
     frequency: float
     time: Floats
     signals: Mapping[str, Floats]
+    swept: Floats | None = None
 
 
 def sweep_of_steps(
@@ -52,11 +55,23 @@ def sweep_of_steps(
     channels = {label: RecordedChannel(amplitude[i], options.harmonics, deviation[i]) for i, label in enumerate(labels)}
     frequency = np.array([fit.frequency for fit in fits])
     shift = float(np.max(np.abs(frequency - [step.frequency for step in steps])))
+    cut = f"the first {options.settle:g} s of each step cut off" if steps[0].swept is None else _of_sweep(steps)
     note = (
-        f"{path.name}: harmonics by least squares from time signals, the first {options.settle:g} s of each step cut "
-        f"off; frequencies corrected by at most {shift:.2g} Hz from the drift of the force's phase"
+        f"{path.name}: harmonics by least squares from time signals, {cut}; frequencies corrected by at most "
+        f"{shift:.2g} Hz from the drift of the force's phase"
     )
     return frequency, channels, (note,)
+
+
+def _of_sweep(steps: Sequence[TimeStep]) -> str:
+    """How fast it was, and what cannot follow that (ISO 7626-2: at most 54 Hz a minute for a half-power bandwidth of
+    1 Hz, by the square of that)."""
+    rate = max(abs(step.swept[-1] - step.swept[0]) / np.ptp(step.time) for step in steps if step.swept is not None)
+    narrowest = float(np.sqrt(60 * rate / 54))
+    return (
+        f"swept without stops by at most {rate:.2g} Hz/s, in {len(steps)} windows; resonances with a half-power "
+        f"bandwidth below {narrowest:.2g} Hz are distorted by such a sweep (ISO 7626-2)"
+    )
 
 
 def _fit(path: Path, step: TimeStep, labels: Sequence[str], options: TimeOptions) -> HarmonicFit:
@@ -76,6 +91,8 @@ def _fit(path: Path, step: TimeStep, labels: Sequence[str], options: TimeOptions
                 f"step out or export it again"
             )
     try:
+        if step.swept is not None:
+            return fit_swept(step.time[settled], signals, step.swept[settled], options.harmonics)
         return fit_harmonics(step.time[settled], signals, step.frequency, options.harmonics)
     except ValueError as error:
         before = f" (settle = {options.settle:g} s of {lasts:.4g} s is cut off before)" if options.settle else ""
