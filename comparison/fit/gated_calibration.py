@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from updamp.comparison.fit.calibration import Calibration, calibration
 from updamp.comparison.fit.compared import padded
+from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.numerical_gate import NumericalGate, largest_change, starting_at
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.parameters import Parametrisation
@@ -26,13 +27,13 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class GateOptions:
-    """again: how often what finer numerics change is asked for where a calibration ends, once at most where that is
-    within the scatter
-    worth: share of the misfit beyond the scatter that the last time has to have taken off for another one
+    """again: how often at most what finer numerics change is asked for where a calibration ends
+    moved: in their stated deviations, what parameters move by from one time to the next where that is enough: numerical
+        error and calibration then belong to each other
     """
 
-    again: int = 3
-    worth: float = 0.1
+    again: int = 4
+    moved: float = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,16 +103,23 @@ class _Work:
         return calibration(*of_model, self.progress, self.gate.branches_of)
 
     def with_own_numerics(self, found: Calibration, options: GateOptions) -> Calibration:
-        """Once in any case, and then as long as that takes a share off a misfit beyond the scatter."""
+        """Until the parameters stay where the error was asked for. Within the scatter too: where a run of few points
+        ends beside a jump, an error asked for elsewhere makes parameters up that the data seem to tell well."""
         for _ in range(options.again):
-            before = found.fit.compared.mean_squared_misfit
             self.progress("numerical error of the calibrated model")
             try:
                 again = self.calibrated(self.at(found.fit.u[: len(self.plain)]))
             except BranchStoppedError:  # of a finer model, far from where it was: what was found before stands
                 return found
-            after = again.fit.compared.mean_squared_misfit
-            found = again if after < max(before, 1.0) else found
-            if after <= 1 or before - after < options.worth * (before - 1):
+            if again.fit.compared.mean_squared_misfit >= max(found.fit.compared.mean_squared_misfit, 1.0):
                 return found
+            before, found = found, again
+            if self._moved(before.fit, again.fit) <= options.moved:
+                break
         return found
+
+    def _moved(self, before: Fit, after: Fit) -> float:
+        """The farthest of the model's parameters, in the smaller one of its two deviations."""
+        n = len(self.plain)
+        deviations = np.minimum(before.uncertainty[:n], after.uncertainty[:n])
+        return float(np.max(np.abs(after.u[:n] - before.u[:n]) / deviations))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from support.small_model import NUISANCES, condition, small_model, synthetic_plan
 
-from updamp.comparison.fit.gated_calibration import GateOptions, gated_calibration
+from updamp.comparison.fit.gated_calibration import GatedCalibration, GateOptions, gated_calibration
 from updamp.comparison.fit.numerical_gate import NumericalGate, finer_than
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.parameters import Parametrisation
@@ -25,14 +25,33 @@ def plan() -> Plan:
     return synthetic_plan(Parametrisation(finer(), NUISANCES), TRUE, conditions, np.full(4, 1e-4), 2, noise=0.003)[0]
 
 
-@pytest.mark.parametrize(("again", "least", "most"), [(0, 50.0, np.inf), (3, 0.5, 1.3)])
-def test_what_a_finer_model_changes_is_asked_for_where_the_calibration_ends(plan, again, least, most) -> None:
-    gate = NumericalGate(plan, finer_than(small_model(), {"finer": finer()}))
-    plain = Parametrisation(small_model(), NUISANCES)
-    found = gated_calibration(plain, gate, (0, 1), options=GateOptions(again=again))
-    assert least < found.calibration.fit.compared.mean_squared_misfit < most
+@pytest.fixture(scope="module")
+def gate(plan: Plan) -> NumericalGate:
+    return NumericalGate(plan, finer_than(small_model(), {"finer": finer()}))
+
+
+PLAIN = Parametrisation(small_model(), NUISANCES)
+WHERE_IT_BEGINS = GateOptions(again=0)
+
+
+@pytest.fixture(scope="module")
+def found(gate: NumericalGate) -> GatedCalibration:
+    return gated_calibration(PLAIN, gate, (0, 1))
+
+
+def test_what_a_finer_model_changes_is_asked_for_where_the_calibration_ends(gate, found) -> None:
+    begun = gated_calibration(PLAIN, gate, (0, 1), options=WHERE_IT_BEGINS)
+    assert begun.calibration.fit.compared.mean_squared_misfit > 50
+    assert 0.5 < found.calibration.fit.compared.mean_squared_misfit < 1.3
     assert len(found.before) == 2
     assert np.array_equal(found.before[0].u, np.zeros(len(found.before[0].u)))
+
+
+def test_parameters_and_numerical_error_belong_to_each_other(gate, found) -> None:
+    """Asked for once more where the calibration ends, the error leads nowhere else."""
+    fitted, n = found.calibration.fit, len(PLAIN)
+    again = gated_calibration(PLAIN, gate, (0, 1), fitted.u[:n], options=WHERE_IT_BEGINS).calibration.fit
+    assert np.max(np.abs(again.u[:n] - fitted.u[:n]) / fitted.uncertainty[:n]) < GateOptions().moved
 
 
 def test_it_is_asked_for_once_where_it_is_nothing(plan) -> None:
