@@ -44,19 +44,20 @@ def try_singles(fits: FitContext, effects: Sequence[Effect], scored: Sequence[Sc
     half = (len(likely) + 1) // 2
     first = 1 if badly else half
     found = _in_turn(fits, (likely[:first], likely[first:half], likely[half:]), found)
-    found |= _settled(fits, best_first(found)[:1], found)
+    found |= _settled(fits, best_first(found)[:1], found, 1)
     if _explaining(fits, found) is None:
-        found |= _settled(fits, most_promising(found)[: criteria.search.full], found)
+        found |= _settled(fits, most_promising(found), found, criteria.search.full)
         found |= refits_with_own_numerics(fits, found)
     found |= _rivals(fits, seen[: criteria.search.short], by_probes, found)
-    found |= _settled(fits, most_promising(found)[: criteria.search.full], found)
+    found |= _settled(fits, most_promising(found), found, criteria.search.full)
     return found | refits_with_own_numerics(fits, found)
 
 
-def _settled(fits: FitContext, some: Sequence[FittedCandidate], found: CandidateFits) -> CandidateFits:
-    """Full fits of those that may be as good as the best one found."""
+def _settled(fits: FitContext, some: Sequence[FittedCandidate], found: CandidateFits, most: int) -> CandidateFits:
+    """Full fits of those that may be as good as the best one found, so many at most; some: in the order of interest"""
     best = best_first(found)[:1]
-    return fits.full([r for r in some if not r.trial.full and _gains_as_much(r.refit, best[0].refit, fits)])
+    short = [r for r in some if not r.trial.full and _gains_as_much(r.refit, best[0].refit, fits)]
+    return fits.full(short[:most])
 
 
 def _in_turn(fits: FitContext, tasks: Iterable[Sequence[FitTask]], known: CandidateFits) -> CandidateFits:

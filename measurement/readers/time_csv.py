@@ -98,7 +98,8 @@ def _windows(
     """Of a sweep without stops, where most samples have another commanded frequency than the one before: as many
     periods each, what is left over at the end aside.
 
-    raises: MeasurementError where the sweep is shorter than a window, its time does not rise or settle is stated
+    raises: MeasurementError where the sweep is shorter than a window or no sweep one way, its time does not rise or
+        settle is stated
     """
     if options.settle:
         raise MeasurementError(
@@ -114,6 +115,13 @@ def _windows(
     if len(edges) < 2:
         raise MeasurementError(
             f"{path}: {turns[-1]:.3g} periods are less than one window of periods = {options.periods}; state fewer"
+        )
+    middle = commanded[(edges[:-1] + edges[1:]) // 2]
+    if np.unique(np.sign(np.diff(middle))).size > 1 or np.any(np.diff(middle) == 0):
+        raise MeasurementError(
+            f"{path}: column '{options.step}' changes from sample to sample and neither rises nor falls throughout: it "
+            f"has to be constant over each step of a stepped sine (the frequency as commanded, not as measured), or be "
+            f"one sweep one way"
         )
     return [
         TimeStep(

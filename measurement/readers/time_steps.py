@@ -64,8 +64,8 @@ def sweep_of_steps(
 
 
 def _of_sweep(steps: Sequence[TimeStep]) -> str:
-    """How fast it was, and what cannot follow that (ISO 7626-2: at most 54 Hz a minute for a half-power bandwidth of
-    1 Hz, by the square of that)."""
+    """How fast it was, and what cannot follow that (ISO 7626-2, as G. Gloth and M. Sinapius quote it, Mech. Syst.
+    Signal Process. 18 (2004) 1421: at most 54 Hz a minute for a half-power bandwidth of 1 Hz, by the square of it)."""
     rate = max(abs(step.swept[-1] - step.swept[0]) / np.ptp(step.time) for step in steps if step.swept is not None)
     narrowest = float(np.sqrt(60 * rate / 54))
     return (

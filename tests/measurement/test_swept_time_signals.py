@@ -104,6 +104,17 @@ def test_windows_are_as_long_as_stated(tmp_path: Path) -> None:
     assert len(runs[1].frequency) == pytest.approx(40 * RESONANCE / 40, abs=2)
 
 
+def test_steps_of_a_measured_frequency_are_no_sweep(tmp_path: Path) -> None:
+    time = np.arange(0, 4.0, 1 / RATE)
+    measured = 99.0 + np.floor(time) + 1e-3 * np.random.default_rng(1).standard_normal(len(time))
+    rows = [f"{t:.9g},{f:.9g},{np.cos(2 * np.pi * f * t):.6g},0.1" for t, f in zip(time, measured, strict=True)]
+    (tmp_path / "data.csv").write_text("\n".join(["time_s,frequency_Hz,force,laser", *rows, ""]), encoding="utf-8")
+    path = tmp_path / "measurement.toml"
+    path.write_text(TOML.replace('amplitude = "rms"', 'amplitude = "peak"') + OPTIONS.format(""), encoding="utf-8")
+    with pytest.raises(MeasurementError, match="as commanded, not as measured"):
+        load_measurement(path)
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [('settle = "0.1 s"', "nothing settles"), ("periods = 9000", "less than one window"), ("periods = 5", "periods")],
