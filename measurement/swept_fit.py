@@ -1,8 +1,7 @@
 """Harmonics of a signal whose frequency is swept without stops, in one window of it, by least squares.
 
 x(t) = c0 + d t + sum_k Re((X_k + Y_k t) exp(i k p(t))), where p is the phase of the commanded frequency, its integral,
-and t = 0 the middle of the window: X_k is what holds there, Y_k how fast it changes (linear prediction of a tracking
-filter's band, as in A. Brandt, Noise and Vibration Analysis, 2011, ch. 12).
+and t = 0 the middle of the window: X_k is what holds there, Y_k how fast it changes.
 """
 
 from collections.abc import Sequence
@@ -20,7 +19,7 @@ from updamp.measurement.harmonic_fit import (
 )
 
 Floats = NDArray[np.float64]
-_PER_HARMONIC = 4
+_PER_HARMONIC = 4  # real and imaginary part of X and of Y
 
 
 def phase_of_sweep(time: Floats, frequency: Floats) -> Floats:
@@ -40,19 +39,21 @@ def fit_swept(time: Floats, signals: Floats, frequency: Floats, harmonics: Seque
         force has another frequency
     """
     middle, mean = float(time.mean()), float(frequency.mean())
-    check_record(time, mean, harmonics, 2 + _PER_HARMONIC * len(harmonics))
+    unknowns = 2 + _PER_HARMONIC * len(harmonics)
+    check_record(time, mean, harmonics, unknowns)
     phase = phase_of_sweep(time, frequency)
     phase -= float(np.interp(middle, time, phase))
     A = _columns(time - middle, phase, harmonics)
     solution = np.linalg.lstsq(A, signals.T, rcond=None)[0]
     residual = signals - (A @ solution).T
-    X, Y = (solution[2 + i :: 4] + 1j * solution[3 + i :: 4] for i in (0, 2))
+    X, Y = (solution[2 + i :: _PER_HARMONIC] + 1j * solution[3 + i :: _PER_HARMONIC] for i in (0, 2))
     nominal = float(np.interp(middle, time, frequency))
     check_force(residual[0], signals[0], nominal)
     first = list(harmonics).index(1)
     drift = float((Y[first, 0] / X[first, 0]).imag) / (2 * np.pi)
     check_clock(drift, nominal)
-    return HarmonicFit(X.T, _deviation(phase, residual, harmonics), nominal + drift)
+    deviation = deviation_of(_left_by_blocks(phase, residual, harmonics), residual, unknowns)
+    return HarmonicFit(X.T, deviation, nominal + drift)
 
 
 def _columns(time: Floats, phase: Floats, harmonics: Sequence[int]) -> Floats:
@@ -63,12 +64,8 @@ def _columns(time: Floats, phase: Floats, harmonics: Sequence[int]) -> Floats:
     return np.stack(columns, axis=1)
 
 
-def _deviation(phase: Floats, residual: Floats, harmonics: Sequence[int]) -> Floats:
-    """(n_signals, n_harmonics)"""
-    left = np.array(
-        [
-            [2 * np.mean(residual[:, part] * np.exp(-1j * k * phase[part]), axis=1) for k in harmonics]
-            for part in blocks_of(len(phase))
-        ]
-    ).transpose(0, 2, 1)
-    return deviation_of(left, residual, 2 + _PER_HARMONIC * len(harmonics))
+def _left_by_blocks(phase: Floats, residual: Floats, harmonics: Sequence[int]) -> NDArray[np.complex128]:
+    """(n_blocks, n_signals, n_harmonics)"""
+    waves = np.exp(-1j * np.outer(harmonics, phase))
+    parts = blocks_of(len(phase))
+    return np.array([2 * residual[:, part] @ waves[:, part].T / (part.stop - part.start) for part in parts])

@@ -10,6 +10,7 @@ from updamp.comparison.comparison import ASKED_FIRST, FeatureComparison
 from updamp.comparison.findings.stated_values import WITHOUT_DAMPER, compare_features, needed
 from updamp.effects.chosen import ChosenEffect, resolved, with_effects, with_tried_effects
 from updamp.effects.rig_model import RigModel
+from updamp.fem.interface import BLADE_POINTS
 from updamp.measurement.load import load_measurement
 from updamp.measurement.measurement import Measurement
 from updamp.model.build import modal_before_effects
@@ -140,9 +141,8 @@ def _of_modal_rig(files: CompareFiles, check: Callable[[Measurement], None]) -> 
 
 def model_points() -> tuple[str, ...]:
     """Names of the points that every model of such a rig has."""
-    of_blade = ("excitation.x", "tip.x", "platform.x", "platform.y")
     of_damper = ("corner_left.x", "corner_left.y", "corner_right.x", "corner_right.y")
-    blades = [f"blade_{side}.{point}" for side in ("left", "right") for point in of_blade]
+    blades = [f"blade_{side}.{point}" for side in ("left", "right") for point in BLADE_POINTS]
     return (*blades, *(f"damper.{point}" for point in of_damper))
 
 

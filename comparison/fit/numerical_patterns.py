@@ -32,8 +32,9 @@ def with_error_patterns(
     """The parametrisation with a numerical error of these models.
 
     branches: of the parametrisation at u, one a condition
-    others: name of a finer or coarser model -> condition's name -> its branch, where it differs; added: names of
-    those whose change has been"""
+    others: name of a finer or coarser model -> condition's name -> its branch, where it differs
+    added: names of those whose change has been
+    """
     conditions = {c.name: c for c in plan.conditions}
     coarse = {b.condition.name: with_unwrapped_phases(b.evenly.value) for b in branches}
     none = {c: np.zeros_like(observed) for c, observed in coarse.items()}

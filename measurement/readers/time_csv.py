@@ -117,18 +117,13 @@ def _windows(
             f"{path}: {turns[-1]:.3g} periods are less than one window of periods = {options.periods}; state fewer"
         )
     middle = commanded[(edges[:-1] + edges[1:]) // 2]
-    if np.unique(np.sign(np.diff(middle))).size > 1 or np.any(np.diff(middle) == 0):
+    if abs(np.sum(np.sign(np.diff(middle)))) < len(middle) - 1:
         raise MeasurementError(
             f"{path}: column '{options.step}' changes from sample to sample and neither rises nor falls throughout: it "
             f"has to be constant over each step of a stepped sine (the frequency as commanded, not as measured), or be "
             f"one sweep one way"
         )
     return [
-        TimeStep(
-            float(commanded[(a + b) // 2]),
-            time[a:b],
-            {label: values[a:b] for label, values in signals.items()},
-            commanded[a:b],
-        )
-        for a, b in pairwise(edges.tolist())
+        TimeStep(float(f), time[a:b], {label: values[a:b] for label, values in signals.items()}, commanded[a:b])
+        for f, (a, b) in zip(middle, pairwise(edges.tolist()), strict=True)
     ]
