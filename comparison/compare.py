@@ -20,7 +20,7 @@ from updamp.comparison.comparison import (
 from updamp.comparison.curves import curve_pairs
 from updamp.comparison.findings.all_findings import all_findings
 from updamp.comparison.findings.backbone import measured_backbones, model_backbones
-from updamp.comparison.findings.findings import lack_of_fit, misfits
+from updamp.comparison.findings.findings import misfits
 from updamp.comparison.findings.odd_points import odd_points
 from updamp.comparison.findings.phase_lag import PhaseLag, fitted_lag, lag_finding, phase_lag
 from updamp.comparison.findings.stated_values import feature_findings
@@ -29,6 +29,7 @@ from updamp.comparison.fit.calibration import Calibration
 from updamp.comparison.fit.compared import compare_at, predict_branches
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.gated_calibration import GatedCalibration, gated_calibration
+from updamp.comparison.fit.lack_of_fit import lack_of_fit
 from updamp.comparison.fit.moved_by_numerics import moved_frequencies
 from updamp.comparison.fit.numerical_gate import NumericalGate, finer_than
 from updamp.comparison.fit.observations import Plan, plan_of

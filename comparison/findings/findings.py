@@ -16,8 +16,9 @@ from updamp.comparison.comparison import Finding
 from updamp.comparison.findings.direction import Direction, Misfit
 from updamp.comparison.findings.kinds import KINDS, Amplitude
 from updamp.comparison.findings.words import level_of
-from updamp.comparison.fit.failing_model import RISK, Freedom
+from updamp.comparison.fit.failing_model import RISK
 from updamp.comparison.fit.fit import Fit
+from updamp.comparison.fit.lack_of_fit import lack_of_fit
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.scatter import Assembly, whitened
 
@@ -89,11 +90,6 @@ def _columns(fit: Fit, plan: Plan, repeat: int, directions: Sequence[Direction])
         sensors = plan.conditions[m.observations.test].sensors
         blocks.append(np.column_stack([one.column(m, sensors, names) for one in directions]))
     return np.concatenate(blocks)
-
-
-def lack_of_fit(fit: Fit, plan: Plan) -> float:
-    """Probability of a chi2 as large by chance, the noise known as well as it is."""
-    return float(Freedom(fit.freedom, plan.noise_freedom).by_chance.sf(fit.compared.chi2 / fit.freedom))
 
 
 def findings(fit: Fit, plan: Plan, found: Sequence[Misfit], told: Sequence[Finding] = ()) -> tuple[Finding, ...]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from updamp.comparison.comparison import Backbone, Finding
 from updamp.comparison.findings.backbone import FIVE, places_of
 from updamp.comparison.findings.direction import Misfit
-from updamp.comparison.findings.findings import findings, lack_of_fit
+from updamp.comparison.findings.findings import findings
 from updamp.comparison.findings.gross_sensors import sensor_misfits
 from updamp.comparison.findings.kinds import OF_MODES, Amplitude, Damping, OfMode
 from updamp.comparison.findings.peak_misfit import without_peak
@@ -22,6 +22,7 @@ from updamp.comparison.findings.several_peaks import several_peaks, several_peak
 from updamp.comparison.findings.whole_runs import whole_run_findings
 from updamp.comparison.fit.failing_model import RISK
 from updamp.comparison.fit.fit import Fit
+from updamp.comparison.fit.lack_of_fit import lack_of_fit
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
 

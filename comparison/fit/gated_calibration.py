@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 
 from updamp.comparison.fit.calibration import Calibration, calibration
 from updamp.comparison.fit.compared import padded
+from updamp.comparison.fit.failing_model import RISK
 from updamp.comparison.fit.fit import Fit
+from updamp.comparison.fit.lack_of_fit import lack_of_fit
 from updamp.comparison.fit.numerical_gate import NumericalGate, largest_change, starting_at
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.parameters import Parametrisation
@@ -103,15 +105,16 @@ class _Work:
         return calibration(*of_model, self.progress, self.gate.branches_of)
 
     def with_own_numerics(self, found: Calibration, options: GateOptions) -> Calibration:
-        """Until the parameters stay where the error was asked for. Within the scatter too: where a run of few points
-        ends beside a jump, an error asked for elsewhere makes parameters up that the data seem to tell well."""
+        """Until the parameters stay where the error was asked for, whatever that does to a misfit within the scatter:
+        where a run of few points ends beside a jump, an error asked for elsewhere makes parameters up that the data
+        seem to tell well. Of a model that fails, as long as it fails less."""
         for _ in range(options.again):
             self.progress("numerical error of the calibrated model")
             try:
                 again = self.calibrated(self.at(found.fit.u[: len(self.plain)]))
             except BranchStoppedError:  # of a finer model, far from where it was: what was found before stands
                 return found
-            if again.fit.compared.mean_squared_misfit >= max(found.fit.compared.mean_squared_misfit, 1.0):
+            if _misfit(again) >= _misfit(found) and lack_of_fit(again.fit, again.rests_on(self.train)) < RISK:
                 return found
             before, found = found, again
             if self._moved(before.fit, again.fit) <= options.moved:
@@ -123,3 +126,7 @@ class _Work:
         n = len(self.plain)
         deviations = np.minimum(before.uncertainty[:n], after.uncertainty[:n])
         return float(np.max(np.abs(after.u[:n] - before.u[:n]) / deviations))
+
+
+def _misfit(found: Calibration) -> float:
+    return found.fit.compared.mean_squared_misfit
