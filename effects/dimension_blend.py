@@ -5,8 +5,10 @@ side by side (`mode_alignment.py`). What is positive grows by the same factor fo
 dimension by one: contact stiffness, preload, and modal stiffness, as K(t) = K^1/2 exp(t L) K^1/2, where exp(L) is the
 other stiffness in units of the first (the geodesic of positive definite matrices: Bhatia, Positive Definite Matrices,
 2007). So powers of the dimension are met exactly, as the stiffness of a beam goes with the square of its thickness.
-Mode shapes, residual flexibility and gaps are linear in the steps. All is exact at both ends, and off by the square of
-the change elsewhere.
+The flexibility at rest grows as its trace does, and residual flexibility is what the modes leave of it: where modes
+mix on the way, what is wrong with their shapes is made up for at low frequencies, and what a mesh changes of them too
+(`on_finer_mesh`). Mode shapes and gaps are linear in the steps. All is exact at both ends, and off by the square of the
+change elsewhere.
 
 Factors that a calibration has put on the model before act on what the dimension changes too.
 """
@@ -44,12 +46,14 @@ def varied_dimension(built: RigModel, varied: RigModel, step: float) -> VariedDi
     old, new = ({name: entry(model, name) for name in {*_GROWING, *_SHIFTED}} for model in (built, varied))
     ratio = {name: (old[name] > 0) & (new[name] > 0) for name in _GROWING}
     others = {a.name: a.points for a in varied.attachments}
+    old_flexibility, new_flexibility = before.flexibility_at_rest, after.flexibility_at_rest
     return VariedDimension(
         step=step,
         built=before,
         stiffening=function_of(np.log, relative),
         phi=after.phi @ Q - before.phi,
-        residual=after.residual - before.residual,
+        flexibility=new_flexibility - old_flexibility,
+        softening=float(np.log(np.trace(new_flexibility) / np.trace(old_flexibility))),
         growth={n: np.log(np.where(ratio[n], new[n], 1.0) / np.where(ratio[n], old[n], 1.0)) for n in _GROWING},
         shift={n: np.where(ratio.get(n, False), 0.0, new[n] - old[n]) for n in _SHIFTED},
         weights={a.name: {p: others[a.name][p] - w for p, w in a.points.items()} for a in built.attachments},
@@ -98,10 +102,25 @@ def _structure(model: RigModel, varied: VariedDimension, t: float) -> RigModel:
     there = replace(
         c,
         phi=c.phi + t * varied.phi @ T,
-        residual=c.residual + t * softness * varied.residual,
+        residual=c.residual + softness * (_residual(varied, t) - varied.built.residual),
         hysteretic=c.hysteretic + np.sqrt(loss)[:, None] * grown * np.sqrt(loss),
     )
     return with_modal_stiffness(replace(model, components=there), np.diag(c.omega_squared) + grown)
+
+
+def _residual(varied: VariedDimension, t: float) -> Floats:
+    """(n_rows, n_rows) [m/N] of the model as built, after t steps: what the modes leave of the flexibility at rest, and
+    nowhere less than half of what the stiffest direction has at first. Far from both ends the modes of a blend may be
+    more flexible than all of them together."""
+    built = varied.built
+    if not built.has_residual:
+        return built.residual
+    elastic = built.omega_squared > 0
+    omega, phi = np.sqrt(built.omega_squared[elastic]), (built.phi + t * varied.phi)[:, elastic]
+    softened = function_of(np.exp, -t * varied.stiffening)[np.ix_(elastic, elastic)] / np.outer(omega, omega)
+    left = built.flexibility_at_rest + varied.softened(t) - phi @ softened @ phi.T
+    least = max(float(np.linalg.eigvalsh(built.residual)[0]), 0.0) / 2
+    return function_of(lambda values: np.maximum(values, least), (left + left.T) / 2)
 
 
 def _moved(attachment: Attachment, weights: Mapping[str, float], t: float) -> Attachment:

@@ -18,7 +18,9 @@ class VariedDimension:
     step: relative change of the dimension that the model was built once more with
     built: the components as built
     stiffening: (m, m) logarithm of the modal stiffness in units of that as built, diag(omega): relative, and 0 in
-        directions of rigid motion; phi: (n_rows, m) and residual: (n_rows, n_rows) [m/N], differences
+        directions of rigid motion; phi: (n_rows, m) difference of the modes
+    flexibility: (n_rows, n_rows) [m/N] difference of that at rest, of all modes and what they leave; softening:
+        logarithm of the ratio of its trace
     growth: entry of the contacts' parameters -> (n,) logarithm of its ratio, 0 where there is none
     shift: entry -> (n,) difference of what has no ratio
     weights: attachment -> point -> change of its weight
@@ -28,7 +30,8 @@ class VariedDimension:
     built: LinearModel
     stiffening: Floats
     phi: Floats
-    residual: Floats
+    flexibility: Floats
+    softening: float
     growth: Mapping[str, Floats]
     shift: Mapping[str, Floats]
     weights: Mapping[str, Mapping[str, float]]
@@ -36,3 +39,8 @@ class VariedDimension:
     def steps(self, change: float) -> float:
         """So many steps make the relative change, each by the same factor."""
         return float(np.log1p(change) / np.log1p(self.step))
+
+    def softened(self, t: float) -> Floats:
+        """(n_rows, n_rows) [m/N] what t steps change of the flexibility, each by the same factor."""
+        share = np.expm1(t * self.softening) / np.expm1(self.softening) if self.softening else t
+        return np.asarray(share * self.flexibility)

@@ -58,6 +58,13 @@ class LinearModel:
         """Whether there is residual flexibility at all"""
         return bool(self.residual.any())
 
+    @property
+    def flexibility_at_rest(self) -> Floats:
+        """(n_rows, n_rows) [m/N] of all modes but rigid ones, and of what they leave"""
+        elastic = self.omega_squared > 0
+        phi = self.phi[:, elastic]
+        return phi / self.omega_squared[elastic] @ phi.T + self.residual
+
     def row(self, point: str) -> int:
         """raises: KeyError naming the points there are"""
         if point not in self.points:
