@@ -25,7 +25,7 @@ SHAPES = np.random.default_rng(5).standard_normal((12, 3))
 
 
 def test_modes_that_turn_towards_each_other_without_meeting_are_combined():
-    """Squared frequencies 4.4 % apart, where a change of 2 % in one dimension moves them by 0 to 3.8 %: they cannot meet,
+    """Squared frequencies 4.4 % apart, where a change of 2 % in a dimension moves them by 0 to 3.8 %: they cannot meet,
     and turn by 34 degrees."""
     before = component([1.0, 30.0, 31.32], SHAPES)
     after = component([1.038, 30.3, 32.0], SHAPES @ turned(34))
