@@ -5,10 +5,10 @@ side by side (`mode_alignment.py`). What is positive grows by the same factor fo
 dimension by one: contact stiffness, preload, and modal stiffness, as K(t) = K^1/2 exp(t L) K^1/2, where exp(L) is the
 other stiffness in units of the first (the geodesic of positive definite matrices: Bhatia, Positive Definite Matrices,
 2007). So powers of the dimension are met exactly, as the stiffness of a beam goes with the square of its thickness.
-The flexibility at rest grows as its trace does, and residual flexibility is what the modes leave of it: where modes
-mix on the way, what is wrong with their shapes is made up for at low frequencies, and what a mesh changes of them too
-(`on_finer_mesh`). Mode shapes and gaps are linear in the steps. All is exact at both ends, and off by the square of the
-change elsewhere.
+The flexibility at rest is B B', of which B is blended, as mode shapes are where a face turns. Residual flexibility is
+what the modes leave of it: where they mix on the way, what is wrong with their shapes is made up for at low
+frequencies, and what a mesh changes of them too (`on_finer_mesh`). Mode shapes and gaps are linear in the steps. All is
+exact at both ends, and off by the square of the change elsewhere.
 
 Factors that a calibration has put on the model before act on what the dimension changes too.
 """
@@ -19,6 +19,7 @@ from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
+import scipy.linalg
 from numpy.typing import NDArray
 
 from updamp.effects.contact_faces import entry
@@ -46,18 +47,25 @@ def varied_dimension(built: RigModel, varied: RigModel, step: float) -> VariedDi
     old, new = ({name: entry(model, name) for name in {*_GROWING, *_SHIFTED}} for model in (built, varied))
     ratio = {name: (old[name] > 0) & (new[name] > 0) for name in _GROWING}
     others = {a.name: a.points for a in varied.attachments}
-    old_flexibility, new_flexibility = before.flexibility_at_rest, after.flexibility_at_rest
+    root, there = _roots(before.flexibility_at_rest, after.flexibility_at_rest)
     return VariedDimension(
         step=step,
         built=before,
         stiffening=function_of(np.log, relative),
         phi=after.phi @ Q - before.phi,
-        flexibility=new_flexibility - old_flexibility,
-        softening=float(np.log(np.trace(new_flexibility) / np.trace(old_flexibility))),
+        root=root,
+        widening=there - root,
+        softening=float(np.log(np.linalg.norm(there) / np.linalg.norm(root))),
         growth={n: np.log(np.where(ratio[n], new[n], 1.0) / np.where(ratio[n], old[n], 1.0)) for n in _GROWING},
         shift={n: np.where(ratio.get(n, False), 0.0, new[n] - old[n]) for n in _SHIFTED},
         weights={a.name: {p: others[a.name][p] - w for p, w in a.points.items()} for a in built.attachments},
     )
+
+
+def _roots(before: Floats, after: Floats) -> tuple[Floats, Floats]:
+    """B of B B', the two that are nearest to each other. before, after: (n, n), positive semidefinite"""
+    one, other = (function_of(lambda values: np.sqrt(np.maximum(values, 0.0)), each) for each in (before, after))
+    return one, np.asarray(other @ scipy.linalg.orthogonal_procrustes(other, one)[0])
 
 
 def on_finer_mesh(varied: VariedDimension, finer: RigModel) -> VariedDimension:

@@ -19,8 +19,8 @@ class VariedDimension:
     built: the components as built
     stiffening: (m, m) logarithm of the modal stiffness in units of that as built, diag(omega): relative, and 0 in
         directions of rigid motion; phi: (n_rows, m) difference of the modes
-    flexibility: (n_rows, n_rows) [m/N] difference of that at rest, of all modes and what they leave; softening:
-        logarithm of the ratio of its trace
+    root: (n_rows, n_rows) [(m/N)^1/2] factor B of the flexibility at rest B B', of all modes and what they leave;
+        widening: difference of those that are nearest to each other; softening: logarithm of the ratio of their norms
     growth: entry of the contacts' parameters -> (n,) logarithm of its ratio, 0 where there is none
     shift: entry -> (n,) difference of what has no ratio
     weights: attachment -> point -> change of its weight
@@ -30,7 +30,8 @@ class VariedDimension:
     built: LinearModel
     stiffening: Floats
     phi: Floats
-    flexibility: Floats
+    root: Floats
+    widening: Floats
     softening: float
     growth: Mapping[str, Floats]
     shift: Mapping[str, Floats]
@@ -41,6 +42,7 @@ class VariedDimension:
         return float(np.log1p(change) / np.log1p(self.step))
 
     def softened(self, t: float) -> Floats:
-        """(n_rows, n_rows) [m/N] what t steps change of the flexibility, each by the same factor."""
+        """(n_rows, n_rows) [m/N] what t steps change of the flexibility: its factor grows as its norm does."""
         share = np.expm1(t * self.softening) / np.expm1(self.softening) if self.softening else t
-        return np.asarray(share * self.flexibility)
+        there = self.root + share * self.widening
+        return np.asarray(there @ there.T - self.root @ self.root.T)

@@ -198,10 +198,10 @@ def with_own_numerics(found: Fit, start: Baseline, options: FitOptions, criteria
 
     raises: BranchStoppedError where a finer model has no response at the beginning of a run
     """
-    best = _with_numerics_of_its_start(found, start, options)
+    best = with_numerics_of_its_start(found, start, options)
     while (before := best.compared.mean_squared_misfit) > 1:
         try:
-            again = _with_numerics_of_its_start(best, start, options)
+            again = with_numerics_of_its_start(best, start, options)
         except BranchStoppedError:
             break  # what was found before stands
         after = again.compared.mean_squared_misfit
@@ -211,7 +211,11 @@ def with_own_numerics(found: Fit, start: Baseline, options: FitOptions, criteria
     return best
 
 
-def _with_numerics_of_its_start(found: Fit, start: Baseline, options: FitOptions) -> Fit:
+def with_numerics_of_its_start(found: Fit, start: Baseline, options: FitOptions) -> Fit:
+    """The fit gone on with the numerical error of its own model where it stands.
+
+    raises: BranchStoppedError where a finer model has no response at the beginning of a run
+    """
     p, solved = found.parametrisation, with_finer_harmonics(start.given)
     plain = replace(p, base=solved_as(p.base, solved), numerics=NumericalError())
     at = found.u[: len(plain)]
