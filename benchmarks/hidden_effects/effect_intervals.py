@@ -20,9 +20,9 @@ import numpy as np
 import typer
 from rich.console import Console
 
-from updamp.benchmarks.hidden_effects.fitted_model import FINER, build, build_dimensions, place
+from updamp.benchmarks.hidden_effects.fitted_model import FINER, place
 from updamp.benchmarks.hidden_effects.layout import Layout, read
-from updamp.benchmarks.hidden_effects.run import Task, tasks
+from updamp.benchmarks.hidden_effects.run import Task, build_models, tasks
 from updamp.benchmarks.hidden_effects.version_2 import Draw, Only, chosen_cases
 from updamp.benchmarks.virtual_rig.laboratory import HIDDEN
 from updamp.comparison.fit.fit import Fit
@@ -103,11 +103,10 @@ def lines(task: Task, truth: Mapping[str, Any], folder: Path, own: int) -> Itera
                 yield Line(task.name, f"{e.name}.{q.name}", numerics, misfit, value, lower, upper, true, seconds)
 
 
-def in_catalogue(truth: Mapping[str, Any] | None) -> bool:
-    """Whether all that is hidden can be fitted with its true values."""
-    return bool(truth and truth["effects"]) and all(
-        HIDDEN[name].catalogue_name in truth["parameters"] for name in truth["effects"]
-    )
+def in_catalogue(truth: Mapping[str, Any]) -> bool:
+    """Whether something is hidden, and all of it can be fitted with its true values."""
+    names = [HIDDEN[name].catalogue_name for name in truth["effects"]]
+    return bool(names) and all(name in truth["parameters"] for name in names)
 
 
 def main(
@@ -120,10 +119,7 @@ def main(
     keep_compiled()
     layout = Layout(folder)
     found, _ = tasks(layout, chosen_cases(draw, only))
-    for rig, preset in dict.fromkeys((task.rig, task.preset) for task in found):
-        for one in (preset, *FINER[preset]):
-            build(rig, one, layout.models(rig))
-        build_dimensions(rig, preset, layout.models(rig))
+    build_models(layout, found)
     typer.echo("| case | parameter | numerical error | misfit | value | 95 % interval | true | s |")
     typer.echo("|" + 8 * "---|")
     for task in found:

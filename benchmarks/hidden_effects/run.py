@@ -99,6 +99,14 @@ def tasks(layout: Layout, cases: Sequence[Case]) -> tuple[list[Task], list[str]]
     return found, missing
 
 
+def build_models(layout: Layout, found: Sequence[Task]) -> None:
+    """All that the tasks fit, those of finer meshes and of other dimensions too; what is there is kept."""
+    for rig, preset in dict.fromkeys((task.rig, task.preset) for task in found):
+        for one in (preset, *FINER[preset]):
+            build(rig, one, layout.models(rig))
+        build_dimensions(rig, preset, layout.models(rig))
+
+
 def main(
     folder: Annotated[Path, typer.Option(help="with data/; verdicts/ goes there")] = Layout().folder,
     jobs: Annotated[int, typer.Option(min=1, help="processes")] = 1,
@@ -115,10 +123,7 @@ def main(
     typer.echo(f"{len(found) - len(left)} of {len(found)} cases are diagnosed already")
     if older := [task.name for task in found if task not in left and not task.by_this_version]:
         typer.echo(f"by another version of updamp: {', '.join(older)}; --again diagnoses them anew", err=True)
-    for rig, preset in dict.fromkeys((task.rig, task.preset) for task in left):
-        for one in (preset, *FINER[preset]):
-            build(rig, one, layout.models(rig))
-        build_dimensions(rig, preset, layout.models(rig))
+    build_models(layout, left)
     try:
         in_turn(diagnose, left, jobs, "diagnosing", lambda ran: f"{ran.verdict}, {ran.seconds:.0f} s")
     except RuntimeError as error:
