@@ -30,12 +30,12 @@ from updamp.comparison.fit.compared import compare_at, predict_branches
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.gated_calibration import GatedCalibration, gated_calibration
 from updamp.comparison.fit.lack_of_fit import lack_of_fit
-from updamp.comparison.fit.moved_by_numerics import moved_frequencies
 from updamp.comparison.fit.numerical_gate import NumericalGate, finer_than
 from updamp.comparison.fit.observations import Plan, plan_of
 from updamp.comparison.fit.odd_readings import OddReading
 from updamp.comparison.fit.repeat_scatter import of_repeats
 from updamp.comparison.fit.scatter import Scatter
+from updamp.comparison.fit.size_of_numerics import moved_frequencies
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.model_at import ModelAt
 from updamp.comparison.prediction.parameters import Parametrisation

@@ -13,8 +13,8 @@ from rich.console import Console
 from updamp.comparison.compare import compare
 from updamp.comparison.comparison import COMPARISON_JSON, MOVED_BY_NUMERICS
 from updamp.comparison.fit.compared import compare_at, predict_branches
-from updamp.comparison.fit.moved_by_numerics import moved_frequencies
 from updamp.comparison.fit.observations import Plan, plan_of
+from updamp.comparison.fit.size_of_numerics import moved_frequencies
 from updamp.comparison.prediction.branch_tasks import Branches, BranchesBy, in_turn
 from updamp.diagnosis.candidate_models.baseline import Baseline, baseline, calibrated_as, held_out_runs
 from updamp.diagnosis.candidate_models.fit_tasks import FitRunnerOf

@@ -94,12 +94,13 @@ class Compared:
         """Chi-square as it counts beside priors."""
         return self.chi2 / self.inflation**2
 
-    def equations(self, of_sensors: bool = False) -> tuple[Floats, Floats]:
+    def equations(self, of_sensors: bool = False, least: float = 1.0) -> tuple[Floats, Floats]:
         """Whitened residual (n,) and its derivative by the parameters (n, p), negative: residual = columns du.
 
         of_sensors: by the sensors' noise alone, however far the model fails; else what it lacks counts as noise
+        least: factor on the noise, where what the model lacks does not make it larger
         """
-        factors = [1.0 for _ in self.assemblies] if of_sensors else self._factors
+        factors = [least if of_sensors else max(f, least) for f in self._factors]
         pairs = [whitened(a, self.scatter.inflated(f)) for a, f in zip(self.assemblies, factors, strict=True)]
         return np.concatenate([r for r, _ in pairs]), np.concatenate([c for _, c in pairs])
 

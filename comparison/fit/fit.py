@@ -7,6 +7,7 @@ outside, the branches are solved anew, the same for all assemblies.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +19,11 @@ from updamp.comparison.fit.compared import (
     predict_branches,
     reweighed,
 )
+from updamp.comparison.fit.failing_model import inflation
 from updamp.comparison.fit.fit_round import compared_at_start, one_round, prior_scatter
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.scatter import Scatter, learn
+from updamp.comparison.fit.size_of_numerics import beside_noise
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
@@ -77,31 +80,28 @@ class Fit:
         told = 1 - (self.deviations / self.parametrisation.deviation) ** 2
         return self.compared.values - float(np.sum(told))
 
-    @property
-    def covariance_given_numerics(self) -> Floats:
-        """(n, n) of the model's parameters, with the numerical error taken as it was found"""
-        n = self.parametrisation.n_of_model
-        own, crossed, of_numerics = self.covariance[:n, :n], self.covariance[:n, n:], self.covariance[n:, n:]
-        return np.asarray(own - crossed @ np.linalg.pinv(of_numerics) @ crossed.T)
+    @cached_property
+    def covariance_told(self) -> Floats:
+        """(p, p) of u, of which intervals are made: with what finer numerics change among the unknowns, each as large
+        as it is unsure, and that much counting as what the model lacks too, which neighbouring points have in common.
+        A thousand points would tell such a change from the parameters by details that are no surer than its shape."""
+        least = inflation(1 + self.numerics_beside_noise, 1, self.compared.as_many)
+        return covariance_of(self.parametrisation, self.compared, least=least)
 
     @property
-    def given_numerics(self) -> Floats:
-        """(p,) deviations with the numerical error taken as it was found, 0 for that error itself"""
-        found = np.zeros(len(self.u))
-        found[: self.parametrisation.n_of_model] = np.sqrt(np.maximum(np.diag(self.covariance_given_numerics), 0.0))
-        return found
+    def numerics_beside_noise(self) -> float:
+        """Variance of the numerical error, as unsure as it is and of what calibration cannot imitate, over that of the
+        sensors' noise, the mean of all values."""
+        return beside_noise(self.parametrisation, self.compared)
 
     @property
     def uncertainty(self) -> Floats:
-        """(p,) deviations of u with those that finer numerics may move it by, counted once: what intervals are made
-        of"""
-        return np.hypot(self.given_numerics, self.parametrisation.numerics.uncertainty(len(self.u)))
+        """(p,) standard deviations of u, with those that finer numerics may move it by"""
+        return np.sqrt(np.diag(self.covariance_told))
 
     def uncertainty_of_sum(self, places: Sequence[int]) -> float:
-        """Likewise of the sum of some of the model's parameters, which may be far better known than each"""
-        of_numerics = float(np.sum(self.parametrisation.numerics.uncertainty(len(self.u))[list(places)]))
-        variance = float(self.covariance_given_numerics[np.ix_(places, places)].sum())
-        return float(np.hypot(np.sqrt(max(variance, 0.0)), of_numerics))
+        """Likewise of the sum of some parameters, which may be far better known than each"""
+        return float(np.sqrt(max(self.covariance_told[np.ix_(places, places)].sum(), 0.0)))
 
 
 def fit(
@@ -251,9 +251,12 @@ def _weighed(
     return reweighed(parametrisation, plan, found, scatter or learn(found.assemblies, prior))
 
 
-def covariance_of(parametrisation: Parametrisation, compared: Compared, of_sensors: bool = False) -> Floats:
-    """(p, p) of the parameters. of_sensors: as of a model that lacks nothing (`Compared.equations`)"""
-    _, columns = compared.equations(of_sensors)
+def covariance_of(
+    parametrisation: Parametrisation, compared: Compared, of_sensors: bool = False, least: float = 1.0
+) -> Floats:
+    """(p, p) of the parameters. of_sensors: as of a model that lacks nothing; least: factor on the noise
+    (`Compared.equations`)"""
+    _, columns = compared.equations(of_sensors, least)
     information = columns.T @ columns + np.diag(1 / parametrisation.deviation**2)
     return np.asarray(np.linalg.pinv(information), dtype=np.float64)
 

@@ -15,27 +15,13 @@ from numpy.typing import NDArray
 
 from updamp.comparison.fit.calibration import Calibration, calibration
 from updamp.comparison.fit.compared import padded
-from updamp.comparison.fit.failing_model import RISK
-from updamp.comparison.fit.fit import Fit
-from updamp.comparison.fit.lack_of_fit import lack_of_fit
 from updamp.comparison.fit.numerical_gate import NumericalGate, largest_change, starting_at
 from updamp.comparison.fit.observations import Plan
+from updamp.comparison.fit.own_numerics import OwnNumericsOptions, until_it_stays
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
-from updamp.hbm.continuation.continuation import BranchStoppedError
 
 Floats = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class GateOptions:
-    """again: how often at most what finer numerics change is asked for where a calibration ends
-    moved: in their stated deviations, what parameters move by from one time to the next where that is enough: numerical
-        error and calibration then belong to each other
-    """
-
-    again: int = 4
-    moved: float = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +41,7 @@ def gated_calibration(
     training: Sequence[int],
     start: Floats | None = None,
     progress: Callable[[str], None] = lambda _: None,
-    options: GateOptions = GateOptions(),
+    options: OwnNumericsOptions = OwnNumericsOptions(),
 ) -> GatedCalibration:
     """plain: without numerical error; training: places of the gate's tests that the fit sees
     start: (p,) parameters to begin with, those of the rig file by default
@@ -68,7 +54,7 @@ def gated_calibration(
     progress("calibration")
     found = work.calibrated(begin)
     if largest_change(begin.parametrisation.numerics, gate.plan) > 1:  # else one of a share of it is nothing
-        found = work.with_own_numerics(found, options)
+        found = until_it_stays(found, work.again, lambda c: (c.fit, c.rests_on(work.train)), options)
     return GatedCalibration(found, begin.parametrisation, begin.branches)
 
 
@@ -104,29 +90,6 @@ class _Work:
         of_model = begin.parametrisation, self.train, begin.branches, begin.u
         return calibration(*of_model, self.progress, self.gate.branches_of)
 
-    def with_own_numerics(self, found: Calibration, options: GateOptions) -> Calibration:
-        """Until the parameters stay where the error was asked for, whatever that does to a misfit within the scatter:
-        where a run of few points ends beside a jump, an error asked for elsewhere makes parameters up that the data
-        seem to tell well. Of a model that fails, as long as it fails less."""
-        for _ in range(options.again):
-            self.progress("numerical error of the calibrated model")
-            try:
-                again = self.calibrated(self.at(found.fit.u[: len(self.plain)]))
-            except BranchStoppedError:  # of a finer model, far from where it was: what was found before stands
-                return found
-            if _misfit(again) >= _misfit(found) and lack_of_fit(again.fit, again.rests_on(self.train)) < RISK:
-                return found
-            before, found = found, again
-            if self._moved(before.fit, again.fit) <= options.moved:
-                break
-        return found
-
-    def _moved(self, before: Fit, after: Fit) -> float:
-        """The farthest of the model's parameters, in the smaller one of its two deviations."""
-        n = len(self.plain)
-        deviations = np.minimum(before.uncertainty[:n], after.uncertainty[:n])
-        return float(np.max(np.abs(after.u[:n] - before.u[:n]) / deviations))
-
-
-def _misfit(found: Calibration) -> float:
-    return found.fit.compared.mean_squared_misfit
+    def again(self, found: Calibration) -> Calibration:
+        self.progress("numerical error of the calibrated model")
+        return self.calibrated(self.at(found.fit.u[: len(self.plain)]))

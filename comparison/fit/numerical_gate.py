@@ -1,8 +1,8 @@
 """The numerical gate, the first question to a misfit: would finer numerics make it go away?
 
 The model is solved with more harmonics and time samples, and on finer meshes. What that changes is added to the model,
-its uncertainty enters the fit as patterns (`numerical_error.py`). After a fit the same patterns say how far
-the parameters may have been moved by numerical error (`moved_by_numerics.py`).
+its uncertainty enters the fit as patterns (`numerical_error.py`). How far it may have
+moved the parameters is in their deviations (`Fit.uncertainty`).
 """
 
 from collections.abc import Mapping, Sequence

@@ -41,11 +41,9 @@ def with_error_patterns(
     expected, rough = ({c: change.copy() for c, change in none.items()} for _ in range(2))
     names: list[str] = []
     patterns: dict[str, list[Floats]] = {c: [] for c in coarse}
-    compensation: list[Floats] = []
     for name, traced in others.items():
         changes = none | {c: change_to(coarse[c], b, conditions[c]) for c, b in traced.items()}
-        left, by_parameters = _beyond_calibration(parametrisation, u, plan, branches, changes)
-        compensation.append(by_parameters)
+        left = _beyond_calibration(parametrisation, u, plan, branches, changes)
         names += _pattern_names(name, plan)
         for c in conditions:
             if name not in added:
@@ -56,8 +54,7 @@ def with_error_patterns(
         c: np.stack(each, axis=1) if each else np.zeros((len(coarse[c]), 0, coarse[c].shape[1]))
         for c, each in patterns.items()
     }
-    compensations = np.array(compensation) if compensation else None
-    numerics = NumericalError(tuple(names), coarse, expected, stacked, rough, compensations)
+    numerics = NumericalError(tuple(names), coarse, expected, stacked, rough)
     return replace(parametrisation, numerics=numerics)
 
 
@@ -85,9 +82,9 @@ def _beyond_calibration(
     plan: Plan,
     branches: Sequence[PredictedBranch],
     changes: Mapping[str, Floats],
-) -> tuple[dict[str, Floats], Floats]:
+) -> dict[str, Floats]:
     """Changes of all branches (n, m) less what the parameters make up for, within their bounds and as their priors have
-    it; and the parameters' changes (p,) that do.
+    it.
 
     What calibration takes up is no error of the calibrated model, whatever it does to the parameters.
     """
@@ -102,7 +99,7 @@ def _beyond_calibration(
         columns.append(np.einsum("nrm,npm->nrp", basis, observed.slopes[:, :n]).reshape(-1, n))
         wanted.append(np.einsum("nrm,nm->nr", basis, changes[branch.condition.name]).ravel())
     made_up_for = within_bounds(parametrisation, u, np.concatenate(columns), np.concatenate(wanted))
-    return {name: change - made_up_for @ slopes[name] for name, change in changes.items()}, made_up_for
+    return {name: change - made_up_for @ slopes[name] for name, change in changes.items()}
 
 
 def change_to(observed: Floats, traced: PredictedBranch, condition: RunCondition) -> Floats:

@@ -54,7 +54,7 @@ class Plan:
     lacks_nothing: whether the model that is compared is taken to
     noise_read: whether the observations' noise was read off how rough the runs are, and is no better known than that
     common: variance over that of the noise by which neighbouring points are off alike although the model lacks nothing,
-        as by its mesh (`moved_by_numerics.beside_noise`); infinite where that is not known, as without a finer mesh, or
+        as by its mesh (`Fit.numerics_beside_noise`); infinite where that is not known, as without a finer mesh, or
         of a repeatability that is stated, which says nothing of how much of it neighbours share
     """
 

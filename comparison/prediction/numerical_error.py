@@ -31,8 +31,6 @@ class NumericalError:
     expected: condition's name -> (n, m) to be added to the observations
     patterns: condition's name -> (n, n_patterns, m) standard deviations of what that is off by
     rough: condition's name -> (n, m) standard deviations of what is left of place to place
-    compensation: (n_models, p) what calibration would move the model's parameters by, to make up for what each finer
-        one changes
     """
 
     names: tuple[str, ...] = ()
@@ -40,15 +38,6 @@ class NumericalError:
     expected: Mapping[str, Floats] | None = None
     patterns: Mapping[str, Floats] | None = None
     rough: Mapping[str, Floats] | None = None
-    compensation: Floats | None = None
-
-    def uncertainty(self, n: int) -> Floats:
-        """(n,) standard deviations of parameters, of which the model's come first: as unsure as the change is, of which
-        calibration takes up this much without a trace in the residual."""
-        found = np.zeros(n)
-        if self.compensation is not None:
-            found[: self.compensation.shape[1]] = UNSURE * np.linalg.norm(self.compensation, axis=0)
-        return found
 
     def solved_window(self, condition: str, window: tuple[float, float]) -> tuple[float, float]:
         """Frequencies [Hz] that the model has to be solved at for what it shows, this error added, to cover a window:

@@ -16,24 +16,23 @@ from updamp.comparison.fit.compared import compare_at, padded, predict_branches
 from updamp.comparison.fit.failing_model import Freedom
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
 from updamp.comparison.fit.gated_calibration import gated_calibration
-from updamp.comparison.fit.moved_by_numerics import beside_noise
 from updamp.comparison.fit.numerical_gate import (
     HARMONICS,
     NumericalGate,
     finer_than,
+    largest_change,
     solved_as,
     starting_at,
     with_finer_harmonics,
 )
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.odd_readings import odd_readings, without_odd
+from updamp.comparison.fit.own_numerics import until_it_stays
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.numerical_error import NumericalError
 from updamp.comparison.prediction.parameters import Parametrisation
-from updamp.diagnosis.criteria import Criteria
 from updamp.effects.chosen import ChosenEffect
 from updamp.effects.rig_model import RigModel
-from updamp.hbm.continuation.continuation import BranchStoppedError
 from updamp.model.calibration import nuisances
 
 Floats = NDArray[np.float64]
@@ -109,7 +108,7 @@ def baseline(
     found = gated_calibration(plain, gate, training, None, progress).calibration
     whole = _without_odd_unseen(found.rests_on(plan), kept, found.fit, branches_of)
     if whole.noise_read and finer:  # else it is not known how far the model is off along a curve
-        whole = replace(whole, common=beside_noise(found.fit))
+        whole = replace(whole, common=found.fit.numerics_beside_noise)
     return Baseline(whole, training, kept, found.fit, found.repeatability, model, finer)
 
 
@@ -189,26 +188,19 @@ def unseen(start: Baseline) -> str:
     return "runs that the fit never saw"
 
 
-def with_own_numerics(found: Fit, start: Baseline, options: FitOptions, criteria: Criteria = Criteria()) -> Fit:
+def with_own_numerics(found: Fit, start: Baseline, options: FitOptions) -> Fit:
     """The fit gone on with the numerical error of its own model: solved with more harmonics and time samples, and with
     what finer meshes change of that. Beside a jump a change that was found at other parameters, even those that the fit
     begins with, is not the change where it ends: what can be solved at once is not added afterwards. What meshes change
-    is asked for again where the fit ends, as long as that takes off a share of what the scatter does not account for
-    (`Criteria.as_good`: less is no difference).
+    is asked for again where the fit ends (`comparison/fit/own_numerics.py`).
 
     raises: BranchStoppedError where a finer model has no response at the beginning of a run
     """
-    best = with_numerics_of_its_start(found, start, options)
-    while (before := best.compared.mean_squared_misfit) > 1:
-        try:
-            again = with_numerics_of_its_start(best, start, options)
-        except BranchStoppedError:
-            break  # what was found before stands
-        after = again.compared.mean_squared_misfit
-        best = again if after < before else best
-        if before - after < criteria.as_good * (before - 1):
-            break
-    return best
+    first = with_numerics_of_its_start(found, start, options)
+    plan = start.train_plan
+    if largest_change(first.parametrisation.numerics, plan) <= 1:
+        return first
+    return until_it_stays(first, lambda last: with_numerics_of_its_start(last, start, options), lambda f: (f, plan))
 
 
 def with_numerics_of_its_start(found: Fit, start: Baseline, options: FitOptions) -> Fit:

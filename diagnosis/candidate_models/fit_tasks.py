@@ -128,7 +128,7 @@ def _refit(start: Baseline, criteria: Criteria, a: FitTask) -> Refit | None:
             found = fit_from_size(a.near, a.effects, a.size, start)
         else:
             near = a.near if a.size == 1 else with_size(a.near, a.effects, a.size)
-            found = with_own_numerics(near, start, FULL, criteria)
+            found = with_own_numerics(near, start, FULL)
     except BranchStoppedError:
         return None
     if found is None:

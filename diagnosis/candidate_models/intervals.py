@@ -1,20 +1,19 @@
 """95 % intervals of an effect's parameters in a fit, and whether they leave it open that there is no such effect."""
 
-import numpy as np
-from numpy.typing import NDArray
-
 from updamp.comparison.fit.fit import Fit
-from updamp.comparison.fit.moved_by_numerics import moved_by_numerics
 from updamp.effects.effect import Effect
 
-Floats = NDArray[np.float64]
 _95 = 1.96
 
 
 def intervals(fitted: Fit, effect: Effect) -> list[tuple[float, float]]:
-    """Of every parameter, not cut off at its bounds: what the data leave open, and how far the numerics may have moved
-    it."""
-    return _within(fitted, effect, _deviations(fitted))
+    """Of every parameter, not cut off at its bounds."""
+    p, found = fitted.parametrisation, []
+    values = p.values(fitted.u)[effect.name]
+    for q, deviation in zip(effect.parameters, fitted.uncertainty[p.columns(effect.name)], strict=True):
+        half = _95 * float(deviation) * abs(q.typical - q.null)
+        found.append((values[q.name] - half, values[q.name] + half))
+    return found
 
 
 def may_be_absent(fitted: Fit) -> str:
@@ -24,23 +23,8 @@ def may_be_absent(fitted: Fit) -> str:
     Not asked of an effect that has no derivative at null: intervals are linear in its size, which says nothing of none
     of it. By how much chi-square falls with it does.
     """
-    deviations = _deviations(fitted)
     for effect in (e for e in fitted.parametrisation.effects if not e.finite_step):
-        nulls = zip(_within(fitted, effect, deviations), effect.parameters, strict=True)
+        nulls = zip(intervals(fitted, effect), effect.parameters, strict=True)
         if all(lower <= q.null <= upper for (lower, upper), q in nulls if not q.shape):
             return effect.name
     return ""
-
-
-def _deviations(fitted: Fit) -> Floats:
-    """(p,) in typical sizes"""
-    return np.asarray(np.hypot(fitted.given_numerics, moved_by_numerics(fitted)))
-
-
-def _within(fitted: Fit, effect: Effect, deviations: Floats) -> list[tuple[float, float]]:
-    p, found = fitted.parametrisation, []
-    values = p.values(fitted.u)[effect.name]
-    for q, deviation in zip(effect.parameters, deviations[p.columns(effect.name)], strict=True):
-        half = _95 * float(deviation) * abs(q.typical - q.null)
-        found.append((values[q.name] - half, values[q.name] + half))
-    return found

@@ -9,7 +9,6 @@ from dataclasses import replace
 
 from updamp.comparison.fit.compared import misfit
 from updamp.comparison.fit.fit import Fit
-from updamp.comparison.fit.moved_by_numerics import beside_noise
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.branch_tasks import BranchesBy
 from updamp.diagnosis.candidate_models.baseline import Baseline, calibrated_as
@@ -54,7 +53,7 @@ def _most_by_numerics(fits: FitContext) -> float:
     """Mean squared misfit that numerical error may make of what is within the scatter: of as many deviations as anybody
     would believe of a calibrated value."""
     believed = fits.criteria.calibration(fits.start.stated)
-    return 1 + believed**2 * beside_noise(fits.start.fitted)
+    return 1 + believed**2 * fits.start.fitted.numerics_beside_noise
 
 
 def by_the_same_gate(fits: FitContext, *found: CandidateFits) -> tuple[Baseline, Trial] | None:

@@ -87,17 +87,6 @@ def test_a_shifted_resonance_is_named(runs):
     assert said[0].quantity == "frequency"
 
 
-def test_intervals_know_what_finer_numerics_would_move_the_parameters_by(fitted):
-    """Calibration takes a change up without a trace in the residual; half of it counts, models in quadrature."""
-    p = fitted.parametrisation
-    moved = np.array([[0.003, 0.0, 0.0, 0.04], [0.004, 0.0, 0.1, 0.0]])
-    known = replace(fitted, parametrisation=replace(p, numerics=replace(p.numerics, compensation=moved)))
-    np.testing.assert_allclose(
-        known.uncertainty**2 - fitted.deviations**2, np.array([0.0025, 0.0, 0.05, 0.02]) ** 2, atol=1e-15
-    )
-    np.testing.assert_array_equal(fitted.uncertainty, fitted.deviations)
-
-
 @pytest.mark.long
 def test_a_fit_does_not_settle_on_branches_that_lack_what_a_sweep_sees(fitted, runs):
     """As those do that were moved from where a sweep saw less: half of the measured points have no place there."""

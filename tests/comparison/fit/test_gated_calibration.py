@@ -1,15 +1,13 @@
 """A calibration rests on the numerical error of the model where it ends, not of the model as given."""
 
-from dataclasses import dataclass
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from support.small_model import NUISANCES, condition, small_model, synthetic_plan
 
-from updamp.comparison.fit.gated_calibration import GatedCalibration, GateOptions, _Work, gated_calibration
+from updamp.comparison.fit.gated_calibration import GatedCalibration, gated_calibration
 from updamp.comparison.fit.numerical_gate import NumericalGate, finer_than
 from updamp.comparison.fit.observations import Plan
+from updamp.comparison.fit.own_numerics import OwnNumericsOptions
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.effects.rig_model import RigModel
 from updamp.model.calibration import FRICTION, YOUNGS_MODULUS
@@ -34,7 +32,7 @@ def gate(plan: Plan) -> NumericalGate:
 
 
 PLAIN = Parametrisation(small_model(), NUISANCES)
-WHERE_IT_BEGINS = GateOptions(again=0)
+WHERE_IT_BEGINS = OwnNumericsOptions(again=0)
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +52,7 @@ def test_parameters_and_numerical_error_belong_to_each_other(gate, found) -> Non
     """Asked for once more where the calibration ends, the error leads nowhere else."""
     fitted, n = found.calibration.fit, len(PLAIN)
     again = gated_calibration(PLAIN, gate, (0, 1), fitted.u[:n], options=WHERE_IT_BEGINS).calibration.fit
-    assert np.max(np.abs(again.u[:n] - fitted.u[:n]) / fitted.uncertainty[:n]) < GateOptions().moved
+    assert np.max(np.abs(again.u[:n] - fitted.u[:n]) / fitted.uncertainty[:n]) < OwnNumericsOptions().moved
 
 
 def test_it_is_asked_for_once_where_it_is_nothing(plan) -> None:
@@ -62,33 +60,3 @@ def test_it_is_asked_for_once_where_it_is_nothing(plan) -> None:
     said: list[str] = []
     gated_calibration(Parametrisation(finer(), NUISANCES), gate, (0, 1), progress=said.append)
     assert "numerical error of the calibrated model" not in said
-
-
-@dataclass(frozen=True, eq=False)
-class _Scripted(_Work):
-    """Calibrations that lead from each parameter to the next one, by misfits of its own."""
-
-    misfits: tuple[float, ...] = ()
-
-    def at(self, u):
-        return int(u[0])
-
-    def calibrated(self, begin: int):
-        return _calibration_at(begin + 1, self.misfits[begin])
-
-
-def _calibration_at(place: int, misfit: float) -> SimpleNamespace:
-    values = 400
-    compared = SimpleNamespace(mean_squared_misfit=misfit, chi2=misfit * values)
-    ends = np.full(len(PLAIN), float(min(place, 2)))  # from there on it stays
-    fitted = SimpleNamespace(u=ends, uncertainty=np.ones(len(PLAIN)), compared=compared, freedom=values)
-    return SimpleNamespace(fit=fitted, rests_on=lambda plan: plan)
-
-
-@pytest.mark.parametrize(("misfits", "ends"), [((1.0, 1.03, 1.02), 2), ((4.0, 4.1, 4.0), 1), ((4.0, 3.9, 3.9), 2)])
-def test_within_the_scatter_an_error_that_belongs_counts_and_beyond_it_a_smaller_misfit(
-    gate: NumericalGate, misfits: tuple[float, ...], ends: int
-) -> None:
-    work = _Scripted(PLAIN, gate, (0, 1), lambda _: None, misfits)
-    found = work.with_own_numerics(work.calibrated(0), GateOptions())
-    assert found.fit.u[0] == ends

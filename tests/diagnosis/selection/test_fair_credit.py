@@ -28,8 +28,8 @@ def asked(monkeypatch):
     """Tasks that are run, from the calibration of which fit; numerical error is half as large as the noise"""
     tasks = []
     compared = SimpleNamespace(u=None, mean_squared_misfit=1.1)
-    start = SimpleNamespace(fitted=SimpleNamespace(compared=compared), own_numerics=False, stated=10, left=[0.95])
-    monkeypatch.setattr(fair_credit, "beside_noise", lambda _: 0.25)
+    fitted = SimpleNamespace(compared=compared, numerics_beside_noise=0.25)
+    start = SimpleNamespace(fitted=fitted, own_numerics=False, stated=10, left=[0.95])
     monkeypatch.setattr(fair_credit, "calibrated_as", lambda _, other: other)
     monkeypatch.setattr(fair_credit, "with_branches", lambda fit, *_: fit)
     monkeypatch.setattr(fair_credit, "replace", _replaced)
