@@ -1,5 +1,6 @@
-"""Of several models that explain the data, each with the numerical error of its own: what is told of a mesh and of few
-harmonics at another model's parameters is not to tell them apart. An effect of the other sign is another model."""
+"""Models that explain the data, each with the numerical error of its own: what is told of a mesh and of few harmonics
+at another model's parameters is not to tell them apart, nor how large an effect is. An effect of the other sign is
+another model."""
 
 from dataclasses import replace
 
@@ -9,20 +10,15 @@ from updamp.diagnosis.selection.other_minima import lowest_of, turned_round
 
 
 def with_equal_numerics(fits: FitContext, found: CandidateFits) -> CandidateFits:
-    """Those of the likeliest few that take off more then, or that another sign is as likely as. A fit that explains the
-    data is left as it is where it is the only one, unless it asks for a calibration that nobody would believe: a
-    resonance that a coarse mesh has elsewhere is one (`single_effects.refits_with_own_numerics` is for those that do
-    not explain them)."""
-    criteria = fits.criteria
+    """The likeliest few of those that explain the data, where that makes others of them, or another sign is as likely
+    (`single_effects.refits_with_own_numerics` is for those that do not explain them)."""
+    search = fits.criteria.search
     if not fits.start.fitted.parametrisation.numerics.names:
         return {}
     explaining = [r for r in found.values() if r.trial.full and fits.explains(r.trial)]
-    likeliest = sorted(explaining, key=lambda r: -r.refit.delta_bic)[: criteria.search.full]
-    turning = [r for r in likeliest if _other_sign_comes_close(r, criteria.search.close)]
-    if len(likeliest) + len(turning) < 2 and not any(fits.is_far_off(r.trial) for r in likeliest):
-        return {}
+    likeliest = sorted(explaining, key=lambda r: -r.refit.delta_bic)[: search.full]
     again = fits.full([r for r in likeliest if not r.refit.own_numerics], own_numerics=True)
-    turned = turned_round(fits, turning)
+    turned = turned_round(fits, [r for r in likeliest if _other_sign_comes_close(r, search.close)])
     results = ((r, _better(fits, r, again.get(r.trial.effects), turned.get(r.trial.effects))) for r in likeliest)
     return {r.trial.effects: better for r, better in results if better is not r}
 
@@ -36,11 +32,10 @@ def _other_sign_comes_close(fitted: FittedCandidate, close: float) -> bool:
 def _better(
     fits: FitContext, given: FittedCandidate, own: FittedCandidate | None, turned: FittedCandidate | None
 ) -> FittedCandidate:
-    """The lowest one, which knows of minima that are as likely; one whose calibration can be believed before others:
-    the numerical error of another model may leave a little less by taking a run's resonance elsewhere."""
-    best = max(
-        (r for r in (given, own) if r is not None), key=lambda r: (fits.explains_believably(r.trial), r.refit.drop)
-    )
+    """With its own numerical error, whichever leaves less, unless that asks for a calibration that cannot be believed
+    and the other does not; the lower one of two signs. It knows of minima that are as likely."""
+    believed = fits.explains_believably
+    best = given if own is None or (believed(given.trial) and not believed(own.trial)) else own
     if turned is not None:
         best = lowest_of([best, turned])
     if best is given:

@@ -66,36 +66,34 @@ def test_a_rival_that_explains_the_data_is_not_told_from_the_best_by_the_numeric
     assert found["true",].refit.drop == 850.0
 
 
-def test_other_minima_are_kept_and_what_is_better_as_it_was_too(asked):
+def test_other_minima_are_kept_and_an_error_of_its_own_counts_whichever_leaves_less(asked):
+    """Within the scatter a share of 0.99 left 0.92 by the error of the model without, 0.29 left 0.74 by its own; 0.34
+    was true (037 of the draw 89958227)."""
     other = fitted("one", 0.8, 900.0)
     other = replace(other, refit=replace(other.refit, also=(SimpleNamespace(),)))
     found = with_equal_numerics(context(), by_name(other, fitted("even", 0.9, 850.0)))
     assert asked == ["one", "even"]
-    assert list(found) == [("one",)]
+    assert {names: r.refit.drop for names, r in found.items()} == {("one",): 950.0, ("even",): 800.0}
     assert len(found["one",].refit.also) == 1
 
 
-@pytest.mark.parametrize(
-    ("patterns", "rivals"),
-    [
-        ((), [fitted("rival", 0.9, 800.0)]),
-        (("finer mesh",), []),
-        (("finer mesh",), [fitted("fails", 3.0, 700.0), fitted("short", 0.9, 600.0, full=False)]),
-    ],
-    ids=["no numerical error", "the only one", "others do not explain them"],
-)
-def test_where_there_is_nothing_to_hold_against_each_other_nothing_is_fitted(asked, patterns, rivals):
-    assert not with_equal_numerics(context(patterns), by_name(fitted("best", 0.8, 900.0), *rivals))
+def test_what_does_not_explain_the_data_is_not_fitted_again(asked):
+    rivals = fitted("fails", 3.0, 700.0), fitted("short", 0.9, 600.0, full=False)
+    with_equal_numerics(context(), by_name(fitted("best", 0.8, 900.0), *rivals))
+    assert asked == ["best"]
+
+
+def test_without_numerical_error_nothing_is_fitted_again(asked):
+    assert not with_equal_numerics(context(()), by_name(fitted("best", 0.8, 900.0), fitted("rival", 0.9, 800.0)))
     assert not asked
 
 
-def test_the_only_one_is_where_it_asks_for_a_calibration_that_nobody_would_believe(asked):
+def test_what_explains_the_data_is_left_for_later_unless_nobody_would_believe_its_calibration(asked):
     """The pair that was hidden left 0.88 with the resonances of a run 2 to 4 deviations off in all assemblies, on a
     coarse mesh, and nothing was named (013 of the draw 89958227)."""
-    with_equal_numerics(context(), by_name(fitted("true", 0.8, 900.0, deviations=-4.0)))
     refits_with_own_numerics(context(), by_name(fitted("alone", 0.8, 900.0, deviations=4.0)))
     refits_with_own_numerics(context(), by_name(fitted("believed", 0.8, 900.0)))
-    assert asked == ["true", "alone"]
+    assert asked == ["alone"]
 
 
 def test_of_the_two_the_one_whose_calibration_can_be_believed_is_taken(monkeypatch):
@@ -145,7 +143,8 @@ def test_the_other_sign_of_the_only_one_is_held_against_it_where_it_comes_close(
         other = SimpleNamespace(compared=SimpleNamespace(mean_squared_misfit=misfit))
         return with_equal_numerics(context(), by_name(replace(one, refit=replace(one.refit, elsewhere=(other,)))))
 
-    assert not beside(0.81 * 1.7)
+    assert not beside(0.81 * 1.7)["best",].refit.also
+    assert turned == []
     found = beside(0.91)["best",].refit
     assert turned == [-1.0]
     assert (found.drop, len(found.also)) == (960.0, 1)
