@@ -20,11 +20,14 @@ class CompletenessLimits:
     change: of the response across it, relative; across a jump too, for a sweep to show one. Across a tenth of its
         half-width a linear resonance changes by a tenth at most: |d ln H / ds| <= 1 for 1 / (1 + i s), s in
         half-widths
+    still: first harmonic of a point, as a share of the largest response on the curve, that is what Newton's method
+        leaves (`NewtonOptions.tolerance`): its maxima are none
     """
 
     window: float = 0.005
     half_width: float = 0.1
     change: float = 0.1
+    still: float = 1e-9
 
 
 def shortcoming(curve: ResponseCurve, window: tuple[float, float], limits: CompletenessLimits, point: str) -> str:
@@ -39,6 +42,8 @@ def shortcoming(curve: ResponseCurve, window: tuple[float, float], limits: Compl
             return f"the window from {low:.4g} to {high:.4g} Hz is covered to {reached:.6g} Hz only"
     if abs(frequency[-1] - frequency[0]) < (high - low) / 2:
         return f"the branch turned back and left the window where it had entered, at {frequency[-1]:.6g} Hz"
+    if curve.stands_still(point, limits.still):
+        return f"'{point}' does not move at the frequency of the force: ask for the peak at another point"
     response, size = curve.amplitudes(), np.abs(curve.receptance(point))
     top = int(size.argmax())
     if top in (0, len(size) - 1) or not low <= frequency[top] <= high:

@@ -106,7 +106,7 @@ def _is_other_end(system: NonlinearSystem, request: CurveRequest, segment: Branc
         return True
     direction = (0 * solution.x, segment.sign)
     point = point_at(solution, request.excitation, request.options.scale_w(request.window), direction, 0.0)
-    return segment.traced.chord_at(point, point.metric, np.inf) is not None
+    return segment.traced.leads_to(point)
 
 
 def _from_other_end(request: CurveRequest, pieces: Pieces) -> Iterator[None]:

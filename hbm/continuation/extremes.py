@@ -28,7 +28,8 @@ def with_extremes_solved(system: NonlinearSystem, request: CurveRequest, curve: 
         for jump in range(len(swept(curve, upwards).jumps)):
             curve = _with_solved(system, request, curve, partial(_fold, request, upwards, jump))
     # last, as the height is read from a spline through the points about it, those of a fold among them
-    for point in request.peaks_at:
+    still = request.assembly.limits.still
+    for point in (point for point in request.peaks_at if not curve.stands_still(point, still)):
         curve = _with_solved(system, request, curve, partial(_highest, request, point))
     return curve
 

@@ -253,7 +253,7 @@ def _between(
         points += continue_branch(system, request.excitation, window, options, True, [start])
     except BranchStoppedError:
         return []
-    if TracedBranch.through(points).chord_at(end, end.metric, np.inf) is None:
+    if not TracedBranch.through(points).leads_to(end):
         return []
     return [*points[:-1], end]
 

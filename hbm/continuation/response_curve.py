@@ -102,6 +102,10 @@ class ResponseCurve:
         """(n,) first harmonic over force [m/N]"""
         return self.amplitude(point) / self.force
 
+    def stands_still(self, point: str, share: float) -> bool:
+        """Whether its first harmonic is nowhere more than this share of the largest response of all."""
+        return bool(np.abs(self.amplitude(point)).max() <= share * np.abs(self.response).max())
+
     def peak(self, point: str) -> tuple[float, float]:
         """Frequency [Hz] and receptance [m/N] at the largest first harmonic: the top of a cubic spline through the
         points around it, over the length of the branch, so that overhanging peaks are met as well.
@@ -119,16 +123,17 @@ class ResponseCurve:
 
     def extreme(self, values: Floats, place: int, point: str) -> Extreme | None:
         """Where a cubic spline through the points about one of them is highest, over the length of the branch as seen
-        at a named point: within the points beside it, none of them across a gap. None for fewer than four points, or
-        where two are the same.
+        at a named point: within the points beside it, none of them across a gap. None for fewer than four points,
+        where two are the same, and where the named point stands still.
 
         values: (n,) of which the largest is sought, such as the frequency at a fold
         """
         near = self._without_gap(place, 3)
         f, z = self.frequency[near], self.receptance(point)[near]
-        if len(f) < 4:
+        size = np.abs(z[place - near.start])
+        if len(f) < 4 or size == 0:
             return None
-        width, size = max(float(np.ptp(f)), np.finfo(float).tiny), np.abs(z[place - near.start])
+        width = max(float(np.ptp(f)), np.finfo(float).tiny)
         length = np.concatenate([[0.0], np.cumsum(np.hypot(np.abs(np.diff(z)) / size, np.diff(f) / width))])
         if (np.diff(length) <= 0).any():  # a point met twice
             return None

@@ -88,23 +88,32 @@ class TracedBranch:
         """
         return self.chord_at(point, self.last.metric, self.last.distance(point)) is not None
 
+    def leads_to(self, point: BranchPoint) -> bool:
+        """Whether a point that was found by itself, without a step, lies on what was traced: on any chord, or at the
+        end of the last one, which no other follows."""
+        end = 1 + self.limits.before_chord
+        return self.chord_at(point, point.metric, np.inf) is not None or (
+            bool(self.chords) and _lies_on(self.chords[-1], point, point.metric, np.inf, self.limits, end)
+        )
+
     def chord_at(self, point: BranchPoint, metric: Metric, step: float) -> int | None:
         """Number of the first chord that the point lies on; step: its distance from the one before [arc]"""
-        reach = self.limits.off_chord * step * metric.scale_w
+        reach, end = self.limits.off_chord * step * metric.scale_w, 1 - self.limits.before_chord
         for i, chord in enumerate(self.chords):
             low, high = sorted((chord.start[1], chord.end[1]))
             slack = reach + self.limits.before_chord * (high - low)
-            if low - slack <= point.w <= high + slack and _lies_on(chord, point, metric, step, self.limits):
+            if low - slack <= point.w <= high + slack and _lies_on(chord, point, metric, step, self.limits, end):
                 return i
         return None
 
 
-def _lies_on(chord: Chord, point: BranchPoint, metric: Metric, step: float, limits: BranchLimits) -> bool:
+def _lies_on(chord: Chord, point: BranchPoint, metric: Metric, step: float, limits: BranchLimits, end: float) -> bool:
+    """end: share of the chord from where on the point is none of its own"""
     (x, w) = chord.start
     along, off = (chord.end[0] - x, chord.end[1] - w), (point.x - x, point.w - w)
     length = metric.length(along)
     share = metric.product(along, off) / length**2
-    if not -limits.before_chord < share < 1 - limits.before_chord:
+    if not -limits.before_chord < share < end:
         return False
     rest = (off[0] - share * along[0], off[1] - share * along[1])
     if metric.length(rest) > limits.off_chord * min(length, step):
