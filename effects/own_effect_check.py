@@ -9,6 +9,7 @@ from updamp.effects.effect import Effect
 from updamp.effects.rig_model import RigModel
 from updamp.effects.user_effect import OwnCodeError, in_words, place_of
 from updamp.hbm.problem.elements import ElementGroup, departures
+from updamp.hbm.problem.own_law_checks import OwnLawError
 
 Floats = NDArray[np.float64]
 
@@ -27,10 +28,10 @@ def refuse_unusable(effect: Effect, path: Path, model: RigModel) -> None:
     try:
         changed = effect.apply(model, effect.at_typical())
         added = [group for group in changed.groups if group.law not in before]
+    except (OwnLawError, TypeError) as error:  # the latter of a law that is no frozen dataclass, a hash
+        raise OwnCodeError(f'{path}: what the effect "{effect.name}" adds cannot be used: {in_words(error)}') from error
     except (ValueError, KeyError):
         return
-    except TypeError as error:  # of a law that is no frozen dataclass, a hash
-        raise OwnCodeError(f'{path}: what the effect "{effect.name}" adds cannot be used: {in_words(error)}') from error
     w = float(np.sqrt(np.max(model.components.omega_squared)))
     for group in added:
         _refuse_force(effect, path, group, changed, w)

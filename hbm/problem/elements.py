@@ -31,6 +31,7 @@ from updamp.hbm.problem.laws_in_jax import (
     elements_a_batch,
     n_seeds,
 )
+from updamp.hbm.problem.own_law_checks import refuse_contradictions
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -61,6 +62,7 @@ class ElementGroup:
         object.__setattr__(self, "rows", whole_rows(self.rows))
         object.__setattr__(self, "parameters", as_arrays(self.parameters))
         refuse_impossible(self.law, self.parameters, self.rows)
+        refuse_contradictions(self.law, self.parameters)
 
     def reference_stiffness(self) -> Floats:
         """(n_elements, directions) of all copies together [N/m]"""

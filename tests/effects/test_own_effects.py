@@ -99,6 +99,8 @@ def test_two_of_one_name_are_refused(tmp_path: Path, model: RigModel) -> None:
         ({"last": "return model.nothing"}, "model.nothing", "apply of the effect .* AttributeError: .*nothing"),
         ({"last": "pass"}, "", "returns NoneType: end it with return"),
         ({"force": "return parameters.depth * displacement"}, "depth", "force of Law.* AttributeError: .*depth"),
+        ({"force": "return displacement[:, 0]"}, "", "adds cannot be used: OwnLawError: Law: force returns shape"),
+        ({"force": "return velocity"}, "", "adds cannot be used: OwnLawError: Law: rate_dependent is False"),
         ({"force": "return jnp.sqrt(-1 - displacement**2)"}, "", "force of Law.*is not finite at a motion of 0 m"),
         ({"force": "return displacement * jnp.sqrt(displacement**2)"}, "", "derivative of the force of Law.* of 0 m"),
     ],
@@ -118,7 +120,7 @@ def test_a_law_that_can_be_changed_is_refused(tmp_path: Path, model: RigModel) -
     """Compiled functions are kept by law."""
     path = file(tmp_path)
     path.write_text(path.read_text(encoding="utf-8").replace("dataclass(frozen=True)", "dataclass"), encoding="utf-8")
-    with pytest.raises(OwnCodeError, match='what the effect "mine" adds cannot be used: TypeError: unhashable type'):
+    with pytest.raises(OwnCodeError, match='what the effect "mine" adds cannot be used: TypeError: Law has no hash'):
         own_effects([path], model)
 
 
