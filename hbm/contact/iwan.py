@@ -41,7 +41,8 @@ class IwanParameters(NamedTuple):
 
 @dataclass(frozen=True)
 class IwanMicroslip:
-    """Sliders are placed within the present amplitude, so that a power law is one exactly, whatever their number.
+    """Sliders are placed within the present amplitude, so that loop and stiffness follow the power exactly, whatever
+    their number. Loops have 0.05 to 0.2 % more area than those of infinitely many (exponents of -0.5 to 1).
 
     cycles: marched until the history has settled
     """

@@ -70,7 +70,10 @@ def _largest_at_an_end(frequency: Floats, size: Floats, window: tuple[float, flo
     inner = 1 + np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:]))
     inner = inner[(low < frequency[inner]) & (frequency[inner] < high)]
     if not len(inner):
-        return f"{said}, so that its resonance does not lie within it: widen the window"
+        return (
+            f"{said}, so that its resonance does not lie within it: widen the window (damped so heavily that there is "
+            "none, no window has it)"
+        )
     within = frequency[inner[size[inner].argmax()]]
     remedy = f"{'raise the lower' if abs(at - low) < abs(at - high) else 'lower the upper'} end"
     return (

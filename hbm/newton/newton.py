@@ -37,7 +37,8 @@ class Status(Enum):
 _ADVICE = {
     Status.CONVERGED: "",
     Status.TOO_MANY_ITERATIONS: "start closer (smaller step, neighbouring force level) or allow more iterations",
-    Status.DIVERGED: "the residual is not finite: check stiffness, preload and the zero harmonic's support by the wire",
+    Status.DIVERGED: "the residual is not finite: check stiffness, preload, the zero harmonic's support by the wire, "
+    "and laws of your own at large motions (a root or a logarithm of what may be negative there)",
     Status.STALLED: "no step lowers the residual: use more time samples, or start from fewer harmonics",
     Status.OFF_BRANCH: "each step ended elsewhere: another branch crosses or lies close by, as where equal parts move "
     "alike; let these differ a little, in their stiffness by 1e-3",
