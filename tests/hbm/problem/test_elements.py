@@ -145,6 +145,12 @@ def test_what_is_never_reached_may_be_infinite_and_other_laws_have_parameters_of
 class OwnSpring(CubicSpring):
     """Of a user, with three coefficients"""
 
+    def force(self, displacement, velocity, parameters):  # noqa: ARG002
+        return (parameters.coefficient * displacement ** jnp.arange(1, 4)).sum(axis=1, keepdims=True)
+
+    def reference_stiffness(self, parameters):
+        return parameters.coefficient[:1]
+
 
 def test_a_power_law_needs_a_velocity_at_which_its_force_is_stated() -> None:
     with pytest.raises(ValueError, match="reference = 0 m/s must be positive"):
