@@ -90,8 +90,7 @@ class Fit:
 
     @property
     def numerics_beside_noise(self) -> float:
-        """Variance of the numerical error, as unsure as it is and of what calibration cannot imitate, over that of the
-        sensors' noise, the mean of all values."""
+        """`size_of_numerics.beside_noise`"""
         return beside_noise(self.parametrisation, self.compared)
 
     @property

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.hbm.continuation.response_curve import ResponseCurve
+from updamp.hbm.newton.newton import NewtonOptions
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -21,13 +22,13 @@ class CompletenessLimits:
         half-width a linear resonance changes by a tenth at most: |d ln H / ds| <= 1 for 1 / (1 + i s), s in
         half-widths
     still: first harmonic of a point, as a share of the largest response on the curve, that is what Newton's method
-        leaves (`NewtonOptions.tolerance`): its maxima are none
+        leaves: its maxima are none
     """
 
     window: float = 0.005
     half_width: float = 0.1
     change: float = 0.1
-    still: float = 1e-9
+    still: float = NewtonOptions.tolerance
 
 
 def shortcoming(curve: ResponseCurve, window: tuple[float, float], limits: CompletenessLimits, point: str) -> str:

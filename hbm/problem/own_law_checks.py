@@ -25,8 +25,8 @@ class OwnLawError(ValueError):
 
 
 @dataclass(frozen=True)
-class _OfOne:
-    """Parameters of one element; those of any tell the same, so they do not make a law another one."""
+class _OfSome:
+    """Parameters of some elements; those of any tell the same, so they do not make a law another one."""
 
     values: Any = field(compare=False)
 
@@ -39,22 +39,23 @@ def refuse_contradictions(law: Any, parameters: Any) -> None:
     """
     if type(law).__module__.startswith(f"{hbm.__name__}.") or not all(len(value) for value in parameters):
         return
-    first = type(parameters)(*(jnp.asarray(value)[0] for value in parameters))
     try:
         hash(law)
     except TypeError:
         raise TypeError(
             f"{type(law).__name__} has no hash, by which compiled laws are kept: make it a @dataclass(frozen=True)"
         ) from None
-    _refuse(law, _OfOne(first))
+    _refuse(law, _OfSome(parameters))
 
 
 @lru_cache(maxsize=64)
-def _refuse(law: Any, of_one: _OfOne) -> None:
-    name, parameters = type(law).__name__, of_one.values
+def _refuse(law: Any, of_some: _OfSome) -> None:
+    name, given = type(law).__name__, of_some.values
+    parameters = type(given)(*(jnp.asarray(value)[0] for value in given))
+    motions = [_motion(size, law.directions) for size in _SIZES]
     try:
         stiffness = np.asarray(law.reference_stiffness(parameters))
-        law.force(*_motion(_SIZES[0], law.directions), parameters)
+        forces = [law.force(*motion, parameters) for motion in motions]
     except Exception:
         return
     if stiffness.shape != (law.directions,) or not np.isfinite(stiffness).all():
@@ -62,8 +63,8 @@ def _refuse(law: Any, of_one: _OfOne) -> None:
             f"{name}: reference_stiffness returns {stiffness}; {law.directions} finite numbers are needed in one "
             "dimension, one a direction"
         )
-    for size in _SIZES:
-        _refuse_force(law, name, parameters, *_motion(size, law.directions))
+    for force, motion in zip(forces, motions, strict=True):
+        _refuse_force(law, name, parameters, force, *motion)
 
 
 def _motion(size: float, directions: int) -> tuple[jax.Array, jax.Array]:
@@ -72,8 +73,9 @@ def _motion(size: float, directions: int) -> tuple[jax.Array, jax.Array]:
     return jnp.asarray(size * np.cos(angle)), jnp.asarray(-size * np.sin(angle))
 
 
-def _refuse_force(law: Any, name: str, parameters: Any, displacement: jax.Array, velocity: jax.Array) -> None:
-    force = law.force(displacement, velocity, parameters)
+def _refuse_force(
+    law: Any, name: str, parameters: Any, force: Any, displacement: jax.Array, velocity: jax.Array
+) -> None:
     shape, kind = np.shape(force), getattr(force, "dtype", type(force).__name__)
     if shape != displacement.shape:
         raise OwnLawError(

@@ -1,11 +1,11 @@
 """Resonances that the elements hardly feel, against the linear structure's own response."""
 
-from dataclasses import dataclass, replace
-from typing import ClassVar, NamedTuple
+from dataclasses import replace
 
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from support.quadratic_spring import QuadraticSpring
 
 from updamp.hbm.contact.jenkins import Jenkins, JenkinsParameters
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring, UnilateralParameters
@@ -166,32 +166,15 @@ def test_of_two_equal_parts_joined_by_a_stop_the_mode_that_leaves_it_at_rest_has
     assert peak * excitation.force == pytest.approx(size * force / 2, rel=0.03)
 
 
-class PolynomialParameters(NamedTuple):
-    square: jnp.ndarray
-    cube: jnp.ndarray
-
-
-@dataclass(frozen=True)
-class Polynomial:
-    """Force square u^2 + cube u^3"""
-
-    parameters: ClassVar[type] = PolynomialParameters
-    directions: ClassVar[int] = 1
-    rate_dependent: ClassVar[bool] = False
-
-    def force(self, u, _v, parameters):
-        return parameters.square * u**2 + parameters.cube * u**3
-
-    def reference_stiffness(self, _):
-        return jnp.zeros(1)
-
-
 def test_a_branch_that_ends_just_beyond_a_point_leads_to_it_from_either_end():
     """Traced across its resonance, the branch's last chord ends a thousandth beyond the flank that it leads to: that
     was a gap of 0.2 % beside the top, from one end."""
-    law = ElementGroup(Polynomial(), PolynomialParameters(jnp.array([0.35]), jnp.array([0.05])), ROW)
-    linear = from_matrices(np.eye(1), 6e-4 * np.eye(1), np.eye(1), np.eye(1), {"mass": np.eye(1)[0]})
-    system = NonlinearSystem(linear, (law,), Harmonics((0, 1, 2, 3, 4, 5)), time_samples=128)
+    springs = (
+        ElementGroup(QuadraticSpring(), CubicParameters(jnp.array([0.7])), ROW),
+        ElementGroup(CubicSpring(), CubicParameters(jnp.array([0.05])), ROW + 1),
+    )
+    linear = from_matrices(np.eye(1), 6e-4 * np.eye(1), np.eye(1), np.ones((2, 1)), {"mass": np.eye(1)[0]})
+    system = NonlinearSystem(linear, springs, Harmonics((0, 1, 2, 3, 4, 5)), time_samples=128)
     window = tuple(np.array([0.8, 1.2]) / (2 * np.pi))
     curves = [
         whole_curve(system, CurveRequest("1", Excitation(linear.row("mass"), 9e-4), window, ("mass",), upwards=upwards))

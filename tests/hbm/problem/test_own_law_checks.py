@@ -112,4 +112,4 @@ def test_a_law_is_asked_once_whatever_its_parameters():
     law = Own(force)
     for _ in range(3):
         made(law)
-    assert len(asked) == 7  # whether it can be computed; three sizes, with two velocities each
+    assert len(asked) == 6  # three sizes, with two velocities each

@@ -1,14 +1,11 @@
 """Multipliers on the negative real axis: a bilinear oscillator against a time integration, and Mathieu's equation."""
 
-from dataclasses import dataclass
-from typing import ClassVar
-
-import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.special import mathieu_a, mathieu_b
 from support.peers import one_degree_of_freedom
+from support.quadratic_spring import QuadraticSpring
 
 from updamp.hbm.contact.springs import CubicParameters, UnilateralParameters
 from updamp.hbm.contact.stops import Stop
@@ -57,25 +54,10 @@ def test_a_bilinear_oscillator_doubles_its_period_where_marched_multipliers_say_
         assert found.decisive.imag == pytest.approx(w / 2, rel=1e-3)
 
 
-@dataclass(frozen=True)
-class _QuadraticSpring:
-    """f = k x^2 / 2: about x = A cos w t its stiffness is k A cos w t."""
-
-    parameters: ClassVar[type] = CubicParameters
-    directions: ClassVar[int] = 1
-    rate_dependent: ClassVar[bool] = False
-
-    def force(self, displacement, _velocity, parameters):
-        return parameters.coefficient * displacement**2 / 2
-
-    def reference_stiffness(self, _parameters):
-        return jnp.zeros(1)
-
-
 def _mathieu(n, a, q):
     """Stability of n equal masses with y'' + (a - 2 q cos 2 t) y = 0 each, without damping."""
     one = np.eye(n)
-    group = ElementGroup(_QuadraticSpring(), CubicParameters(np.full(n, -2 * q)), np.arange(n)[:, None])
+    group = ElementGroup(QuadraticSpring(), CubicParameters(np.full(n, -2 * q)), np.arange(n)[:, None])
     linear = from_matrices(one, 0 * one, a * one, one, {"drive": one[0]})
     system = NonlinearSystem(linear, (group,), Harmonics((0, 1, 2, 3, 4, 5, 6, 7)), 128, as_a_whole=True)
     x = np.zeros((n, 15))
