@@ -109,12 +109,12 @@ def predict_branches(
     parametrisation: Parametrisation,
     u: Floats,
     plan: Plan,
-    near: Sequence[PredictedBranch] | None = None,
+    near: Sequence[PredictedBranch | None] | None = None,
     branches_of: Branches = in_turn,
     options: ContinuationOptions | None = None,
     inflation: float = 1.0,
 ) -> tuple[PredictedBranch, ...]:
-    """Branches of all conditions at u: moved from `near` ones where that works, else traced.
+    """Branches of all conditions at u: moved from `near` ones where there are such and that works, else traced.
 
     options: of the continuation, that `near` ones have been traced with
     inflation: factor on the noise that the model will be weighed with, to which it need not be interpolated any better

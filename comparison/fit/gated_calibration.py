@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from updamp.comparison.fit.calibration import Calibration, calibration
 from updamp.comparison.fit.compared import padded
-from updamp.comparison.fit.numerical_gate import NumericalGate, largest_change, starting_at
+from updamp.comparison.fit.numerical_gate import NumericalGate, starting_at
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.own_numerics import OwnNumericsOptions, until_it_stays
 from updamp.comparison.prediction.parameters import Parametrisation
@@ -52,9 +52,7 @@ def gated_calibration(
     progress("prediction")
     begin = work.at(np.zeros(len(plain)) if start is None else start)
     progress("calibration")
-    found = work.calibrated(begin)
-    if largest_change(begin.parametrisation.numerics, gate.plan) > 1:  # else one of a share of it is nothing
-        found = until_it_stays(found, work.again, lambda c: (c.fit, c.rests_on(work.train)), options)
+    found = until_it_stays(work.calibrated(begin), work.again, lambda c: (c.fit, c.rests_on(work.train)), options)
     return GatedCalibration(found, begin.parametrisation, begin.branches)
 
 

@@ -6,14 +6,14 @@ moved the parameters is in their deviations (`Fit.uncertainty`).
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.fit.compared import predict_branches
 from updamp.comparison.fit.numerical_patterns import change_to, with_error_patterns
-from updamp.comparison.fit.observations import Plan, noise_of
+from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.branch_tasks import Branches, BranchTask, in_turn
 from updamp.comparison.prediction.numerical_error import NumericalError
 from updamp.comparison.prediction.parameters import Parametrisation
@@ -42,11 +42,6 @@ def with_finer_harmonics(model: RigModel) -> RigModel:
     return replace(model, harmonics=Harmonics(finer.orders), time_samples=finer.time_samples)
 
 
-def solved_as(model: RigModel, other: RigModel) -> RigModel:
-    """The same with the harmonics and time samples of another model."""
-    return replace(model, harmonics=other.harmonics, time_samples=other.time_samples)
-
-
 def finer_than(model: RigModel, finer: Mapping[str, RigModel]) -> dict[str, RigModel]:
     """The models of finer meshes, and the same with more harmonics and time samples."""
     return {HARMONICS: with_finer_harmonics(model), **finer}
@@ -55,7 +50,6 @@ def finer_than(model: RigModel, finer: Mapping[str, RigModel]) -> dict[str, RigM
 @dataclass(frozen=True, eq=False)
 class NumericalGate:
     """plan: all runs; finer: models with finer numerics, by name, without effects of the rig file
-    coarser: likewise; what the model's own numerics change of them is as unsure, and has been added already
     widened: how often at most the windows of the model's own branches are widened by what finer ones shift: one that is
         half-way to its resonance shifts otherwise than at it
     """
@@ -64,20 +58,23 @@ class NumericalGate:
     finer: Mapping[str, RigModel]
     branches_of: Branches = in_turn
     widened: int = 3
-    coarser: Mapping[str, RigModel] = field(default_factory=dict)
 
-    def at(self, plain: Parametrisation, u: Floats) -> tuple[Parametrisation, tuple[PredictedBranch, ...]]:
+    def at(
+        self, plain: Parametrisation, u: Floats, solved: Mapping[str, PredictedBranch] | None = None
+    ) -> tuple[Parametrisation, tuple[PredictedBranch, ...]]:
         """A parametrisation with its numerical error, and its branches without that error, one a condition. Where finer
         numerics shift the response by more than the measured window has room for, the model's own is solved that much
         farther: what changes at its resonance is not seen on a flank.
 
-        plain: without numerical error; u: (p,) where that is asked for
+        plain: without numerical error; u: (p,) where that is asked for; solved: condition's name -> its branch there or
+            near, with or without an error, where there is one
         raises: BranchStoppedError where a model has no response at the beginning of a run
         """
-        branches = predict_branches(plain, u, self.plan, None, self.branches_of)
+        near = [(solved or {}).get(c.name) for c in self.plan.conditions]
+        branches = predict_branches(plain, u, self.plan, near, self.branches_of)
         found = self._with_error(plain, u, branches)
         for _ in range(self.widened):
-            windows = [found.numerics.solved_window(c.name, c.window) for c in self.plan.conditions]
+            windows = [found.numerics.solved_window(c.name, c.window, u) for c in self.plan.conditions]
             short = [i for i, branch in enumerate(branches) if not branch.covers(windows[i])]
             if not short:
                 break
@@ -89,18 +86,7 @@ class NumericalGate:
         return found, branches
 
     def _with_error(self, plain: Parametrisation, u: Floats, branches: Sequence[PredictedBranch]) -> Parametrisation:
-        return with_numerical_error(plain, u, self.plan, branches, self.finer, self.branches_of, self.coarser)
-
-
-def largest_change(numerics: NumericalError, plan: Plan) -> float:
-    """By finer numerics, anywhere along the branches, in deviations: of frequencies in those of their drift from run to
-    run, of what sensors read in those of their noise."""
-    found = [0.0]
-    for test, condition in enumerate(plan.conditions):
-        if numerics.expected is not None and condition.name in numerics.expected:
-            deviations = np.append(plan.drift, noise_of(plan.observations, test)[1:])
-            found.append(float(np.max(np.abs(numerics.expected[condition.name]) / deviations)))
-    return max(found)
+        return with_numerical_error(plain, u, self.plan, branches, self.finer, self.branches_of)
 
 
 def starting_at(
@@ -130,18 +116,15 @@ def with_numerical_error(
     branches: Sequence[PredictedBranch],
     finer: Mapping[str, RigModel],
     branches_of: Branches = in_turn,
-    coarser: Mapping[str, RigModel] | None = None,
 ) -> Parametrisation:
     """The parametrisation with patterns of numerical error for each of the other models, mode and test.
 
     branches: of the parametrisation at u, one a condition; finer: name -> model with the same points
-    coarser: likewise; what the parametrisation's own changes of them is as unsure, and has been added already
     raises: BranchStoppedError where one of them has no response at the beginning of a run
     """
-    coarser = coarser or {}
-    tasks = _tasks(parametrisation, u, branches, {**coarser, **finer})
+    tasks = _tasks(parametrisation, u, branches, finer)
     traced = branches_of([task for of_model in tasks.values() for task in of_model])
-    return with_error_patterns(parametrisation, u, plan, branches, _by_model(tasks, traced), tuple(coarser))
+    return with_error_patterns(parametrisation, u, plan, branches, _by_model(tasks, traced))
 
 
 def _tasks(
@@ -150,11 +133,10 @@ def _tasks(
     """Model's name -> tasks, in wider windows, for the conditions where it differs."""
     found = {}
     for name, model in models.items():
-        # at u, and with nothing left to differentiate by: the pattern needs the branch alone
-        there = replace(parametrisation, base=model).model(u)
+        there = replace(parametrisation, base=model, numerics=NumericalError())
         conditions = [b.condition for b in branches if _differs(model, parametrisation.base, b)]
         together = ([conditions[i] for i in group] for group in same_sweeps(conditions))
-        found[name] = [_finer_task(there, group) for group in together]
+        found[name] = [_finer_task(there, u, group) for group in together]
     return {name: tasks for name, tasks in found.items() if tasks}
 
 
@@ -166,15 +148,11 @@ def _differs(model: RigModel, base: RigModel, branch: PredictedBranch) -> bool:
 
 
 def _finer_task(
-    model: RigModel,
-    conditions: Sequence[RunCondition],
-    numerics: NumericalError | None = None,
-    options: ContinuationOptions | None = None,
+    of_model: Parametrisation, u: Floats, conditions: Sequence[RunCondition], options: ContinuationOptions | None = None
 ) -> BranchTask:
     """conditions: tests that sweep the same branch"""
-    of_model = Parametrisation(model, (), numerics=numerics or NumericalError())
     first, *others = (_wider(condition) for condition in conditions)
-    return BranchTask(of_model, np.zeros(len(of_model)), first, options=options, others=tuple(others))
+    return BranchTask(of_model, u, first, options=options, others=tuple(others))
 
 
 def _by_model(
@@ -197,12 +175,14 @@ def change_of_branch(
 ) -> Floats:
     """(n, m) what another model changes of the observations (n, m) along a branch.
 
-    numerics: error that the observations have been freed of, which is then taken off the other model's too
+    numerics: error that the observations have been freed of, which is then taken off the other model's too, held where
+        it was (`NumericalError.held_at`)
     options: of the continuation
     raises: BranchStoppedError where it has no response at the beginning of the run
     """
-    (traced,) = _finer_task(model, (condition,), numerics, options).predicted()
-    return change_to(observed, traced, condition)
+    of_model = Parametrisation(model, (), numerics=numerics or NumericalError())
+    (traced,) = _finer_task(of_model, np.zeros(len(of_model)), (condition,), options).predicted()
+    return change_to(observed, traced, condition)[0]
 
 
 def _wider(condition: RunCondition) -> RunCondition:

@@ -1,4 +1,4 @@
-"""Patterns of numerical error: what each finer or coarser model changes along the branches, by mode and by test, and
+"""Patterns of numerical error: what each finer model changes along the branches, by mode and by test, and
 how much of that a calibration takes up."""
 
 from collections.abc import Mapping, Sequence
@@ -26,35 +26,38 @@ def with_error_patterns(
     u: Floats,
     plan: Plan,
     branches: Sequence[PredictedBranch],
-    others: Mapping[str, Mapping[str, PredictedBranch]],
-    added: Sequence[str],
+    finer: Mapping[str, Mapping[str, PredictedBranch]],
 ) -> Parametrisation:
     """The parametrisation with a numerical error of these models.
 
     branches: of the parametrisation at u, one a condition
-    others: name of a finer or coarser model -> condition's name -> its branch, where it differs
-    added: names of those whose change has been
+    finer: name of a finer model -> condition's name -> its branch, where it differs
     """
     conditions = {c.name: c for c in plan.conditions}
     coarse = {b.condition.name: with_unwrapped_phases(b.evenly.value) for b in branches}
+    n = parametrisation.n_of_model
+    own = {b.condition.name: b.evenly.slopes[:, :n] for b in branches}
     none = {c: np.zeros_like(observed) for c, observed in coarse.items()}
+    by_parameter = {c: np.zeros_like(slopes) for c, slopes in own.items()}
     expected, rough = ({c: change.copy() for c, change in none.items()} for _ in range(2))
     names: list[str] = []
     patterns: dict[str, list[Floats]] = {c: [] for c in coarse}
-    for name, traced in others.items():
-        changes = none | {c: change_to(coarse[c], b, conditions[c]) for c, b in traced.items()}
+    for name, traced in finer.items():
+        found = {c: change_to(coarse[c], b, conditions[c]) for c, b in traced.items()}
+        changes = none | {c: change for c, (change, _) in found.items()}
         left = _beyond_calibration(parametrisation, u, plan, branches, changes)
         names += _pattern_names(name, plan)
         for c in conditions:
-            if name not in added:
+            if c in found:
                 expected[c] += changes[c]
+                by_parameter[c] += found[c][1] - own[c]
             patterns[c] += _patterns(changes[c], left[c], c, plan)
             rough[c] = np.hypot(rough[c], jaggedness(changes[c]))
     stacked = {
         c: np.stack(each, axis=1) if each else np.zeros((len(coarse[c]), 0, coarse[c].shape[1]))
         for c, each in patterns.items()
     }
-    numerics = NumericalError(tuple(names), coarse, expected, stacked, rough)
+    numerics = NumericalError(tuple(names), coarse, expected, stacked, rough, u[:n], by_parameter)
     return replace(parametrisation, numerics=numerics)
 
 
@@ -102,14 +105,12 @@ def _beyond_calibration(
     return {name: change - made_up_for @ slopes[name] for name, change in changes.items()}
 
 
-def change_to(observed: Floats, traced: PredictedBranch, condition: RunCondition) -> Floats:
-    """(n, m) of the observations (n, m) along a branch, by those of another one that was traced further."""
-    return branch_difference(observed, _densely(traced), condition.wider)
-
-
-def _densely(branch: PredictedBranch) -> Floats:
-    return with_unwrapped_phases(
-        branch.at(np.linspace(branch.place[0], branch.place[-1], _DENSELY * len(branch.place))).value
+def change_to(observed: Floats, traced: PredictedBranch, condition: RunCondition) -> tuple[Floats, Floats]:
+    """(n, m) of the observations (n, m) along a branch, by those of another one that was traced further, and that one's
+    slopes (n, p, m) by its parameters."""
+    densely = traced.at(np.linspace(traced.place[0], traced.place[-1], _DENSELY * len(traced.place)))
+    return branch_difference(
+        observed, with_unwrapped_phases(densely.value), condition.wider, densely.slopes[:, : len(traced.u)]
     )
 
 

@@ -1,25 +1,30 @@
 """Fit and numerical error that belong to each other: the error is asked for again where the fit ends."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from updamp.comparison.fit.failing_model import RISK
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.lack_of_fit import lack_of_fit
+from updamp.comparison.fit.matching import Matched
 from updamp.comparison.fit.observations import Plan
+from updamp.comparison.prediction.numerical_error import NumericalError
+from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.hbm.continuation.continuation import BranchStoppedError
 
+Floats = NDArray[np.float64]
 Found = TypeVar("Found")
 
 
 @dataclass(frozen=True)
 class OwnNumericsOptions:
     """again: how often at most what finer numerics change is asked for where a fit ends
-    moved: in their stated deviations, what parameters move by from one time to the next where that is enough: numerical
-        error and fit then belong to each other
+    moved: in their stated deviations, what parameters may move by for what that has changed from where it was asked
+        for, to first order, which the fit knows: beyond first order there is less
     """
 
     again: int = 4
@@ -39,24 +44,44 @@ def until_it_stays(
     again: with the numerical error where it ends; fit_of: and the plan of the fit's runs
     """
     for _ in range(options.again):
+        before, _ = fit_of(found)
+        if farthest_moved(before) <= options.moved:
+            break
         try:
             last = again(found)
         except BranchStoppedError:  # of a finer model, far from where it was: what was found before stands
-            return found
-        (before, _), (after, plan) = fit_of(found), fit_of(last)
-        if _misfit(after) >= _misfit(before) and lack_of_fit(after, plan) < RISK:
-            return found
-        found = last
-        if farthest_moved(before, after) <= options.moved:
             break
+        after, plan = fit_of(last)
+        if _misfit(after) >= _misfit(before) and lack_of_fit(after, plan) < RISK:
+            break
+        found = last
     return found
 
 
-def farthest_moved(before: Fit, after: Fit) -> float:
-    """The farthest of the model's parameters, in the smaller one of its two deviations."""
-    n = after.parametrisation.n_of_model
-    deviations = np.minimum(before.uncertainty[:n], after.uncertainty[:n])
-    return float(np.max(np.abs(after.u[:n] - before.u[:n]) / deviations))
+def farthest_moved(found: Fit) -> float:
+    """The farthest of the model's parameters, in stated deviations: what they would be off by to first order if finer
+    numerics changed no more at the fit's parameters than where that was asked for. Infinite where it was asked for
+    without an effect that the model has, or measured points are compared with parts of a branch that it was not asked
+    for."""
+    c, numerics, n = found.compared, found.parametrisation.numerics, found.parametrisation.n_of_model
+    if np.any(found.u[len(numerics.about) : n]):
+        return np.inf
+    of_repeats: dict[int, list[Floats]] = {a.repeat: [] for a in c.assemblies}
+    for m in c.matched:
+        change = _since_asked(c.branches[m.observations.test], m, numerics)
+        if change is None:
+            return np.inf
+        of_repeats[m.observations.repeat].append(np.einsum("nrm,nm->nr", m.by_observation, change).ravel())
+    changed = tuple(replace(a, residual=np.concatenate(of_repeats[a.repeat])) for a in c.assemblies)
+    of_numerics, columns = replace(c, assemblies=changed).equations()
+    off = found.covariance @ (columns.T @ of_numerics)
+    return float(np.max(np.abs(off[:n]) / found.uncertainty[:n]))
+
+
+def _since_asked(branch: PredictedBranch, matched: Matched, numerics: NumericalError) -> Floats | None:
+    """(n, m) where the measured points are"""
+    condition = branch.condition
+    return numerics.since_asked(condition.name, branch.at(matched.place).value, condition.wider, branch.u)
 
 
 def _misfit(fit: Fit) -> float:

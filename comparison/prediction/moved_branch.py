@@ -56,7 +56,7 @@ def move_sweeps(
 
     conditions: tests that sweep the branch, the first of them in its direction
     """
-    condition = solved_in(parametrisation, conditions)
+    condition = solved_in(parametrisation, u, conditions)
     if condition.control is not None:
         return None
     before = before.thinned(_APART)

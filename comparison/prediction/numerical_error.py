@@ -5,12 +5,16 @@ The finer model is nearer the truth, but is not the truth: what it changes is kn
 uncertainty enters the fit as patterns of size 0 with standard deviation 1, so that misfits of that shape and size prove
 nothing: one pattern for the whole difference and, of what calibration cannot make up for, one a mode and one a test.
 
+What finer numerics change depends on the parameters. To first order it is known about where it was asked for, so that
+model and change together have the finer model's derivatives there (N. M. Alexandrov and others, J. Aircraft 38 (2001)
+1093: first-order consistency).
+
 Where contacts begin to slip one after the other the response is jagged, by how many of them there are, and so is the
 difference. Where the teeth really are is not known: their size is added to the noise of the sensors there.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +33,7 @@ class NumericalError:
 
     coarse: condition's name -> (n, m) observations along the branch at which the following are known
     expected: condition's name -> (n, m) to be added to the observations
+    about: (p,) parameters where that was asked for; by_parameter: condition's name -> (n, p, m) its derivatives there
     patterns: condition's name -> (n, n_patterns, m) standard deviations of what that is off by
     rough: condition's name -> (n, m) standard deviations of what is left of place to place
     """
@@ -38,30 +43,72 @@ class NumericalError:
     expected: Mapping[str, Floats] | None = None
     patterns: Mapping[str, Floats] | None = None
     rough: Mapping[str, Floats] | None = None
+    about: Floats = field(default_factory=lambda: np.zeros(0))
+    by_parameter: Mapping[str, Floats] = field(default_factory=dict)
 
-    def solved_window(self, condition: str, window: tuple[float, float]) -> tuple[float, float]:
+    def expected_at(self, condition: str, u: Floats) -> Floats:
+        """(n, m) along the branch, to first order at parameters u, which begin with those that it is known about"""
+        assert self.expected is not None
+        return self.expected[condition] + self._since_asked(condition, u)
+
+    def since_asked(self, condition: str, shown: Floats, window: tuple[float, float], u: Floats) -> Floats | None:
+        """(k, m) more than what was expected at the parameters where that was asked for, where a branch of parameters u
+        shows (k, m), this error added; None where some of that is beyond the ends of what it was asked for"""
+        if self.coarse is None:
+            return np.zeros_like(shown)
+        along = self.coarse[condition] + self.expected_at(condition, u)
+        place = most_similar(shown, along, window)
+        if np.any((place <= 0) | (place >= len(along) - 1)):
+            return None
+        return _between(place, self._since_asked(condition, u))
+
+    def _since_asked(self, condition: str, u: Floats) -> Floats:
+        """(n, m)"""
+        assert self.coarse is not None
+        slopes = self.by_parameter.get(condition)
+        if slopes is None:
+            return np.zeros_like(self.coarse[condition])
+        return np.einsum("p,npm->nm", u[: len(self.about)] - self.about, slopes)
+
+    def held_at(self, u: Floats) -> "NumericalError":
+        """The same as it is at parameters u, whatever becomes of them"""
+        if self.expected is None:
+            return self
+        return replace(
+            self, expected={c: self.expected_at(c, u) for c in self.expected}, about=np.zeros(0), by_parameter={}
+        )
+
+    def solved_window(self, condition: str, window: tuple[float, float], u: Floats) -> tuple[float, float]:
         """Frequencies [Hz] that the model has to be solved at for what it shows, this error added, to cover a window:
         as unsure as the error is, twice its standard deviation is to spare. A mesh may shift a resonance by more than a
         narrow window has room for."""
         if self.expected is None:
             return window
-        shift = self.expected[condition][:, 0]
+        shift = self.expected_at(condition, u)[:, 0]
         spare = 2 * UNSURE * np.abs(shift).max()
         (low, high), (least, most) = window, (shift.min() - spare, shift.max() + spare)
         return float(low * np.exp(-max(most, 0.0))), float(high * np.exp(-min(least, 0.0)))
 
-    def at(self, condition: str, observed: Floats, window: tuple[float, float]) -> tuple[Floats, Floats, Floats]:
-        """Expected change (k, m), patterns (k, n_patterns, m) and roughness (k, m).
-
-        Those of the most similar place, where a branch of other parameters shows `observed` (k, m)."""
+    def at(self, condition: str, observed: Floats, window: tuple[float, float], u: Floats) -> "ErrorAt":
+        """Where a branch of parameters u shows `observed` (k, m): that of the most similar place."""
         if self.coarse is None or self.expected is None or self.patterns is None or self.rough is None:
             none = np.zeros_like(observed)
-            return none, none[:, None][:, :0], none
+            return ErrorAt(none, none[:, None][:, :0], none[:, None][:, :0], none)
         place = most_similar(observed, self.coarse[condition], window)
-        expected, patterns, rough = (
-            _between(place, one[condition]) for one in (self.expected, self.patterns, self.rough)
-        )
-        return expected, patterns, rough
+        slopes = self.by_parameter.get(condition, np.zeros((len(self.coarse[condition]), 0, observed.shape[1])))
+        along = self.expected_at(condition, u), slopes, self.patterns[condition], self.rough[condition]
+        return ErrorAt(*(_between(place, one) for one in along))
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorAt:
+    """At places along a branch. expected: (k, m) to be added; by_parameter: (k, p, m) its derivatives
+    patterns: (k, n_patterns, m); rough: (k, m)"""
+
+    expected: Floats
+    by_parameter: Floats
+    patterns: Floats
+    rough: Floats
 
 
 def _between(place: Floats, values: Floats) -> Floats:
@@ -92,9 +139,14 @@ def most_similar(observed: Floats, along: Floats, window: tuple[float, float]) -
     return found
 
 
-def branch_difference(coarse: Floats, finer: Floats, window: tuple[float, float]) -> Floats:
-    """(n, m) of every point of the coarse branch from the most similar place of the finer one, to be added to it."""
-    return to_nearest_turn(_between(most_similar(coarse, finer, window), finer) - coarse)
+def branch_difference(
+    coarse: Floats, finer: Floats, window: tuple[float, float], slopes: Floats | None = None
+) -> tuple[Floats, Floats]:
+    """(n, m) of every point of the coarse branch from the most similar place of the finer one, to be added to it, and
+    that one's slopes (n, p, m) there; slopes: along the finer one, none by default"""
+    place = most_similar(coarse, finer, window)
+    along = np.zeros((len(finer), 0, finer.shape[1])) if slopes is None else slopes
+    return to_nearest_turn(_between(place, finer) - coarse), _between(place, along)
 
 
 def jaggedness(change: Floats) -> Floats:

@@ -220,12 +220,13 @@ def with_patterns(branch: PredictedBranch, numerics: NumericalError) -> Predicte
     """The branch with the expected numerical error added, and with its patterns as further parameters, at 0; it has
     none yet."""
     condition = branch.condition
-    expected, patterns, rough = numerics.at(condition.name, branch.observed.value, condition.wider)
-    moved = displaced(branch, expected) if numerics.names else branch
-    columns = of_state(patterns, moved.state)
-    slopes = np.concatenate([moved.slopes[:, :-1], columns, moved.slopes[:, -1:]], axis=1)
-    u = np.append(branch.u, np.zeros(patterns.shape[1]))
-    return replace(moved, u=u, slopes=slopes, rough=rough)
+    found = numerics.at(condition.name, branch.observed.value, condition.wider, branch.u)
+    moved = displaced(branch, found.expected) if numerics.names else branch
+    of_model, columns = moved.slopes[:, :-1].copy(), of_state(found.patterns, moved.state)
+    of_model[:, : found.by_parameter.shape[1]] += of_state(found.by_parameter, moved.state)
+    slopes = np.concatenate([of_model, columns, moved.slopes[:, -1:]], axis=1)
+    u = np.append(branch.u, np.zeros(columns.shape[1]))
+    return replace(moved, u=u, slopes=slopes, rough=found.rough)
 
 
 def displaced(branch: PredictedBranch, change: Floats) -> PredictedBranch:

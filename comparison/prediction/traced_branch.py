@@ -46,7 +46,7 @@ def trace_sweeps(
 
     raises: BranchStoppedError where not even its first point is found
     """
-    condition = solved_in(parametrisation, conditions)
+    condition = solved_in(parametrisation, u, conditions)
     there = model_at(parametrisation, u, condition)
     if condition.control is not None:
         return (observe(there, conditions[0], *trace_held(there, condition)),)
@@ -68,10 +68,10 @@ def trace_sweeps(
     return found[0], *others
 
 
-def solved_in(parametrisation: Parametrisation, conditions: Sequence[RunCondition]) -> RunCondition:
-    """The tests as one, in the window that their branch is to be solved in."""
+def solved_in(parametrisation: Parametrisation, u: Floats, conditions: Sequence[RunCondition]) -> RunCondition:
+    """The tests as one, in the window that their branch is to be solved in at parameters u."""
     window_of = parametrisation.numerics.solved_window
-    windows = [window for c in conditions for window in (window_of(c.name, c.window), c.solved) if window is not None]
+    windows = [w for c in conditions for w in (window_of(c.name, c.window, u), c.solved) if w is not None]
     low, high = zip(*windows, strict=True)
     return replace(conditions[0].along_with(conditions[1:]), window=(min(low), max(high)))
 
@@ -91,7 +91,7 @@ def observe_sweeps(
 
     raises: BranchStoppedError where the points end with it before there are enough of them
     """
-    condition = solved_in(there.parametrisation, conditions)
+    condition = solved_in(there.parametrisation, there.u, conditions)
     look = Observer(there, condition)
     observed, reason = swept_points(points, condition.upwards, look, far_end)
     seen = refined(observed, condition, _half_way(there, condition, look))

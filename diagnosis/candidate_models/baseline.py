@@ -2,8 +2,8 @@
 
 What a finer mesh would change is found for the model without effects. An effect may have a numerical error of its own:
 where it lets the contacts at the ends of a face slip early, how many elements there are at the ends decides how early.
-So a fit that explains most of a misfit, and still leaves more than the scatter, passes the numerical gate once more,
-with the effect in the model (`with_own_numerics`).
+So fits that explain most of a misfit pass the numerical gate once more, with the effect in the model
+(`with_own_numerics`).
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -16,15 +16,7 @@ from updamp.comparison.fit.compared import compare_at, padded, predict_branches
 from updamp.comparison.fit.failing_model import Freedom
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
 from updamp.comparison.fit.gated_calibration import gated_calibration
-from updamp.comparison.fit.numerical_gate import (
-    HARMONICS,
-    NumericalGate,
-    finer_than,
-    largest_change,
-    solved_as,
-    starting_at,
-    with_finer_harmonics,
-)
+from updamp.comparison.fit.numerical_gate import NumericalGate, finer_than, starting_at
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.odd_readings import odd_readings, without_odd
 from updamp.comparison.fit.own_numerics import until_it_stays
@@ -189,18 +181,10 @@ def unseen(start: Baseline) -> str:
 
 
 def with_own_numerics(found: Fit, start: Baseline, options: FitOptions) -> Fit:
-    """The fit gone on with the numerical error of its own model: solved with more harmonics and time samples, and with
-    what finer meshes change of that. Beside a jump a change that was found at other parameters, even those that the fit
-    begins with, is not the change where it ends: what can be solved at once is not added afterwards. What meshes change
-    is asked for again where the fit ends (`comparison/fit/own_numerics.py`).
-
-    raises: BranchStoppedError where a finer model has no response at the beginning of a run
-    """
-    first = with_numerics_of_its_start(found, start, options)
+    """The fit gone on with the numerical error of its own model, effects and all, asked for where it ends as often as a
+    calibration's (`comparison/fit/own_numerics.py`)."""
     plan = start.train_plan
-    if largest_change(first.parametrisation.numerics, plan) <= 1:
-        return first
-    return until_it_stays(first, lambda last: with_numerics_of_its_start(last, start, options), lambda f: (f, plan))
+    return until_it_stays(found, lambda last: with_numerics_of_its_start(last, start, options), lambda f: (f, plan))
 
 
 def with_numerics_of_its_start(found: Fit, start: Baseline, options: FitOptions) -> Fit:
@@ -208,12 +192,9 @@ def with_numerics_of_its_start(found: Fit, start: Baseline, options: FitOptions)
 
     raises: BranchStoppedError where a finer model has no response at the beginning of a run
     """
-    p, solved = found.parametrisation, with_finer_harmonics(start.given)
-    plain = replace(p, base=solved_as(p.base, solved), numerics=NumericalError())
-    at = found.u[: len(plain)]
-    meshes = {name: solved_as(mesh, solved) for name, mesh in start.finer.items()}
-    coarser = {HARMONICS: solved_as(p.base, start.given)}
-    extended, branches = NumericalGate(start.plan, meshes, coarser=coarser).at(plain, at)
+    plain = replace(found.parametrisation, numerics=NumericalError())
+    at, solved = found.u[: len(plain)], {b.condition.name: b for b in found.compared.branches}
+    extended, branches = NumericalGate(start.plan, finer_than(start.given, start.finer)).at(plain, at, solved)
     u = padded(at, len(extended))
     at_start = starting_at(extended, u, start.train_plan, [branches[i] for i in start.training])
     return fit(extended, start.train_plan, u, found.compared.scatter, at_start, options)

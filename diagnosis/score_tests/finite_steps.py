@@ -66,7 +66,7 @@ def _by_step_of(there: ModelAt, step: _FiniteStep) -> Floats:
 
     Parameters beyond the first have no column of their own: the refit moves them.
     """
-    effect, observed, numerics = step.effect, step.observed, there.parametrisation.numerics
+    effect, observed, numerics = step.effect, step.observed, there.parametrisation.numerics.held_at(there.u)
     there = there.at(step.condition)
     for share in (1.0, 0.5, 0.25):
         values = {q.name: q.null + share * (q.typical - q.null) for q in effect.parameters}

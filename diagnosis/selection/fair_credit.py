@@ -41,12 +41,10 @@ def without_effects_again(fits: FitContext, found: CandidateFits) -> tuple[Basel
 def _from_there(fits: FitContext, there: Fit, own: bool) -> tuple[FittedCandidate | None, bool]:
     """The fit without effects, and whether it has the numerical error of its own: if wanted, unless it fails by more
     than any."""
-    plain = FitTask((), (), True, near=there)
-    if own and fits.start.fitted.compared.mean_squared_misfit > (most := _most_by_numerics(fits)):
-        again = fits.results([plain]).get(())
-        if again is None or again.trial.excess > most:
-            return again, False
-    return fits.results([replace(plain, own_numerics=own)]).get(()), own
+    again = fits.results([FitTask((), (), True, near=there)]).get(())
+    if again is None or not own or again.trial.excess > _most_by_numerics(fits):
+        return again, False
+    return fits.full([again], own_numerics=True).get((), again), True
 
 
 def _most_by_numerics(fits: FitContext) -> float:

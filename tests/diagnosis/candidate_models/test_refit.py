@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from support.small_model import NUISANCES, condition, small_model, synthetic_plan
 
-from updamp.comparison.fit import numerical_gate
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.diagnosis.candidate_models.baseline import baseline, with_own_numerics
 from updamp.diagnosis.candidate_models.candidate_fits import FitContext
@@ -15,7 +14,6 @@ from updamp.diagnosis.candidate_models.refit import FULL, Starts, refit
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.selection.single_effects import refits_with_own_numerics
 from updamp.effects.effect import Effect, EffectParameter
-from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.problem.structural_changes import Attachment
 
 # The resonance and its flanks, whose branches take half as long as those of 40 to 50 Hz.
@@ -80,26 +78,6 @@ def test_a_fit_that_leaves_a_misfit_of_its_mesh_explains_the_data_once_that_is_k
     assert found.mean_squared_misfit > 20 * least
     assert again.compared.mean_squared_misfit < 2 * least  # what the mesh changes was found where the first fit ended
     assert again.parametrisation.values(again.u)["spring"]["size"] == pytest.approx(1.0, rel=0.1)
-
-
-@pytest.mark.long
-def test_with_its_own_numerical_error_a_model_is_solved_with_more_harmonics(monkeypatch):
-    """What they change is not carried over from other parameters then."""
-    monkeypatch.setattr("updamp.diagnosis.candidate_models.baseline.nuisances", lambda _: NUISANCES)
-    given = replace(small_model(), harmonics=Harmonics((1,)))
-    truth = Parametrisation(numerical_gate.with_finer_harmonics(given), NUISANCES)
-    noise = 0.001
-    test = replace(condition(30.0, window=(40.5, 46.0)), noise=(2e-6, *4 * (noise,)))
-    off, scatter = np.array([0.0, 0.3, 0.2, 0.0]), np.array([1e-4, 0.02, 0.02, 0.01])
-    plan, _ = synthetic_plan(truth, off, (test,), scatter, seed=3, noise=noise)
-    start = baseline(given, (), plan, {})
-    own = with_own_numerics(start.fitted, start, FULL)
-    assert own.parametrisation.base.harmonics.orders == (1, 2, 3)
-    assert own.parametrisation.names == start.fitted.parametrisation.names
-    assert own.compared.mean_squared_misfit < 1
-    again = with_own_numerics(own, start, FULL)  # as beside another effect: no further than once
-    assert again.parametrisation.base.harmonics.orders == (1, 2, 3)
-    assert again.compared.mean_squared_misfit == pytest.approx(own.compared.mean_squared_misfit, rel=0.02)
 
 
 def shown_weakly(model, values):
