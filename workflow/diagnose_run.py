@@ -107,7 +107,7 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
             provenance["held out"] = ", ".join(plan.conditions[i].name for i in start.held_out) or "nothing"
             names = {channel.point: channel.name for channel in inputs.measurement.channels}
             decision = decide(found.evidence, options.criteria)
-            provenance["solved with"] = _setting(found, decision)
+            provenance["solved with"] = _setting(found)
             forces = _forces(found, decision, BranchesBy(workers)) if options.report else ()
             proposed = _next_measurements(cache, found, decision, options, progress, workers) if options.report else ()
             verdict = conclude(found, decision, options.criteria, names, forces, provenance, proposed)
@@ -120,11 +120,9 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
     return verdict
 
 
-def _setting(found: SearchResult, decision: Decision) -> str:
-    """Of the model that the verdict names, which may be finer than that of the rig file (`with_own_numerics`)."""
-    chosen = found.refits.get(decision.trial.effects) if decision.trial is not None else None
-    fitted = found.baseline.fitted if chosen is None else chosen.fitted
-    base = fitted.parametrisation.base
+def _setting(found: SearchResult) -> str:
+    """What all models of the search are solved with"""
+    base = found.baseline.given
     return str(Setting(base.harmonics.orders, base.time_samples))
 
 
