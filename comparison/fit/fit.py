@@ -256,8 +256,9 @@ def covariance_of(
     """(p, p) of the parameters. of_sensors: as of a model that lacks nothing; least: factor on the noise
     (`Compared.equations`)"""
     _, columns = compared.equations(of_sensors, least)
-    information = columns.T @ columns + np.diag(1 / parametrisation.deviation**2)
-    return np.asarray(np.linalg.pinv(information), dtype=np.float64)
+    # not that of the information matrix, whose round-off may be more than what tells a parameter least
+    roots = np.linalg.pinv(np.vstack([columns, np.diag(1 / parametrisation.deviation)]))
+    return np.asarray(roots @ roots.T, dtype=np.float64)
 
 
 def _result(parametrisation: Parametrisation, compared: Compared, message: str) -> Fit:

@@ -6,11 +6,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.fit.compared import predict_branches
+from updamp.comparison.fit.compared import compare_at, predict_branches
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.prediction_error import PredictionError, prediction_error
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
-from updamp.diagnosis.candidate_models.baseline import Baseline, farthest_off, with_own_numerics
+from updamp.diagnosis.candidate_models.baseline import (
+    Baseline,
+    farthest_off,
+    with_numerics_of_its_start,
+    with_own_numerics,
+)
 from updamp.diagnosis.candidate_models.if_repeatable import if_repeatable
 from updamp.diagnosis.candidate_models.intervals import may_be_absent
 from updamp.diagnosis.candidate_models.other_sizes import fit_from_size, with_size
@@ -92,11 +97,12 @@ def without_branches(fitted: Fit) -> Fit:
 
 
 def with_branches(fitted: Fit, start: Baseline, branches_of: Branches = in_turn) -> Fit:
-    """The fit, with branches traced where it has none."""
-    if fitted.compared.branches:
+    """The fit, with branches traced, and runs compared with them, where it has none."""
+    c, p, plan = fitted.compared, fitted.parametrisation, start.train_plan
+    if c.branches:
         return fitted
-    branches = predict_branches(fitted.parametrisation, fitted.u, start.train_plan, None, branches_of)
-    return replace(fitted, compared=replace(fitted.compared, branches=branches))
+    branches = predict_branches(p, c.u, plan, None, branches_of)
+    return replace(fitted, compared=compare_at(p, c.u, plan, branches, c.scatter, c.offsets))
 
 
 def _run(shared: tuple[Baseline, Criteria], task: FitTask) -> FittedCandidate | None:
@@ -127,10 +133,19 @@ def _refit(start: Baseline, criteria: Criteria, a: FitTask) -> Refit | None:
         if not a.own_numerics:
             found = fit_from_size(a.near, a.effects, a.size, start)
         else:
-            near = a.near if a.size == 1 else with_size(a.near, a.effects, a.size)
-            found = with_own_numerics(near, start, FULL)
+            found = with_own_numerics(_solved(a, a.near, start), start, FULL)
     except BranchStoppedError:
         return None
     if found is None:
         return None
     return replace(assessed(start.fitted, found, start.train_plan, a.effects, criteria), own_numerics=a.own_numerics)
+
+
+def _solved(a: FitTask, near: Fit, start: Baseline) -> Fit:
+    """Where a fit with its own numerical error begins
+
+    raises: BranchStoppedError where the model has no response at the beginning of a run
+    """
+    if a.size == 1:
+        return with_branches(near, start)
+    return with_numerics_of_its_start(with_size(near, a.effects, a.size), start, FULL)

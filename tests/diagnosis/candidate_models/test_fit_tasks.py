@@ -1,6 +1,7 @@
 """Fits on their way to other processes: what is left out of them is made again exactly."""
 
 import pickle
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,6 +10,7 @@ from support.small_model import condition, parametrisation, synthetic_plan
 
 from updamp.comparison.fit.compared import compare_at, predict_branches
 from updamp.comparison.fit.fit import Fit
+from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.prediction.model_at import ModelAt
 from updamp.comparison.prediction.observed_point import with_matrices
@@ -19,9 +21,13 @@ U = np.array([0.0, 0.1, 0.05, 0.0])
 
 
 @pytest.fixture(scope="module")
-def fitted() -> Fit:
+def plan() -> Plan:
+    return synthetic_plan(parametrisation(), U, (condition(60.0),), np.zeros(4), seed=1, repeats=1)[0]
+
+
+@pytest.fixture(scope="module")
+def fitted(plan) -> Fit:
     p = parametrisation()
-    plan, _ = synthetic_plan(p, U, (condition(60.0),), np.zeros(4), seed=1, repeats=1)
     scatter = Scatter({n.name: n.scatter for n in p.nuisances})
     return Fit(p, compare_at(p, U, plan, predict_branches(p, U, plan), scatter), np.eye(4), "")
 
@@ -37,11 +43,12 @@ def test_branches_keep_no_matrices_and_are_differentiated_the_same_with_them_aga
         np.testing.assert_allclose(found, kept, rtol=0, atol=1e-9 * np.abs(kept).max())
 
 
-def test_branches_that_are_missing_are_traced(fitted):
-    plan = SimpleNamespace(conditions=(condition(60.0),))
-    (branch,) = with_branches(without_branches(fitted), SimpleNamespace(train_plan=plan)).compared.branches
-    (before,) = fitted.compared.branches
+def test_branches_that_are_missing_are_traced_and_compared_with(fitted, plan):
+    lean = replace(fitted, compared=replace(fitted.compared, branches=(), matched=()))
+    found = with_branches(lean, SimpleNamespace(train_plan=plan)).compared
+    (branch,), (before,) = found.branches, fitted.compared.branches
     np.testing.assert_allclose(branch.frequency, before.frequency)
+    np.testing.assert_allclose(found.matched[0].place, fitted.compared.matched[0].place)
 
 
 def test_whole_fits_are_left_as_they_are(fitted):
