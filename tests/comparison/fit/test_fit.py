@@ -1,6 +1,7 @@
 """Calibration on synthetic runs: the truth is found, intervals hold it, chi2 is that of the scatter."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from support.small_model import NUISANCES, condition, parametrisation, synthetic
 
 from updamp.comparison.findings.findings import findings, misfits
 from updamp.comparison.fit.compared import compare_at, predict_branches
-from updamp.comparison.fit.fit import SETTLED, Fit, FitOptions, fit
+from updamp.comparison.fit.fit import SETTLED, Fit, FitOptions, covariance_of, fit
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.prediction.traced_branch import trace_branch
@@ -109,3 +110,11 @@ def with_a_gap(branch, place):
     gone = (branch.place > low) & (branch.place < high)
     points = tuple(replace(point, after_gap=lacks) for point, lacks in zip(branch.points, gone, strict=True))
     return replace(branch, points=points)
+
+
+def test_a_parameter_that_the_data_hardly_tell_is_not_told_to_be_known_exactly():
+    """Its part of the information matrix is less than the round-off of another one's: 0 then, or negative."""
+    columns = np.linalg.qr(np.random.default_rng(0).standard_normal((50, 3)))[0] * [1e9, 1e-1, 1.0]
+    compared = SimpleNamespace(equations=lambda *_: (np.zeros(50), columns))
+    found = covariance_of(SimpleNamespace(deviation=np.array([np.inf, np.inf, 2.0])), compared)
+    np.testing.assert_allclose(np.sqrt(np.diag(found)), [1e-9, 10.0, 1 / np.sqrt(1.25)], rtol=1e-6)
