@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from updamp.comparison.fit.calibration import Calibration, calibration
 from updamp.comparison.fit.compared import padded
-from updamp.comparison.fit.numerical_gate import NumericalGate, starting_at
+from updamp.comparison.fit.fit import Fit
+from updamp.comparison.fit.numerical_gate import Asked, NumericalGate, starting_at
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.own_numerics import OwnNumericsOptions, until_it_stays
 from updamp.comparison.prediction.parameters import Parametrisation
@@ -52,17 +53,23 @@ def gated_calibration(
     progress("prediction")
     begin = work.at(np.zeros(len(plain)) if start is None else start)
     progress("calibration")
-    found = until_it_stays(work.calibrated(begin), work.again, lambda c: (c.fit, c.rests_on(work.train)), options)
-    return GatedCalibration(found, begin.parametrisation, begin.branches)
+    found = until_it_stays(work.calibrated(begin), work.again, work.fit_of, options)
+    return GatedCalibration(found.calibration, begin.asked.parametrisation, begin.branches)
 
 
 @dataclass(frozen=True, eq=False)
 class _Begin:
-    """Where a calibration begins. parametrisation: with the numerical error there; u: (p,); branches: at u"""
+    """Where a calibration begins. u: (p,); branches: at u, with the numerical error there, one a test of the fit"""
 
-    parametrisation: Parametrisation
+    asked: Asked
     u: Floats
     branches: tuple[PredictedBranch, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class _Calibrated:
+    calibration: Calibration
+    begin: _Begin
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,16 +85,21 @@ class _Work:
     def train(self) -> Plan:
         return self.gate.plan.only(self.training)
 
-    def at(self, u: Floats) -> _Begin:
-        """u: (p,) of the model without numerical error, which begins as it is expected there"""
-        found, branches = self.gate.at(self.plain, u)
-        begin, seen = padded(u, len(found)), [branches[i] for i in self.training]
-        return _Begin(found, begin, starting_at(found, begin, self.train, seen, self.gate.branches_of))
+    def at(self, u: Floats, last: _Calibrated | None = None) -> _Begin:
+        """u: (p,) of the model without numerical error, which begins as it is expected there; last: what ended there"""
+        before = (last.begin.asked, last.calibration.fit.compared.branches) if last else (None, ())
+        asked = self.gate.at(self.plain, u, *before)
+        found = asked.parametrisation
+        begin, seen = padded(u, len(found)), [asked.branches[i] for i in self.training]
+        return _Begin(asked, begin, starting_at(found, begin, self.train, seen, self.gate.branches_of))
 
-    def calibrated(self, begin: _Begin) -> Calibration:
-        of_model = begin.parametrisation, self.train, begin.branches, begin.u
-        return calibration(*of_model, self.progress, self.gate.branches_of)
+    def calibrated(self, begin: _Begin) -> _Calibrated:
+        of_model = begin.asked.parametrisation, self.train, begin.branches, begin.u
+        return _Calibrated(calibration(*of_model, self.progress, self.gate.branches_of), begin)
 
-    def again(self, found: Calibration) -> Calibration:
+    def again(self, last: _Calibrated) -> _Calibrated:
         self.progress("numerical error of the calibrated model")
-        return self.calibrated(self.at(found.fit.u[: len(self.plain)]))
+        return self.calibrated(self.at(last.calibration.fit.u[: len(self.plain)], last))
+
+    def fit_of(self, found: _Calibrated) -> tuple[Fit, Plan]:
+        return found.calibration.fit, found.calibration.rests_on(self.train)

@@ -60,19 +60,25 @@ class NumericalGate:
     widened: int = 3
 
     def at(
-        self, plain: Parametrisation, u: Floats, solved: Mapping[str, PredictedBranch] | None = None
-    ) -> tuple[Parametrisation, tuple[PredictedBranch, ...]]:
-        """A parametrisation with its numerical error, and its branches without that error, one a condition. Where finer
-        numerics shift the response by more than the measured window has room for, the model's own is solved that much
-        farther: what changes at its resonance is not seen on a flank.
+        self,
+        plain: Parametrisation,
+        u: Floats,
+        last: "Asked | None" = None,
+        solved: Sequence[PredictedBranch] = (),
+    ) -> "Asked":
+        """What finer numerics change at parameters u. Where they shift the response by more than the measured window
+        has room for, the model's own is solved that much farther: what changes at its resonance is not seen on a flank.
 
-        plain: without numerical error; u: (p,) where that is asked for; solved: condition's name -> its branch there or
-            near, with or without an error, where there is one
+        plain: without numerical error; u: (p,) where that is asked for
+        last: the same elsewhere, whose branches are moved from there where that works
+        solved: branches of some of the tests at u, whatever their numerical error, which are nearer still
         raises: BranchStoppedError where a model has no response at the beginning of a run
         """
-        near = [(solved or {}).get(c.name) for c in self.plan.conditions]
-        branches = predict_branches(plain, u, self.plan, near, self.branches_of)
-        found = self._with_error(plain, u, branches)
+        near = {b.condition.name: b for b in (*(last.branches if last else ()), *solved)}
+        starts = [near.get(c.name) for c in self.plan.conditions]
+        branches = predict_branches(plain, u, self.plan, starts, self.branches_of)
+        finer = self._finer(plain, u, branches, last.finer if last else {})
+        found = with_error_patterns(plain, u, self.plan, branches, finer)
         for _ in range(self.widened):
             windows = [found.numerics.solved_window(c.name, c.window, u) for c in self.plan.conditions]
             short = [i for i, branch in enumerate(branches) if not branch.covers(windows[i])]
@@ -82,11 +88,29 @@ class NumericalGate:
             wider = predict_branches(plain, u, replace(self.plan, conditions=conditions), None, self.branches_of)
             known = dict(zip(short, wider, strict=True))
             branches = tuple(known.get(i, branch) for i, branch in enumerate(branches))
-            found = self._with_error(plain, u, branches)
-        return found, branches
+            more = self._finer(plain, u, wider, finer)
+            finer = {name: {**finer.get(name, {}), **more.get(name, {})} for name in self.finer}
+            found = with_error_patterns(plain, u, self.plan, branches, finer)
+        return Asked(found, branches, finer)
 
-    def _with_error(self, plain: Parametrisation, u: Floats, branches: Sequence[PredictedBranch]) -> Parametrisation:
-        return with_numerical_error(plain, u, self.plan, branches, self.finer, self.branches_of)
+    def _finer(self, plain: Parametrisation, u: Floats, branches: Sequence[PredictedBranch], near: "Finer") -> "Finer":
+        tasks = _tasks(plain, u, branches, self.finer, near)
+        traced = self.branches_of([task for of_model in tasks.values() for task in of_model])
+        return _by_model(tasks, traced)
+
+
+# Finer model's name -> condition's name -> its branch, where it differs
+Finer = Mapping[str, Mapping[str, PredictedBranch]]
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """What finer numerics change at some parameters. parametrisation: with that error; branches: without it, one a
+    condition; finer: those of the finer models"""
+
+    parametrisation: Parametrisation
+    branches: tuple[PredictedBranch, ...]
+    finer: Finer
 
 
 def starting_at(
@@ -109,26 +133,12 @@ def starting_at(
     return tuple(found)
 
 
-def with_numerical_error(
+def _tasks(
     parametrisation: Parametrisation,
     u: Floats,
-    plan: Plan,
     branches: Sequence[PredictedBranch],
-    finer: Mapping[str, RigModel],
-    branches_of: Branches = in_turn,
-) -> Parametrisation:
-    """The parametrisation with patterns of numerical error for each of the other models, mode and test.
-
-    branches: of the parametrisation at u, one a condition; finer: name -> model with the same points
-    raises: BranchStoppedError where one of them has no response at the beginning of a run
-    """
-    tasks = _tasks(parametrisation, u, branches, finer)
-    traced = branches_of([task for of_model in tasks.values() for task in of_model])
-    return with_error_patterns(parametrisation, u, plan, branches, _by_model(tasks, traced))
-
-
-def _tasks(
-    parametrisation: Parametrisation, u: Floats, branches: Sequence[PredictedBranch], models: Mapping[str, RigModel]
+    models: Mapping[str, RigModel],
+    near: Finer,
 ) -> dict[str, list[BranchTask]]:
     """Model's name -> tasks, in wider windows, for the conditions where it differs."""
     found = {}
@@ -136,7 +146,8 @@ def _tasks(
         there = replace(parametrisation, base=model, numerics=NumericalError())
         conditions = [b.condition for b in branches if _differs(model, parametrisation.base, b)]
         together = ([conditions[i] for i in group] for group in same_sweeps(conditions))
-        found[name] = [_finer_task(there, u, group) for group in together]
+        known = near.get(name, {})
+        found[name] = [_finer_task(there, u, group, near=known.get(group[0].name)) for group in together]
     return {name: tasks for name, tasks in found.items() if tasks}
 
 
@@ -148,11 +159,15 @@ def _differs(model: RigModel, base: RigModel, branch: PredictedBranch) -> bool:
 
 
 def _finer_task(
-    of_model: Parametrisation, u: Floats, conditions: Sequence[RunCondition], options: ContinuationOptions | None = None
+    of_model: Parametrisation,
+    u: Floats,
+    conditions: Sequence[RunCondition],
+    options: ContinuationOptions | None = None,
+    near: PredictedBranch | None = None,
 ) -> BranchTask:
     """conditions: tests that sweep the same branch"""
     first, *others = (_wider(condition) for condition in conditions)
-    return BranchTask(of_model, u, first, options=options, others=tuple(others))
+    return BranchTask(of_model, u, first, near, options, tuple(others))
 
 
 def _by_model(

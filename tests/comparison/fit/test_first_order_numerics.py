@@ -39,8 +39,7 @@ def plan() -> Plan:
 
 @pytest.fixture(scope="module")
 def gated(plan) -> Parametrisation:
-    found, _ = NumericalGate(plan, {"softer": finer()}).at(parametrisation(), np.zeros(4))
-    return found
+    return NumericalGate(plan, {"softer": finer()}).at(parametrisation(), np.zeros(4)).parametrisation
 
 
 def left_by(numerics, plan: Plan, step: np.ndarray) -> float:
@@ -82,7 +81,7 @@ def test_beyond_the_ends_of_what_it_was_asked_for_nothing_is_known():
     """A run on one flank, and a model so much stiffer than it was that the run lies nearer its resonance."""
     flank = condition(30.0, window=(40.0, 41.5))
     on_flank, _ = synthetic_plan(parametrisation(), np.zeros(4), (flank,), np.zeros(4), seed=2, repeats=1)
-    p, _ = NumericalGate(on_flank, {"softer": finer()}).at(parametrisation(), np.zeros(4))
+    p = NumericalGate(on_flank, {"softer": finer()}).at(parametrisation(), np.zeros(4)).parametrisation
     softer = np.append([-0.05, 0.0, 0.0, 0.0], np.zeros(len(p) - 4))
     (branch,) = predict_branches(p, softer, on_flank)
     compared = compare_at(p, softer, on_flank, (branch,), prior_scatter(p, on_flank))

@@ -13,7 +13,6 @@ from updamp.comparison.fit.numerical_gate import (
     change_of_branch,
     finer_than,
     starting_at,
-    with_numerical_error,
 )
 from updamp.comparison.fit.numerical_patterns import with_unwrapped_phases
 from updamp.comparison.fit.size_of_numerics import moved_frequencies
@@ -32,9 +31,8 @@ def gated():
     """A plan, and the parametrisation with a finer model that is stiffer."""
     plain = parametrisation()
     plan, _ = synthetic_plan(plain, np.zeros(4), (condition(30.0),), np.full(4, 1e-4), seed=2)
-    branches = predict_branches(plain, np.zeros(4), plan)
     finer = {"stiffer": YOUNGS_MODULUS.apply(small_model(), float(np.exp(STIFFER)))}
-    return plan, with_numerical_error(plain, np.zeros(4), plan, branches, finer)
+    return plan, NumericalGate(plan, finer, widened=0).at(plain, np.zeros(4)).parametrisation
 
 
 def test_the_change_by_another_model_is_free_of_the_error_that_was_taken_off(gated):
@@ -54,7 +52,7 @@ def test_all_that_was_measured_is_compared_with_the_branch_wherever_finer_numeri
     before = predict_branches(plain, zeros, plan)
     for stiffer in (0.02, -0.02):
         finer = {"stiffer": YOUNGS_MODULUS.apply(small_model(), float(np.exp(stiffer)))}
-        p = with_numerical_error(plain, zeros, plan, before, finer)
+        p = NumericalGate(plan, finer, widened=0).at(plain, zeros).parametrisation
         u = np.zeros(len(p))
         assert not with_patterns(before[0], p.numerics).covers_window
         (branch,) = starting_at(p, u, plan, before)
@@ -76,8 +74,9 @@ def test_where_its_own_resonance_is_beyond_the_window_the_model_is_known_as_well
     def off(widened: int) -> float:
         """Largest error of the logarithm of the amplitude, in the window"""
         gate = NumericalGate(plan, finer_than(small_model(), {"softer": finer}), widened=widened)
-        p, before = gate.at(plain, np.zeros(4))
-        (branch,) = starting_at(p, np.zeros(len(p)), plan, before)
+        asked = gate.at(plain, np.zeros(4))
+        p = asked.parametrisation
+        (branch,) = starting_at(p, np.zeros(len(p)), plan, asked.branches)
         log_f = np.log(np.linspace(*narrow.window, 101))
         return float(np.abs(log_amplitude(branch, log_f) - log_amplitude(exact, log_f)).max())
 
@@ -106,9 +105,8 @@ def test_a_pattern_of_a_mode_is_what_all_calibration_leaves(gated):
     """A mesh that is 16 % off: Young's modulus may change by 5 %, the rest is left."""
     plan, _ = gated
     plain, zeros = parametrisation(), np.zeros(4)
-    branches = predict_branches(plain, zeros, plan)
     finer = {"stiffer": YOUNGS_MODULUS.apply(small_model(), float(np.exp(0.15)))}
-    p = with_numerical_error(plain, zeros, plan, branches, finer)
+    p = NumericalGate(plan, finer, widened=0).at(plain, zeros).parametrisation
     (patterns,) = p.numerics.patterns.values()
     left = patterns[:, p.numerics.names.index("stiffer first"), 0]
     assert left.max() == pytest.approx(UNSURE * (0.15 - YOUNGS_MODULUS.largest) / 2, rel=0.2)
