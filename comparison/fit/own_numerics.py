@@ -79,9 +79,12 @@ def farthest_moved(found: Fit) -> float:
 
 
 def _since_asked(branch: PredictedBranch, matched: Matched, numerics: NumericalError) -> Floats | None:
-    """(n, m) where the measured points are"""
-    condition = branch.condition
-    return numerics.since_asked(condition.name, branch.at(matched.place).value, condition.wider, branch.u)
+    """(n, m) where the measured points are; None where that is not known of some of them, but for those at the ends of
+    the branch itself"""
+    condition, place = branch.condition, matched.place
+    change, beyond = numerics.since_asked(condition.name, branch.at(place).value, condition.wider, branch.u)
+    within = (place > branch.place[0]) & (place < branch.place[-1])
+    return None if np.any(beyond & within) else change
 
 
 def _misfit(fit: Fit) -> float:

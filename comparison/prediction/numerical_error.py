@@ -51,16 +51,16 @@ class NumericalError:
         assert self.expected is not None
         return self.expected[condition] + self._since_asked(condition, u)
 
-    def since_asked(self, condition: str, shown: Floats, window: tuple[float, float], u: Floats) -> Floats | None:
+    def since_asked(
+        self, condition: str, shown: Floats, window: tuple[float, float], u: Floats
+    ) -> tuple[Floats, NDArray[np.bool_]]:
         """(k, m) more than what was expected at the parameters where that was asked for, where a branch of parameters u
-        shows (k, m), this error added; None where some of that is beyond the ends of what it was asked for"""
+        shows (k, m), this error added; (k,) whether that is beyond the ends of what it was asked for"""
         if self.coarse is None:
-            return np.zeros_like(shown)
+            return np.zeros_like(shown), np.zeros(len(shown), dtype=bool)
         along = self.coarse[condition] + self.expected_at(condition, u)
         place = most_similar(shown, along, window)
-        if np.any((place <= 0) | (place >= len(along) - 1)):
-            return None
-        return _between(place, self._since_asked(condition, u))
+        return _between(place, self._since_asked(condition, u)), (place <= 0) | (place >= len(along) - 1)
 
     def _since_asked(self, condition: str, u: Floats) -> Floats:
         """(n, m)"""
