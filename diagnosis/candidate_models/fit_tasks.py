@@ -97,12 +97,21 @@ def without_branches(fitted: Fit) -> Fit:
 
 
 def with_branches(fitted: Fit, start: Baseline, branches_of: Branches = in_turn) -> Fit:
-    """The fit, with branches traced, and runs compared with them, where it has none."""
-    c, p, plan = fitted.compared, fitted.parametrisation, start.train_plan
-    if c.branches:
+    """The fit, with branches traced where it has none. All else is left as it was found: what comes of it must not
+    depend on whether it had been kept without them."""
+    if fitted.compared.branches:
         return fitted
-    branches = predict_branches(p, c.u, plan, None, branches_of)
-    return replace(fitted, compared=compare_at(p, c.u, plan, branches, c.scatter, c.offsets))
+    branches = predict_branches(fitted.parametrisation, fitted.u, start.train_plan, None, branches_of)
+    return replace(fitted, compared=replace(fitted.compared, branches=branches))
+
+
+def _compared_anew(fitted: Fit, start: Baseline) -> Fit:
+    """The fit, with branches traced, and runs compared with these, where it has none."""
+    if fitted.compared.branches:
+        return fitted
+    traced = with_branches(fitted, start)
+    c, plan = traced.compared, start.train_plan
+    return replace(traced, compared=compare_at(traced.parametrisation, c.u, plan, c.branches, c.scatter, c.offsets))
 
 
 def _run(shared: tuple[Baseline, Criteria], task: FitTask) -> FittedCandidate | None:
@@ -147,5 +156,5 @@ def _solved(a: FitTask, near: Fit, start: Baseline) -> OwnNumerics:
     raises: BranchStoppedError where the model has no response at the beginning of a run
     """
     if a.size == 1:
-        return OwnNumerics(with_branches(near, start))
+        return OwnNumerics(_compared_anew(near, start))
     return OwnNumerics(with_size(near, a.effects, a.size)).asked_again(start, FULL)

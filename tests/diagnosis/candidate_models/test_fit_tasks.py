@@ -15,7 +15,9 @@ from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.prediction.model_at import ModelAt
 from updamp.comparison.prediction.observed_point import with_matrices
 from updamp.comparison.prediction.traced_branch import observe
-from updamp.diagnosis.candidate_models.fit_tasks import with_branches, without_branches
+from updamp.diagnosis.candidate_models import fit_tasks
+from updamp.diagnosis.candidate_models.fit_tasks import FitTask, with_branches, without_branches
+from updamp.diagnosis.criteria import Criteria
 
 U = np.array([0.0, 0.1, 0.05, 0.0])
 
@@ -43,12 +45,23 @@ def test_branches_keep_no_matrices_and_are_differentiated_the_same_with_them_aga
         np.testing.assert_allclose(found, kept, rtol=0, atol=1e-9 * np.abs(kept).max())
 
 
-def test_branches_that_are_missing_are_traced_and_compared_with(fitted, plan):
-    lean = replace(fitted, compared=replace(fitted.compared, branches=(), matched=()))
+def test_branches_that_are_missing_are_traced_and_all_else_is_left(fitted, plan):
+    lean = replace(fitted, compared=replace(without_branches(fitted).compared, left=(3.0,)))
     found = with_branches(lean, SimpleNamespace(train_plan=plan)).compared
     (branch,), (before,) = found.branches, fitted.compared.branches
     np.testing.assert_allclose(branch.frequency, before.frequency)
-    np.testing.assert_allclose(found.matched[0].place, fitted.compared.matched[0].place)
+    assert found.left == (3.0,)
+
+
+def test_a_fit_with_its_own_numerical_error_begins_with_runs_compared_with_branches(fitted, plan, monkeypatch):
+    """A fit that was kept without them may have been compared with branches that had other points."""
+    begun: list[Fit] = []
+    monkeypatch.setattr(fit_tasks, "with_own_numerics", lambda own, *_: begun.append(own.fit))
+    stale = replace(fitted.compared.matched[0], place=np.zeros(40))
+    lean = replace(fitted, compared=replace(fitted.compared, branches=(), matched=(stale,)))
+    start = SimpleNamespace(train_plan=plan)
+    assert fit_tasks._refit(start, Criteria(), FitTask((), (), True, near=lean, own_numerics=True)) is None
+    np.testing.assert_allclose(begun[0].compared.matched[0].place, fitted.compared.matched[0].place)
 
 
 def test_whole_fits_are_left_as_they_are(fitted):
