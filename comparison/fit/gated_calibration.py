@@ -85,10 +85,9 @@ class _Work:
     def train(self) -> Plan:
         return self.gate.plan.only(self.training)
 
-    def at(self, u: Floats, last: _Calibrated | None = None) -> _Begin:
-        """u: (p,) of the model without numerical error, which begins as it is expected there; last: what ended there"""
-        before = (last.begin.asked, last.calibration.fit.compared.branches) if last else (None, ())
-        asked = self.gate.at(self.plain, u, *before)
+    def at(self, u: Floats) -> _Begin:
+        """u: (p,) of the model without numerical error, which begins as it is expected there"""
+        asked = self.gate.at(self.plain, u)
         found = asked.parametrisation
         begin, seen = padded(u, len(found)), [asked.branches[i] for i in self.training]
         return _Begin(asked, begin, starting_at(found, begin, self.train, seen, self.gate.branches_of))
@@ -99,7 +98,7 @@ class _Work:
 
     def again(self, last: _Calibrated) -> _Calibrated:
         self.progress("numerical error of the calibrated model")
-        return self.calibrated(self.at(last.calibration.fit.u[: len(self.plain)], last))
+        return self.calibrated(self.at(last.calibration.fit.u[: len(self.plain)]))
 
     def fit_of(self, found: _Calibrated) -> tuple[Fit, Plan]:
         return found.calibration.fit, found.calibration.rests_on(self.train)

@@ -63,21 +63,20 @@ class NumericalGate:
         self,
         plain: Parametrisation,
         u: Floats,
-        last: "Asked | None" = None,
         solved: Sequence[PredictedBranch] = (),
     ) -> "Asked":
         """What finer numerics change at parameters u. Where they shift the response by more than the measured window
         has room for, the model's own is solved that much farther: what changes at its resonance is not seen on a flank.
 
         plain: without numerical error; u: (p,) where that is asked for
-        last: the same elsewhere, whose branches are moved from there where that works
-        solved: branches of some of the tests at u, whatever their numerical error, which are nearer still
+        solved: branches of some of the tests at u, whatever their numerical error. Those of finer models are always
+            traced: moved from where they were, one of two tests ended 3.8 deviations off
         raises: BranchStoppedError where a model has no response at the beginning of a run
         """
-        near = {b.condition.name: b for b in (*(last.branches if last else ()), *solved)}
+        near = {b.condition.name: b for b in solved}
         starts = [near.get(c.name) for c in self.plan.conditions]
         branches = predict_branches(plain, u, self.plan, starts, self.branches_of)
-        finer = self._finer(plain, u, branches, last.finer if last else {})
+        finer = self._finer(plain, u, branches)
         found = with_error_patterns(plain, u, self.plan, branches, finer)
         for _ in range(self.widened):
             windows = [found.numerics.solved_window(c.name, c.window, u) for c in self.plan.conditions]
@@ -88,13 +87,13 @@ class NumericalGate:
             wider = predict_branches(plain, u, replace(self.plan, conditions=conditions), None, self.branches_of)
             known = dict(zip(short, wider, strict=True))
             branches = tuple(known.get(i, branch) for i, branch in enumerate(branches))
-            more = self._finer(plain, u, wider, finer)
+            more = self._finer(plain, u, wider)
             finer = {name: {**finer.get(name, {}), **more.get(name, {})} for name in self.finer}
             found = with_error_patterns(plain, u, self.plan, branches, finer)
-        return Asked(found, branches, finer)
+        return Asked(found, branches)
 
-    def _finer(self, plain: Parametrisation, u: Floats, branches: Sequence[PredictedBranch], near: "Finer") -> "Finer":
-        tasks = _tasks(plain, u, branches, self.finer, near)
+    def _finer(self, plain: Parametrisation, u: Floats, branches: Sequence[PredictedBranch]) -> "Finer":
+        tasks = _tasks(plain, u, branches, self.finer)
         traced = self.branches_of([task for of_model in tasks.values() for task in of_model])
         return _by_model(tasks, traced)
 
@@ -106,11 +105,10 @@ Finer = Mapping[str, Mapping[str, PredictedBranch]]
 @dataclass(frozen=True, eq=False)
 class Asked:
     """What finer numerics change at some parameters. parametrisation: with that error; branches: without it, one a
-    condition; finer: those of the finer models"""
+    condition"""
 
     parametrisation: Parametrisation
     branches: tuple[PredictedBranch, ...]
-    finer: Finer
 
 
 def starting_at(
@@ -138,7 +136,6 @@ def _tasks(
     u: Floats,
     branches: Sequence[PredictedBranch],
     models: Mapping[str, RigModel],
-    near: Finer,
 ) -> dict[str, list[BranchTask]]:
     """Model's name -> tasks, in wider windows, for the conditions where it differs."""
     found = {}
@@ -146,8 +143,7 @@ def _tasks(
         there = replace(parametrisation, base=model, numerics=NumericalError())
         conditions = [b.condition for b in branches if _differs(model, parametrisation.base, b)]
         together = ([conditions[i] for i in group] for group in same_sweeps(conditions))
-        known = near.get(name, {})
-        found[name] = [_finer_task(there, u, group, near=known.get(group[0].name)) for group in together]
+        found[name] = [_finer_task(there, u, group) for group in together]
     return {name: tasks for name, tasks in found.items() if tasks}
 
 
@@ -163,11 +159,10 @@ def _finer_task(
     u: Floats,
     conditions: Sequence[RunCondition],
     options: ContinuationOptions | None = None,
-    near: PredictedBranch | None = None,
 ) -> BranchTask:
     """conditions: tests that sweep the same branch"""
     first, *others = (_wider(condition) for condition in conditions)
-    return BranchTask(of_model, u, first, near, options, tuple(others))
+    return BranchTask(of_model, u, first, options=options, others=tuple(others))
 
 
 def _by_model(

@@ -16,7 +16,7 @@ from updamp.comparison.fit.compared import compare_at, padded, predict_branches
 from updamp.comparison.fit.failing_model import Freedom
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
 from updamp.comparison.fit.gated_calibration import gated_calibration
-from updamp.comparison.fit.numerical_gate import Asked, NumericalGate, finer_than, starting_at
+from updamp.comparison.fit.numerical_gate import NumericalGate, finer_than, starting_at
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.odd_readings import odd_readings, without_odd
 from updamp.comparison.fit.own_numerics import until_it_stays
@@ -182,11 +182,9 @@ def unseen(start: Baseline) -> str:
 
 @dataclass(frozen=True, eq=False)
 class OwnNumerics:
-    """A fit. asked: what finer numerics change of its own model, effects and all, where it began; None where what is
-    added is that of another one"""
+    """A fit on its way to the numerical error of its own model, effects and all"""
 
     fit: Fit
-    asked: Asked | None = None
 
     def asked_again(self, start: Baseline, options: FitOptions) -> "OwnNumerics":
         """Gone on with the numerical error of its own model where it stands.
@@ -196,11 +194,11 @@ class OwnNumerics:
         fitted, plan = self.fit, start.train_plan
         plain = replace(fitted.parametrisation, numerics=NumericalError())
         gate = NumericalGate(start.plan, finer_than(start.given, start.finer))
-        asked = gate.at(plain, fitted.u[: len(plain)], self.asked, fitted.compared.branches)
+        asked = gate.at(plain, fitted.u[: len(plain)], fitted.compared.branches)
         found = asked.parametrisation
         u, seen = padded(fitted.u[: len(plain)], len(found)), [asked.branches[i] for i in start.training]
         at_start = starting_at(found, u, plan, seen)
-        return OwnNumerics(fit(found, plan, u, fitted.compared.scatter, at_start, options), asked)
+        return OwnNumerics(fit(found, plan, u, fitted.compared.scatter, at_start, options))
 
 
 def with_own_numerics(found: OwnNumerics, start: Baseline, options: FitOptions) -> Fit:
