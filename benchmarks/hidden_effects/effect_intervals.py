@@ -27,7 +27,7 @@ from updamp.benchmarks.hidden_effects.version_2 import Draw, Only, chosen_cases
 from updamp.benchmarks.virtual_rig.laboratory import HIDDEN
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import plan_of
-from updamp.diagnosis.candidate_models.baseline import Baseline, OwnNumerics, baseline
+from updamp.diagnosis.candidate_models.baseline import Baseline, baseline, with_numerics_of_its_start
 from updamp.diagnosis.candidate_models.intervals import intervals
 from updamp.diagnosis.candidate_models.refit import FULL, Starts, refit
 from updamp.diagnosis.criteria import Criteria
@@ -82,12 +82,12 @@ def fits(start: Baseline, effects: Sequence[Effect], truth: Truth, own: int) -> 
     found = refit(start.fitted, start.train_plan, effects, Starts((), (np.array(size),)), Criteria(), full=True)
     if found is None:
         return
-    each = OwnNumerics(found.fitted)
-    yield "without", each.fit, time.process_time() - started
+    fitted = found.fitted
+    yield "without", fitted, time.process_time() - started
     for i in range(own):
         started = time.process_time()
-        each = each.asked_again(start, FULL)
-        yield f"own, {i + 1}", each.fit, time.process_time() - started
+        fitted = with_numerics_of_its_start(fitted, start, FULL)
+        yield f"own, {i + 1}", fitted, time.process_time() - started
 
 
 def lines(task: Task, truth: Mapping[str, Any], folder: Path, own: int) -> Iterator[Line]:

@@ -14,9 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.fit.calibration import Calibration, calibration
-from updamp.comparison.fit.compared import padded
-from updamp.comparison.fit.fit import Fit
-from updamp.comparison.fit.numerical_gate import Asked, NumericalGate, starting_at
+from updamp.comparison.fit.numerical_gate import Beginning, NumericalGate
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.own_numerics import OwnNumericsOptions, until_it_stays
 from updamp.comparison.prediction.parameters import Parametrisation
@@ -53,23 +51,8 @@ def gated_calibration(
     progress("prediction")
     begin = work.at(np.zeros(len(plain)) if start is None else start)
     progress("calibration")
-    found = until_it_stays(work.calibrated(begin), work.again, work.fit_of, options)
-    return GatedCalibration(found.calibration, begin.asked.parametrisation, begin.branches)
-
-
-@dataclass(frozen=True, eq=False)
-class _Begin:
-    """Where a calibration begins. u: (p,); branches: at u, with the numerical error there, one a test of the fit"""
-
-    asked: Asked
-    u: Floats
-    branches: tuple[PredictedBranch, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class _Calibrated:
-    calibration: Calibration
-    begin: _Begin
+    found = until_it_stays(work.calibrated(begin), work.again, lambda c: (c.fit, c.rests_on(work.train)), options)
+    return GatedCalibration(found, begin.parametrisation, begin.branches)
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,20 +68,14 @@ class _Work:
     def train(self) -> Plan:
         return self.gate.plan.only(self.training)
 
-    def at(self, u: Floats) -> _Begin:
+    def at(self, u: Floats) -> Beginning:
         """u: (p,) of the model without numerical error, which begins as it is expected there"""
-        asked = self.gate.at(self.plain, u)
-        found = asked.parametrisation
-        begin, seen = padded(u, len(found)), [asked.branches[i] for i in self.training]
-        return _Begin(asked, begin, starting_at(found, begin, self.train, seen, self.gate.branches_of))
+        return self.gate.beginning(self.plain, u, self.training)
 
-    def calibrated(self, begin: _Begin) -> _Calibrated:
-        of_model = begin.asked.parametrisation, self.train, begin.branches, begin.u
-        return _Calibrated(calibration(*of_model, self.progress, self.gate.branches_of), begin)
+    def calibrated(self, begin: Beginning) -> Calibration:
+        of_model = begin.parametrisation, self.train, begin.branches, begin.u
+        return calibration(*of_model, self.progress, self.gate.branches_of)
 
-    def again(self, last: _Calibrated) -> _Calibrated:
+    def again(self, found: Calibration) -> Calibration:
         self.progress("numerical error of the calibrated model")
-        return self.calibrated(self.at(last.calibration.fit.u[: len(self.plain)]))
-
-    def fit_of(self, found: _Calibrated) -> tuple[Fit, Plan]:
-        return found.calibration.fit, found.calibration.rests_on(self.train)
+        return self.calibrated(self.at(found.fit.u[: len(self.plain)]))

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.fit.compared import predict_branches
+from updamp.comparison.fit.compared import padded, predict_branches
 from updamp.comparison.fit.numerical_patterns import change_to, with_error_patterns
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.branch_tasks import Branches, BranchTask, in_turn
@@ -92,6 +92,16 @@ class NumericalGate:
             found = with_error_patterns(plain, u, self.plan, branches, finer)
         return Asked(found, branches)
 
+    def beginning(
+        self, plain: Parametrisation, u: Floats, training: Sequence[int], solved: Sequence[PredictedBranch] = ()
+    ) -> "Beginning":
+        """Of a fit, with what finer numerics change there; training: places of the tests that it sees; else as
+        `at`"""
+        asked, train = self.at(plain, u, solved), self.plan.only(training)
+        found, seen = asked.parametrisation, [asked.branches[i] for i in training]
+        start = padded(u, len(found))
+        return Beginning(found, start, starting_at(found, start, train, seen, self.branches_of))
+
     def _finer(self, plain: Parametrisation, u: Floats, branches: Sequence[PredictedBranch]) -> "Finer":
         tasks = _tasks(plain, u, branches, self.finer)
         traced = self.branches_of([task for of_model in tasks.values() for task in of_model])
@@ -108,6 +118,15 @@ class Asked:
     condition"""
 
     parametrisation: Parametrisation
+    branches: tuple[PredictedBranch, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Beginning:
+    """u: (p,) with the patterns' sizes, which are 0; branches: at u, with the numerical error, one a test of the fit"""
+
+    parametrisation: Parametrisation
+    u: Floats
     branches: tuple[PredictedBranch, ...]
 
 

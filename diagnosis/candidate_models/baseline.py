@@ -12,11 +12,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.fit.compared import compare_at, padded, predict_branches
+from updamp.comparison.fit.compared import compare_at, predict_branches
 from updamp.comparison.fit.failing_model import Freedom
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
 from updamp.comparison.fit.gated_calibration import gated_calibration
-from updamp.comparison.fit.numerical_gate import NumericalGate, finer_than, starting_at
+from updamp.comparison.fit.numerical_gate import NumericalGate, finer_than
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.odd_readings import odd_readings, without_odd
 from updamp.comparison.fit.own_numerics import until_it_stays
@@ -180,29 +180,19 @@ def unseen(start: Baseline) -> str:
     return "runs that the fit never saw"
 
 
-@dataclass(frozen=True, eq=False)
-class OwnNumerics:
-    """A fit on its way to the numerical error of its own model, effects and all"""
-
-    fit: Fit
-
-    def asked_again(self, start: Baseline, options: FitOptions) -> "OwnNumerics":
-        """Gone on with the numerical error of its own model where it stands.
-
-        raises: BranchStoppedError where a finer model has no response at the beginning of a run
-        """
-        fitted, plan = self.fit, start.train_plan
-        plain = replace(fitted.parametrisation, numerics=NumericalError())
-        gate = NumericalGate(start.plan, finer_than(start.given, start.finer))
-        asked = gate.at(plain, fitted.u[: len(plain)], fitted.compared.branches)
-        found = asked.parametrisation
-        u, seen = padded(fitted.u[: len(plain)], len(found)), [asked.branches[i] for i in start.training]
-        at_start = starting_at(found, u, plan, seen)
-        return OwnNumerics(fit(found, plan, u, fitted.compared.scatter, at_start, options))
-
-
-def with_own_numerics(found: OwnNumerics, start: Baseline, options: FitOptions) -> Fit:
+def with_own_numerics(found: Fit, start: Baseline, options: FitOptions) -> Fit:
     """The fit gone on with the numerical error of its own model, asked for where it ends as often as a calibration's
     (`comparison/fit/own_numerics.py`)."""
     plan = start.train_plan
-    return until_it_stays(found, lambda last: last.asked_again(start, options), lambda each: (each.fit, plan)).fit
+    return until_it_stays(found, lambda last: with_numerics_of_its_start(last, start, options), lambda f: (f, plan))
+
+
+def with_numerics_of_its_start(found: Fit, start: Baseline, options: FitOptions) -> Fit:
+    """The fit gone on with the numerical error of its own model, effects and all, where it stands.
+
+    raises: BranchStoppedError where a finer model has no response at the beginning of a run
+    """
+    plain = replace(found.parametrisation, numerics=NumericalError())
+    gate = NumericalGate(start.plan, finer_than(start.given, start.finer))
+    begin = gate.beginning(plain, found.u[: len(plain)], start.training, found.compared.branches)
+    return fit(begin.parametrisation, start.train_plan, begin.u, found.compared.scatter, begin.branches, options)

@@ -12,8 +12,8 @@ from updamp.comparison.fit.prediction_error import PredictionError, prediction_e
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.diagnosis.candidate_models.baseline import (
     Baseline,
-    OwnNumerics,
     farthest_off,
+    with_numerics_of_its_start,
     with_own_numerics,
 )
 from updamp.diagnosis.candidate_models.if_repeatable import if_repeatable
@@ -150,11 +150,11 @@ def _refit(start: Baseline, criteria: Criteria, a: FitTask) -> Refit | None:
     return replace(assessed(start.fitted, found, start.train_plan, a.effects, criteria), own_numerics=a.own_numerics)
 
 
-def _solved(a: FitTask, near: Fit, start: Baseline) -> OwnNumerics:
+def _solved(a: FitTask, near: Fit, start: Baseline) -> Fit:
     """Where a fit with its own numerical error begins
 
     raises: BranchStoppedError where the model has no response at the beginning of a run
     """
     if a.size == 1:
-        return OwnNumerics(_compared_anew(near, start))
-    return OwnNumerics(with_size(near, a.effects, a.size)).asked_again(start, FULL)
+        return _compared_anew(near, start)
+    return with_numerics_of_its_start(with_size(near, a.effects, a.size), start, FULL)

@@ -56,7 +56,7 @@ def test_branches_that_are_missing_are_traced_and_all_else_is_left(fitted, plan)
 def test_a_fit_with_its_own_numerical_error_begins_with_runs_compared_with_branches(fitted, plan, monkeypatch):
     """A fit that was kept without them may have been compared with branches that had other points."""
     begun: list[Fit] = []
-    monkeypatch.setattr(fit_tasks, "with_own_numerics", lambda own, *_: begun.append(own.fit))
+    monkeypatch.setattr(fit_tasks, "with_own_numerics", lambda near, *_: begun.append(near))
     stale = replace(fitted.compared.matched[0], place=np.zeros(40))
     lean = replace(fitted, compared=replace(fitted.compared, branches=(), matched=(stale,)))
     start = SimpleNamespace(train_plan=plan)

@@ -7,7 +7,7 @@ import pytest
 from support.small_model import NUISANCES, condition, small_model, synthetic_plan
 
 from updamp.comparison.prediction.parameters import Parametrisation
-from updamp.diagnosis.candidate_models.baseline import OwnNumerics, baseline, with_own_numerics
+from updamp.diagnosis.candidate_models.baseline import baseline, with_own_numerics
 from updamp.diagnosis.candidate_models.candidate_fits import FitContext
 from updamp.diagnosis.candidate_models.fit_tasks import FitTask, fit_here
 from updamp.diagnosis.candidate_models.refit import FULL, Starts, refit
@@ -71,7 +71,7 @@ def test_a_fit_that_leaves_a_misfit_of_its_mesh_explains_the_data_once_that_is_k
     starts = Starts((np.ones(1),), ())
     start = baseline(small_model(), (), plan, {"fine": FINE})
     found = refit(start.fitted, plan, (SPRING,), starts, Criteria(), full=True)
-    again = with_own_numerics(OwnNumerics(found.fitted), start, FULL)
+    again = with_own_numerics(found.fitted, start, FULL)
     # what the right model leaves: sensors, and the interpolation between points of a single contact's branch
     right = replace(start.fitted, parametrisation=replace(start.fitted.parametrisation, base=FINE))
     least = refit(right, plan, (SPRING,), starts, Criteria(), full=True).mean_squared_misfit
