@@ -51,8 +51,9 @@ def nearest_places(curve: MovedCurve, ends: Any, followed: Any, seen: Any, of_dr
     for i in range(len(ends)):
         _look(curve, ends[i], moved, value[i], drive[i])
     found, off, ahead = np.empty(n), np.empty(m), np.empty(m)
+    line = 0
     for t in range(n):
-        place, width = _on_lines(ends, followed, value, drive, seen[t], of_drive[t], weights, off, ahead)
+        place, width, line = _on_lines(ends, followed, value, drive, seen[t], of_drive[t], weights, off, ahead, line)
         for _ in range(_LOOKS):
             middle, best = place, np.inf
             for share in _AROUND:
@@ -99,28 +100,52 @@ def _relative(a: float, b: float, real: float, imaginary: float, square: float) 
 
 @inner
 def _on_lines(
-    ends: Any, followed: Any, value: Any, drive: Any, seen: Any, of_drive: float, weights: Any, off: Any, ahead: Any
-) -> tuple[float, float]:
-    """The nearest place on the lines from each of `ends` to the next, and how long its line is along the branch."""
-    _write_off(value[0], drive[0], seen, of_drive, weights, off)
-    best, place, width = np.inf, ends[0], ends[1] - ends[0]
+    ends: Any,
+    followed: Any,
+    value: Any,
+    drive: Any,
+    seen: Any,
+    of_drive: float,
+    weights: Any,
+    off: Any,
+    ahead: Any,
+    guess: int,
+) -> tuple[float, float, int]:
+    """The nearest place on the lines from each of `ends` to the next, how long its line is along the branch, and which
+    that is. guess: a line that may be near: only those whose frequencies are no farther off than it need a look."""
+    best, share = _on_line(guess, value, drive, seen, of_drive, weights, off, ahead)
+    found, bound = guess, best if followed[guess] else np.inf
+    best = np.inf
+    last = _off(0, value[0], drive[0], seen, of_drive, weights)
     for i in range(len(followed)):
-        _write_off(value[i + 1], drive[i + 1], seen, of_drive, weights, ahead)
-        square = product = length = 0.0
-        for j in range(len(off)):
-            turn = _turn(j, weights)
-            change = _within_turn(ahead[j] - off[j], turn)
-            start = _within_turn(off[j] + change / 2, turn) - change / 2
-            square += start * start
-            product += start * change
-            length += change * change
-        share = min(max(-product / max(length, _TINY), 0.0), 1.0)
-        distance = square + share * (2 * product + share * length)
-        if followed[i] and distance < best:
-            best, width = distance, ends[i + 1] - ends[i]
-            place = ends[i] + share * width
-        off[:] = ahead
-    return place, width
+        first, last = last, _off(0, value[i + 1], drive[i + 1], seen, of_drive, weights)
+        least = 0.0 if first * last <= 0 else min(first * first, last * last)
+        if not followed[i] or least > min(best, bound):
+            continue
+        distance, along = _on_line(i, value, drive, seen, of_drive, weights, off, ahead)
+        if distance < best:
+            best, found, share = distance, i, along
+    width = ends[found + 1] - ends[found]
+    return ends[found] + share * width, width, found
+
+
+@inner
+def _on_line(
+    i: int, value: Any, drive: Any, seen: Any, of_drive: float, weights: Any, off: Any, ahead: Any
+) -> tuple[float, float]:
+    """Squared distance from a line, and the share of it where it is nearest"""
+    _write_off(value[i], drive[i], seen, of_drive, weights, off)
+    _write_off(value[i + 1], drive[i + 1], seen, of_drive, weights, ahead)
+    square = product = length = 0.0
+    for j in range(len(off)):
+        turn = _turn(j, weights)
+        change = _within_turn(ahead[j] - off[j], turn)
+        start = _within_turn(off[j] + change / 2, turn) - change / 2
+        square += start * start
+        product += start * change
+        length += change * change
+    share = min(max(-product / max(length, _TINY), 0.0), 1.0)
+    return square + share * (2 * product + share * length), share
 
 
 @inner
@@ -138,7 +163,12 @@ def _distance(value: Any, drive: Any, seen: Any, of_drive: float, weights: Any) 
 def _write_off(value: Any, drive: Any, seen: Any, of_drive: float, weights: Any, off: Any) -> None:
     """How far a point of the run is off, by `weights`; 0 what was not observed."""
     for j in range(len(seen)):
-        off[j] = (seen[j] - value[j] - of_drive * drive[j]) * weights[j] if weights[j] != 0 else 0.0
+        off[j] = _off(j, value, drive, seen, of_drive, weights)
+
+
+@inner
+def _off(j: int, value: Any, drive: Any, seen: Any, of_drive: float, weights: Any) -> float:
+    return (seen[j] - value[j] - of_drive * drive[j]) * weights[j] if weights[j] != 0 else 0.0
 
 
 @inner
