@@ -59,6 +59,10 @@ class ModelAt:
         """Relative displacements (n_relative, n_coefficients) of the whole model from what was solved."""
         return x if self.mirror is None else self.mirror.whole(x)
 
+    def solved(self, x: Floats) -> Floats:
+        """What is solved of relative displacements (..., n_relative, n_coefficients) of the whole model."""
+        return x if self.mirror is None else self.mirror.halved(x)
+
     def keeps_symmetry(self, changed: RigModel) -> bool:
         """Whether a changed model can be solved as this one is."""
         return self.mirror is None or is_driven_symmetrically(changed)
@@ -96,10 +100,14 @@ def _cached_model_at(parametrisation: Parametrisation, u: bytes, place: float) -
 
 def change_to(there: ModelAt, changed: RigModel, step: float) -> Change:
     """step: of the parameter between the two; the changed one may have further elements, after those of the model"""
-    points = tuple(point for e in changed.elements[len(there.model.elements) :] for point in e.points)
     alone = _same_structure(there.model, changed)
-    added = () if alone else points
+    added = () if alone else added_points(there.model, changed)
     return Change(_system_of(there, changed, alone), step, contacts_alone=alone, added=added, reading=changed.reading)
+
+
+def added_points(model: RigModel, changed: RigModel) -> tuple[str, ...]:
+    """Points of elements that the changed model has after those of the other one, in their order."""
+    return tuple(point for e in changed.elements[len(model.elements) :] for point in e.points)
 
 
 def _system_of(there: ModelAt, changed: RigModel, contacts_alone: bool = False) -> NonlinearSystem:

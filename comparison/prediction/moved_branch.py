@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from updamp.comparison.prediction.lifted_branch import lifted
 from updamp.comparison.prediction.model_at import ModelAt, model_at
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
@@ -59,11 +60,12 @@ def move_sweeps(
     condition = solved_in(parametrisation, u, conditions)
     if condition.control is not None:
         return None
-    before = before.thinned(_APART)
     there = model_at(parametrisation, u, condition)
     system, excitation = there.system, there.excited_by(condition.force)
-    if before.points[0].x.shape != (system.free.n_relative, system.harmonics.n_coefficients):
-        return None  # an effect has brought elements or harmonics of its own, or taken a symmetry
+    begin = _on_rows_of(there, before.thinned(_APART))
+    if begin is None:
+        return None
+    before = begin
     moved = _moved(there, before, excitation)
     if len(moved) < (1 - _LOST) * len(before.points):
         return None
@@ -76,6 +78,14 @@ def move_sweeps(
         return None
     found = observe_sweeps(there, conditions, covering, before.stopped)
     return found if _visible_gaps(found[0]) <= _visible_gaps(before) else None
+
+
+def _on_rows_of(there: ModelAt, before: PredictedBranch) -> PredictedBranch | None:
+    """The branch on the rows that are solved, where an effect has brought elements of its own or taken a symmetry; None
+    where it has brought harmonics."""
+    system = there.system
+    same = before.points[0].x.shape == (system.free.n_relative, system.harmonics.n_coefficients)
+    return before if same else lifted(before, there)
 
 
 def _visible_gaps(branch: PredictedBranch) -> int:

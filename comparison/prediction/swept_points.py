@@ -105,16 +105,41 @@ class BranchAfterJump:
             return []
         return self._up_to_fold(reached)
 
-    def beside(self, last: Sequence[BranchPoint]) -> list[ObservedPoint]:
+    def beside(self, branch: Sequence[BranchPoint]) -> list[ObservedPoint]:
         """The same from where the part turns back to the far end, where that is not on the branch that ends there.
 
-        last: two points of that branch, on either side of the far end
+        branch: its points, up to the last one
         """
         with suppress(BranchStoppedError):
-            end = next(iter(self._end.points()))
-            if max(end.distance(point) for point in last) > _BESIDE * last[0].distance(last[1]):
+            if not self._is_on(branch):
                 return self._up_to_fold()
         return []
+
+    def _is_on(self, branch: Sequence[BranchPoint]) -> bool:
+        """Whether the far end is on the branch. Either may begin farther outside the window than the other one: that
+        one has a piece on which the first point of the other is to be. A far end that turns back before comes to
+        nothing that a sweep in the window could be on.
+
+        raises: BranchStoppedError as the far end's points do
+        """
+        last, behind_fold = branch[-1], DistanceBehindFold(-self._sign)
+        if any(self._sign * point.w > self._sign * last.w for point in branch):
+            return False  # it has turned back, and left the window at the end that it had come in by
+        before: BranchPoint | None = None
+        for point in self._end.points():
+            behind_fold.advance_to(point.w)
+            if self._sign * point.w <= self._sign * last.w:
+                return _is_on(last, before, point) if before is not None else self._is_on_a_piece(point, branch)
+            if behind_fold.is_far(self.far):
+                break
+            before = point
+        return True
+
+    def _is_on_a_piece(self, point: BranchPoint, branch: Sequence[BranchPoint]) -> bool:
+        """Of the branch, the last one that its frequency is within"""
+        pieces = zip(reversed(branch[:-1]), reversed(branch[1:]), strict=True)
+        around = ((a, b) for a, b in pieces if self._sign * a.w <= self._sign * point.w)
+        return _is_on(point, *next(around, branch[-2:]))
 
     def _up_to_fold(self, least: int = 0) -> list[ObservedPoint]:
         """With a margin behind the fold, in the order of the sweep; least: points"""
@@ -134,6 +159,12 @@ class BranchAfterJump:
                     if behind_fold.is_far(self.far):
                         return found
         return found
+
+
+def _is_on(point: BranchPoint, *piece: BranchPoint) -> bool:
+    """Whether a point is on a piece of a branch, from one point to the next."""
+    start, end = piece
+    return max(point.distance(start), point.distance(end)) <= _BESIDE * start.distance(end)
 
 
 # Points without which there is no branch.
@@ -171,7 +202,7 @@ def swept_points(
         if ahead is None or not kept.behind_fold.points or not kept.jump_to(ahead.beyond(kept.behind_fold)):
             return kept.whole(), str(stop)
     if ahead is not None and not kept.jumped:
-        kept.add_beside(ahead.beside([seen.point for seen in kept.whole()[-2:]]))
+        kept.add_beside(ahead.beside([seen.point for seen in kept.whole()]))
     return kept.whole(), ""
 
 

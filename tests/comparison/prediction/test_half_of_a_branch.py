@@ -98,7 +98,22 @@ def test_an_effect_that_takes_the_symmetry_is_solved_whole(branches, model, cond
     branch = trace_branch(p, np.zeros(len(p)), condition)
     assert branch.points[0].x.shape[0] == model.components.n_relative
     u = np.append(np.zeros(len(p) - 1), 1.0)
-    assert move_branch(p, u, replace(branches[0], u=np.zeros(len(p)))) is None, "traced anew"
+    assert move_branch(p, u, replace(branches[0], u=np.zeros(len(p)))) is None, "of another effect: traced anew"
+
+
+@pytest.mark.parametrize("name", ["pressure_slope", "blade_cubic_stiffness", "tip_friction"])
+def test_a_branch_is_moved_to_where_an_effect_takes_the_symmetry_or_brings_elements(model, condition, name):
+    plain = Parametrisation(model, nuisances(model))
+    with_effect = replace(plain, effects=(CATALOGUE[name],))
+    u = np.zeros(len(with_effect))
+    u[len(plain) :] = 1.0
+    before = trace_branch(plain, np.zeros(len(plain)), condition)
+    moved, traced = move_branch(with_effect, u, before), trace_branch(with_effect, u, condition)
+    assert moved is not None
+    assert len(moved.points[0].x) > len(before.points[0].x)
+    # slopes leap where tips begin to slip, between the points of either branch
+    states, expected = (next(shown(b, np.linspace(*condition.window, 50))) for b in (moved, traced))
+    np.testing.assert_allclose(states, expected, atol=2e-3 * np.abs(expected[1:]).max())
 
 
 def test_beside_half_a_model_what_takes_the_symmetry_has_no_derivative(model):

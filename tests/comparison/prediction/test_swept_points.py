@@ -192,6 +192,14 @@ def test_a_branch_that_ends_behind_a_fold_keeps_the_other_end_beside_it():
     assert of(found)[len(alone)][1]
 
 
+@pytest.mark.parametrize("begins", [(12.4,), (13.5, 13.1, 12.8)])
+def test_an_other_end_on_the_same_branch_is_not_kept_again(begins):
+    """Whichever begins farther outside the window."""
+    other = BranchFromFarEnd(lambda: points(*begins, 12.2, 11.5, 10.5), 10.0)
+    found, _ = swept_points(points(8, 9, 10, 11, 12, 12.5), True, kept, other)
+    assert of(found) == [(w, False) for w in (8, 9, 10, 11, 12, 12.5)]
+
+
 def test_a_second_fold_may_be_reached_though_the_first_was_not():
     """Hysteresis of one mode after the other: from the other end the branch turns back between both folds."""
     back = [9 - 0.1 * i for i in range(1, 20)]
