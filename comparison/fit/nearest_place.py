@@ -14,8 +14,8 @@ from updamp.hbm.contact.compiled.keeping import inner, kept
 
 Floats = NDArray[np.float64]
 
-# How often the place is looked for again, four times as finely, and where, in widths.
-_LOOKS, _AROUND = 5, np.linspace(-1, 1, 9)
+# Where the place is looked for, in widths, and how often again at half the distance, on either side of the nearest one.
+_AROUND, _LOOKS = np.linspace(-1, 1, 9), 8
 _TINY = float(np.finfo(float).tiny)
 
 
@@ -54,17 +54,30 @@ def nearest_places(curve: MovedCurve, ends: Any, followed: Any, seen: Any, of_dr
     line = 0
     for t in range(n):
         place, width, line = _on_lines(ends, followed, value, drive, seen[t], of_drive[t], weights, off, ahead, line)
+        middle, best = place, np.inf
+        for share in _AROUND:
+            distance, tried = _look_at(curve, middle + width * share, moved, off, ahead, seen[t], of_drive[t], weights)
+            if distance < best:
+                place, best = tried, distance
+        apart = width * (_AROUND[1] - _AROUND[0])
         for _ in range(_LOOKS):
-            middle, best = place, np.inf
-            for share in _AROUND:
-                tried = min(max(middle + width * share, curve.places[0]), curve.places[-1])
-                _look(curve, tried, moved, off, ahead)
-                distance = _distance(off, ahead, seen[t], of_drive[t], weights)
+            middle, apart = place, apart / 2
+            for side in (-apart, apart):
+                distance, tried = _look_at(curve, middle + side, moved, off, ahead, seen[t], of_drive[t], weights)
                 if distance < best:
                     place, best = tried, distance
-            width /= 4
         found[t] = place
     return found
+
+
+@inner
+def _look_at(
+    curve: MovedCurve, place: float, moved: Any, off: Any, ahead: Any, seen: Any, of_drive: float, weights: Any
+) -> tuple[float, float]:
+    """Squared distance from a place, and that place, which is on the curve"""
+    tried = min(max(place, curve.places[0]), curve.places[-1])
+    _look(curve, tried, moved, off, ahead)
+    return _distance(off, ahead, seen, of_drive, weights), tried
 
 
 @inner
@@ -116,9 +129,9 @@ def _on_lines(
     best, share = _on_line(guess, value, drive, seen, of_drive, weights, off, ahead)
     found, bound = guess, best if followed[guess] else np.inf
     best = np.inf
-    last = _off(0, value[0], drive[0], seen, of_drive, weights)
+    last = _frequency_off(0, value, drive, seen, of_drive, weights)
     for i in range(len(followed)):
-        first, last = last, _off(0, value[i + 1], drive[i + 1], seen, of_drive, weights)
+        first, last = last, _frequency_off(i + 1, value, drive, seen, of_drive, weights)
         least = 0.0 if first * last <= 0 else min(first * first, last * last)
         if not followed[i] or least > min(best, bound):
             continue
@@ -163,12 +176,13 @@ def _distance(value: Any, drive: Any, seen: Any, of_drive: float, weights: Any) 
 def _write_off(value: Any, drive: Any, seen: Any, of_drive: float, weights: Any, off: Any) -> None:
     """How far a point of the run is off, by `weights`; 0 what was not observed."""
     for j in range(len(seen)):
-        off[j] = _off(j, value, drive, seen, of_drive, weights)
+        off[j] = (seen[j] - value[j] - of_drive * drive[j]) * weights[j] if weights[j] != 0 else 0.0
 
 
 @inner
-def _off(j: int, value: Any, drive: Any, seen: Any, of_drive: float, weights: Any) -> float:
-    return (seen[j] - value[j] - of_drive * drive[j]) * weights[j] if weights[j] != 0 else 0.0
+def _frequency_off(i: int, value: Any, drive: Any, seen: Any, of_drive: float, weights: Any) -> float:
+    """At one of many places: rows (m,) of `value` and `drive` would take longer to make than this"""
+    return (seen[0] - value[i, 0] - of_drive * drive[i, 0]) * weights[0] if weights[0] != 0 else 0.0
 
 
 @inner

@@ -27,6 +27,8 @@ from updamp.hbm.continuation.continuation import BranchStoppedError, Continuatio
 Floats = NDArray[np.float64]
 # Share of it that a start has to bring it down to.
 _FAR = 0.1
+# How far first order may lead, in units of the scale of each parameter.
+REACH = 2.0
 COARSE = ContinuationOptions(largest_step=0.4)
 _SHORT, FULL = FitOptions(rounds=2, retraced=False), FitOptions()
 
@@ -80,9 +82,8 @@ def refit(
     full: bool,
     near: Fit | None = None,
 ) -> Refit | None:
-    """The fit with further effects: the better one of two, from the best start beside the model as given and, unless
-    that leaves no more than the scatter does, from the best one beside the calibrated model. None where the model has
-    no response at any start.
+    """The fit with further effects, from the most promising start (`_fit_from`). None where the model has no response
+    at any.
 
     Models without contacts are quick to trace: they are always fitted in full, by `fit_from_far`, whatever the starts.
 
@@ -101,15 +102,11 @@ def refit(
         [p.with_further(given, start) for start in starts.as_given],
         [p.with_further(base.u, start) for start in starts.calibrated],
     ]
-    # the calibrated model is a valley of its own: no start beside it is better before it is fitted
-    found: list[Refit] = []
-    for kind in kinds:
-        if found and found[0].mean_squared_misfit <= 1:
-            break
-        fitted = _fit_from(base, plan, extended, kind, full)
-        found += [] if fitted is None else [assessed(base, fitted, plan, effects, criteria)]
-    best = max(found, key=lambda r: r.drop, default=None)
-    return best if full or best is None else replace(best, ahead=_ahead(best.fitted, plan))
+    fitted = _fit_from(base, plan, extended, kinds, full)
+    if fitted is None:
+        return None
+    best = assessed(base, fitted, plan, effects, criteria)
+    return best if full else replace(best, ahead=_ahead(fitted, plan))
 
 
 def _nested(base: Fit, plan: Plan, extended: Parametrisation) -> Fit | None:
@@ -146,19 +143,57 @@ def _shaped(base: Fit, plan: Plan, extended: Parametrisation) -> Floats:
     return np.where(np.any(columns, axis=0), 0.0, 1.0)
 
 
-def _fit_from(base: Fit, plan: Plan, extended: Parametrisation, starts: Sequence[Floats], full: bool) -> Fit | None:
-    """From the first start that is better than none, else from the best; None where there is no response at any."""
-    before = misfit(base.parametrisation, base.compared)
-    best: tuple[float, Compared] | None = None
-    for compared in compared_at(extended, plan, starts, base.compared, base.compared.offsets):
-        value = misfit(extended, compared)
-        if best is None or value < best[0]:
-            best = value, compared
-        if value < before and _far_better(base, compared.mean_squared_misfit):
+@dataclass(frozen=True, eq=False)
+class _Start:
+    """solved: where a fit may begin; promised: misfit where that leads to first order (`fit.misfit`); explains: whether
+    that leaves no more than the scatter does"""
+
+    solved: Compared
+    promised: float
+    explains: bool
+
+
+def _fit_from(
+    base: Fit, plan: Plan, extended: Parametrisation, kinds: Sequence[Sequence[Floats]], full: bool
+) -> Fit | None:
+    """From the most promising start, and from others as long as one promises more than the fits have come to. None
+    where there is no response at any.
+
+    kinds: starts each. The calibrated model is a valley of its own: no start beside it is better before it is fitted.
+        Those of the second kind are not looked at where one of the first explains the data
+    """
+    waiting: list[_Start] = []
+    best: Fit | None = None
+    for place, kind in enumerate(kinds):
+        waiting += _starts_of(base, plan, extended, kind)
+        if place < len(kinds) - 1 and not any(start.explains for start in waiting):
+            continue
+        best, waiting = _best_first(best, waiting, plan, extended, _options(full))
+        if best is not None and best.compared.mean_squared_misfit <= 1:
             break
-    if best is None:
-        return None
-    return fit(extended, plan, best[1].u, base.compared.scatter, best[1].branches, _options(full))
+    return best
+
+
+def _starts_of(base: Fit, plan: Plan, extended: Parametrisation, kind: Sequence[Floats]) -> Iterator[_Start]:
+    """Up to the first that is better than none; where the model fails badly, far better."""
+    before = misfit(base.parametrisation, base.compared)
+    for compared in compared_at(extended, plan, kind, base.compared, base.compared.offsets):
+        ahead = fit_linear(extended, plan, compared, compared.scatter, REACH)
+        yield _Start(compared, misfit(extended, ahead), ahead.mean_squared_misfit <= 1)
+        if misfit(extended, compared) < before and _far_better(base, compared.mean_squared_misfit):
+            return
+
+
+def _best_first(
+    known: Fit | None, starts: Sequence[_Start], plan: Plan, extended: Parametrisation, options: FitOptions
+) -> tuple[Fit | None, list[_Start]]:
+    """The best fit, and the starts that promise no more than that; known: a fit from another one"""
+    best, waiting = known, sorted(starts, key=lambda start: start.promised)
+    while waiting and (best is None or waiting[0].promised < misfit(extended, best.compared)):
+        begin, *waiting = waiting
+        found = fit(extended, plan, begin.solved.u, begin.solved.scatter, begin.solved.branches, options)
+        best = found if best is None or misfit(extended, found.compared) < misfit(extended, best.compared) else best
+    return best, waiting
 
 
 def compared_at(

@@ -23,14 +23,12 @@ from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.diagnosis.candidate_models.baseline import Baseline
 from updamp.diagnosis.candidate_models.fit_tasks import without_branches
-from updamp.diagnosis.candidate_models.refit import COARSE, as_given, coarse_enough
+from updamp.diagnosis.candidate_models.refit import COARSE, REACH, as_given, coarse_enough
 from updamp.effects.effect import Effect
 from updamp.hbm.continuation.continuation import BranchStoppedError
 from updamp.parallel.workers import LongestFirst, Workers, here
 
 Floats = NDArray[np.float64]
-# Of an effect's parameters from their typical size, and of nuisance parameters, in units of their scale.
-_REACH = 2.0
 # Distance of the points that a probe is moved from: half of the longest step of a branch traced for a first guess.
 # Where contacts begin to slip these lie closer by far, and each takes as long as the law of an effect does.
 _APART = COARSE.largest_step / 2
@@ -118,7 +116,7 @@ def _misfit(probe: Probe) -> float:
 
 
 def _at_its_end(probe: Probe) -> bool:
-    return bool(np.max(np.abs(probe.start)) > 0.99 * (1 + _REACH))
+    return bool(np.max(np.abs(probe.start)) > 0.99 * (1 + REACH))
 
 
 def highest_levels(plan: Plan) -> tuple[int, ...]:
@@ -144,6 +142,6 @@ def _probe(about: _About, effect: Effect, size: Floats) -> Probe | None:
     except BranchStoppedError:
         return None
     compared = compare_at(extended, u, plan, branches, scatter)
-    ahead = fit_linear(extended, plan, compared, scatter, _REACH)
+    ahead = fit_linear(extended, plan, compared, scatter, REACH)
     place = extended.columns(effect.name)
     return Probe(effect, ahead.u[place], misfit(extended, ahead), u[place], misfit(extended, compared))
