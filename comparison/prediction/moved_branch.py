@@ -22,8 +22,6 @@ Points = Sequence[BranchPoint]
 
 # A branch moved by changes of the parameters has to reach beyond them by this much still.
 _SPARE = 0.04
-# Distance of the points that are moved: a quarter of the longest step of a continuation (`StepLengths`).
-_APART = 0.05
 # Longest step between points, over the longest of a trace: beyond it an interpolation would not follow.
 _STRETCHED = 1.5
 # Share of the points that may be lost on the way.
@@ -62,7 +60,7 @@ def move_sweeps(
         return None
     there = model_at(parametrisation, u, condition)
     system, excitation = there.system, there.excited_by(condition.force)
-    begin = _on_rows_of(there, before.thinned(_APART))
+    begin = _on_rows_of(there, before.thinned())
     if begin is None:
         return None
     before = begin

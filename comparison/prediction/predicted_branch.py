@@ -115,7 +115,7 @@ class PredictedBranch:
                 chosen.append(i)
         return chosen
 
-    def thinned(self, apart: float) -> "PredictedBranch":
+    def thinned(self, apart: float = _APART) -> "PredictedBranch":
         """With those points alone, to be moved from, or for a first guess."""
         some = self.spread_out(apart)
         each = {name: getattr(self, name)[some] for name in _OF_POINTS}

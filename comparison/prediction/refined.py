@@ -8,6 +8,7 @@ cubic has them. So what is compared does not depend on where a branch happens to
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,12 +38,13 @@ class InterpolationOptions:
     """error: expected of what is interpolated, across the branch and in standard deviations of the measurement. If all
         of 500 values were as far off, chi-square would be off by 4.5 at one standard deviation; at corners it is up to
         twice as much, elsewhere far less, and found was 0.1
-    left: share of a cubic's error that is left once a point has been put between: a half where the branch turns a
-        corner (a sixteenth where it is smooth)
+    smooth, left: share of a cubic's error that is left once a point has been put between: a sixteenth where the branch
+        is smooth, a half where it turns a corner
     halvings: of the distance between two points, at most
     """
 
     error: float = 0.1
+    smooth: float = 1 / 16
     left: float = 0.5
     halvings: int = 8
 
@@ -51,8 +53,7 @@ def refined(points: Sequence[ObservedPoint], condition: RunCondition, between: B
     """The same points and those put between them; as they are where the condition does not know of any noise."""
     if not condition.noise or len(points) < 3:
         return list(points)
-    expected = InterpolationOptions.left * _beside(points, condition)
-    pieces = [_Piece(a, b, float(e)) for a, b, e in zip(points[:-1], points[1:], expected, strict=True)]
+    pieces = _pieces(points, condition)
     for _ in range(InterpolationOptions.halvings):
         wide = [piece for piece in pieces if piece.error > InterpolationOptions.error]
         if not wide:
@@ -65,11 +66,13 @@ def refined(points: Sequence[ObservedPoint], condition: RunCondition, between: B
 
 @dataclass(frozen=True, eq=False)
 class _Piece:
-    """Of a branch between two points; error: expected of the cubic between them"""
+    """Of a branch between two points; error: expected of the cubic between them; left: share of that that each of the
+    halves is expected to be off by"""
 
     start: ObservedPoint
     end: ObservedPoint
     error: float
+    left: float
 
 
 def _halved(
@@ -88,23 +91,41 @@ def _halved(
         if middle is None:
             halves.append((replace(piece, error=0.0),))
             continue
-        # a cubic may happen to be right half way: what is expected falls to a quarter at most by one such look
-        left = InterpolationOptions.left * max(next(found), InterpolationOptions.left * piece.error)
-        halves.append((_Piece(piece.start, middle, left), _Piece(middle, piece.end, left)))
+        # a cubic may happen to be right half way: what is expected falls by twice a half's share at most by one look
+        seen = max(next(found), piece.left * piece.error)
+        error, left = piece.left * seen, _share(seen, piece.error / piece.left)
+        halves.append((_Piece(piece.start, middle, error, left), _Piece(middle, piece.end, error, left)))
     return halves
 
 
-def _beside(points: Sequence[ObservedPoint], condition: RunCondition) -> Floats:
-    """(n - 1,) how far the cubics between next neighbours are off at the points that are left out, the larger of the
-    two for each pair of neighbours; none across a gap and where nothing was measured."""
+def _pieces(points: Sequence[ObservedPoint], condition: RunCondition) -> list[_Piece]:
+    """Between neighbours, with what is to be expected of the cubics between them from those that leave out points."""
+    near, far = (_beside(points, condition, reach) for reach in (1, 2))
+    unmeasured = _unmeasured(points, condition)
+    found = []
+    for i, (a, b) in enumerate(pairwise(points)):
+        left = _share(near[i], far[i])
+        error = 0.0 if unmeasured[i] or b.point.after_gap else left * near[i]
+        found.append(_Piece(a, b, error, left))
+    return found
+
+
+def _share(near: float, far: float) -> float:
+    """What is left of a cubic's error with half its length: as much as from one twice as long to it"""
+    least, most = InterpolationOptions.smooth, InterpolationOptions.left
+    return float(np.clip(near / far, least, most)) if far > 0 else most
+
+
+def _beside(points: Sequence[ObservedPoint], condition: RunCondition, reach: int) -> Floats:
+    """(n - 1,) how far cubics are off at a point that they leave out, from `reach` points before it to as many after,
+    the larger of the two for each pair of neighbours; none where there is a gap between."""
     off = np.zeros(len(points))
-    off[1:-1] = deviation(points[:-2], points[1:-1], points[2:], condition)
-    gaps = np.array([o.point.after_gap for o in points])
-    off[gaps] = 0.0
-    off[:-1][gaps[1:]] = 0.0
-    expected = np.maximum(off[:-1], off[1:])
-    expected[gaps[1:] | _unmeasured(points, condition)] = 0.0
-    return np.asarray(expected)
+    if len(points) > 2 * reach:
+        off[reach:-reach] = deviation(points[: -2 * reach], points[reach:-reach], points[2 * reach :], condition)
+    gaps = np.flatnonzero([o.point.after_gap for o in points])
+    for i in range(-reach, reach):
+        off[np.clip(gaps + i, 0, len(off) - 1)] = 0.0
+    return np.asarray(np.maximum(off[:-1], off[1:]))
 
 
 def _unmeasured(points: Sequence[ObservedPoint], condition: RunCondition) -> NDArray[np.bool_]:
