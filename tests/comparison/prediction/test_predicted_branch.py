@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from support.small_model import SENSORS, condition, parametrisation
 
-from updamp.comparison.prediction import moved_branch
 from updamp.comparison.prediction.moved_branch import move_branch
 from updamp.comparison.prediction.numerical_error import NumericalError
-from updamp.comparison.prediction.predicted_branch import at_sizes, with_patterns
+from updamp.comparison.prediction.predicted_branch import PredictedBranch, at_sizes, with_patterns
 from updamp.comparison.prediction.traced_branch import trace_branch
 from updamp.hbm.newton.newton import Arc, solve
 from updamp.hbm.newton.observe import response
@@ -46,7 +45,7 @@ def test_the_contact_slips_and_the_branch_is_followed_through_the_window(slippin
 def test_derivatives_by_the_parameters_against_branches_solved_anew(slipping, which, monkeypatch):
     u = np.zeros(4)
     u[which] = 2e-5
-    monkeypatch.setattr(moved_branch, "_APART", 0.0)
+    monkeypatch.setattr(PredictedBranch, "thinned", lambda branch: branch)
     above, below = (move_branch(parametrisation(), sign * u, slipping) for sign in (1, -1))
     # all points, on the same planes across the branch, so that they correspond
     difference = (above.state - below.state) / (2 * u[which])
