@@ -53,17 +53,21 @@ def nearest_places(curve: MovedCurve, ends: Any, followed: Any, seen: Any, of_dr
     found, off, ahead = np.empty(n), np.empty(m), np.empty(m)
     line = 0
     for t in range(n):
-        place, width, line = _on_lines(ends, followed, value, drive, seen[t], of_drive[t], weights, off, ahead, line)
+        point, share_of_drive = seen[t], of_drive[t]
+        place, width, line = _on_lines(ends, followed, value, drive, point, share_of_drive, weights, off, ahead, line)
+        low, high = _around(line, ends, followed)
         middle, best = place, np.inf
         for share in _AROUND:
-            distance, tried = _look_at(curve, middle + width * share, moved, off, ahead, seen[t], of_drive[t], weights)
+            tried = min(max(middle + width * share, low), high)
+            distance = _distance_from(curve, tried, moved, off, ahead, point, share_of_drive, weights)
             if distance < best:
                 place, best = tried, distance
         apart = width * (_AROUND[1] - _AROUND[0])
         for _ in range(_LOOKS):
             middle, apart = place, apart / 2
             for side in (-apart, apart):
-                distance, tried = _look_at(curve, middle + side, moved, off, ahead, seen[t], of_drive[t], weights)
+                tried = min(max(middle + side, low), high)
+                distance = _distance_from(curve, tried, moved, off, ahead, point, share_of_drive, weights)
                 if distance < best:
                     place, best = tried, distance
         found[t] = place
@@ -71,13 +75,22 @@ def nearest_places(curve: MovedCurve, ends: Any, followed: Any, seen: Any, of_dr
 
 
 @inner
-def _look_at(
+def _around(line: int, ends: Any, followed: Any) -> tuple[float, float]:
+    """Places that are looked at about a line: on it and two more on either side, where the branch was followed"""
+    first, last = line, line
+    for _ in range(2):
+        first -= 1 if first > 0 and followed[first - 1] else 0
+        last += 1 if last < len(followed) - 1 and followed[last + 1] else 0
+    return ends[first], ends[last + 1]
+
+
+@inner
+def _distance_from(
     curve: MovedCurve, place: float, moved: Any, off: Any, ahead: Any, seen: Any, of_drive: float, weights: Any
-) -> tuple[float, float]:
-    """Squared distance from a place, and that place, which is on the curve"""
-    tried = min(max(place, curve.places[0]), curve.places[-1])
-    _look(curve, tried, moved, off, ahead)
-    return _distance(off, ahead, seen, of_drive, weights), tried
+) -> float:
+    """Squared distance from a place"""
+    _look(curve, place, moved, off, ahead)
+    return _distance(off, ahead, seen, of_drive, weights)
 
 
 @inner

@@ -50,7 +50,8 @@ def left_by(numerics, plan: Plan, step: np.ndarray) -> float:
     shown = branch.evenly
     exact = trace_branch(replace(parametrisation(), base=finer()), step, condition(30.0, window=(38.0, 52.0)))
     left, _ = change_to(shown.value, exact, branch.condition)
-    basis = across(shown.along, np.broadcast_to(DEVIATIONS, shown.value.shape))
+    # where a contact begins to slip both are known as well as one branch is jagged beside the other
+    basis = across(shown.along, np.hypot(DEVIATIONS, branch.rough_at(branch.even_places)))
     in_window = abs(np.exp(shown.value[:, 0]) - 45.0) < 5.0
     return float(np.sqrt(np.mean(np.einsum("nrm,nm->nr", basis, left)[in_window] ** 2)))
 

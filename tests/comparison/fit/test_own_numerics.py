@@ -12,7 +12,8 @@ from updamp.hbm.newton.newton import Status
 
 
 def fit_at(place: float, misfit: float) -> SimpleNamespace:
-    """One whose numerical error was asked for at the place that is the whole number below its own."""
+    """One whose numerical error was asked for at the place that is the whole number below its own; half way to the
+    next is as far as it may move."""
     values = 400
     compared = SimpleNamespace(mean_squared_misfit=misfit, chi2=misfit * values)
     return SimpleNamespace(place=place, compared=compared, freedom=values)
@@ -20,7 +21,7 @@ def fit_at(place: float, misfit: float) -> SimpleNamespace:
 
 @pytest.fixture(autouse=True)
 def how_far(monkeypatch) -> None:
-    monkeypatch.setattr(own_numerics, "farthest_moved", lambda fit: fit.place % 1)
+    monkeypatch.setattr(own_numerics, "farthest_moved", lambda fit: 2 * (fit.place % 1) * OwnNumericsOptions().moved)
 
 
 def one_after_the_other(places, misfits, options=OwnNumericsOptions()) -> float:
