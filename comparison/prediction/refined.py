@@ -91,9 +91,10 @@ def _halved(
         if middle is None:
             halves.append((replace(piece, error=0.0),))
             continue
-        # a cubic may happen to be right half way: what is expected falls by twice a half's share at most by one look
+        # a cubic may happen to be right half way: by one look neither what is expected nor its share falls farther
         seen = max(next(found), piece.left * piece.error)
-        error, left = piece.left * seen, _share(seen, piece.error / piece.left)
+        left = max(piece.left, _share(seen, piece.error / piece.left))
+        error = left * seen
         halves.append((_Piece(piece.start, middle, error, left), _Piece(middle, piece.end, error, left)))
     return halves
 
