@@ -28,7 +28,7 @@ class OwnNumericsOptions:
     """
 
     again: int = 4
-    moved: float = 1.0
+    moved: float = 0.5
 
 
 def until_it_stays(
