@@ -129,7 +129,7 @@ class BranchAfterJump:
         for point in self._end.points():
             behind_fold.advance_to(point.w)
             if self._sign * point.w <= self._sign * last.w:
-                return _is_on(last, before, point) if before is not None else self._is_on_a_piece(point, branch)
+                return _lies_on(last, before, point) if before is not None else self._is_on_a_piece(point, branch)
             if behind_fold.is_far(self.far):
                 break
             before = point
@@ -139,7 +139,7 @@ class BranchAfterJump:
         """Of the branch, the last one that its frequency is within"""
         pieces = zip(reversed(branch[:-1]), reversed(branch[1:]), strict=True)
         around = ((a, b) for a, b in pieces if self._sign * a.w <= self._sign * point.w)
-        return _is_on(point, *next(around, branch[-2:]))
+        return _lies_on(point, *next(around, branch[-2:]))
 
     def _up_to_fold(self, least: int = 0) -> list[ObservedPoint]:
         """With a margin behind the fold, in the order of the sweep; least: points"""
@@ -161,7 +161,7 @@ class BranchAfterJump:
         return found
 
 
-def _is_on(point: BranchPoint, *piece: BranchPoint) -> bool:
+def _lies_on(point: BranchPoint, *piece: BranchPoint) -> bool:
     """Whether a point is on a piece of a branch, from one point to the next."""
     start, end = piece
     return max(point.distance(start), point.distance(end)) <= _BESIDE * start.distance(end)
