@@ -22,6 +22,7 @@ from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.decision.ablations import write_ablations
 from updamp.diagnosis.decision.conclude import conclude
 from updamp.diagnosis.decision.decide import Decision, decide
+from updamp.diagnosis.decision.profiled import Intervals, profiles, with_profiles
 from updamp.diagnosis.evidence import EVIDENCE_JSON
 from updamp.diagnosis.missing_force.missing_force import missing_forces
 from updamp.diagnosis.next_measurement.next_measurement import next_measurements, surviving_explanations
@@ -107,6 +108,7 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
             provenance["held out"] = ", ".join(plan.conditions[i].name for i in start.held_out) or "nothing"
             names = {channel.point: channel.name for channel in inputs.measurement.channels}
             decision = decide(found.evidence, options.criteria)
+            found = with_profiles(found, _profiles(cache, found, decision, progress, workers))
             provenance["solved with"] = _setting(found)
             forces = _forces(found, decision, BranchesBy(workers)) if options.report else ()
             proposed = _next_measurements(cache, found, decision, options, progress, workers) if options.report else ()
@@ -222,6 +224,20 @@ def _forces(found: SearchResult, decision: Decision, branches_of: Branches) -> t
         with suppress(BranchStoppedError):  # where the model without effects has no response
             compared = compare_at(p, u, plan, predict_branches(p, u, plan, None, branches_of), compared.scatter)
     return missing_forces(compared, p, plan)
+
+
+def _profiles(
+    cache: SearchCache, found: SearchResult, decision: Decision, progress: Callable[[str], None], workers: Workers
+) -> Mapping[tuple[str, ...], Intervals]:
+    """Intervals of what the verdict speaks of."""
+    if decision.trial is None:
+        return {}
+    name = f"intervals {' or '.join(' and '.join(t.effects) for t in (decision.trial, *decision.alternatives))}"
+    known: Mapping[tuple[str, ...], Intervals] | None = cache.read(name)
+    if known is None:
+        known = profiles(found, decision, progress, workers)
+        cache.write(name, known)
+    return known
 
 
 def _next_measurements(

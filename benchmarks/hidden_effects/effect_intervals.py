@@ -3,7 +3,8 @@
 .venv/bin/python benchmarks/hidden_effects/effect_intervals.py --draw N [--folder FOLDER] [--only case_012] [--own 3]
 
 First with the numerical error of the model without effects, then with that of the model itself, asked for again and
-again where the fit ends. A few minutes a case, once its rig is built.
+again where the fit ends. Intervals from derivatives where it ends, and by profile likelihood. A few minutes a case,
+once its rig is built.
 """
 
 from updamp.parallel.resources import one_thread
@@ -27,8 +28,9 @@ from updamp.benchmarks.hidden_effects.version_2 import Draw, Only, chosen_cases
 from updamp.benchmarks.virtual_rig.laboratory import HIDDEN
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import plan_of
+from updamp.comparison.fit.profile_likelihood import profile
 from updamp.diagnosis.candidate_models.baseline import Baseline, baseline, with_numerics_of_its_start
-from updamp.diagnosis.candidate_models.intervals import intervals
+from updamp.diagnosis.candidate_models.intervals import in_units, intervals
 from updamp.diagnosis.candidate_models.refit import FULL, Starts, refit
 from updamp.diagnosis.criteria import Criteria
 from updamp.effects.catalogue import CATALOGUE
@@ -45,25 +47,30 @@ FOLDER = "intervals"
 
 @dataclass(frozen=True)
 class Line:
-    """One parameter in one fit. numerics: whose numerical error; seconds: of a core"""
+    """One parameter in one fit. numerics: whose numerical error; linear, profile: its intervals; seconds: of a core,
+    for the fit and for the profile"""
 
     case: str
     parameter: str
     numerics: str
     misfit: float
     value: float
-    lower: float
-    upper: float
+    linear: tuple[float, float]
+    profile: tuple[float, float]
     true: float
-    seconds: float
+    seconds: tuple[float, float]
 
     @property
     def text(self) -> str:
-        holds = "" if self.lower <= self.true <= self.upper else " **no**"
+        fit, profile = self.seconds
         return (
             f"| {self.case} | {self.parameter} | {self.numerics} | {self.misfit:.3f} | {self.value:.4g} "
-            f"| {self.lower:.4g} to {self.upper:.4g}{holds} | {self.true:.4g} | {self.seconds:.0f} |"
+            f"| {self._of(self.linear)} | {self._of(self.profile)} | {self.true:.4g} | {fit:.0f} + {profile:.0f} |"
         )
+
+    def _of(self, interval: tuple[float, float]) -> str:
+        lower, upper = interval
+        return f"{lower:.4g} to {upper:.4g}{'' if lower <= self.true <= upper else ' **no**'}"
 
 
 def start_of(task: Task, folder: Path) -> Baseline:
@@ -95,12 +102,15 @@ def lines(task: Task, truth: Mapping[str, Any], folder: Path, own: int) -> Itera
     named = [CATALOGUE[HIDDEN[name].catalogue_name] for name in truth["effects"]]
     effects = [sized(e, start.fitted.parametrisation.base, start.plan.largest_amplitude) for e in named]
     for numerics, fitted, seconds in fits(start, effects, parameters, own):
-        values = fitted.parametrisation.values(fitted.u)
+        p, misfit = fitted.parametrisation, fitted.compared.mean_squared_misfit
         for e in effects:
-            for q, (lower, upper) in zip(e.parameters, intervals(fitted, e), strict=True):
-                value, true = values[e.name][q.name], parameters[e.name][q.name]
-                misfit = fitted.compared.mean_squared_misfit
-                yield Line(task.name, f"{e.name}.{q.name}", numerics, misfit, value, lower, upper, true, seconds)
+            first, linear = p.columns(e.name).start, intervals(fitted, e)
+            for i, q in enumerate(e.parameters):
+                started = time.process_time()
+                by_profile = in_units(q, profile(fitted, start.train_plan, first + i).interval)
+                name, taken = f"{e.name}.{q.name}", (seconds, time.process_time() - started)
+                value, true = p.values(fitted.u)[e.name][q.name], parameters[e.name][q.name]
+                yield Line(task.name, name, numerics, misfit, value, linear[i], by_profile, true, taken)
 
 
 def in_catalogue(truth: Mapping[str, Any]) -> bool:
@@ -120,8 +130,8 @@ def main(
     layout = Layout(folder)
     found, _ = tasks(layout, chosen_cases(draw, only))
     build_models(layout, found)
-    typer.echo("| case | parameter | numerical error | misfit | value | 95 % interval | true | s |")
-    typer.echo("|" + 8 * "---|")
+    typer.echo("| case | parameter | numerical error | misfit | value | 95 % interval | by profile | true | s |")
+    typer.echo("|" + 9 * "---|")
     for task in found:
         truth = read(layout.truth(task.name))
         if truth is not None and in_catalogue(truth):

@@ -68,12 +68,8 @@ def _fit_linear(
     reach: float,
 ) -> Compared:
     """Parameters, offsets and scatter with the branches linear about where they were solved."""
-    deviation = parametrisation.deviation
-    # effects, of which nothing is known beforehand, may grow by as much as they are
-    limits = reach * np.where(np.isfinite(deviation), np.maximum(deviation, _LINEAR), np.maximum(1.0, np.abs(about.u)))
-    limits[parametrisation.n_of_model :] = 2 * parametrisation.upper[parametrisation.n_of_model :]  # exactly linear
-    lower = np.maximum(parametrisation.lower, about.u - limits)
-    upper = np.minimum(parametrisation.upper, about.u + limits)
+    limits = _reach_of_each(parametrisation, about.u, reach)
+    lower, upper = step_limits(parametrisation, about.u, reach)
     now = about
     for _ in range(3):
         before, now = now, fit_within(parametrisation, plan, now, lower, upper)
@@ -82,3 +78,20 @@ def _fit_linear(
         if np.max(np.abs(now.u - before.u) / limits) < 0.01:
             break
     return now
+
+
+def step_limits(parametrisation: Parametrisation, u: Floats, reach: float) -> tuple[Floats, Floats]:
+    """(p,) each: how far down and up parameters may go from u to first order, within their bounds.
+
+    reach: in units of the scale of each
+    """
+    limits = _reach_of_each(parametrisation, u, reach)
+    return np.maximum(parametrisation.lower, u - limits), np.minimum(parametrisation.upper, u + limits)
+
+
+def _reach_of_each(parametrisation: Parametrisation, u: Floats, reach: float) -> Floats:
+    deviation = parametrisation.deviation
+    # effects, of which nothing is known beforehand, may grow by as much as they are
+    limits = reach * np.where(np.isfinite(deviation), np.maximum(deviation, _LINEAR), np.maximum(1.0, np.abs(u)))
+    limits[parametrisation.n_of_model :] = 2 * parametrisation.upper[parametrisation.n_of_model :]  # exactly linear
+    return np.asarray(limits)

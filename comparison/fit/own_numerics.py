@@ -39,7 +39,8 @@ def until_it_stays(
 ) -> Found:
     """Until the parameters stay where the error was asked for, whatever that does to a misfit within the scatter: where
     a run of few points ends beside a jump, an error asked for elsewhere makes parameters up that the data seem to tell
-    well. Of a model that fails, as long as it fails less.
+    well. Of a model that fails, as long as it fails less, and would not fail any more after another fall as large: each
+    is smaller than the one before.
 
     again: with the numerical error where it ends; fit_of: and the plan of the fit's runs
     """
@@ -52,9 +53,12 @@ def until_it_stays(
         except BranchStoppedError:  # of a finer model, far from where it was: what was found before stands
             break
         after, plan = fit_of(last)
-        if _misfit(after) >= _misfit(before) and lack_of_fit(after, plan) < RISK:
+        fall = before.compared.chi2 - after.compared.chi2
+        if fall <= 0 and lack_of_fit(after, plan) < RISK:
             break
         found = last
+        if lack_of_fit(after, plan, max(fall, 0.0)) < RISK:
+            break
     return found
 
 
@@ -85,7 +89,3 @@ def _since_asked(branch: PredictedBranch, matched: Matched, numerics: NumericalE
     change, beyond = numerics.since_asked(condition.name, branch.at(place).value, condition.wider, branch.u)
     within = (place > branch.place[0]) & (place < branch.place[-1])
     return None if np.any(beyond & within) else change
-
-
-def _misfit(fit: Fit) -> float:
-    return fit.compared.mean_squared_misfit

@@ -1,7 +1,7 @@
 """95 % intervals of an effect's parameters in a fit, and whether they leave it open that there is no such effect."""
 
 from updamp.comparison.fit.fit import Fit
-from updamp.effects.effect import Effect
+from updamp.effects.effect import Effect, EffectParameter
 
 _95 = 1.96
 
@@ -14,6 +14,12 @@ def intervals(fitted: Fit, effect: Effect) -> list[tuple[float, float]]:
         half = _95 * float(deviation) * abs(q.typical - q.null)
         found.append((values[q.name] - half, values[q.name] + half))
     return found
+
+
+def in_units(parameter: EffectParameter, interval: tuple[float, float]) -> tuple[float, float]:
+    """Of a parameter scaled as it is fitted, in its own unit; ascending"""
+    lower, upper = sorted(parameter.null + u * (parameter.typical - parameter.null) for u in interval)
+    return lower, upper
 
 
 def may_be_absent(fitted: Fit) -> str:

@@ -1,7 +1,7 @@
 """The fit with an effect in the model: what decides."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +51,7 @@ class Refit:
     ahead: mean squared misfit where one more round would lead to first order, of a fit that was cut short
     also: other minima that the data do not tell from this one (`other_sizes.py`), without their branches
     elsewhere: other minima, which the data do tell from this one (`minima.py`), likewise
+    profiles: 95 % intervals by profile likelihood, where they are known: "effect.parameter" -> in its own unit
     """
 
     effects: tuple[Effect, ...]
@@ -62,6 +63,7 @@ class Refit:
     ahead: float = np.inf
     also: tuple[Fit, ...] = ()
     elsewhere: tuple[Fit, ...] = ()
+    profiles: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def mean_squared_misfit(self) -> float:

@@ -79,9 +79,9 @@ def _not_in(found: CandidateFits, tasks: Sequence[FitTask]) -> list[FitTask]:
 
 def refits_with_own_numerics(fits: FitContext, found: CandidateFits) -> CandidateFits:
     """Full fits that take off most of a misfit, and yet leave some, or ask for a calibration that nobody would believe:
-    with the numerical error of their own models. Where none does, those that the data ask for and that come close to
-    the best: this is to be known before a second effect is looked for, or none is said to explain them, and which is
-    the best may hang on it."""
+    with the numerical error of their own models, first those that come close to the best. Where none does, those that
+    the data ask for and that come close: this is to be known before a second effect is looked for, or none is said to
+    explain them, and which is the best may hang on it."""
     start, criteria = fits.start, fits.criteria
     if not start.fitted.parametrisation.numerics.names:
         return {}
@@ -92,9 +92,12 @@ def refits_with_own_numerics(fits: FitContext, found: CandidateFits) -> Candidat
         asked = (r for r in settled if r.refit.delta_bic >= criteria.delta_bic)
         close = [r for r in asked if r.trial.excess < criteria.search.close * least]
     left = [r for r in close if not (r.refit.own_numerics or fits.explains_believably(r.trial))]
-    again = fits.full(left, own_numerics=True)
-    if _explaining(fits, again) is not None:
-        return again
+    first = [r for r in left if r.trial.excess < criteria.search.close * least]
+    again: CandidateFits = {}
+    for some in (first, [r for r in left if r not in first]):
+        again |= fits.full(some, own_numerics=True)
+        if _explaining(fits, again) is not None:
+            return again
     turned = turned_round(fits, with_other_sign(fits, left))
     return {
         r.trial.effects: lowest

@@ -124,6 +124,21 @@ def test_what_takes_off_most_of_it_is_looked_at_alone(asked):
     assert asked == ["most"]
 
 
+def test_what_comes_close_to_the_best_goes_first_and_the_others_where_none_of_these_explains_the_data(monkeypatch):
+    some = [fitted("wrong", 2.3, 1500.0), fitted("true", 2.5, 1450.0), fitted("another", 4.0, 1400.0)]
+    for explains in (True, False):
+        again: list[str] = []
+
+        def own(_, these, own_numerics, left=0.9 if explains else 2.2, again=again):
+            names = [r.trial.effects[0] for r in these]
+            again += names
+            return by_name(*(fitted(name, left, 1600.0, own=own_numerics) for name in names))
+
+        monkeypatch.setattr(FitContext, "full", own)
+        refits_with_own_numerics(context(misfit=20.0), by_name(*some))
+        assert again == (["wrong", "true"] if explains else ["wrong", "true", "another"])
+
+
 @pytest.mark.usefixtures("asked")
 def test_the_other_sign_of_the_only_one_is_held_against_it_where_it_comes_close(monkeypatch):
     """A crown of -1.04 left 0.81 on a coarse mesh, and the true one, of 0.98, 0.91 (004 of the draw 20261128)."""
