@@ -70,11 +70,12 @@ def _fit_linear(
     """Parameters, offsets and scatter with the branches linear about where they were solved."""
     limits = _reach_of_each(parametrisation, about.u, reach)
     lower, upper = step_limits(parametrisation, about.u, reach)
+    if scatter is not None:
+        return fit_within(parametrisation, plan, about, lower, upper)
     now = about
     for _ in range(3):
         before, now = now, fit_within(parametrisation, plan, now, lower, upper)
-        if scatter is None:
-            now = now.with_scatter(learn(now.assemblies, prior))
+        now = now.with_scatter(learn(now.assemblies, prior))
         if np.max(np.abs(now.u - before.u) / limits) < 0.01:
             break
     return now

@@ -5,8 +5,6 @@ Computational Statistics 10 (1995) 129), cut back until the objective falls. An 
 `least_squares` is, cannot leave a bound that it starts at, and an effect that is absent stands at one.
 """
 
-from collections.abc import Iterator
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
@@ -17,7 +15,7 @@ from updamp.comparison.prediction.parameters import Parametrisation
 
 Floats = NDArray[np.float64]
 # Steps at most, and the share of the objective by which a further one has to lower it.
-_STEPS, _SETTLED = 8, 1e-4
+_STEPS, _SETTLED = 16, 1e-4
 # Shares of a step that are tried.
 _SHARES = (1.0, 0.5, 0.25, 0.1, 0.03)
 # Least room of a parameter that stands at its bound, which `lsq_linear` asks for.
@@ -33,8 +31,11 @@ def fit_within(parametrisation: Parametrisation, plan: Plan, about: Compared, lo
     here = linear.at(np.clip(about.u, lower, upper))
     for _ in range(_STEPS):
         now = objective(parametrisation, here)
-        lower_still = (a for a in linear.along_step(here, lower, upper) if objective(parametrisation, a) < now)
-        ahead = next(lower_still, None)
+        step, promised = linear.step(here, lower, upper)
+        if promised < _SETTLED * here.weighed:
+            break
+        tried = (linear.at(np.clip(here.u + share * step, lower, upper)) for share in _SHARES)
+        ahead = next((a for a in tried if objective(parametrisation, a) < now), None)
         if ahead is None:
             break
         here = ahead
@@ -66,11 +67,11 @@ class _Linear:
         about = self._about
         return compare_at(self._parametrisation, u, self._plan, about.branches, about.scatter, about.offsets, None, 3)
 
-    def along_step(self, here: Compared, lower: Floats, upper: Floats) -> Iterator[Compared]:
-        """The comparison after shares of the step, the whole one first."""
+    def step(self, here: Compared, lower: Floats, upper: Floats) -> tuple[Floats, float]:
+        """(p,) of Gauss-Newton within the box, and what it promises to lower the objective by"""
         residual, columns = here.equations()
         deviation = self._parametrisation.deviation
         rows = np.vstack([columns, -np.diag(1 / deviation)])
-        step = _least_squares(rows, np.concatenate([residual, here.u / deviation]), lower - here.u, upper - here.u)
-        for share in _SHARES:
-            yield self.at(np.clip(here.u + share * step, lower, upper))
+        wanted = np.concatenate([residual, here.u / deviation])
+        step = _least_squares(rows, wanted, lower - here.u, upper - here.u)
+        return step, float(np.sum(wanted**2) - np.sum((wanted - rows @ step) ** 2))

@@ -25,10 +25,14 @@ class OwnNumericsOptions:
     """again: how often at most what finer numerics change is asked for where a fit ends
     moved: in their stated deviations, what parameters may move by for what that has changed from where it was asked
         for, to first order, which the fit knows: beyond first order there is less
+    given_up: whether a model that fails is given up where another fall as large would not explain the data. One of many
+        that compete may be; the calibration that all of them rest on is not: far from where the error was asked for at
+        first, the second fall may be the larger one
     """
 
     again: int = 4
     moved: float = 0.5
+    given_up: bool = False
 
 
 def until_it_stays(
@@ -39,8 +43,7 @@ def until_it_stays(
 ) -> Found:
     """Until the parameters stay where the error was asked for, whatever that does to a misfit within the scatter: where
     a run of few points ends beside a jump, an error asked for elsewhere makes parameters up that the data seem to tell
-    well. Of a model that fails, as long as it fails less, and would not fail any more after another fall as large: each
-    is smaller than the one before.
+    well. Of a model that fails, as long as it fails less.
 
     again: with the numerical error where it ends; fit_of: and the plan of the fit's runs
     """
@@ -57,7 +60,7 @@ def until_it_stays(
         if fall <= 0 and lack_of_fit(after, plan) < RISK:
             break
         found = last
-        if lack_of_fit(after, plan, max(fall, 0.0)) < RISK:
+        if options.given_up and lack_of_fit(after, plan, max(fall, 0.0)) < RISK:
             break
     return found
 

@@ -70,6 +70,19 @@ def _crossing(u: Floats, root: Floats) -> float:
     return float(u[last] + share * (u[last + 1] - u[last]))
 
 
+def _ready(found: Fit, plan: Plan, branches_of: Branches) -> Fit:
+    """With the numerical error as it is where the fit ends, and branches that are traced with it.
+
+    Its derivatives hold as far as to the next contact that begins to slip in one of the models: carried on to where the
+    parameter is held they made chi-square 10 higher in one of two fits that had asked for them at the same place (fits
+    of 001 of the draw 82059009, two deviations away).
+    """
+    p, c = found.parametrisation, found.compared
+    there = replace(p, numerics=p.numerics.held_at(found.u))
+    branches = predict_branches(there, found.u, plan, None, branches_of)
+    return replace(found, parametrisation=there, compared=replace(c, branches=branches))
+
+
 def profile(
     found: Fit, plan: Plan, place: int, branches_of: Branches = in_turn, options: ProfileOptions = ProfileOptions()
 ) -> Profile:
@@ -77,7 +90,7 @@ def profile(
 
     raises: BranchStoppedError where the model has no response at the fit itself
     """
-    work = _Work(_with_branches(found, plan, branches_of), plan, place, branches_of, options)
+    work = _Work(_ready(found, plan, branches_of), plan, place, branches_of, options)
     here = work.held(float(found.u[place]))
     below, told_below = work.outwards(here, -1)
     above, told_above = work.outwards(here, 1)
@@ -85,15 +98,6 @@ def profile(
     values = np.array([objective(found.parametrisation, c) for c in chain])
     rise = work.counts * (values - values.min())
     return Profile(np.array([c.u[place] for c in chain]), rise, (told_below, told_above))
-
-
-def _with_branches(found: Fit, plan: Plan, branches_of: Branches) -> Fit:
-    """Traced where it has none"""
-    c = found.compared
-    if c.branches:
-        return found
-    branches = predict_branches(found.parametrisation, c.u, plan, None, branches_of)
-    return replace(found, compared=replace(c, branches=branches))
 
 
 @dataclass(frozen=True, eq=False)

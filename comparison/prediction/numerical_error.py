@@ -154,7 +154,8 @@ def jaggedness(change: Floats) -> Floats:
     their neighbours, as root mean square over five of them (variance 1.5 of that of independent points)."""
     off = np.zeros_like(change)
     off[1:-1] = change[1:-1] - (change[:-2] + change[2:]) / 2
-    return np.asarray(np.sqrt(uniform_filter1d(off**2, 5, axis=0, mode="nearest") / 1.5))
+    running = uniform_filter1d(off**2, 5, axis=0, mode="nearest")  # a running sum: round-off may leave it below 0
+    return np.asarray(np.sqrt(np.maximum(running, 0.0) / 1.5))
 
 
 def to_nearest_turn(change: Floats) -> Floats:

@@ -19,7 +19,7 @@ from updamp.comparison.fit.gated_calibration import gated_calibration
 from updamp.comparison.fit.numerical_gate import NumericalGate, finer_than
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.odd_readings import odd_readings, without_odd
-from updamp.comparison.fit.own_numerics import until_it_stays
+from updamp.comparison.fit.own_numerics import OwnNumericsOptions, until_it_stays
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.numerical_error import NumericalError
 from updamp.comparison.prediction.parameters import Parametrisation
@@ -182,9 +182,13 @@ def unseen(start: Baseline) -> str:
 
 def with_own_numerics(found: Fit, start: Baseline, options: FitOptions) -> Fit:
     """The fit gone on with the numerical error of its own model, asked for where it ends as often as a calibration's
-    (`comparison/fit/own_numerics.py`)."""
-    plan = start.train_plan
-    return until_it_stays(found, lambda last: with_numerics_of_its_start(last, start, options), lambda f: (f, plan))
+    (`comparison/fit/own_numerics.py`); a model that would still fail is given up."""
+    plan, one_of_many = start.train_plan, OwnNumericsOptions(given_up=True)
+
+    def again(last: Fit) -> Fit:
+        return with_numerics_of_its_start(last, start, options)
+
+    return until_it_stays(found, again, lambda f: (f, plan), one_of_many)
 
 
 def with_numerics_of_its_start(found: Fit, start: Baseline, options: FitOptions) -> Fit:

@@ -1,6 +1,6 @@
 """Intervals by profile likelihood: those by derivatives where chi-square is a parabola, and right where it is not."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,8 +8,10 @@ import pytest
 from support.small_model import NUISANCES, condition, parametrisation, synthetic_plan
 
 from updamp.comparison.fit import profile_likelihood as under_test
-from updamp.comparison.fit.fit import fit
+from updamp.comparison.fit.compared import Compared
+from updamp.comparison.fit.fit import Fit, fit
 from updamp.comparison.fit.profile_likelihood import Profile, profile
+from updamp.comparison.prediction.numerical_error import NumericalError
 from updamp.comparison.prediction.traced_branch import trace_branch
 from updamp.hbm.continuation.continuation import BranchStoppedError
 from updamp.hbm.newton.newton import Status
@@ -49,6 +51,7 @@ def uneven(value: float) -> float:
 
 def profile_of(monkeypatch, chi2, at=0.66, deviation=0.1, lower=-5.0, upper=5.0):
     """Of a fit of one parameter whose derivatives tell a deviation"""
+    monkeypatch.setattr(under_test, "_ready", lambda found, *_: found)
     monkeypatch.setattr(under_test._Work, "held", lambda _, value: At(value, chi2(value)))
     monkeypatch.setattr(under_test, "objective", lambda _, compared: compared.chi2)
     p = SimpleNamespace(lower=np.array([lower]), upper=np.array([upper]))
@@ -88,6 +91,18 @@ def test_a_model_without_a_response_farther_out_ends_it_there(monkeypatch):
     assert found.told == (True, False)
     assert found.interval[0] == pytest.approx(-0.98, rel=1e-6)
     assert found.interval[1] == pytest.approx(0.196)
+
+
+def test_numerical_error_is_taken_as_it_is_where_the_fit_ends(monkeypatch):
+    """2 % of an amplitude, and 10 % more by a unit of the loss factor, which is 0.3 there: 5 % wherever it is held."""
+    error, slopes = {"a run": np.array([[0.0, 0.02]])}, {"a run": np.array([[[0.0, 0.0], [0.0, 0.1]]])}
+    numerics = NumericalError(("mesh",), error, error, about=np.zeros(2), by_parameter=slopes)
+    compared = Compared(np.array([0.0, 0.3, 0.0]), (), (), (), {}, None, (), 0.0, 1.0)
+    traced = []
+    monkeypatch.setattr(under_test, "predict_branches", lambda p, u, *_: traced.append((p.numerics, u)) or ())
+    there = under_test._ready(Fit(replace(parametrisation(), numerics=numerics), compared, np.eye(3), ""), None, None)
+    for held in (traced[0][0], there.parametrisation.numerics):
+        assert held.expected_at("a run", np.array([0.0, 0.7])) == pytest.approx(np.array([[0.0, 0.05]]))
 
 
 def test_an_interval_has_no_holes():
