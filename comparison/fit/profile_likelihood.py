@@ -86,10 +86,13 @@ def _ready(found: Fit, plan: Plan, branches_of: Branches) -> Fit:
 def profile(
     found: Fit, plan: Plan, place: int, branches_of: Branches = in_turn, options: ProfileOptions = ProfileOptions()
 ) -> Profile:
-    """plan: of the fit's runs; place: of the parameter in u
+    """plan: of the fit's runs; place: of the parameter in u. Of one that the data do not tell at all, from bound to bound
 
     raises: BranchStoppedError where the model has no response at the fit itself
     """
+    if not found.covariance[place, place] > 0:
+        p = found.parametrisation
+        return Profile(np.array([p.lower[place], found.u[place], p.upper[place]]), np.zeros(3), (False, False))
     work = _Work(_ready(found, plan, branches_of), plan, place, branches_of, options)
     here = work.held(float(found.u[place]))
     below, told_below = work.outwards(here, -1)

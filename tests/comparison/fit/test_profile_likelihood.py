@@ -57,8 +57,9 @@ def profile_of(monkeypatch, chi2, at=0.66, deviation=0.1, lower=-5.0, upper=5.0)
     p = SimpleNamespace(lower=np.array([lower]), upper=np.array([upper]))
     known = np.array([deviation])
     found = SimpleNamespace(
-        parametrisation=p, u=np.array([at]), deviations=known, uncertainty=known, compared=At(at, chi2(at))
-    )
+        parametrisation=p, u=np.array([at]), deviations=known, uncertainty=known, covariance=np.diag(known**2),
+        compared=At(at, chi2(at)),
+    )  # fmt: skip
     return profile(found, None, 0)
 
 
@@ -79,6 +80,11 @@ def test_what_the_data_do_not_tell_ends_at_the_bound(monkeypatch):
     found = profile_of(monkeypatch, lambda v: (max(v, 0.0) / 0.1) ** 2, at=0.0, lower=-0.3)
     assert found.told == (False, True)
     assert found.interval == pytest.approx((-0.3, 0.196), rel=1e-6)
+
+
+def test_what_the_data_do_not_tell_at_all_is_open_from_bound_to_bound(monkeypatch):
+    """An exponent of a loss that is nil: no derivative, and by derivatives no deviation."""
+    assert profile_of(monkeypatch, lambda _: 0.0, deviation=0.0, lower=-1.0, upper=3.0).interval == (-1.0, 3.0)
 
 
 def test_a_model_without_a_response_farther_out_ends_it_there(monkeypatch):
