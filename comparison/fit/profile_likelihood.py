@@ -86,8 +86,9 @@ def _ready(found: Fit, plan: Plan, branches_of: Branches) -> Fit:
 def profile(
     found: Fit, plan: Plan, place: int, branches_of: Branches = in_turn, options: ProfileOptions = ProfileOptions()
 ) -> Profile:
-    """plan: of the fit's runs; place: of the parameter in u. Of one that the data do not tell at all, from bound to bound
+    """From bound to bound of one that the data do not tell at all.
 
+    plan: of the fit's runs; place: of the parameter in u
     raises: BranchStoppedError where the model has no response at the fit itself
     """
     if not found.covariance[place, place] > 0:
