@@ -204,12 +204,11 @@ def _baseline(
     progress: Callable[[str], None],
     branches_of: Branches,
 ) -> Baseline:
-    start: Baseline | None = cache.read("baseline")
-    if start is None:
+    def made() -> Baseline:
         held_out = held_out_runs(plan, options.held_out, options.held_out_modes)
-        start = baseline(inputs.before_effects, inputs.rig_effects, plan, inputs.finer, held_out, progress, branches_of)
-        cache.write("baseline", start)
-    return start
+        return baseline(inputs.before_effects, inputs.rig_effects, plan, inputs.finer, held_out, progress, branches_of)
+
+    return cache.once("baseline", made)
 
 
 def _forces(found: SearchResult, decision: Decision, branches_of: Branches) -> tuple[MissingForce, ...]:
@@ -233,11 +232,7 @@ def _profiles(
     if decision.trial is None:
         return {}
     name = f"intervals {' or '.join(' and '.join(t.effects) for t in (decision.trial, *decision.alternatives))}"
-    known: Mapping[tuple[str, ...], Intervals] | None = cache.read(name)
-    if known is None:
-        known = profiles(found, decision, progress, workers)
-        cache.write(name, known)
-    return known
+    return cache.once(name, lambda: profiles(found, decision, progress, workers))
 
 
 def _next_measurements(
@@ -253,11 +248,7 @@ def _next_measurements(
     if not explanations:
         return ()
     name = f"next measurement {', '.join(explanations)}"
-    proposed: tuple[NextMeasurement, ...] | None = cache.read(name)
-    if proposed is None:
-        proposed = next_measurements(explanations, found.baseline.plan, progress, _RUNS, workers)
-        cache.write(name, proposed)
-    return proposed
+    return cache.once(name, lambda: next_measurements(explanations, found.baseline.plan, progress, _RUNS, workers))
 
 
 def _report(

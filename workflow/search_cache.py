@@ -1,14 +1,16 @@
 """What a search has found so far, on disk, so that one that was stopped goes on where it was."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from updamp.diagnosis.candidate_models.baseline import Baseline
 from updamp.diagnosis.candidate_models.fit_tasks import FitRunner, FitTask, FittedCandidate, OnFitted, without_branches
 from updamp.diagnosis.criteria import Criteria
 from updamp.workflow.kept_results import Message, ResultKey, made_with, read_result, write_result
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,14 @@ class SearchCache:
         if path.is_file() and made_with(path).get("inputs") != self.key.inputs:
             return None
         return read_result(path, self.key, self.message)
+
+    def once(self, name: str, made: Callable[[], T]) -> T:
+        """What is known, else what `made` gives, which is kept; never None"""
+        known: T | None = self.read(name)
+        if known is None:
+            known = made()
+            self.write(name, known)
+        return known
 
     def write(self, name: str, value: Any) -> None:
         write_result(self._path(name), self.key, value)

@@ -68,11 +68,10 @@ def _fit_linear(
     reach: float,
 ) -> Compared:
     """Parameters, offsets and scatter with the branches linear about where they were solved."""
-    limits = _reach_of_each(parametrisation, about.u, reach)
     lower, upper = step_limits(parametrisation, about.u, reach)
     if scatter is not None:
         return fit_within(parametrisation, plan, about, lower, upper)
-    now = about
+    now, limits = about, _reach_of_each(parametrisation, about.u, reach)
     for _ in range(3):
         before, now = now, fit_within(parametrisation, plan, now, lower, upper)
         now = now.with_scatter(learn(now.assemblies, prior))

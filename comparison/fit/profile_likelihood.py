@@ -44,12 +44,15 @@ class ProfileOptions:
 class Profile:
     """u: (k,) ascending, what the parameter was held at; rise: (k,) of chi-square above the least of them, as far as it
     counts where what finer numerics change is among the unknowns (`Fit.covariance_told`)
-    told: whether the data speak against the first and the last of these
     """
 
     u: Floats
     rise: Floats
-    told: tuple[bool, bool]
+
+    @property
+    def told(self) -> tuple[bool, bool]:
+        """Whether the data speak against the first and the last of these, so that the interval ends before them"""
+        return bool(self.rise[0] >= _95**2), bool(self.rise[-1] >= _95**2)
 
     @property
     def interval(self) -> tuple[float, float]:
@@ -93,15 +96,13 @@ def profile(
     """
     if not found.covariance[place, place] > 0:
         p = found.parametrisation
-        return Profile(np.array([p.lower[place], found.u[place], p.upper[place]]), np.zeros(3), (False, False))
+        return Profile(np.array([p.lower[place], found.u[place], p.upper[place]]), np.zeros(3))
     work = _Work(_ready(found, plan, branches_of), plan, place, branches_of, options)
     here = work.held(float(found.u[place]))
-    below, told_below = work.outwards(here, -1)
-    above, told_above = work.outwards(here, 1)
-    chain = [*reversed(below), here, *above]
+    chain = [*reversed(work.outwards(here, -1)), here, *work.outwards(here, 1)]
     values = np.array([objective(found.parametrisation, c) for c in chain])
     rise = work.counts * (values - values.min())
-    return Profile(np.array([c.u[place] for c in chain]), rise, (told_below, told_above))
+    return Profile(np.array([c.u[place] for c in chain]), rise)
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,8 +120,8 @@ class _Work:
         """Share of a rise of chi-square that the data tell"""
         return float((self.found.deviations[self.place] / self.found.uncertainty[self.place]) ** 2)
 
-    def outwards(self, here: Compared, side: int) -> tuple[list[Compared], bool]:
-        """To one side, until the data speak against it; whether they do"""
+    def outwards(self, here: Compared, side: int) -> list[Compared]:
+        """To one side, until the data speak against it"""
         p, j = self.found.parametrisation, self.place
         step, bound = _95 * self.found.uncertainty[j], (p.lower if side < 0 else p.upper)[j]
         chain, least = [here], objective(p, here)
@@ -131,11 +132,9 @@ class _Work:
             except BranchStoppedError:
                 break
             least = min(least, objective(p, chain[-1]))
-            if self.counts * (objective(p, chain[-1]) - least) >= _95**2:
-                return chain[1:], True
-            if value == bound:
+            if value == bound or self.counts * (objective(p, chain[-1]) - least) >= _95**2:
                 break
-        return chain[1:], False
+        return chain[1:]
 
     def held(self, value: float) -> Compared:
         """All others where they are likeliest with it, to first order about where that leads from the fit.

@@ -10,6 +10,7 @@ from updamp.diagnosis.candidate_models.fit_tasks import without_branches
 from updamp.diagnosis.candidate_models.intervals import in_units
 from updamp.diagnosis.decision.decide import Decision
 from updamp.diagnosis.selection.search import SearchResult
+from updamp.effects.effect import EffectParameter
 from updamp.hbm.continuation.continuation import BranchStoppedError
 from updamp.parallel.workers import Workers, here
 
@@ -21,12 +22,17 @@ Intervals = Mapping[str, Interval]
 
 @dataclass(frozen=True, eq=False)
 class _Task:
-    """One parameter of a fit, by its place in u"""
+    """One parameter of an effect in a fit; names: of all effects that the fit has further; place: in u"""
 
     names: Names
-    parameter: str
+    effect: str
+    parameter: EffectParameter
     fitted: Fit
     place: int
+
+    @property
+    def name(self) -> str:
+        return f"{self.effect}.{self.parameter.name}"
 
 
 def profiles(
@@ -40,11 +46,11 @@ def profiles(
     trials = [t for t in (decision.trial, *decision.alternatives) if t is not None]
     tasks = [task for names in dict.fromkeys(t.effects for t in trials) for task in _tasks(found, names)]
     plan = found.baseline.train_plan
-    made = workers(_interval, plan, tasks, lambda i, _: progress(f"interval of {tasks[i].parameter}"))
+    made = workers(_interval, plan, tasks, lambda i, _: progress(f"interval of {tasks[i].name}"))
     intervals: dict[Names, dict[str, Interval]] = {}
     for task, interval in zip(tasks, made, strict=True):
         if interval is not None:
-            intervals.setdefault(task.names, {})[task.parameter] = interval
+            intervals.setdefault(task.names, {})[task.name] = interval
     return dict(intervals)
 
 
@@ -63,17 +69,14 @@ def _tasks(found: SearchResult, names: Names) -> Sequence[_Task]:
         return ()
     lean, p = without_branches(refit.fitted), refit.fitted.parametrisation
     return [
-        _Task(names, f"{effect.name}.{q.name}", lean, p.columns(effect.name).start + i)
+        _Task(names, effect.name, q, lean, p.columns(effect.name).start + i)
         for effect in p.effects
         for i, q in enumerate(effect.parameters)
     ]
 
 
 def _interval(plan: Plan, task: _Task) -> Interval | None:
-    effect, _, name = task.parameter.rpartition(".")
-    effects = task.fitted.parametrisation.effects
-    parameter = next(q for e in effects if e.name == effect for q in e.parameters if q.name == name)
     try:
-        return in_units(parameter, profile(task.fitted, plan, task.place).interval)
+        return in_units(task.parameter, profile(task.fitted, plan, task.place).interval)
     except BranchStoppedError:
         return None

@@ -37,7 +37,6 @@ class At:
 
     value: float
     chi2: float
-    branches: tuple[int, ...] = (0,)
 
     @property
     def u(self) -> np.ndarray:
@@ -113,5 +112,5 @@ def test_numerical_error_is_taken_as_it_is_where_the_fit_ends(monkeypatch):
 
 def test_an_interval_has_no_holes():
     """Between two minima chi-square may be higher than at its ends."""
-    found = Profile(np.array([0.0, 1.0, 2.0, 3.0, 4.0]), np.array([9.0, 0.0, 5.0, 1.0, 9.0]), (True, True))
+    found = Profile(np.array([0.0, 1.0, 2.0, 3.0, 4.0]), np.array([9.0, 0.0, 5.0, 1.0, 9.0]))
     assert found.interval == pytest.approx((1 - 1.96 / 3, 3 + 0.96 / 2))
