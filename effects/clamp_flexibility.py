@@ -72,7 +72,7 @@ def rigid_rotation(model: RigModel, blade: str) -> Floats:
     rotation = np.zeros(components.n_rows)
     on = np.flatnonzero(patches.face == (LEFT if blade == "blade_left" else RIGHT))
     # relative displacements are damper minus platform
-    moved = -np.einsum("edx,ex->ed", patches.axes[on], _turned(patches.centroid[on] - root))
+    moved = -np.einsum("edx,ex->ed", patches.axes[on], _turned(patches.point[on] - root))
     rotation[(3 * on[:, None] + np.arange(3)).ravel()] = moved.ravel()
     for point in points:
         place, _, axis = point.rpartition(".")

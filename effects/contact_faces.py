@@ -22,13 +22,13 @@ def patches_of(model: RigModel) -> ContactElements:
 
 
 def along_damper(patches: ContactElements) -> Floats:
-    """(n,) place of each patch's centroid along z, from -1 at one end of its face to 1 at the other."""
-    return _on_face(patches, lambda on: (patches.triangle[on][..., 2], patches.centroid[on, 2]))
+    """(n,) place of each patch's point along z, from -1 at one end of its face to 1 at the other."""
+    return _on_face(patches, lambda on: (patches.triangle[on][..., 2], patches.point[on, 2]))
 
 
 def up_the_face(patches: ContactElements) -> Floats:
-    """(n,) place of each patch's centroid along t1, from -1 at the lower edge of its face to 1 at the upper one."""
-    return places_up_the_face(patches, patches.centroid[:, None])[:, 0]
+    """(n,) place of each patch's point along t1, from -1 at the lower edge of its face to 1 at the upper one."""
+    return places_up_the_face(patches, patches.point[:, None])[:, 0]
 
 
 def places_up_the_face(patches: ContactElements, places: Floats) -> Floats:

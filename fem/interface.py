@@ -66,7 +66,7 @@ def on_face(contacts: ContactElements, side: int) -> ContactElements:
     """The contact elements of one face."""
     keep = contacts.face == side
     return ContactElements(
-        *(getattr(contacts, name)[keep] for name in ("face", "centroid", "area")),
+        *(getattr(contacts, name)[keep] for name in ("face", "point", "area")),
         *(getattr(contacts, name)[keep] for name in ("tangent1", "tangent2", "normal", "triangle")),
     )
 

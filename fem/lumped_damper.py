@@ -53,7 +53,7 @@ def face_elements(contacts: ContactElements) -> ContactElements:
         if np.ptp(contacts.axes[on], axis=0).max(initial=0.0) > 1e-9:
             raise ValueError(f'damper_model = "lumped": the {side} contact face is not plane; use "elastic"')
     area = np.array([contacts.area[on].sum() for on in places])
-    centroid = np.array([_weights(contacts, side) @ contacts.centroid[contacts.face == side] for side in FACES])
+    centroid = np.array([_weights(contacts, side) @ contacts.point[contacts.face == side] for side in FACES])
     t1, t2, n = (
         np.array([values[on[0]] for on in places]) for values in (contacts.tangent1, contacts.tangent2, contacts.normal)
     )

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements
+from updamp.geometry.points_of_force import points_of_force
 from updamp.geometry.rig_mesh import GeometryError
 from updamp.rig.mesh_divisions import MeshDivisions
 from updamp.rig.rig import Rig
@@ -28,7 +29,8 @@ def contact_elements(rig: Rig, divisions: MeshDivisions) -> ContactElements:
     n = divisions.contact_elements
     if n < 4 or n % 2:
         raise GeometryError("contact_elements", str(n), "an even number of at least 4 is needed, half for each face")
-    right = _on_right_face(rig, triangulate_rectangle(rig.damper.face_length, rig.blade.width, n // 2))
+    plane = triangulate_rectangle(rig.damper.face_length, rig.blade.width, n // 2)
+    right, point = _on_right_face(rig, plane), _on_right_face(rig, points_of_force(plane))
     mirror = np.array([-1.0, 1.0, 1.0])
     triangle = np.concatenate([right * mirror, right])
     face = np.repeat([LEFT, RIGHT], n // 2)
@@ -36,7 +38,7 @@ def contact_elements(rig: Rig, divisions: MeshDivisions) -> ContactElements:
     a = rig.platform.underside_angle
     return ContactElements(
         face=face,
-        centroid=triangle.mean(axis=1),
+        point=np.concatenate([point * mirror, point]),
         area=np.linalg.norm(np.cross(triangle[:, 1] - triangle[:, 0], triangle[:, 2] - triangle[:, 0]), axis=1) / 2,
         tangent1=flip * np.array([-cos(a), sin(a), 0.0]),
         tangent2=np.tile([0.0, 0.0, 1.0], (n, 1)),
@@ -46,7 +48,7 @@ def contact_elements(rig: Rig, divisions: MeshDivisions) -> ContactElements:
 
 
 def _on_right_face(rig: Rig, plane: Floats) -> Floats:
-    """(n, 3, 3) corners in space [m] of triangles (n, 3, 2) in (distance down the face, z from its back end)."""
+    """(..., 3) places in space [m] of those (..., 2) in (distance down the face, z from its back end)."""
     top, bottom, width = np.array(rig.face_top), np.array(rig.face_bottom), rig.blade.width
     down, z = plane[..., :1] / rig.damper.face_length, plane[..., 1:] - width / 2
     return np.concatenate([top + down * (bottom - top), z], axis=-1)

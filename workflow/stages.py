@@ -71,7 +71,7 @@ class Stage:
 
 MESH = Stage(
     name="mesh",
-    version=1,
+    version=2,
     sections=("blade", "platform", "damper", "excitation.height", "response", "mesh.{preset}"),
 )
 
@@ -93,7 +93,7 @@ _FACES = (
 )
 BLADE = Stage(
     name="blade",
-    version=1,
+    version=2,
     sections=(
         *_ELASTIC,
         *_FACES,
@@ -113,7 +113,7 @@ BLADE = Stage(
 )
 DAMPER = Stage(
     name="damper",
-    version=1,
+    version=2,
     sections=(
         *_ELASTIC,
         *_FACES,

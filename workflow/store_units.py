@@ -8,7 +8,7 @@ from collections.abc import Mapping
 UNITS: Mapping[str, Mapping[str, str]] = {
     "ContactElements": {
         "face": "1",
-        "centroid": "m",
+        "point": "m",
         "area": "m^2",
         "tangent1": "1",
         "tangent2": "1",

@@ -20,6 +20,7 @@ from updamp.fem.rig_components import assemble_rig
 from updamp.fem.solvers import solver_named
 from updamp.geometry.build_mesh import build_mesh
 from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements
+from updamp.geometry.points_of_force import barycentric
 from updamp.rig.rig import Rig
 from updamp.workflow.code_version import code_version
 
@@ -48,6 +49,7 @@ class Bodies:
     damper_omega, damper_phi, damper_residual: of the damper, both faces
     face: (n,) 0 left, 1 right; area: (n,) [m^2]
     along, up: (n, 3) places of the patch's corners along the damper (z) and up the face (t1), -1 to 1 at the edges
+    point: (n, 3) barycentric coordinates of the place in the patch where its force acts
     blade_points, damper_points: names of the rows after those of the contacts
     mesh: () name of its preset
     """
@@ -65,9 +67,14 @@ class Bodies:
     area: Floats
     along: Floats
     up: Floats
+    point: Floats
     blade_points: NDArray[np.str_]
     damper_points: NDArray[np.str_]
     mesh: NDArray[np.str_]
+
+    def at_points(self, corners: Floats) -> Floats:
+        """(n,) of a linear field given at the patches' corners (n, 3), where their forces act."""
+        return np.asarray((self.point * corners).sum(axis=1))
 
     @property
     def preset(self) -> str:
@@ -141,6 +148,7 @@ def computed(rig: Rig, preset: str) -> Bodies:
         area=contacts.area,
         along=contacts.triangle[:, :, 2] / (rig.blade.width / 2),
         up=up_the_face(contacts),
+        point=barycentric(contacts.triangle, contacts.point),
         blade_points=np.array(right.points),
         damper_points=np.array(loose.points),
         mesh=np.array(preset),

@@ -23,13 +23,13 @@ def _each_face_as_before(bench: Bench, n0: Floats) -> Bench:
 
 def pressure_crown(bench: Bench, values: Values, _rig: Rig) -> Bench:
     """n0 (1 + c (1/3 - s^2)), s along the damper"""
-    s = bench.bodies.along.mean(axis=1)
+    s = bench.bodies.at_points(bench.bodies.along)
     return _each_face_as_before(bench, bench.patches.n0 * np.maximum(1 + values["crown"] * (1 / 3 - s**2), 0))
 
 
 def pressure_slope(bench: Bench, values: Values, _rig: Rig) -> Bench:
     """n0 (1 + slope s), s along the damper"""
-    return bench.with_patches(n0=bench.patches.n0 * (1 + values["slope"] * bench.bodies.along.mean(axis=1)))
+    return bench.with_patches(n0=bench.patches.n0 * (1 + values["slope"] * bench.bodies.at_points(bench.bodies.along)))
 
 
 def asymmetric_preload(bench: Bench, values: Values, _rig: Rig) -> Bench:
@@ -61,7 +61,7 @@ def sub_patch_microslip(bench: Bench, values: Values, _rig: Rig) -> Bench:
 
 def friction_gradient(bench: Bench, values: Values, _rig: Rig) -> Bench:
     """mu (1 + g s), s up the face"""
-    return bench.with_patches(mu=bench.patches.mu * (1 + values["gradient"] * bench.bodies.up.mean(axis=1)))
+    return bench.with_patches(mu=bench.patches.mu * (1 + values["gradient"] * bench.bodies.at_points(bench.bodies.up)))
 
 
 def friction_by_face(bench: Bench, values: Values, _rig: Rig) -> Bench:

@@ -1,5 +1,7 @@
 """Contact elements and points read off finite element fields, and the loads that go with them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -28,9 +30,10 @@ def test_uniform_motion_is_reproduced(blade, contacts, coupling) -> None:
     np.testing.assert_allclose(read, contacts.axes @ motion, atol=1e-13)
 
 
-def test_patch_averages_quadratic_fields_exactly(blade, contacts) -> None:
+def test_patch_at_the_centroids_averages_quadratic_fields_exactly(blade, contacts) -> None:
     """The 8-node facets hold all quadratics; on a triangle their mean is that over the mid-side points."""
-    weights = patch(blade.nodes, blade.faces["contact"], contacts)
+    plain = replace(contacts, point=contacts.triangle.mean(axis=1))
+    weights = patch(blade.nodes, blade.faces["contact"], plain)
 
     def field(points: np.ndarray) -> np.ndarray:
         x, y, z = points.T
@@ -50,13 +53,37 @@ def test_uniform_traction_has_its_resultant_and_moment(blade, contacts) -> None:
     direction = traction @ contacts.axes[0]
     np.testing.assert_allclose(forces.sum(axis=0), contacts.area.sum() * direction, rtol=1e-12)
     moment = np.cross(blade.nodes, forces).sum(axis=0)
-    expected = np.cross(contacts.area @ contacts.centroid, direction)
+    expected = np.cross(contacts.area @ contacts.point, direction)
     np.testing.assert_allclose(moment, expected, atol=1e-12 * np.linalg.norm(expected))
 
 
-def test_uniform_traction_equals_the_consistent_load_of_the_face(blade, contacts) -> None:
-    """Patches tile the face: together they give the integral of each shape function over it, negative at corners."""
+def test_linear_fields_are_read_at_the_points(blade, contacts) -> None:
+    gradient = np.array([[3.0, -1.0, 2.0], [0.5, 4.0, -2.0], [1.0, 1.0, 5.0]])
     weights = patch(blade.nodes, blade.faces["contact"], contacts)
+    np.testing.assert_allclose(weights @ (blade.nodes @ gradient), contacts.point @ gradient, atol=1e-14)
+
+
+def test_a_rigid_face_is_as_stiff_on_its_elements_as_on_a_bed_of_springs(blade, contacts) -> None:
+    """One stiffness per area in all directions, the face moved as a rigid body: the whole stiffness matrix (6, 6)."""
+    middle = (contacts.triangle.min(axis=(0, 1)) + contacts.triangle.max(axis=(0, 1))) / 2
+    axes = contacts.axes[0]
+    columns = local_columns(patch(blade.nodes, blade.faces["contact"], contacts), contacts)
+    arms = blade.nodes - middle
+    rigid = np.stack(
+        [np.broadcast_to(a, arms.shape) for a in axes] + [np.cross(a, arms) for a in axes], axis=-1
+    ).reshape(-1, 6)
+    read = (columns.T @ rigid).reshape(-1, 3, 6)
+    stiffness = np.einsum("n,nda,ndb->ab", contacts.area, read, read)
+    extent = np.ptp(np.einsum("ncx,dx->ncd", contacts.triangle, axes), axis=(0, 1))
+    length, width = extent[:2]
+    about = np.array([width**2, length**2, length**2 + width**2]) / 12
+    np.testing.assert_allclose(stiffness, contacts.area.sum() * np.diag([1, 1, 1, *about]), atol=1e-18)
+
+
+def test_uniform_traction_at_the_centroids_is_the_consistent_load_of_the_face(blade, contacts) -> None:
+    """Patches tile the face: together they give the integral of each shape function over it, negative at corners."""
+    plain = replace(contacts, point=contacts.triangle.mean(axis=1))
+    weights = patch(blade.nodes, blade.faces["contact"], plain)
     whole = contacts.area.sum() * face_average(blade.nodes, blade.faces["contact"])
     np.testing.assert_allclose(contacts.area @ weights, whole, atol=1e-13 * whole.max())
     corner = blade.faces["contact"][:, :4]
@@ -68,7 +95,7 @@ def test_nearest_node_is_the_nearest(blade, contacts) -> None:
     chosen = weights.argmax(axis=1)
     on_the_face = np.unique(blade.faces["contact"])
     assert np.isin(chosen, on_the_face).all()
-    for centroid, node in zip(contacts.centroid, chosen, strict=True):
+    for centroid, node in zip(contacts.triangle.mean(axis=1), chosen, strict=True):
         distance = np.linalg.norm(blade.nodes[on_the_face] - centroid, axis=1)
         assert np.linalg.norm(blade.nodes[node] - centroid) == pytest.approx(distance.min(), abs=1e-15)
 

@@ -86,10 +86,10 @@ def test_face_elements_keep_area_and_centroid(reduced):
     np.testing.assert_allclose(faces.area, rig.face_area, rtol=1e-9)
     edges = np.cross(faces.triangle[:, 1] - faces.triangle[:, 0], faces.triangle[:, 2] - faces.triangle[:, 0])
     np.testing.assert_allclose(np.linalg.norm(edges, axis=1) / 2, faces.area, rtol=1e-12)
-    np.testing.assert_allclose(faces.triangle.mean(axis=1), faces.centroid, atol=1e-15)
+    np.testing.assert_allclose(faces.triangle.mean(axis=1), faces.point, atol=1e-15)
     middle = np.mean([rig.face_top, rig.face_bottom], axis=0)
-    np.testing.assert_allclose(faces.centroid[LEFT], [-middle[0], middle[1], 0], atol=1e-9)
-    np.testing.assert_allclose(faces.centroid[RIGHT], [middle[0], middle[1], 0], atol=1e-9)
+    np.testing.assert_allclose(faces.point[LEFT], [-middle[0], middle[1], 0], atol=1e-9)
+    np.testing.assert_allclose(faces.point[RIGHT], [middle[0], middle[1], 0], atol=1e-9)
 
 
 def test_blades_move_by_the_average_of_their_face(reduced):

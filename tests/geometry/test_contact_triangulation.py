@@ -6,6 +6,7 @@ from scipy.spatial import cKDTree
 
 from updamp.geometry.contact_elements import LEFT, RIGHT
 from updamp.geometry.contact_triangulation import _strip, contact_elements, triangulate_rectangle
+from updamp.geometry.points_of_force import barycentric
 from updamp.geometry.rig_mesh import GeometryError, mirrored_mesh
 
 
@@ -56,7 +57,7 @@ def test_triangulation_is_conforming_and_well_shaped(height, length, n):
 @pytest.mark.parametrize("n", [36, 146, 100])
 def test_faces_are_symmetric_about_mid_length(rig, n):
     contacts = contact_elements(rig, with_contacts(rig, n))
-    right = contacts.centroid[contacts.face == RIGHT]
+    right = contacts.point[contacts.face == RIGHT]
     turned = right * [1, 1, -1]
     distance = np.linalg.norm(right[:, None] - turned[None], axis=2).min(axis=1)
     assert distance.max() < 1e-15
@@ -79,7 +80,9 @@ def test_triangles_lie_on_the_faces(rig, small):
     np.testing.assert_allclose(y, rig.platform.top - rig.platform.edge_thickness - s * sin(a), atol=1e-15)
     np.testing.assert_allclose([s.min(), s.max()], [d.face_start, d.face_start + d.face_length], atol=1e-15)
     np.testing.assert_allclose([z.min(), z.max()], [-rig.blade.width / 2, rig.blade.width / 2], atol=1e-15)
-    np.testing.assert_allclose(contacts.centroid, contacts.triangle.mean(axis=1), atol=1e-16)
+    off_plane = np.einsum("nx,nx->n", contacts.point - contacts.triangle[:, 0], contacts.normal)
+    np.testing.assert_allclose(off_plane, 0, atol=1e-16)
+    assert barycentric(contacts.triangle, contacts.point).min() > 0
 
 
 def test_axes(rig, small):
@@ -98,11 +101,11 @@ def test_axes(rig, small):
 def test_normal_points_out_of_the_damper_into_the_platform(small):
     contacts = small.contacts
     damper_middle = small.damper.vertices.mean(axis=0)
-    outward = np.einsum("id,id->i", contacts.normal, contacts.centroid - damper_middle)
+    outward = np.einsum("id,id->i", contacts.normal, contacts.point - damper_middle)
     assert outward.min() > 0
     for side, blade in ((RIGHT, small.blade), (LEFT, mirrored_mesh(small.blade))):
         cells = blade.vertices[blade.hexahedra].mean(axis=1)
         of_side = contacts.face == side
-        _, nearest = cKDTree(cells).query(contacts.centroid[of_side])
-        inward = np.einsum("id,id->i", contacts.normal[of_side], cells[nearest] - contacts.centroid[of_side])
+        _, nearest = cKDTree(cells).query(contacts.point[of_side])
+        inward = np.einsum("id,id->i", contacts.normal[of_side], cells[nearest] - contacts.point[of_side])
         assert inward.min() > 0

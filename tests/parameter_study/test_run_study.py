@@ -56,7 +56,7 @@ def test_a_second_run_traces_nothing(solved, file):
 
 def test_named_contacts_lie_where_they_are_stated(solved):
     contacts, (upper, centre) = solved.patches("film"), solved.study.contacts
-    top, middle = (contacts.centroid[nearest_patch(contacts, place)] for place in (upper, centre))
+    top, middle = (contacts.point[nearest_patch(contacts, place)] for place in (upper, centre))
     assert top[1] > middle[1]
     assert top[0] > 0
     assert middle[0] > 0, "the right face"

@@ -93,7 +93,7 @@ def _blade(name: str, rig: Rig, contacts: ContactElements, side: int) -> Reduced
     mass = rig.material.density * height * rig.blade.width * rig.blade.thickness / 4
     phi = np.zeros((3 * on.sum() + len(points), len(BLADE_MODES)))
     for mode, (_, direction) in enumerate(BLADE_MODES):
-        grow = (contacts.centroid[on, 1] / height) ** 2
+        grow = (contacts.point[on, 1] / height) ** 2
         phi[: 3 * on.sum(), mode] = (grow[:, None] * contacts.axes[on][:, :, direction]).ravel()
         for i, (point, y) in enumerate(zip(points, heights, strict=True)):
             if "xyz".index(point[-1]) == direction:
@@ -118,7 +118,7 @@ def _damper(rig: Rig, contacts: ContactElements) -> ReducedComponent:
         for axis in "xyz":
             points.append(f"wire_{end}.{axis}")
             rows.append(_rigid(place, bottom)["xyz".index(axis)])
-    local = np.concatenate([axes @ _rigid(c, bottom) for axes, c in zip(contacts.axes, contacts.centroid, strict=True)])
+    local = np.concatenate([axes @ _rigid(c, bottom) for axes, c in zip(contacts.axes, contacts.point, strict=True)])
     mass = rig.damper_material.density * 1.2e-4 * rig.blade.width
     inertia = mass * np.array([rig.blade.width**2, rig.blade.width**2, (2 * half_width) ** 2]) / 12
     phi = np.vstack([local, rows]) / np.sqrt([mass, mass, mass, *inertia])

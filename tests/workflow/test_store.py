@@ -25,7 +25,7 @@ def _random(*shape):
 def _contacts(n=4):
     return ContactElements(
         face=np.repeat([0, 1], n // 2),
-        centroid=_random(n, 3),
+        point=_random(n, 3),
         area=_random(n) ** 2,
         tangent1=_random(n, 3),
         tangent2=_random(n, 3),

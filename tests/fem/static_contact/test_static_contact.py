@@ -58,7 +58,7 @@ def faces(across: int = 3, along: int = 6) -> ContactElements:
     triangle = np.concatenate([right * mirror, right])
     return ContactElements(
         face=np.repeat([LEFT, RIGHT], n),
-        centroid=triangle.mean(axis=1),
+        point=triangle.mean(axis=1),
         area=np.tile(area, 2),
         tangent1=both(up),
         tangent2=both([0, 0, 1.0]),
@@ -77,14 +77,14 @@ def blade(contacts: ContactElements, side: int) -> ReducedComponent:
     """Local flexibility as residual, and one bending mode that moves the platform sideways and turns it."""
     on = contacts.face == side
     outwards = 1.0 if side == RIGHT else -1.0
-    height = contacts.centroid[on, 1] - 33e-3
-    reach = np.abs(contacts.centroid[on, 0])
+    height = contacts.point[on, 1] - 33e-3
+    reach = np.abs(contacts.point[on, 0])
     motion = np.column_stack([outwards * (1 + 20 * height), -20 * reach, 0 * reach])
     phi = np.einsum("ndx,nx->nd", contacts.axes[on], motion).ravel()
     points = ("excitation.x", "tip.x", "platform.x", "platform.y")
     phi = np.concatenate([phi, [0.3, 3.0, 1.0, -0.1]]) * 2.5
     residual = np.zeros((len(phi), len(phi)))
-    residual[: 3 * on.sum(), : 3 * on.sum()] = half_space_like(contacts.centroid[on])
+    residual[: 3 * on.sum(), : 3 * on.sum()] = half_space_like(contacts.point[on])
     return ReducedComponent("blade", np.array([2 * np.pi * 269]), phi[:, None], residual, points)
 
 
@@ -99,7 +99,7 @@ def damper(contacts: ContactElements) -> ReducedComponent:
         arm = point - centre
         return np.hstack([np.eye(3), np.array([np.cross(axis, arm) for axis in np.eye(3)]).T]) * scale
 
-    local = np.vstack([axes @ motion(point) for axes, point in zip(contacts.axes, contacts.centroid, strict=True)])
+    local = np.vstack([axes @ motion(point) for axes, point in zip(contacts.axes, contacts.point, strict=True)])
     rows = [motion(p)[:2] for p in corners] + [motion(p) for p in ends]
     names = tuple(f"corner_{s}.{d}" for s in ("left", "right") for d in "xy")
     names += tuple(f"wire_{s}.{d}" for s in ("back", "front") for d in "xyz")
@@ -117,7 +117,7 @@ def resultant(contacts: ContactElements, rest) -> np.ndarray:
     """Force and moment about (0, 31 mm, 0) of the platforms on the damper: -f. (6,) [N], [N m]"""
     local = np.column_stack([rest.tangential_force, rest.normal_force])
     force = -np.einsum("nd,ndx->nx", local, contacts.axes)
-    arm = contacts.centroid - [0, 31e-3, 0]
+    arm = contacts.point - [0, 31e-3, 0]
     return np.concatenate([force.sum(axis=0), np.cross(arm, force).sum(axis=0)])
 
 
@@ -264,7 +264,7 @@ def test_symmetric_wedge_rests_symmetrically(wedge: ReducedModel, friction) -> N
     left, right = (wedge.contacts.face == side for side in (LEFT, RIGHT))
     assert rest.normal_force[left] == pytest.approx(rest.normal_force[right], abs=1e-10 * PULL)
     assert rest.tangential_force[left] == pytest.approx(rest.tangential_force[right], abs=1e-10 * PULL)
-    back = rest.normal_force[wedge.contacts.centroid[:, 2] < 0].sum()
+    back = rest.normal_force[wedge.contacts.point[:, 2] < 0].sum()
     assert back == pytest.approx(rest.normal_total / 2, rel=1e-9)
 
 

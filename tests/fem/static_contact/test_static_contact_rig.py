@@ -51,7 +51,7 @@ def resultant(contacts, rest) -> np.ndarray:
     """Force and moment about the origin of the platforms on the damper. (6,) [N], [N m]"""
     local = np.column_stack([rest.tangential_force, rest.normal_force])
     force = -np.einsum("nd,ndx->nx", local, contacts.axes)
-    return np.concatenate([force.sum(axis=0), np.cross(contacts.centroid, force).sum(axis=0)])
+    return np.concatenate([force.sum(axis=0), np.cross(contacts.point, force).sum(axis=0)])
 
 
 @pytest.mark.parametrize("pull_on", ["ends", "mass"])
@@ -93,6 +93,6 @@ def test_pull_on_the_mass_presses_the_lower_edge(reduced: ReducedModel) -> None:
 
 def test_pull_on_the_ends_bends_the_damper_so_that_it_bears_at_its_ends(reduced: ReducedModel) -> None:
     rest = static_contact(reduced, rig_with(model="fe"))
-    ends = np.abs(reduced.contacts.centroid[:, 2]) > 20e-3
+    ends = np.abs(reduced.contacts.point[:, 2]) > 20e-3
     assert rest.normal_force[ends].sum() > 0.99 * rest.normal_total
     assert rest.gap.max() > 1e-6
