@@ -34,7 +34,7 @@ from updamp.workflow import diagnose_run as diagnosing
 from updamp.workflow.comparison_inputs import CompareFiles
 from updamp.workflow.progress import Display
 
-FITTED, LABORATORY = "diagnosis_146", "laboratory_100"
+FITTED, LABORATORY = "diagnosis_146", "laboratory"
 LEVELS = {"IP": (2.0, 4.0, 6.0, 8.0), "OOP": (4.0, 12.0, 22.0, 32.0)}
 SEED = 7
 # What is told when the first fit of an effect has ended, and so the ranking of all of them before it.

@@ -12,7 +12,7 @@ from updamp.benchmarks.virtual_rig.laboratory import HIDDEN
 
 Kind = Literal["none", "single", "outside", "pair", "resolution"]
 # Mesh presets of the laboratory and of the model that is fitted; the same with more contact elements.
-SMALL, FINE = ("laboratory", "diagnosis"), ("laboratory_100", "diagnosis_146")
+SMALL, FINE = ("laboratory", "diagnosis"), ("laboratory", "diagnosis_146")
 
 
 @dataclass(frozen=True)

@@ -84,7 +84,7 @@ def main(effects: Annotated[list[str] | None, typer.Argument(help="these alone, 
     named = effects or []
     for name, options in () if named else SETTINGS.items():
         write(row(name, nominal, reference, options) + "\n")
-    for preset in () if named else ("diagnosis", "laboratory_100"):
+    for preset in () if named else ("diagnosis", "diagnosis_contacts"):
         write(row(f"mesh {preset}", bench_of(rig, bodies_of(rig, preset)), reference, USUAL) + "\n")
     for name in named or HIDDEN:
         for strength in HIDDEN[name].strengths:
