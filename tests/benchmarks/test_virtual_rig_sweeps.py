@@ -21,7 +21,7 @@ QUICK = SolverOptions(harmonics=3, n_time=128, tolerance=1e-8)
 
 @pytest.fixture(scope="module")
 def rig(tmp_path_factory: pytest.TempPathFactory) -> Assembled:
-    sizes = {"mesh.tiny": {**TINY, "contact_elements": 8}, "reduction.modes": 10}
+    sizes = {"mesh.tiny": TINY, "reduction.modes": 10}
     jumping = load_rig(SHORT_FACES, {**sizes, "harmonic_balance.harmonics": [1, 2, 3]})
     return assembled(bench_of(jumping, bodies_of(jumping, "tiny", tmp_path_factory.mktemp("bodies"))))
 
@@ -61,7 +61,7 @@ def test_the_motion_between_two_folds_is_unstable_and_the_others_are_not(
     assert lower.motion is not None
     middle = between(upper)
     phases = [np.angle(m.response(TIP)[0]) for m in (upper.motion, middle, lower.motion)]
-    assert phases == pytest.approx([-2.74, -0.38, -0.05], abs=0.03)
+    assert phases == pytest.approx([-2.69, -0.44, -0.05], abs=0.03)
     unstable = [upper.is_unstable(m) for m in (upper.motion, middle, lower.motion)]
     assert unstable == [False, True, False]
 
@@ -74,4 +74,4 @@ def test_a_sweep_does_not_leap_between_the_folds(held: float, place: float, uppe
     middle = between(upper)
     upper.before = replace(last, w=1.001 * last.w, x=2 * last.x - middle.x)
     following = upper.step(0.999 * place, held * FORCE)
-    assert np.angle(following.response(TIP)[0]) == pytest.approx(-2.74, abs=0.03)
+    assert np.angle(following.response(TIP)[0]) == pytest.approx(-2.69, abs=0.03)

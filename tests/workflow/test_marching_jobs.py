@@ -25,7 +25,7 @@ TIP = "blade_right.tip.x"
 def job(tmp_path_factory):
     """Of a curve with contacts that slip."""
     folder = tmp_path_factory.mktemp("curves")
-    (curve,) = curve_jobs(RIG, (1.0,), folder)
+    (curve,) = curve_jobs(RIG, (2.0,), folder)
     assert trace_curve(curve) is JobEnd.FINISHED
     return MarchingJob(curve, TIP, "key", folder / "marched.h5")
 
@@ -80,7 +80,7 @@ def test_a_peak_that_does_not_stay_is_said_below_and_in_the_table(finished, verd
     entry = curve_entry(curve, TIP, marched=replace(found, verdict=int(verdict), moved=0.3, growth=40.0))
     (sentence,) = moving_peaks([entry])
     assert said in sentence
-    assert f"OOP 1 N: the peak at {entry['peak_frequency_Hz']:.2f} Hz" in sentence
+    assert f"OOP 2 N: the peak at {entry['peak_frequency_Hz']:.2f} Hz" in sentence
     cells = [str(cell) for column in curves_table([entry]).columns for cell in column.cells]
     assert any(verdict.name.lower() in cell for cell in cells)
 

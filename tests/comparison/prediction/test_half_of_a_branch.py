@@ -111,9 +111,14 @@ def test_a_branch_is_moved_to_where_an_effect_takes_the_symmetry_or_brings_eleme
     moved, traced = move_branch(with_effect, u, before), trace_branch(with_effect, u, condition)
     assert moved is not None
     assert len(moved.points[0].x) > len(before.points[0].x)
-    # slopes leap where tips begin to slip, between the points of either branch
+    there = ModelAt(with_effect, u)
+    excitation = there.model.excited_by(condition.force)
+    for point in moved.points:
+        left = residual_alone(there.model.system, excitation, there.whole(point.x), point.w)
+        assert np.abs(left).max() < 1e-6 * np.abs(point.x).max(), "as well as branches are moved"
+    # slopes leap where tips begin to slip, between the points of either branch, so that lines between these differ more
     states, expected = (next(shown(b, np.linspace(*condition.window, 50))) for b in (moved, traced))
-    np.testing.assert_allclose(states, expected, atol=2e-3 * np.abs(expected[1:]).max())
+    np.testing.assert_allclose(states, expected, atol=5e-3 * np.abs(expected[1:]).max())
 
 
 def test_beside_half_a_model_what_takes_the_symmetry_has_no_derivative(model):
