@@ -63,15 +63,12 @@ def with_error_patterns(
                 by_parameter[c] += found[c][1] - own[c]
             patterns[c] += _patterns(changes[c], left[c], c, plan)
             rough[c] = np.hypot(rough[c], jaggedness(changes[c]))
-    further, by_chance = _of_one_test(calibration.by_chance(of_models))
-    names += further
-    for c in conditions:
-        patterns[c] += by_chance[c]
+    further, by_chance = _each_in_its_test(calibration.by_chance(of_models))
     stacked = {
-        c: np.stack(each, axis=1) if each else np.zeros((len(coarse[c]), 0, coarse[c].shape[1]))
+        c: np.concatenate([*(pattern[:, None] for pattern in each), by_chance[c]], axis=1)
         for c, each in patterns.items()
     }
-    numerics = NumericalError(tuple(names), coarse, expected, stacked, rough, u[:n], by_parameter)
+    numerics = NumericalError((*names, *further), coarse, expected, stacked, rough, u[:n], by_parameter)
     return replace(parametrisation, numerics=numerics)
 
 
@@ -164,21 +161,18 @@ class _Calibration:
         return np.einsum("kp,npm->nkm", scaled, slopes)
 
 
-def _of_one_test(by_chance: Mapping[str, Floats]) -> tuple[list[str], dict[str, list[Floats]]]:
-    """Names, and condition's name -> patterns (n, m), zero in all other tests. by_chance: of each (n, k, m)"""
-    names = [f"{c} by chance {k + 1}" for c, ways in by_chance.items() for k in range(ways.shape[1])]
-    patterns = {
-        c: [(c == other) * each for other, theirs in by_chance.items() for each in _as_many(ways, theirs.shape[1])]
-        for c, ways in by_chance.items()
-    }
-    return names, patterns
+def _each_in_its_test(by_chance: Mapping[str, Floats]) -> tuple[list[str], dict[str, Floats]]:
+    """Names, and condition's name -> patterns (n, all k, m), zero where they are another test's
 
-
-def _as_many(ways: Floats, k: int) -> Floats:
-    """(k, n, m)"""
-    found = np.zeros((k, len(ways), ways.shape[2]))
-    found[: min(k, ways.shape[1])] = ways.transpose(1, 0, 2)[:k]
-    return found
+    by_chance: condition's name -> (n, k, m)
+    """
+    names: list[str] = []
+    found, several = {}, sum(ways.shape[1] for ways in by_chance.values())
+    for c, ways in by_chance.items():
+        found[c] = np.zeros((len(ways), several, ways.shape[2]))
+        found[c][:, len(names) : len(names) + ways.shape[1]] = ways
+        names += [f"{c} by chance {k + 1}" for k in range(ways.shape[1])]
+    return names, found
 
 
 def change_to(observed: Floats, traced: PredictedBranch, condition: RunCondition) -> tuple[Floats, Floats]:
