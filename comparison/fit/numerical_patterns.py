@@ -5,7 +5,7 @@ A finer model's change is not in proportion to what it is still off by: where fe
 may by chance hardly change from one mesh to the next. (With two, three and four strips of elements a face the peak of
 the virtual rig's OOP at 16 N rises by 1.1 and 0.2 %, that of OOP at 32 N falls by 0.1 % and rises by 0.3 %.) So a
 test in which contacts slip or open has, besides half of its own change, an error by chance: in all ways that calibrated
-parameters change it, each as likely, half as large as what finer numerics change in such tests of its mode.
+parameters change it, each as likely, half as large as what finer numerics change in other such tests of its mode.
 """
 
 from collections.abc import Mapping, Sequence
@@ -132,7 +132,8 @@ class _Calibration:
         return {name: change - made_up_for @ self.slopes[name] for name, change in changes.items()}
 
     def by_chance(self, left: Sequence[Mapping[str, Floats]]) -> dict[str, Floats]:
-        """Condition's name -> (n, k, m) what is by chance in it: nothing where all contacts stick.
+        """Condition's name -> (n, k, m) what is by chance in it, as the other tests tell: nothing where all contacts
+        stick.
 
         left: of each finer model, what calibration leaves of its changes (n, m) of all branches
         """
@@ -143,9 +144,9 @@ class _Calibration:
         }
         found = {b.condition.name: np.zeros((len(b.evenly.along), 0, b.evenly.along.shape[1])) for b in self.branches}
         for c in slipping:
-            size = UNSURE * np.sqrt(np.mean([variance[other.name] for other in slipping if other.mode == c.mode]))
-            if size > 0:
-                found[c.name] = self._each_way(c.name, float(size))
+            others = [variance[o.name] for o in slipping if o.mode == c.mode and o.name != c.name]
+            if any(others):
+                found[c.name] = self._each_way(c.name, UNSURE * float(np.sqrt(np.mean(others))))
         return found
 
     def _each_way(self, condition: str, size: float) -> Floats:
