@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements
-from updamp.geometry.points_of_force import points_of_force
+from updamp.geometry.points_of_force import areas, points_of_force
 from updamp.geometry.rig_mesh import GeometryError
 from updamp.rig.mesh_divisions import MeshDivisions
 from updamp.rig.rig import Rig
@@ -132,6 +132,5 @@ def _strip(p: int, q: int) -> Floats:
 def _shape(triangles: Floats) -> Floats:
     """1 for an equilateral triangle, 0 for a flat one: 4 sqrt(3) area / sum of squared sides."""
     a, b, c = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 1], triangles[:, 0] - triangles[:, 2]
-    area = np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2
-    shape: Floats = 4 * sqrt(3.0) * area / np.sum(a**2 + b**2 + c**2, axis=1)
+    shape: Floats = 4 * sqrt(3.0) * areas(triangles) / np.sum(a**2 + b**2 + c**2, axis=1)
     return shape

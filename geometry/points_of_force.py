@@ -15,7 +15,7 @@ def points_of_force(triangles: Floats) -> Floats:
     integrated exactly then (a quadrature rule of order 2), and a rigid face is as stiff as under the traction.
     What that does to resonances: docs/harmonic_balance.md, Contact elements.
     """
-    centroid, area = triangles.mean(axis=1), _areas(triangles)
+    centroid, area = triangles.mean(axis=1), areas(triangles)
     arm = centroid - np.average(centroid, axis=0, weights=area)
     lost = np.average(((triangles - centroid[:, None]) ** 2).sum(axis=1) / 12, axis=0, weights=area)
     kept = np.average(arm**2, axis=0, weights=area)
@@ -23,10 +23,10 @@ def points_of_force(triangles: Floats) -> Floats:
     return points
 
 
-def _areas(triangles: Floats) -> Floats:
+def areas(triangles: Floats) -> Floats:
+    """(n,) of triangles (n, 3, 2)"""
     a, b = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
-    areas: Floats = np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2
-    return areas
+    return np.asarray(np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2)
 
 
 def barycentric(triangle: Floats, place: Floats) -> Floats:

@@ -43,14 +43,13 @@ def with_error_patterns(
     """
     conditions = {c.name: c for c in plan.conditions}
     coarse = {b.condition.name: with_unwrapped_phases(b.evenly.value) for b in branches}
-    n = parametrisation.n_of_model
-    own = {b.condition.name: b.evenly.slopes[:, :n] for b in branches}
+    calibration, of_models = _Calibration(parametrisation, u, plan, branches), list[Mapping[str, Floats]]()
+    own = calibration.slopes
     none = {c: np.zeros_like(observed) for c, observed in coarse.items()}
     by_parameter = {c: np.zeros_like(slopes) for c, slopes in own.items()}
     expected, rough = ({c: change.copy() for c, change in none.items()} for _ in range(2))
     names: list[str] = []
     patterns: dict[str, list[Floats]] = {c: [] for c in coarse}
-    calibration, of_models = _Calibration(parametrisation, u, plan, branches), list[Mapping[str, Floats]]()
     for name, traced in finer.items():
         found = {c: change_to(coarse[c], b, conditions[c]) for c, b in traced.items()}
         changes = none | {c: change for c, (change, _) in found.items()}
@@ -68,7 +67,9 @@ def with_error_patterns(
         c: np.concatenate([*(pattern[:, None] for pattern in each), by_chance[c]], axis=1)
         for c, each in patterns.items()
     }
-    numerics = NumericalError((*names, *further), coarse, expected, stacked, rough, u[:n], by_parameter)
+    numerics = NumericalError(
+        (*names, *further), coarse, expected, stacked, rough, u[: parametrisation.n_of_model], by_parameter
+    )
     return replace(parametrisation, numerics=numerics)
 
 
@@ -116,19 +117,25 @@ class _Calibration:
         n = self.parametrisation.n_of_model
         return {b.condition.name: b.evenly.slopes[:, :n] for b in self.branches}
 
-    def columns(self, condition: str, slopes: Floats) -> Floats:
-        """(n r, p) across a branch, in standard deviations; slopes: (n, p, m) along it"""
-        return np.einsum("nrm,npm->nrp", self.across[condition], slopes).reshape(-1, slopes.shape[1])
+    @cached_property
+    def columns(self) -> dict[str, Floats]:
+        """Condition's name -> (n r, p) of the slopes across its branch, in standard deviations"""
+        return {
+            name: np.einsum("nrm,npm->nrp", self.across[name], slopes).reshape(-1, slopes.shape[1])
+            for name, slopes in self.slopes.items()
+        }
+
+    def seen(self, condition: str, change: Floats) -> Floats:
+        """(n r,) of a change (n, m) likewise"""
+        return np.einsum("nrm,nm->nr", self.across[condition], change).ravel()
 
     def beyond(self, changes: Mapping[str, Floats]) -> dict[str, Floats]:
         """Changes of all branches (n, m) less what the parameters make up for: what calibration takes up is no error of
         the calibrated model, whatever it does to the parameters."""
         n = self.parametrisation.n_of_model
-        columns, wanted = [np.diag(1 / self.parametrisation.deviation[:n])], [np.zeros(n)]
-        for name, slopes in self.slopes.items():
-            columns.append(self.columns(name, slopes))
-            wanted.append(self.columns(name, changes[name][:, None]).ravel())
-        made_up_for = within_bounds(self.parametrisation, self.u, np.concatenate(columns), np.concatenate(wanted))
+        columns = np.concatenate([np.diag(1 / self.parametrisation.deviation[:n]), *self.columns.values()])
+        wanted = np.concatenate([np.zeros(n), *(self.seen(name, changes[name]) for name in self.columns)])
+        made_up_for = within_bounds(self.parametrisation, self.u, columns, wanted)
         return {name: change - made_up_for @ self.slopes[name] for name, change in changes.items()}
 
     def by_chance(self, left: Sequence[Mapping[str, Floats]]) -> dict[str, Floats]:
@@ -139,8 +146,7 @@ class _Calibration:
         """
         slipping = [b.condition for b in self.branches if not b.proportional]
         variance = {
-            c.name: sum(float(np.mean(self.columns(c.name, of_model[c.name][:, None]) ** 2)) for of_model in left)
-            for c in slipping
+            c.name: sum(float(np.mean(self.seen(c.name, of_model[c.name]) ** 2)) for of_model in left) for c in slipping
         }
         found = {b.condition.name: np.zeros((len(b.evenly.along), 0, b.evenly.along.shape[1])) for b in self.branches}
         for c in slipping:
@@ -152,14 +158,12 @@ class _Calibration:
     def _each_way(self, condition: str, size: float) -> Floats:
         """(n, k, m) independent changes that the nuisance parameters can make of a test, which together have this root
         mean square, in standard deviations"""
-        slopes = self.slopes[condition][:, : len(self.parametrisation.nuisances)]
-        columns = self.columns(condition, slopes)
+        p = len(self.parametrisation.nuisances)
+        columns = self.columns[condition][:, :p]
         _, lengths, ways = np.linalg.svd(columns, full_matrices=False)
-        felt = lengths > max(lengths[0] * np.sqrt(np.finfo(float).eps), np.finfo(float).tiny)
-        if not felt.any():
-            return np.zeros((len(slopes), 0, slopes.shape[2]))
-        scaled = size * np.sqrt(len(columns) / felt.sum()) * ways[felt] / lengths[felt, None]
-        return np.einsum("kp,npm->nkm", scaled, slopes)
+        felt = lengths > lengths.max(initial=0.0) * np.sqrt(np.finfo(float).eps)
+        scaled = size * np.sqrt(len(columns) / max(felt.sum(), 1)) * ways[felt] / lengths[felt, None]
+        return np.einsum("kp,npm->nkm", scaled, self.slopes[condition][:, :p])
 
 
 def _each_in_its_test(by_chance: Mapping[str, Floats]) -> tuple[list[str], dict[str, Floats]]:

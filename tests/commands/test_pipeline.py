@@ -281,7 +281,7 @@ def test_an_unstable_peak_and_what_is_not_known_are_said(finished, tmp_path):
     store.write(path, replace(found, state=state, reasons=("too little time",), why=why), stamp)
     result = run_command("run", rig, "--mesh", "small", "--out", tmp_path / "out", "--no-pictures", "--no-accuracy")
     assert result.exit_code == 0, "an unstable curve is complete all the same"
-    assert re.search(r"stability +IP 0.01 N: the peak at 4\d\d\.\d\d Hz is unstable", result.output)
+    assert re.search(r"stability +IP 0.01 N: the peak at 4[34]\d\.\d\d Hz is unstable", result.output)
     assert not re.search(r"stability +OOP", result.output)
     entry = json.loads((tmp_path / "out" / "summary.json").read_text())["curves"][1]["stability"]
     assert entry["peak"] == "unstable"
