@@ -101,8 +101,11 @@ def test_an_effect_that_takes_the_symmetry_is_solved_whole(branches, model, cond
     assert move_branch(p, u, replace(branches[0], u=np.zeros(len(p)))) is None, "of another effect: traced anew"
 
 
-@pytest.mark.parametrize("name", ["pressure_slope", "blade_cubic_stiffness", "tip_friction"])
-def test_a_branch_is_moved_to_where_an_effect_takes_the_symmetry_or_brings_elements(model, condition, name):
+# slopes leap where tips begin to slip, between the points of either branch, so that lines between these differ more
+@pytest.mark.parametrize(
+    ("name", "apart"), [("pressure_slope", 2e-3), ("blade_cubic_stiffness", 2e-3), ("tip_friction", 3e-3)]
+)
+def test_a_branch_is_moved_to_where_an_effect_takes_the_symmetry_or_brings_elements(model, condition, name, apart):
     plain = Parametrisation(model, nuisances(model))
     with_effect = replace(plain, effects=(CATALOGUE[name],))
     u = np.zeros(len(with_effect))
@@ -116,9 +119,8 @@ def test_a_branch_is_moved_to_where_an_effect_takes_the_symmetry_or_brings_eleme
     for point in moved.points:
         left = residual_alone(there.model.system, excitation, there.whole(point.x), point.w)
         assert np.abs(left).max() < 1e-6 * np.abs(point.x).max(), "as well as branches are moved"
-    # slopes leap where tips begin to slip, between the points of either branch, so that lines between these differ more
     states, expected = (next(shown(b, np.linspace(*condition.window, 50))) for b in (moved, traced))
-    np.testing.assert_allclose(states, expected, atol=5e-3 * np.abs(expected[1:]).max())
+    np.testing.assert_allclose(states, expected, atol=apart * np.abs(expected[1:]).max())
 
 
 def test_beside_half_a_model_what_takes_the_symmetry_has_no_derivative(model):
