@@ -1,6 +1,7 @@
 """Lay an exact number of near-equilateral triangles over the damper's contact faces."""
 
-from functools import cache
+from collections.abc import Callable
+from functools import cache, partial
 from itertools import pairwise
 from math import cos, floor, sin, sqrt
 
@@ -18,18 +19,22 @@ Integers = NDArray[np.int64]
 
 _ASYMMETRIC = 1.0  # cost of a triangle in a strip that is not its own mirror image in z; a good one costs about 0.1
 
+Cost = Callable[[int, int], float]  # of the triangles of a strip between rows of so many segments
+
 
 def contact_elements(rig: Rig, divisions: MeshDivisions) -> ContactElements:
     """divisions.contact_elements triangles, half of them on each face, mirror images in x.
 
     On the right face a triangle's corners turn counterclockwise about its normal, on the left one clockwise.
 
-    raises: GeometryError when the number is odd or below 4
+    raises: GeometryError when the number is odd or below 4, or too small for divisions.contact_strips
     """
-    n = divisions.contact_elements
+    n, strips = divisions.contact_elements, divisions.contact_strips
     if n < 4 or n % 2:
         raise GeometryError("contact_elements", str(n), "an even number of at least 4 is needed, half for each face")
-    plane = triangulate_rectangle(rig.damper.face_length, rig.blade.width, n // 2)
+    if strips and n < 4 * strips:
+        raise GeometryError("contact_strips", str(strips), f"{n} contact elements make at most {n // 4} on either face")
+    plane = triangulate_rectangle(rig.damper.face_length, rig.blade.width, n // 2, strips)
     right, point = _on_right_face(rig, plane), _on_right_face(rig, points_of_force(plane))
     mirror = np.array([-1.0, 1.0, 1.0])
     triangle = np.concatenate([right * mirror, right])
@@ -54,43 +59,58 @@ def _on_right_face(rig: Rig, plane: Floats) -> Floats:
     return np.concatenate([top + down * (bottom - top), z], axis=-1)
 
 
-def triangulate_rectangle(height: float, length: float, n: int) -> Floats:
-    """Exactly n triangles, as near to equilateral as strips along `length` allow, and symmetric about its middle.
+def triangulate_rectangle(height: float, length: float, n: int, strips: int | None = None) -> Floats:
+    """Exactly n triangles in strips along `length`, symmetric about its middle.
 
     Rows of equally spaced points at equal distances over the height; a strip between rows of p and q segments holds
     p + q triangles.
 
-    height, length: of the rectangle [m]; returns: (n, 3, 2) corners [m] in (along height, along length)
+    height, length: of the rectangle [m]
+    strips: how many, with triangles as nearly of one size as they allow; by default as many as make them as near to
+        equilateral as can be
+    returns: (n, 3, 2) corners [m] in (along height, along length)
     """
-    ideal = height / sqrt(sqrt(3.0) * height * length / n)  # strips of equilateral triangles of the mean area
-    fewest, most = max(1, floor(ideal) - 1), min(n // 2, floor(ideal) + 2)
-    choices = [_best_rows(height / m, length, m, n) for m in range(min(fewest, most), max(1, most) + 1)]
-    _, rows = min(choices)
+    if strips:
+        _, rows = _best_rows(_unevenness, strips, n)
+    else:
+        ideal = height / sqrt(sqrt(3.0) * height * length / n)  # strips of equilateral triangles of the mean area
+        fewest, most = max(1, floor(ideal) - 1), min(n // 2, floor(ideal) + 2)
+        numbers = range(min(fewest, most), max(1, most) + 1)
+        _, rows = min(_best_rows(partial(_flatness, height / m, length), m, n) for m in numbers)
     step = height / (len(rows) - 1)
-    strips = []
+    found = []
     for i, (p, q) in enumerate(pairwise(rows)):
         strip = _strip(p, q) * np.array([step, length])
         strip[..., 0] += i * step
-        strips.append(strip)
-    return np.concatenate(strips)
+        found.append(strip)
+    return np.concatenate(found)
 
 
-def _best_rows(step: float, length: float, n_strips: int, n: int) -> tuple[float, tuple[int, ...]]:
+def _flatness(step: float, length: float, p: int, q: int) -> float:
+    """What the triangles of a strip so high and so long lack of being equilateral, all together."""
+    return float(np.sum(1 - _shape(_strip(p, q) * np.array([step, length]))))
+
+
+def _unevenness(p: int, q: int) -> float:
+    """Sum of the squared areas of the triangles, in parts of their strip's."""
+    return float(np.sum(areas(_strip(p, q)) ** 2))
+
+
+def _best_rows(cost: Cost, n_strips: int, n: int) -> tuple[float, tuple[int, ...]]:
     """Cost and segments of each of the rows that give n triangles in all at the lowest cost (dynamic programming)."""
     mean = n // (2 * n_strips)
     allowed = range(max(1, mean - 2), mean + 4)
 
     @cache
     def strip_cost(p: int, q: int) -> float:
-        cost = float(np.sum(1 - _shape(_strip(p, q) * np.array([step, length]))))
-        return cost + _ASYMMETRIC * (p + q) * (p % 2 and q % 2)
+        return cost(p, q) + _ASYMMETRIC * (p + q) * (p % 2 and q % 2)
 
     best: dict[tuple[int, int], tuple[float, tuple[int, ...]]] = {(p, 0): (0.0, (p,)) for p in allowed}
     for _ in range(n_strips):
         following: dict[tuple[int, int], tuple[float, tuple[int, ...]]] = {}
-        for (p, count), (cost, rows) in best.items():
+        for (p, count), (so_far, rows) in best.items():
             for q in allowed:
-                candidate = (cost + strip_cost(p, q), (*rows, q))
+                candidate = (so_far + strip_cost(p, q), (*rows, q))
                 state = (q, count + p + q)
                 if state not in following or candidate < following[state]:
                     following[state] = candidate

@@ -98,13 +98,16 @@ def finer_presets(rig: Rig, preset: str) -> tuple[str, ...]:
         yield from sorted(found, key=lambda name: (size_of(rig, name).unknowns, rig.mesh[name].contact_elements))[:1]
 
     here = rig.mesh[preset]
-    of_mesh = smallest(lambda mesh: mesh.model_copy(update={"contact_elements": here.contact_elements}) != here)
     of_contacts = smallest(lambda mesh: mesh.contact_elements > here.contact_elements)
+    contacts = {"contact_elements": here.contact_elements, "contact_strips": here.contact_strips}
+    of_mesh = smallest(lambda mesh: mesh.model_copy(update=contacts) != here)
     return tuple(dict.fromkeys((*of_mesh, *of_contacts)))
 
 
 def _nowhere_coarser(mesh: MeshDivisions, than: MeshDivisions) -> bool:
-    return all(getattr(mesh, name) >= divisions for name, divisions in than.model_dump().items())
+    """Strips of contact elements count where both state them."""
+    stated = mesh.model_dump(exclude_none=True)
+    return all(stated.get(name, least) >= least for name, least in than.model_dump(exclude_none=True).items())
 
 
 def _blade_section(mesh: MeshDivisions) -> tuple[int, int]:

@@ -63,8 +63,9 @@ class Stage:
     def read(self, rig: StatedRig, choice: Mapping[str, str]) -> tuple[str, ...]:
         """The sections that enter for this rig. choice: as `key`"""
         instead = {section: own for section, own in self.instead if rig.states(own)}
-        stated = (section for section in self.optional if rig.states(section))
-        return tuple(instead.get(section, section).format(**choice) for section in (*self.sections, *stated))
+        sections = (instead.get(section, section).format(**choice) for section in self.sections)
+        optional = (section.format(**choice) for section in self.optional)
+        return (*sections, *(section for section in optional if rig.states(section)))
 
 
 # --- the one table of what depends on what ---
@@ -91,6 +92,7 @@ _FACES = (
     "mesh.{preset}.face",
     "mesh.{preset}.contact_elements",
 )
+_STRIPS = "mesh.{preset}.contact_strips"
 BLADE = Stage(
     name="blade",
     version=2,
@@ -109,6 +111,7 @@ BLADE = Stage(
         "mesh.{preset}.stem_above_platform",
         "mesh.{preset}.stem_top",
     ),
+    optional=(_STRIPS,),
     part_of=(MESH,),
 )
 DAMPER = Stage(
@@ -122,6 +125,7 @@ DAMPER = Stage(
         "mesh.{preset}.damper_apex",
         "mesh.{preset}.damper_base",
     ),
+    optional=(_STRIPS,),
     instead=tuple((section, f"damper.{section}") for section in _MATERIAL),
     part_of=(MESH,),
 )

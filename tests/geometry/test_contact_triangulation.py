@@ -10,8 +10,8 @@ from updamp.geometry.points_of_force import barycentric
 from updamp.geometry.rig_mesh import GeometryError, mirrored_mesh
 
 
-def with_contacts(rig, n):
-    return rig.mesh["small"].model_copy(update={"contact_elements": n})
+def with_contacts(rig, n, strips=None):
+    return rig.mesh["small"].model_copy(update={"contact_elements": n, "contact_strips": strips})
 
 
 def signed_area(triangles):
@@ -33,6 +33,23 @@ def test_counts_and_areas(rig, n):
 def test_impossible_counts(rig, n):
     with pytest.raises(GeometryError, match=f"contact_elements = {n}: an even number of at least 4"):
         contact_elements(rig, with_contacts(rig, n))
+
+
+@pytest.mark.parametrize("strips", [1, 2, 4, 6, 9])
+def test_as_many_strips_as_stated(rig, strips):
+    """Of equal height, with elements of which none is more than twice as large as another."""
+    contacts = contact_elements(rig, with_contacts(rig, 4 * strips + 16, strips))
+    right = contacts.face == RIGHT
+    assert right.sum() == 2 * strips + 8
+    up = contacts.triangle[right] @ contacts.tangent1[right][0]
+    assert len(np.unique(np.round(1e9 * up))) == strips + 1
+    np.testing.assert_allclose(contacts.area[right].sum(), rig.face_area, rtol=1e-13)
+    assert contacts.area.max() < 2.001 * contacts.area.min()
+
+
+def test_more_strips_than_there_are_elements_for(rig):
+    with pytest.raises(GeometryError, match="contact_strips = 10: 36 contact elements make at most 9 on either face"):
+        contact_elements(rig, with_contacts(rig, 36, 10))
 
 
 @pytest.mark.parametrize(("height", "length"), [(8.0, 60.0), (4.0, 60.0), (16.0, 60.0), (20.0, 20.0), (60.0, 8.0)])

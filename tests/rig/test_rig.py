@@ -203,6 +203,8 @@ KEYS = [
     ({"mesh__small__face": 0}, "mesh.small.face = 0: should be greater than or equal to 1"),
     ({"mesh__small__contact_elements": 2}, "mesh.small.contact_elements = 2: should be greater than or equal to 4"),
     ({"mesh__small__contact_elements": 7}, "mesh.small.contact_elements = 7: should be a multiple of 2"),
+    ({"mesh__small__contact_strips": 0}, "mesh.small.contact_strips = 0: should be greater than or equal to 1"),
+    ({"mesh__small__contact_strips": 19}, "contact_strips = 19: 72 contact elements make at most 18 on either face"),
 ]
 
 

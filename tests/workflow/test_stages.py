@@ -113,6 +113,7 @@ CHANGES = {
         "width": 14, "face": 5, "platform_outer": 3, "platform_inner": 2, "platform_height": 4, "stem_thickness": 3,
         "stem_below_excitation": 4, "stem_below_platform": 2, "stem_above_platform": 13, "stem_top": 4,
         "damper_across": 5, "damper_apex": 2, "damper_base": 2, "contact_elements": 74,
+        "contact_strips": 4,
     }.items()},
 }  # fmt: skip
 

@@ -176,6 +176,8 @@ KEYS = [
     changed("width = 12", "width = 11", "mesh.small.width", "11", "multiple of 2"),
     changed("face = 4", "face = 0", "mesh.small.face", "0"),
     changed("contact_elements = 72", "contact_elements = 71", "contact_elements", "71", "multiple of 2"),
+    changed("contact_elements = 72", "contact_elements = 72\ncontact_strips = 0", "mesh.small.contact_strips", "0"),
+    changed("contact_elements = 72", "contact_elements = 72\ncontact_strips = 20", "contact_strips = 20", "at most 18"),
     changed("[0, 1, 2, 3] ", "[0, 2, 3] ", "harmonics", "must contain 1"),
     changed("[0, 1, 2, 3] ", "[0, 1, 1] ", "harmonics", "once"),
     changed("[0, 1, 2, 3] ", "[] ", "harmonics", "must contain 1"),
