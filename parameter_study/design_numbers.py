@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from updamp.hbm.newton.observe import friction_share
 from updamp.model.small_amplitude import without_contacts
 from updamp.parameter_study.families import CurveName
 from updamp.parameter_study.solved_study import SolvedStudy
@@ -49,6 +50,6 @@ def design_numbers(solved: SolvedStudy, name: CurveName) -> DesignNumbers:
         displacement_ratio=u / tip,
         platform_ratio=u / v,
         frequency_shift=peak.frequency / without_contacts(model, blade, 0),
-        energy_ratio=float(curve.friction_loss[i] / curve.work_in[i]),
+        energy_ratio=friction_share(float(curve.friction_loss[i]), float(curve.work_in[i])),
         contact_strain=model.stated_pressure / rig.material.youngs_modulus,
     )

@@ -2,6 +2,7 @@
 
 from updamp.design.responses.response import AtPeak, response
 from updamp.design.solved_design import SolvedDesign
+from updamp.hbm.newton.observe import friction_share
 
 
 @response("energy_ratio")
@@ -10,4 +11,4 @@ class EnergyRatio(AtPeak):
 
     def value(self, design: SolvedDesign) -> float:
         peak = self.peak(design)
-        return peak.friction_loss / peak.work_in
+        return friction_share(peak.friction_loss, peak.work_in)
