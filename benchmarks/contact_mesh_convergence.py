@@ -1,7 +1,7 @@
 """Do resonance and peak depend on the number of contact elements, where contacts open and where they do not?
 
     .venv/bin/python benchmarks/contact_mesh_convergence.py                      (36 to 292 elements on `medium`)
-    .venv/bin/python benchmarks/contact_mesh_convergence.py --mesh small --elements 36 --elements 72
+    .venv/bin/python benchmarks/contact_mesh_convergence.py --mesh small --elements 36 --elements 72/4  (in four strips)
 
 The same finite elements, the contact faces divided into more and more elements, and the curves of two modes at a low
 force and at those where contacts slip and open. Elements are counted over both faces. Printed: peak, resonance and how
@@ -36,15 +36,16 @@ from updamp.rig.rig import Rig
 
 ROOT = Path(__file__).parents[1]
 RIG = ROOT / "rigs" / "pesaresi2017.toml"
-ELEMENTS = [36, 72, 146, 292]
+ELEMENTS = ["36", "72", "146", "292"]
 CURVES = (("OOP", 0.02), ("OOP", 17.0), ("IP", 0.02), ("IP", 3.84), ("IP", 9.6), ("IP", 17.0))
 
 
 @dataclass(frozen=True)
 class MeshPoint:
-    """One curve. peak [mm/N], resonance [Hz]; seconds of processor time"""
+    """One curve. elements: of both faces, with the strips of one where these are stated, such as "72/4"
+    peak [mm/N], resonance [Hz]; seconds of processor time"""
 
-    elements: int
+    elements: str
     mode: str
     force: float
     complete: bool
@@ -54,15 +55,17 @@ class MeshPoint:
     seconds: float
 
 
-def divided(rig: Rig, mesh: str, elements: int) -> RigModel:
-    """The rig's model with its faces divided into so many contact elements."""
-    divisions = rig.mesh[mesh].model_copy(update={"contact_elements": elements})
+def divided(rig: Rig, mesh: str, elements: str) -> RigModel:
+    """The rig's model with its faces divided into so many contact elements. elements: as in `MeshPoint`"""
+    number, _, strips = elements.partition("/")
+    contacts = {"contact_elements": int(number), "contact_strips": int(strips) if strips else None}
+    divisions = rig.mesh[mesh].model_copy(update=contacts)
     rig = rig.model_copy(update={"mesh": {mesh: divisions}})
     reduced = finite_element_model(build_mesh(rig, mesh), rig).reduced
     return rig_model(reduced, static_contact(reduced, rig), rig)
 
 
-def converging(rig: Rig, mesh: str, elements: Sequence[int]) -> Iterator[MeshPoint]:
+def converging(rig: Rig, mesh: str, elements: Sequence[str]) -> Iterator[MeshPoint]:
     tip = rig.response_point
     for count in elements:
         model = divided(rig, mesh, count)
@@ -92,7 +95,7 @@ def show(console: Console, points: Sequence[MeshPoint]) -> None:
 
 def main(
     mesh: Annotated[str, typer.Option(help="preset of the rig file for the finite elements")] = "medium",
-    elements: Annotated[list[int] | None, typer.Option(help="contact elements of both faces; 36 72 146 292")] = None,
+    elements: Annotated[list[str] | None, typer.Option(help="72/4: 72 in four strips; 36 72 146 292")] = None,
     out: Annotated[Path, typer.Option(help="folder of the results")] = ROOT / "results",
 ) -> None:
     """Trace the curves for each number of contact elements."""
