@@ -39,6 +39,7 @@ class Baseline:
     fitted: to the training runs, with the scatter that the repeats alone show
     repeatability: weighted residual RMS of what differs between the repeats
     given: the model as the rig file has it; finer: those of finer meshes, by name; all without effects
+    given_numerics: numerical error of the model as given, where that was asked for
     attempt: how many calibrations were found to be no optimum before (`diagnosis/selection/search.py`)
     own_numerics: whether it has passed the numerical gate where its calibration ends, as fits with effects may have
     """
@@ -52,6 +53,20 @@ class Baseline:
     finer: Mapping[str, RigModel] = field(default_factory=dict)
     attempt: int = 0
     own_numerics: bool = False
+    given_numerics: NumericalError | None = None
+
+    @property
+    def as_given(self) -> tuple[Parametrisation, Floats]:
+        """The model with nuisance parameters and numerical error back at what they were before calibration, and (p,)
+        its parameters: a calibration to data with something else in them leads astray, and what finer numerics change
+        where it has led to is not what they change as given. With effects in the model that is known of the calibrated
+        one alone."""
+        p, effects = self.fitted.parametrisation, slice(len(self.fitted.parametrisation.nuisances), None)
+        if self.given_numerics is not None and not p.effects:
+            p = replace(p, numerics=self.given_numerics)
+        u = np.zeros(len(p))
+        u[: p.n_of_model][effects] = self.fitted.u[: p.n_of_model][effects]
+        return p, u
 
     @property
     def train_plan(self) -> Plan:
@@ -97,11 +112,13 @@ def baseline(
     training = tuple(i for i in range(len(plan.conditions)) if i not in kept)
     plain = Parametrisation(model, nuisances(model), rig_effects=rig_effects)
     gate = NumericalGate(plan, finer_than(model, finer), branches_of)
-    found = gated_calibration(plain, gate, training, None, progress).calibration
+    gated = gated_calibration(plain, gate, training, None, progress)
+    found = gated.calibration
     whole = _without_odd_unseen(found.rests_on(plan), kept, found.fit, branches_of)
     if whole.noise_read and finer:  # else it is not known how far the model is off along a curve
         whole = replace(whole, common=found.fit.numerics_beside_noise)
-    return Baseline(whole, training, kept, found.fit, found.repeatability, model, finer)
+    known = gated.given.numerics
+    return Baseline(whole, training, kept, found.fit, found.repeatability, model, finer, given_numerics=known)
 
 
 def _without_odd_unseen(plan: Plan, held_out: Sequence[int], fitted: Fit, branches_of: Branches) -> Plan:

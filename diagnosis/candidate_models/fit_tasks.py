@@ -137,7 +137,7 @@ def _run(shared: tuple[Baseline, Criteria], task: FitTask) -> FittedCandidate | 
 def _refit(start: Baseline, criteria: Criteria, a: FitTask) -> Refit | None:
     if a.near is None or (a.size == 1 and not a.own_numerics):
         starts = Starts(a.as_given, a.starts)
-        return refit(start.fitted, start.train_plan, a.effects, starts, criteria, a.full, a.near)
+        return refit(start.fitted, start.train_plan, a.effects, starts, criteria, a.full, a.near, start.as_given)
     try:
         if not a.own_numerics:
             found = fit_from_size(a.near, a.effects, a.size, start)

@@ -83,6 +83,7 @@ def refit(
     criteria: Criteria,
     full: bool,
     near: Fit | None = None,
+    given: tuple[Parametrisation, Floats] | None = None,
 ) -> Refit | None:
     """The fit with further effects, from the most promising start (`_fit_from`). None where the model has no response
     at any.
@@ -90,21 +91,19 @@ def refit(
     Models without contacts are quick to trace: they are always fitted in full, by `fit_from_far`, whatever the starts.
 
     near: a fit of the same to go on from
+    given: the model as given (`Baseline.as_given`), by default with the calibrated one's numerical error
     """
     if near is not None:
         solved = near.compared.branches or None
         again = fit(near.parametrisation, plan, near.u, base.compared.scatter, solved, _options(full))
         return assessed(base, again, plan, effects, criteria)
-    p, given = base.parametrisation, as_given(base)
-    extended = replace(p, effects=(*p.effects, *effects))
+    p = base.parametrisation
     if p.base.contacts is None:
-        nested = _nested(base, plan, extended)
+        nested = _nested(base, plan, replace(p, effects=(*p.effects, *effects)))
         return None if nested is None else assessed(base, nested, plan, effects, criteria)
-    kinds = [
-        [p.with_further(given, start) for start in starts.as_given],
-        [p.with_further(base.u, start) for start in starts.calibrated],
-    ]
-    fitted = _fit_from(base, plan, extended, kinds, full)
+    at_given = given or (p, as_given(base))
+    kinds = [_beside(*at_given, effects, starts.as_given), _beside(p, base.u, effects, starts.calibrated)]
+    fitted = _fit_from(base, plan, kinds, full)
     if fitted is None:
         return None
     best = assessed(base, fitted, plan, effects, criteria)
@@ -146,56 +145,76 @@ def _shaped(base: Fit, plan: Plan, extended: Parametrisation) -> Floats:
 
 
 @dataclass(frozen=True, eq=False)
-class _Start:
-    """solved: where a fit may begin; promised: misfit where that leads to first order (`fit.misfit`); explains: whether
-    that leaves no more than the scatter does"""
+class _Kind:
+    """Starts beside one model: (p,) parameters with the effects in it each"""
 
+    extended: Parametrisation
+    starts: Sequence[Floats]
+
+
+def _beside(p: Parametrisation, u: Floats, effects: Sequence[Effect], starts: Sequence[Floats]) -> _Kind:
+    """u: (p,) of that model without the effects; starts: of these"""
+    return _Kind(replace(p, effects=(*p.effects, *effects)), [p.with_further(u, start) for start in starts])
+
+
+@dataclass(frozen=True, eq=False)
+class _Start:
+    """solved: where a fit of the parametrisation may begin; promised: misfit where that leads to first order
+    (`fit.misfit`); explains: whether that leaves no more than the scatter does"""
+
+    parametrisation: Parametrisation
     solved: Compared
     promised: float
     explains: bool
 
 
-def _fit_from(
-    base: Fit, plan: Plan, extended: Parametrisation, kinds: Sequence[Sequence[Floats]], full: bool
-) -> Fit | None:
+def _fit_from(base: Fit, plan: Plan, kinds: Sequence[_Kind], full: bool) -> Fit | None:
     """From the most promising start, and from others as long as one promises more than the fits have come to. None
     where there is no response at any.
 
-    kinds: starts each. The calibrated model is a valley of its own: no start beside it is better before it is fitted.
+    kinds: of starts. The calibrated model is a valley of its own: no start beside it is better before it is fitted.
         Those of the second kind are not looked at where one of the first explains the data
     """
     waiting: list[_Start] = []
     best: Fit | None = None
     for place, kind in enumerate(kinds):
-        waiting += _starts_of(base, plan, extended, kind)
+        waiting += _starts_of(base, plan, kind)
         if place < len(kinds) - 1 and not any(start.explains for start in waiting):
             continue
-        best, waiting = _best_first(best, waiting, plan, extended, _options(full))
+        best, waiting = _best_first(best, waiting, plan, _options(full))
         if best is not None and best.compared.mean_squared_misfit <= 1:
             break
     return best
 
 
-def _starts_of(base: Fit, plan: Plan, extended: Parametrisation, kind: Sequence[Floats]) -> Iterator[_Start]:
-    """Up to the first that is better than none; where the model fails badly, far better."""
-    before = misfit(base.parametrisation, base.compared)
-    for compared in compared_at(extended, plan, kind, base.compared, base.compared.offsets):
+def _starts_of(base: Fit, plan: Plan, kind: _Kind) -> Iterator[_Start]:
+    """Up to the first that is better than none; where the model fails badly, far better. Branches are moved from those
+    of the calibrated model where these have the same numerical error."""
+    before, extended, near = misfit(base.parametrisation, base.compared), kind.extended, base.compared
+    if extended.numerics is not base.parametrisation.numerics:
+        near = replace(near, branches=())
+    for compared in compared_at(extended, plan, kind.starts, near, near.offsets):
         ahead = fit_linear(extended, plan, compared, compared.scatter, REACH)
-        yield _Start(compared, misfit(extended, ahead), ahead.mean_squared_misfit <= 1)
+        yield _Start(extended, compared, misfit(extended, ahead), ahead.mean_squared_misfit <= 1)
         if misfit(extended, compared) < before and _far_better(base, compared.mean_squared_misfit):
             return
 
 
 def _best_first(
-    known: Fit | None, starts: Sequence[_Start], plan: Plan, extended: Parametrisation, options: FitOptions
+    known: Fit | None, starts: Sequence[_Start], plan: Plan, options: FitOptions
 ) -> tuple[Fit | None, list[_Start]]:
     """The best fit, and the starts that promise no more than that; known: a fit from another one"""
     best, waiting = known, sorted(starts, key=lambda start: start.promised)
-    while waiting and (best is None or waiting[0].promised < misfit(extended, best.compared)):
+    while waiting and (best is None or waiting[0].promised < _misfit(best)):
         begin, *waiting = waiting
-        found = fit(extended, plan, begin.solved.u, begin.solved.scatter, begin.solved.branches, options)
-        best = found if best is None or misfit(extended, found.compared) < misfit(extended, best.compared) else best
+        solved = begin.solved
+        found = fit(begin.parametrisation, plan, solved.u, solved.scatter, solved.branches, options)
+        best = found if best is None or _misfit(found) < _misfit(best) else best
     return best, waiting
+
+
+def _misfit(found: Fit) -> float:
+    return misfit(found.parametrisation, found.compared)
 
 
 def compared_at(

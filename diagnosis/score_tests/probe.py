@@ -23,7 +23,7 @@ from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
 from updamp.diagnosis.candidate_models.baseline import Baseline
 from updamp.diagnosis.candidate_models.fit_tasks import without_branches
-from updamp.diagnosis.candidate_models.refit import COARSE, REACH, as_given, coarse_enough
+from updamp.diagnosis.candidate_models.refit import COARSE, REACH, coarse_enough
 from updamp.effects.effect import Effect
 from updamp.hbm.continuation.continuation import BranchStoppedError
 from updamp.parallel.workers import LongestFirst, Workers, here
@@ -65,11 +65,10 @@ def probes(
     Looks at the highest level of each mode alone, where most is seen of what depends on the amplitude.
     """
     plan = start.train_plan.only(highest_levels(start.train_plan))
-    at = as_given(start.fitted)
-    p, inflation = start.fitted.parametrisation, start.fitted.compared.inflation
+    (p, at), inflation = start.as_given, start.fitted.compared.inflation
     near = predict_branches(p, at, plan, None, BranchesBy(workers), coarse_enough(start.fitted), inflation)
     shared = _About(
-        without_branches(start.fitted), plan, at, [branch.thinned(_APART) for branch in near], _calibrated(start)
+        without_branches(start.fitted), plan, p, at, [branch.thinned(_APART) for branch in near], _calibrated(start)
     )
     # an effect without derivative is of a law or of harmonics that take longer
     longest_first = LongestFirst(workers, lambda effect: effect.finite_step)
@@ -88,11 +87,12 @@ def _calibrated(start: Baseline) -> float:
 
 @dataclass(frozen=True, eq=False)
 class _About:
-    """base: without its branches; at: (p,) parameters of the model as given; near: its branches; calibrated: what the
-    calibrated model leaves"""
+    """base: without its branches; given, at: the model as given and (p,) its parameters; near: its branches
+    calibrated: what the calibrated model leaves"""
 
     base: Fit
     plan: Plan
+    given: Parametrisation
     at: Floats
     near: Sequence[PredictedBranch]
     calibrated: float
@@ -131,10 +131,10 @@ def highest_levels(plan: Plan) -> tuple[int, ...]:
 
 def _probe(about: _About, effect: Effect, size: Floats) -> Probe | None:
     """size: (p,) of the effect's parameters in typical ones"""
-    base, plan = about.base, about.plan
-    extended: Parametrisation = replace(base.parametrisation, effects=(*base.parametrisation.effects, effect))
+    base, plan, given = about.base, about.plan, about.given
+    extended: Parametrisation = replace(given, effects=(*given.effects, effect))
     scatter = base.compared.scatter
-    u = base.parametrisation.with_further(about.at, size)
+    u = given.with_further(about.at, size)
     u = np.clip(u, extended.lower, extended.upper)
     try:
         options, inflation = coarse_enough(base), base.compared.inflation
