@@ -61,14 +61,14 @@ def _settled(fits: FitContext, some: Sequence[FittedCandidate], found: Candidate
 
 
 def _in_turn(fits: FitContext, tasks: Iterable[Sequence[FitTask]], known: CandidateFits) -> CandidateFits:
-    """With short fits of some after the others, until one explains the data: of the best, where it leaves little, the
-    full one too."""
+    """With short fits of some after the others, until one explains the data: of the best, where it leaves little or no
+    more than chance may, the full one too."""
     found, enough = dict(known), _left(fits.start, 1 - fits.criteria.search.promising)
     for some in tasks:
         if _explaining(fits, found):
             break
         found |= fits.results(_not_in(found, some))
-        promising = [r for r in best_first(found)[:1] if r.trial.excess < enough]
+        promising = [r for r in best_first(found)[:1] if r.trial.excess < enough or fits.explains(r.trial)]
         found |= fits.full([r for r in promising if not r.trial.full])
     return found
 
@@ -123,8 +123,9 @@ def _comes_close(one: Refit, best: Refit, start: Baseline, criteria: Criteria) -
 
 
 def _explaining(fits: FitContext, found: CandidateFits) -> FittedCandidate | None:
-    """The best one that explains the data, on runs that no fit saw too, by a calibration that can be believed."""
-    good = (r for r in found.values() if fits.explains_believably(r.trial))
+    """The best one that explains the data, on runs that no fit saw too, by a calibration that can be believed. How far
+    a short fit is off these is not asked."""
+    good = (r for r in found.values() if r.trial.full and fits.explains_believably(r.trial))
     return min(good, key=lambda r: r.trial.excess, default=None)
 
 
