@@ -111,6 +111,13 @@ class Parametrisation:
         """u with those of further effects after its own: before the patterns of numerical error."""
         return np.concatenate([u[: self.n_of_model], values, u[self.n_of_model :]])
 
+    def before_calibration(self, u: Floats) -> Floats:
+        """(p,) with nuisance parameters and numerical error back at what they were before calibration; effects as at u,
+        which may have another numerical error. A calibration to data with something else in them leads astray."""
+        found, effects = np.zeros(len(self)), slice(len(self.nuisances), self.n_of_model)
+        found[effects] = u[effects]
+        return found
+
     def values(self, u: Floats) -> dict[str, dict[str, float]]:
         """Effect -> parameter -> value at u, in the parameter's own unit."""
         values: dict[str, dict[str, float]] = {}

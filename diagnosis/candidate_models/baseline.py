@@ -57,16 +57,12 @@ class Baseline:
 
     @property
     def as_given(self) -> tuple[Parametrisation, Floats]:
-        """The model with nuisance parameters and numerical error back at what they were before calibration, and (p,)
-        its parameters: a calibration to data with something else in them leads astray, and what finer numerics change
-        where it has led to is not what they change as given. With effects in the model that is known of the calibrated
-        one alone."""
-        p, effects = self.fitted.parametrisation, slice(len(self.fitted.parametrisation.nuisances), None)
+        """The model before calibration, and (p,) its parameters: what finer numerics change where calibration has led
+        to is not what they change as given. With effects in the model that is known of the calibrated one alone."""
+        p = self.fitted.parametrisation
         if self.given_numerics is not None and not p.effects:
             p = replace(p, numerics=self.given_numerics)
-        u = np.zeros(len(p))
-        u[: p.n_of_model][effects] = self.fitted.u[: p.n_of_model][effects]
-        return p, u
+        return p, p.before_calibration(self.fitted.u)
 
     @property
     def train_plan(self) -> Plan:

@@ -14,7 +14,7 @@ from updamp.comparison.fit.compared import Compared, objective
 from updamp.comparison.fit.fit import Fit, FitOptions, fit
 from updamp.comparison.fit.fit_round import fit_linear
 from updamp.diagnosis.candidate_models.baseline import Baseline
-from updamp.diagnosis.candidate_models.refit import as_given, compared_at
+from updamp.diagnosis.candidate_models.refit import compared_at
 from updamp.effects.effect import Effect
 
 Floats = NDArray[np.float64]
@@ -37,7 +37,7 @@ def fit_from_size(found: Fit, effects: tuple[Effect, ...], size: float, start: B
     None where the model has no response at either, and where the fit comes back to what was found, which from most
     sizes first order tells: where a law takes long nothing else is to be solved then."""
     p, scatter, plan = found.parametrisation, found.compared.scatter, start.train_plan
-    starts = [_sized(found, effects, size, others) for others in (found.u, as_given(found))]
+    starts = [_sized(found, effects, size, others) for others in (found.u, p.before_calibration(found.u))]
     same, solved = partial(_same_minimum, found), list[Compared]()
     for compared in compared_at(p, plan, starts, found.compared):
         if same(fit_linear(p, plan, compared, scatter, _REACH)):
@@ -58,7 +58,7 @@ def _same_minimum(found: Fit, other: Compared) -> bool:
 
 def with_size(found: Fit, effects: tuple[Effect, ...], size: float) -> Fit:
     """Not fitted: effects of so many times their sizes in the model as given, without branches."""
-    u = _sized(found, effects, size, as_given(found))
+    u = _sized(found, effects, size, found.parametrisation.before_calibration(found.u))
     return replace(found, compared=replace(found.compared, u=u, branches=()))
 
 

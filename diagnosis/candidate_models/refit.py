@@ -101,7 +101,7 @@ def refit(
     if p.base.contacts is None:
         nested = _nested(base, plan, replace(p, effects=(*p.effects, *effects)))
         return None if nested is None else assessed(base, nested, plan, effects, criteria)
-    at_given = given or (p, as_given(base))
+    at_given = given or (p, p.before_calibration(base.u))
     kinds = [_beside(*at_given, effects, starts.as_given), _beside(p, base.u, effects, starts.calibrated)]
     fitted = _fit_from(base, plan, kinds, full)
     if fitted is None:
@@ -119,7 +119,7 @@ def _nested(base: Fit, plan: Plan, extended: Parametrisation) -> Fit | None:
     for values in (np.zeros(n), _shaped(base, plan, extended)):
         if best is not None and (not np.any(values) or best.compared.mean_squared_misfit < 1):
             break
-        for u in (as_given(base), base.u):
+        for u in (p.before_calibration(base.u), base.u):
             try:
                 found = fit_from_far(extended, plan, p.with_further(u, values), base.compared.scatter)
             except BranchStoppedError:
@@ -235,15 +235,6 @@ def compared_at(
         except BranchStoppedError:
             continue
         yield compare_at(parametrisation, u, plan, branches, near.scatter, offsets)
-
-
-def as_given(fitted: Fit) -> Floats:
-    """The fit's parameters with nuisance parameters and numerical error back at what they were before calibration: a
-    calibration to data with something else in them leads astray."""
-    p, u = fitted.parametrisation, np.zeros_like(fitted.u)
-    effects = slice(len(p.nuisances), p.n_of_model)
-    u[effects] = fitted.u[effects]
-    return u
 
 
 def coarse_enough(base: Fit) -> ContinuationOptions | None:
