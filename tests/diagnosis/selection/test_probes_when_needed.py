@@ -1,7 +1,8 @@
 """What effects of typical size could do is asked of all where the score test alone does not lead to one that explains
 the data, and before one is named; with made-up fits."""
 
-from types import SimpleNamespace
+from collections.abc import Mapping
+from types import MappingProxyType, SimpleNamespace
 
 import numpy as np
 import pytest
@@ -53,8 +54,8 @@ def search(monkeypatch):
         misfit: float = 20.0,
         far_off: tuple[str, ...] = (),
         short: int = 6,
-        unseen: dict[str, float] = {},  # noqa: B006
-        gains: dict[str, float] = {},  # noqa: B006
+        unseen: Mapping[str, float] = MappingProxyType({}),
+        gains: Mapping[str, float] = MappingProxyType({}),
     ):
         probed = []
         start = SimpleNamespace(
