@@ -8,7 +8,8 @@ from updamp.effects.rig_model import RigModel
 
 
 def apply(model: RigModel, values: Values) -> RigModel:
-    """n0 (1 + c (1/3 - s^2)), s along the damper, each face with the total that it had."""
+    """n0 (1 + c (1/3 - s^2)), s along the damper, each face with the total that it had. At c = 3/2 the ends carry
+    nothing, at -3 the middle does not."""
     patches, n0 = patches_of(model), entry(model, "n0")
     crowned = n0 * np.maximum(1 + values["crown"] * (1 / 3 - along_damper(patches) ** 2), 0.0)
     return model.with_contacts(n0=with_totals_of(crowned, n0, patches))
@@ -19,7 +20,7 @@ EFFECT = Effect(
     "the faces are crowned along the damper: the middle carries more load than the ends",
     (
         EffectParameter(
-            "crown", 0.0, -2.0, 1.4, 0.8, "",
+            "crown", 0.0, -3.0, 1.5, 0.8, "",
             "assumed: ends unloaded by half, as crowned or bent dampers show on pressure film",
         ),
     ),
