@@ -24,6 +24,7 @@ from updamp.hbm.continuation.pieces import BranchSegment, Pieces
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.continuation.segments import from_end, segment_from
 from updamp.hbm.continuation.starts import starts
+from updamp.hbm.continuation.window_ends import cut_at_window
 from updamp.hbm.newton.equation import linear_solution
 from updamp.hbm.newton.newton import solve
 from updamp.hbm.problem.system import NonlinearSystem
@@ -151,7 +152,8 @@ def _from_further_starts(
 
 def _finished(system: NonlinearSystem, request: CurveRequest, pieces: Pieces) -> ResponseCurve:
     parts = [(part.segment.records, part.backwards, part.gap) for part in pieces.parts()]
-    curve = with_hardly_felt_resonances(system, request, put_together(pieces.first.records, parts))
+    curve = cut_at_window(system, request, put_together(pieces.first.records, parts))
+    curve = with_hardly_felt_resonances(system, request, curve)
     beside = within(request.window, (apart(pieces.first.records, *chain) for chain in pieces.detached()))
     scale_w = request.options.scale_w(request.window)
     curve = replace(curve, detached=tuple(one for one in beside if missing(curve, [middle(one)], scale_w)))

@@ -196,6 +196,11 @@ def with_point(
     return replace(curve, **columns)
 
 
+def without_point(curve: ResponseCurve, place: int) -> ResponseCurve:
+    """The curve without the point of that number"""
+    return replace(curve, **{name: np.delete(getattr(curve, name), place, axis=0) for name in COLUMNS})
+
+
 def empty_curve(request: CurveRequest, system: NonlinearSystem) -> ResponseCurve:
     none = np.zeros(0)
     columns: dict[str, Any] = dict.fromkeys(COLUMNS, none)

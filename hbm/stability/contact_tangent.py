@@ -111,8 +111,8 @@ class ContactTangent:
         forces = np.zeros(motion.shape, dtype=np.complex128)
         for some, block in zip(self.loose, self.blocks, strict=True):
             n, d, c = block.shape[:3]
-            product = block.reshape(n, d * c, d * c) @ motion[some.rows].reshape(n, d * c, -1)
-            forces[some.rows] = product.reshape(n, d, c, -1)
+            product = block.reshape(n, d * c, d * c) @ motion[some.rows].reshape(n, d * c, motion.shape[2])
+            forces[some.rows] = product.reshape(n, d, c, motion.shape[2])
         return forces
 
     def mean(self) -> Floats:

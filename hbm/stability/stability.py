@@ -7,7 +7,7 @@ time samples, and are not to be trusted. The check is to compute the decisive on
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,10 @@ LOWEST_ORDER = 3
 SMALL = 250  # relative rows times coefficients of a system of which all exponents are computed with more harmonics too
 CHECKED = 3  # exponents at most, of those nearest to growing, that are computed again otherwise
 UNSETTLED = "the exponents of contacts with memory, or with forces that depend on the speed, did not settle"
+CONTRADICTED = (
+    "the branch runs back here, between two turning points, where a motion grows, and no exponent of the contacts as "
+    "they move does: sliders that stand still in this motion take part in what grows"
+)
 
 
 @dataclass(frozen=True)
@@ -84,7 +88,7 @@ def stability(
 
     x: (n_relative, n_coefficients) [m]; w [rad/s]
     against: whether the point lies between turning points, if known. If it does, and the Jacobian's determinant says
-    the same, a real exponent grows, and none is computed
+    the same, or no contact moves on, a real exponent grows, and none is computed; stable it is not called then
     """
     options, mirror = options or StabilityOptions(), system.mirror
     if mirror and system.half and system.other_half and mirror.keeps(x):
@@ -92,6 +96,14 @@ def stability(
         alike = _of_one(system.half, half, w, options, against)
         return _together(alike, _of_one(system.other_half, half, w, options, None))
     return _of_one(system, x, w, options, against)
+
+
+def _of_one(system: NonlinearSystem, x: Floats, w: float, options: StabilityOptions, against: bool | None) -> Stability:
+    """Of a problem that is not divided further."""
+    found = _by_exponents(system, x, w, options, against)
+    if against and found.stable and any(depends_on_growth(group.law) for group in system.groups):
+        return replace(found, stable=None, trusted=False, reason=CONTRADICTED)
+    return found
 
 
 def _together(alike: Stability, opposed: Stability) -> Stability:
@@ -108,12 +120,14 @@ def _together(alike: Stability, opposed: Stability) -> Stability:
     return Stability(True if known else None, exponents, known, reason, change)
 
 
-def _of_one(system: NonlinearSystem, x: Floats, w: float, options: StabilityOptions, against: bool | None) -> Stability:
-    """Of a problem that is not divided further."""
+def _by_exponents(
+    system: NonlinearSystem, x: Floats, w: float, options: StabilityOptions, against: bool | None
+) -> Stability:
+    """As `_of_one`, by what tells it quickest"""
     order = max(options.order, system.harmonics.orders[-1], LOWEST_ORDER)
     coarse = HillProblem(system, x, w, order, system.time_samples)
     if not len(coarse.still.rows):
-        return _stuck(system, options.tolerance * w)
+        return _back_from_a_turn() if against else _stuck(system, options.tolerance * w)
     if not any(depends_on_growth(group.law) for group in system.groups):
         fine = HillProblem(system, x, w, order + 2, 2 * system.time_samples)
         exponents, again = symmetric_exponents(coarse), float(symmetric_exponents(fine)[0].real)
@@ -139,6 +153,13 @@ def _stuck(system: NonlinearSystem, small: float) -> Stability:
     values = np.linalg.eigvals(A).astype(np.complex128)
     values = values[np.argsort(-values.real)]
     return Stability(bool(values[0].real < small), values, True, "", 0.0)
+
+
+def _back_from_a_turn() -> Stability:
+    """Between turning points a real exponent grows, by the Jacobian that makes them. Sliders that have shaken down
+    stand still in the motion itself, and are taken to do so in what perturbs it; one that grows moves them.
+    """
+    return Stability(False, np.zeros(0, dtype=np.complex128), True, "", np.nan)
 
 
 def _judged(exponents: Complex, again: float, w: float, options: StabilityOptions, reasons: list[str]) -> Stability:
