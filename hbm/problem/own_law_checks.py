@@ -86,8 +86,24 @@ def _refuse_force(
         raise OwnLawError(f"{name}: force returns {kind}; real numbers in double precision, float64, are needed")
     if not law.rate_dependent and not _same(force, law.force(displacement, 0.7 * velocity, parameters), _ROUND_OFF):
         raise OwnLawError(f"{name}: rate_dependent is False, and force changes with the velocity: say True")
+    if not hasattr(law, "cycles") and _remembers(law, parameters, displacement, velocity):
+        raise OwnLawError(
+            f"{name}: force at one time depends on the motion at others, and a law with a memory says through how many "
+            "periods it marches, or its stability would be that of a law without: give it a field cycles, such as "
+            "cycles: int = 2"
+        )
     if isinstance(law, MemorylessLaw) and is_of_its_force(law, "sampled"):
         _refuse_sampled(law, name, parameters, displacement, velocity)
+
+
+def _remembers(law: Any, parameters: Any, displacement: jax.Array, velocity: jax.Array) -> bool:
+    """Whether a sample changes the force at others beyond its neighbours, which a law that averages between samples
+    looks at. Not told where a force is no number: beyond what a law is for."""
+    by_sample = jax.jacfwd(lambda u: law.force(u, velocity, parameters))(displacement)
+    slopes = np.abs(np.asarray(by_sample)).max(axis=(1, 3))
+    apart = np.abs(np.subtract.outer(np.arange(_SAMPLES), np.arange(_SAMPLES)))
+    far = slopes[np.minimum(apart, _SAMPLES - apart) > 1]
+    return bool(np.isfinite(slopes).all() and far.max() > _SLOPES * slopes.max())
 
 
 def _refuse_sampled(

@@ -112,4 +112,27 @@ def test_a_law_is_asked_once_whatever_its_parameters():
     law = Own(force)
     for _ in range(3):
         made(law)
-    assert len(asked) == 6  # three sizes, with two velocities each
+    assert len(asked) == 9  # three sizes, with two velocities each, and for a memory
+
+
+def slider(u, _, c):
+    """Of a spring c with the limit 1, marched through two periods"""
+
+    def step(at, there):
+        force = jnp.clip(c * (there - at), -1.0, 1.0)
+        return there - force / c, force
+
+    at, _ = jax.lax.scan(step, 0.0 * u[0, 0], u[:, 0])
+    return jax.lax.scan(step, at, u[:, 0])[1][:, None]
+
+
+@dataclass(frozen=True)
+class Marched(Own):
+    cycles: int = 2
+
+
+def test_a_law_with_a_memory_says_that_it_has_one():
+    """Told without, every point of its curve had the stability of a law without memory: unstable."""
+    with pytest.raises(OwnLawError, match=r"Own: force at one time depends on the motion at others.* cycles: int = 2"):
+        made(Own(slider))
+    made(Marched(slider))
