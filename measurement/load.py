@@ -105,7 +105,7 @@ def _with_runs(path: Path, file: MeasurementFile, files: _Files) -> Measurement:
         pull=math.nan if file.damper_load is None else file.damper_load,
         excitation=file.excitation,
         channels=tuple(
-            Channel(name, channel.model_point, channel.negative)
+            Channel(name, channel.model_point, channel.negative, channel.quantity)
             for name, channel in file.channels.items()
             if name != file.force_channel
         ),
@@ -181,8 +181,8 @@ def _check_phases(where: str, file: MeasurementFile, run: RunTable, sweep: Recor
         if not (channel.has_phase or (told_against and not channel.per_force and (others or name == run.held_channel))):
             raise MeasurementError(
                 f"{where} channel '{name}': its {channel.amplitude.shape[1]} values are all real, so the file gives no "
-                'phase for it; give its phase or imaginary part too (options of the run), or state phase = "none" for '
-                "the channel where there is none"
+                "phase for it; give complex values, or its phase or imaginary part too (where the format has options "
+                'for these), or state phase = "none" for the channel where there is none'
             )
 
 

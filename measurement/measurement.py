@@ -23,11 +23,13 @@ FREQUENCY_ERROR = 2e-6
 class Channel:
     """A sensor. name: as in the data files; point: what it looks at in the model, such as "blade_right.tip.x";
     negative: it was mounted the other way round; the amplitudes of a `MeasuredRun` are turned already
+    quantity: that it reads, such as "acceleration"; "" where that is not known
     """
 
     name: str
     point: str
     negative: bool = False
+    quantity: str = ""
 
 
 @dataclass(frozen=True, eq=False)

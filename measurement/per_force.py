@@ -115,7 +115,11 @@ def _unit(where: str, label: str, table: ChannelTable) -> tuple[float, list[str]
     try:
         return label_factor(label, "force"), []
     except ValueError:
-        raise MeasurementError(
-            f'{where}: the unit of the force it is divided by, "{label}" (record 10 of data set 58), is not '
-            f"understood; write it there as N, kN or lbf"
-        ) from None
+        if other := quantity_of_label(label):
+            raise MeasurementError(
+                f'{where}: the unit of the force it is divided by, "{label}" (record 10 of data set 58), is that of a '
+                f"{other}; write it there as N, kN or lbf"
+            ) from None
+    return table.si_factor, [
+        f"{where}: the unit of the force it is divided by, '{label}', is not understood; {table.unit} is taken"
+    ]

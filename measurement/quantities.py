@@ -77,7 +77,9 @@ def is_over_force(label: str) -> bool:
 def spellings(label: str) -> tuple[str, ...]:
     """Of a unit in a data file, whose capitals are not to be relied on, nor its sign of a power ("m/s2", "mm s-1")."""
     plain = _POWER.sub(r"^\1", label.strip("()[] "))
-    return tuple(dict.fromkeys((label, plain, plain.lower(), plain.capitalize())))
+    # no prefix is a capital K, and "kn" is a knot
+    kilo = [f"k{plain[1:]}", f"k{plain[1:].capitalize()}"] if plain[:1] in ("K", "k") and len(plain) > 1 else []
+    return tuple(dict.fromkeys((label, plain, *kilo, plain.lower(), plain.capitalize())))
 
 
 def label_factor(label: str, quantity: str) -> float:
@@ -92,13 +94,15 @@ def label_factor(label: str, quantity: str) -> float:
 
 def quantity_of_label(label: str) -> str:
     """What else than it should a label in a data file measures: a quantity, or a voltage; "" where nobody can say."""
-    for quantity in QUANTITIES:
+    for spelled in (GRAVITY.get(one, one) for one in spellings(label)):
+        for quantity in QUANTITIES:
+            with suppress(ValueError):
+                si_factor(spelled, quantity)
+                return quantity
+    for spelled in spellings(label):
         with suppress(ValueError):
-            label_factor(label, quantity)
-            return quantity
-    with suppress(ValueError):
-        Quantity("V", "1 V").to_si(f"1 {label}")
-        return "voltage"
+            Quantity("V", "1 V").to_si(f"1 {spelled}")
+            return "voltage"
     return ""
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from updamp.measurement.measurement import MeasurementError
 from updamp.measurement.quantities import label_factor, quantity_of_label, si_factor
 from updamp.measurement.recorded import Complex, Floats, RecordedChannel, RecordedSweep
-from updamp.rig.fields import Quantity
+from updamp.rig.fields import LOGARITHMIC, Quantity, is_logarithmic
 
 LEVEL_TOLERANCE = 0.25  # of the median measured against the stated level; RMS taken for peak is off by 0.29
 
@@ -146,6 +146,8 @@ def check_statements(where: str, channel: RecordedChannel, quantity: str, unit: 
         try:
             stated = label_factor(channel.unit, quantity)
         except ValueError:
+            if is_logarithmic(channel.unit):
+                raise MeasurementError(f"{where}: the file says {channel.unit}, which {LOGARITHMIC}") from None
             if other := quantity_of_label(channel.unit):
                 raise MeasurementError(
                     f"{where}: the file says {channel.unit}, the unit of a {other}; measurement.toml quantity = "

@@ -47,11 +47,17 @@ UNIT = "channels.{}.unit"
 FACTORS = {
     1e3: 'millimetres taken for metres or the other way round ("mm/s" and "m/s"), or kN for N; correct {unit}',
     1e6: 'micrometres taken for metres or the other way round ("um/s" and "m/s"); correct {unit}',
-    9.80665: 'multiples of standard gravity taken for m/s^2 or the other way round ("g_0", "m/s^2"); correct {unit}',
+    10.0: "the range of an amplifier, or a sensitivity ten times off; correct the data or {unit}",
+    100.0: "the range of an amplifier, or a sensitivity a hundred times off; correct the data or {unit}",
     np.sqrt(2): 'RMS taken for peak or the other way round; correct channels.{name}.amplitude ("rms", "peak")',
     2.0: 'peak to peak taken for peak or the other way round; correct channels.{name}.amplitude ("peak_to_peak")',
     2 * np.pi: "2 pi: frequencies in Hz taken for rad/s where the recorder integrated; correct the data or {unit}",
 }  # fmt: skip
+
+
+GRAVITY = {
+    9.80665: 'multiples of standard gravity taken for m/s^2 or the other way round ("g_0", "m/s^2"); correct {unit}',
+}
 
 
 def unknown_modes(measurement: Measurement, modes: Sequence[str]) -> list[str]:
@@ -115,7 +121,7 @@ def _of_channel(model: RigModel, found: SmallAmplitude, runs: Sequence[MeasuredR
     asked: set[str] = set()
     for run in runs:
         if channel.name in run.channels:
-            for kind, question in _channel(model, found, run, channel.name, channel.point):
+            for kind, question in _channel(model, found, run, channel):
                 if kind not in asked:
                     yield question
                 asked.add(kind)
@@ -196,10 +202,9 @@ def _sizes(units: Sequence[str]) -> str:
     return " or ".join(f"{max(f, 1 / f):.3g}" for f in (FREQUENCY_UNITS[unit] for unit in units))
 
 
-def _channel(
-    model: RigModel, found: SmallAmplitude, run: MeasuredRun, name: str, point: str
-) -> Iterator[tuple[str, str]]:
+def _channel(model: RigModel, found: SmallAmplitude, run: MeasuredRun, channel: Channel) -> Iterator[tuple[str, str]]:
     """Kinds of questions, and the questions."""
+    name, point = channel.name, channel.point
     if name not in run.without_phase and (guess := _turn(run, name)):
         yield "turn", guess
     measured = modal_fit(run.frequency, run.receptance(name))
@@ -212,7 +217,7 @@ def _channel(
         return
     where = f"channel '{name}' (run '{run.name}')"
     ratio = complex(measured.constant / own)
-    if guess := _factor(name, abs(ratio), frequency):
+    if guess := _factor(channel, abs(ratio), frequency):
         size = f"its modal constant at {frequency:.4g} Hz is {abs(ratio):.3g} times the model's"
         yield "size", f"{where}: {size}; {guess}?"
     if name in run.without_phase:
@@ -223,7 +228,16 @@ def _channel(
             f"{where}: its phase rises through the resonance at {frequency:.4g} Hz, as of a structure that gives "
             'energy; is time_convention right ("exp(+iwt)", "exp(-iwt)"), and the sign of its phases?',
         )
-    # nearer to the opposite sign than to a quarter of a turn, which another quantity would be
+    # nearer to a quarter of a turn than to none; and to half of one
+    elif certain and np.pi / 4 < abs(np.angle(ratio)) <= 3 * np.pi / 4:
+        ahead = np.angle(ratio) > 0
+        yield (
+            "quarter",
+            f"{where}: its phase is {abs(np.degrees(np.angle(ratio))):.0f} degrees {'ahead of' if ahead else 'behind'} "
+            f"the model's at the resonance at {frequency:.4g} Hz, a quarter of a turn or nearly, as that of "
+            f"{'a velocity' if ahead else 'a motion that was integrated once more'} is; are "
+            f"channels.{name}.quantity and what its phase is measured against right (channels.{name}.phase_of)?",
+        )
     elif certain and abs(np.angle(ratio)) > 3 * np.pi / 4:
         yield (
             "sign",
@@ -271,9 +285,9 @@ def _mode_of(run: MeasuredRun, found: SmallAmplitude, frequency: float) -> tuple
     return mode, bool((apart > QuestionOptions.frequency).all())
 
 
-def _factor(name: str, ratio: float, frequency: float) -> str:
+def _factor(channel: Channel, ratio: float, frequency: float) -> str:
     """What a modal constant that is so many times the model's may come from, "" where that is nothing to ask about."""
-    size = max(ratio, 1 / ratio)
+    size, name = max(ratio, 1 / ratio), channel.name
     w = 2 * np.pi * frequency
     of_time = {
         w: "velocity taken for displacement, or acceleration for velocity; correct channels.{name}.quantity",
@@ -281,7 +295,11 @@ def _factor(name: str, ratio: float, frequency: float) -> str:
     }
     guesses = [
         f"a factor of {factor:.4g} is {text.format(unit=UNIT.format(name), name=name)}"
-        for factor, text in {**FACTORS, **of_time}.items()
+        for factor, text in {
+            **FACTORS,
+            **(GRAVITY if channel.quantity in ("acceleration", "") else {}),
+            **of_time,
+        }.items()
         if abs(np.log(size / factor)) < QuestionOptions.exact
     ]
     if not guesses and size <= QuestionOptions.odd:

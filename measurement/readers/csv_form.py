@@ -34,7 +34,7 @@ def is_number(text: str) -> bool:
         float(text)
     except ValueError:
         return False
-    return True
+    return "_" not in text
 
 
 def looks_like_number(text: str) -> bool:

@@ -16,18 +16,18 @@ from updamp.parallel.whole_file import DAMAGED_HDF5
 from updamp.rig.fields import InputTable
 
 LARGEST_NUMBERS = 1e8  # in one variable: 1.6 GB
-_TO_HERTZ = {"Hz": 1.0, "rad/s": 1 / (2 * np.pi)}
+_TO_HERTZ = {"Hz": 1.0, "kHz": 1e3, "rad/s": 1 / (2 * np.pi)}
 
 
 class MatlabOptions(InputTable):
-    """frequency: variable of the frequencies; frequency_unit: theirs, "Hz" or "rad/s"; harmonics: of the rows of a
-    channel's array, (n_harmonics, n) in MATLAB.
+    """frequency: variable of the frequencies; frequency_unit: theirs, "Hz", "kHz" or "rad/s"; harmonics: of the rows of
+    a channel's array, (n_harmonics, n) in MATLAB.
 
     A field of a structure is written with a point, as in MATLAB: "test.frequency".
     """
 
     frequency: Annotated[str, Field(examples=["frequency"])] = "frequency"
-    frequency_unit: Literal["Hz", "rad/s"] | None = None
+    frequency_unit: Literal["Hz", "kHz", "rad/s"] | None = None
     harmonics: Annotated[tuple[Annotated[int, Field(strict=True, ge=0)], ...], Field(examples=[[1, 2]])] = (1,)
 
 
@@ -48,7 +48,7 @@ def read_matlab(path: Path, labels: tuple[str, ...], options: MatlabOptions) -> 
     used = {name.split(".")[0] for name in wanted}
     note = (
         f"{path.name}: frequency_unit is not stated; '{options.frequency}' is read in Hz "
-        f"(allowed are {' and '.join(_TO_HERTZ)})"
+        f"(allowed are {', '.join(_TO_HERTZ)})"
     )
     notes = () if options.frequency_unit else (note,)
     return (RecordedSweep("", None, "", frequency, channels, tuple(n for n in top if n not in used), notes),)

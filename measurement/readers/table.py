@@ -13,7 +13,7 @@ from updamp.measurement.measurement import MeasurementError
 from updamp.measurement.readers.csv_form import PLAIN, CsvForm, is_number, with_point
 from updamp.measurement.readers.header import Header, check_column
 from updamp.measurement.readers.text_file import Start, has_line_end, line_of, lines_of, opened
-from updamp.measurement.readers.units_row import is_row_of_units, plain_unit
+from updamp.measurement.readers.units_row import is_row_of_units, plain_unit, units_of_names
 
 LINES_AT_ONCE = 100_000
 
@@ -39,7 +39,7 @@ class Codes:
 @dataclass(frozen=True, eq=False)
 class Table:
     """header: all columns; numbers: (n,) by column; texts: by column; start: of its rows; notes: what was taken for
-    granted; units: those of the row of units by column, without brackets, empty where there is no such row
+    granted; units: by column, without brackets, of the row of units, or of names such as "tip [mm]"
     """
 
     header: tuple[str, ...]
@@ -50,7 +50,7 @@ class Table:
     units: Mapping[str, str] = field(default_factory=dict)
 
     def unit(self, column: str) -> str:
-        """As the row of units has it; "" where it says nothing."""
+        """As the row of units, or its name, has it; "" where neither says anything."""
         return self.units.get(column, "")
 
 
@@ -79,7 +79,7 @@ def read_table(
         # A file that was cut off within its last value shows it by nothing else than its missing line end.
         told = f"no line end after its last value, {last[:40]}: taken as complete, as if nothing were cut off"
         notes += (f"{path.name}: {told}",)
-    return Table(header.names, numbers, texts, start, notes, units)
+    return Table(header.names, numbers, texts, start, notes, units or units_of_names(numeric))
 
 
 def _units(
@@ -149,6 +149,8 @@ def _check_rows(rows: _Rows, piece: list[list[str]], before: int) -> None:
 def _numbers(rows: _Rows, column: str, texts: Sequence[str], before: int) -> Floats:
     plain = rows.form.plain
     try:
+        if any("_" in text for text in texts):
+            raise ValueError  # Python takes "1_000" for a number
         return np.array([plain(text) for text in texts], dtype=np.float64)
     except ValueError:
         i, bad = next((i, text) for i, text in enumerate(texts) if not is_number(plain(text)))
@@ -159,6 +161,8 @@ def _numbers(rows: _Rows, column: str, texts: Sequence[str], before: int) -> Flo
 
 
 def _remedy(bad: str, form: CsvForm) -> str:
+    if not bad.strip():
+        return "the cell is empty: fill it, or take its line out"
     if form.decimal == ",":
         return 'with decimal = "," numbers have a decimal comma and no points'
     if is_number(with_point(bad)):

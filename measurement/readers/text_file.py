@@ -16,6 +16,7 @@ from updamp.rig.toml_file import UTF_16
 LONGEST_LINE = 10_000  # characters; a longer one is no line of numbers
 UTF8, WIDE, WINDOWS = "utf-8-sig", "utf-16", "cp1252"  # as Python calls them
 _AT_ONCE = 1 << 20  # bytes
+_EMPTY_CELLS = " \t\r\n\v\f\x1a,;"
 _BLANKS = b"\t\n\v\f\r\x1a"  # the last one ends a file of DOS
 _PRINTED = _BLANKS + bytes(b for b in range(0x20, 0x100) if b not in (0x7F, 0x81, 0x8D, 0x8F, 0x90, 0x9D))
 _NOTES = {
@@ -83,20 +84,25 @@ def opened(path: Path, codec: str, delimiter: str) -> Iterator[IO[str]]:
 
 
 def lines_of(path: Path, file: IO[str]) -> Iterator[str]:
-    """Without empty lines and comments. raises: MeasurementError for a line that is too long for one"""
+    """Without empty lines, of empty cells too, and comments. raises: MeasurementError for a line that is too long for
+    one"""
     while line := file.readline(LONGEST_LINE):
         if len(line) == LONGEST_LINE:
             raise MeasurementError(
                 f"{path}: a line of more than {LONGEST_LINE} characters; this is no table of numbers"
             )
-        if line.strip() and not line.startswith("#"):
+        if _says_something(line):
             yield line
+
+
+def _says_something(line: str) -> bool:
+    return bool(line.strip(_EMPTY_CELLS)) and not line.startswith("#")
 
 
 def line_of(path: Path, start: Start, row: int) -> int:
     """Number in the file, from 1, of a row of the table: empty lines and comments are counted here."""
     with path.open(encoding=start.codec, newline="") as file:
-        lines = (number for number, line in enumerate(file, 1) if line.strip() and not line.startswith("#"))
+        lines = (number for number, line in enumerate(file, 1) if _says_something(line))
         return next(islice(lines, start.lines + row, None), 0)
 
 

@@ -219,9 +219,9 @@ def test_a_row_of_numbers_is_no_row_of_units(tmp_path: Path) -> None:
     thousands = text().split("\r\n")
     thousands[1] = ";".join(["1.428,5"] * 5)
     assert 'line 2: Frequenz = "1.428,5": not a number' in refused(tmp_path, "\r\n".join(thousands))
-    empty = text().split("\r\n")
-    empty[1] = ";;;;"
-    assert 'line 2: Frequenz = "": not a number' in refused(tmp_path, "\r\n".join(empty))
+    partly = text().split("\r\n")
+    partly[1] = ";1;;;"
+    assert 'line 2: Frequenz = "": not a number; the cell is empty' in refused(tmp_path, "\r\n".join(partly))
 
 
 def test_the_delimiter_is_found_below_a_preamble(tmp_path: Path) -> None:

@@ -60,8 +60,10 @@ def test_the_divisor_behind_a_stroke_in_the_label_of_the_response(tmp_path: Path
 
 def test_a_divisor_that_is_not_understood_is_named(tmp_path: Path) -> None:
     message = refused(tmp_path, NEWTONS + ratios(below="Volt"))
-    assert '"Volt" (record 10 of data set 58), is not understood' in message
+    assert '"Volt" (record 10 of data set 58), is that of a voltage' in message
     assert "kN" in message
+    unknown = load(tmp_path, NEWTONS + ratios(below="EU"))  # engineering units, as of the response
+    assert any("divided by, 'EU', is not understood; N is taken" in a for a in unknown.assumptions)
 
 
 def test_a_ratio_is_peak_by_peak(tmp_path: Path) -> None:

@@ -68,6 +68,25 @@ def test_a_sensor_that_looks_the_other_way_is_asked_about() -> None:
     assert "channels.tip.direction" in question
 
 
+@pytest.mark.parametrize(
+    ("turn", "says"), [(90, "90 degrees ahead of"), (-90, "90 degrees behind"), (110, "110 degrees")]
+)
+def test_a_quarter_of_a_turn_is_asked_about(turn: float, says: str) -> None:
+    """A velocity read as a displacement, or its phase: it was told as a resonance 0.6 % high and damping 13 % high."""
+    (question,) = measured_against_model(two_modes(), swept_arm(tip=np.exp(1j * np.radians(turn))))
+    assert says in question
+    assert "channels.tip.quantity and what its phase is measured against" in question
+
+
+@pytest.mark.parametrize(("quantity", "gravity"), [("displacement", False), ("acceleration", True)])
+def test_a_factor_of_ten_is_one_of_gravity_for_accelerations_alone(quantity: str, gravity: bool) -> None:
+    measured = swept_arm(tip=10.0)
+    channels = tuple(replace(channel, quantity=quantity) for channel in measured.channels)
+    (question,) = measured_against_model(two_modes(), replace(measured, channels=channels))
+    assert "the range of an amplifier" in question
+    assert ("standard gravity" in question) == gravity
+
+
 def test_sensors_that_are_exchanged_are_asked_about_in_the_mode_that_tells() -> None:
     """Both move alike in the first mode, whose run comes first, and against each other in the second one."""
     right = swept_arm(modes=("first", "second"))
