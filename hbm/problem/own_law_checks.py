@@ -86,7 +86,8 @@ def _refuse_force(
         raise OwnLawError(f"{name}: force returns {kind}; real numbers in double precision, float64, are needed")
     if not law.rate_dependent and not _same(force, law.force(displacement, 0.7 * velocity, parameters), _ROUND_OFF):
         raise OwnLawError(f"{name}: rate_dependent is False, and force changes with the velocity: say True")
-    if not hasattr(law, "cycles") and _remembers(law, parameters, displacement, velocity):
+    tells_memory = law.rate_dependent or hasattr(law, "cycles")
+    if not tells_memory and _remembers(law, parameters, displacement, velocity):
         raise OwnLawError(
             f"{name}: force at one time depends on the motion at others, and a law with a memory says through how many "
             "periods it marches, or its stability would be that of a law without: give it a field cycles, such as "

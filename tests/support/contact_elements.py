@@ -24,6 +24,10 @@ class InJax:
     decoupled_directions: ClassVar[tuple[int, ...]] = (0, 1)
     rate_dependent: ClassVar[bool] = False
 
+    @property
+    def cycles(self):
+        return self.law.cycles
+
     def force(self, displacement, velocity, parameters):
         return force_for_analysis(self.law)(displacement, velocity, parameters)
 

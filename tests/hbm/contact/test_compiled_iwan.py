@@ -27,6 +27,7 @@ class InJax:
     directions: ClassVar[int] = 1
     rate_dependent: ClassVar[bool] = False
     parameters: ClassVar[type] = IwanParameters
+    cycles: ClassVar[int] = 2
 
     def force(self, displacement: jax.Array, velocity: jax.Array, parameters: Any) -> jax.Array:
         return self.law.force(displacement, velocity, parameters)

@@ -107,6 +107,7 @@ class AllAtOnce:
     law: Any
     directions: ClassVar[int] = 3
     rate_dependent: ClassVar[bool] = False
+    cycles: ClassVar[int] = 2
 
     def force(self, displacement, velocity, parameters):
         return force_for_analysis(self.law)(displacement, velocity, parameters)
