@@ -110,7 +110,7 @@ def _checked(
             notes.append(f"{here} is not calibrated: {stands_for}, and results are in {table.unit}")
         else:
             told = _told(sweep, file.label(name))
-            notes += check_statements(here, channel, table.quantity, table.unit, told)
+            notes += check_statements(here, channel, table.quantity, table.unit, told, table.amplitude)
     return notes
 
 

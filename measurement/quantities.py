@@ -32,6 +32,12 @@ AMPLITUDES: Mapping[str, float] = {"peak": 1.0, "rms": float(np.sqrt(2)), "peak_
 
 # The standard gravity as people and programs call it; to pint they are gram, gauss and nothing.
 GRAVITY: Mapping[str, str] = dict.fromkeys(("g", "G", "gn", "g_n", "g0"), "g_0")
+# What programs write behind a unit: what kind of value of a vibration it is of.
+_KINDS: Mapping[str, str] = {
+    "rms": "rms", "eff": "rms", "pk": "peak", "peak": "peak", "0-pk": "peak", "0-p": "peak", "pp": "peak_to_peak",
+    "p-p": "peak_to_peak", "pk-pk": "peak_to_peak", "peak-to-peak": "peak_to_peak",
+}  # fmt: skip
+_OF_A_KIND = re.compile(rf"(.*\S)[\s_]+[(\[]?({'|'.join(_KINDS)})[)\]]?", re.IGNORECASE)
 _POWER = re.compile(r"(?<=[A-Za-z])(-?\d)")  # a digit behind a letter
 
 
@@ -72,6 +78,12 @@ def is_over_force(label: str) -> bool:
     """Whether a label in a data file is the unit of a response over that of a force."""
     responses = [kind for kind in QUANTITIES.values() if kind.derivatives is not None]
     return bool(label) and any(_is_over_force(one, kind) for one in spellings(label) for kind in responses)
+
+
+def unit_and_kind(label: str) -> tuple[str, str]:
+    """Of a label in a data file such as "mm/s RMS": the unit, and which of AMPLITUDES it says, "" for none."""
+    found = _OF_A_KIND.fullmatch(label.strip())
+    return (found[1], _KINDS[found[2].lower()]) if found else (label, "")
 
 
 def spellings(label: str) -> tuple[str, ...]:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from updamp.measurement.measurement import MeasurementError
-from updamp.measurement.quantities import label_factor, quantity_of_label, si_factor
+from updamp.measurement.quantities import label_factor, quantity_of_label, si_factor, unit_and_kind
 from updamp.measurement.recorded import Complex, Floats, RecordedChannel, RecordedSweep
 from updamp.rig.fields import LOGARITHMIC, Quantity, is_logarithmic
 
@@ -131,24 +131,31 @@ def turned_as_stated(where: str, channel: RecordedChannel, direction: str) -> tu
     return replace(channel, amplitude=-channel.amplitude, direction=wanted), [note]
 
 
-def check_statements(where: str, channel: RecordedChannel, quantity: str, unit: str, told: str = "") -> list[str]:
+def check_statements(
+    where: str, channel: RecordedChannel, quantity: str, unit: str, told: str = "", amplitude: str | None = None
+) -> list[str]:
     """What the file says of its channel against measurement.toml; returns what was taken for granted.
 
-    told: what its reader said of the channel
-    raises: MeasurementError where quantity or unit contradict each other
+    told: what its reader said of the channel; amplitude: stated, None where nothing is
+    raises: MeasurementError where quantity, unit or amplitude contradict each other
     """
     notes = []
+    label, kind = unit_and_kind(channel.unit)
+    if kind and amplitude and kind != amplitude:
+        raise MeasurementError(
+            f'{where}: the file says {channel.unit}, measurement.toml amplitude = "{amplitude}"; correct one of them'
+        )
     if channel.quantity not in ("", quantity):
         raise MeasurementError(
             f'{where}: the file says {channel.quantity}, measurement.toml quantity = "{quantity}"; correct one of them'
         )
     if channel.unit:
         try:
-            stated = label_factor(channel.unit, quantity)
+            stated = label_factor(label, quantity)
         except ValueError:
-            if is_logarithmic(channel.unit):
+            if is_logarithmic(label):
                 raise MeasurementError(f"{where}: the file says {channel.unit}, which {LOGARITHMIC}") from None
-            if other := quantity_of_label(channel.unit):
+            if other := quantity_of_label(label):
                 raise MeasurementError(
                     f"{where}: the file says {channel.unit}, the unit of a {other}; measurement.toml quantity = "
                     f'"{quantity}", unit = "{unit}"; correct one of them{f" ({told})" if told else ""}'

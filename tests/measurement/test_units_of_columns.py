@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from updamp.measurement.measurement import MeasurementError
-from updamp.measurement.quantities import label_factor, quantity_of_label
+from updamp.measurement.quantities import label_factor, quantity_of_label, unit_and_kind
 from updamp.measurement.readers.header import Wanted, header_of
 from updamp.measurement.readers.table import Table, read_table
 from updamp.measurement.readers.units_row import HERTZ, check_axis, units_of_names
@@ -43,6 +43,19 @@ def test_decibels_are_refused():
     channel = RecordedChannel(np.ones((1, 3), complex), (1,), unit="dB")
     with pytest.raises(MeasurementError, match="the file says dB, which is logarithmic"):
         check_statements("run", channel, "displacement", "um")
+
+
+def test_a_word_behind_a_unit_is_held_against_the_amplitude():
+    """Passed over with the unit before it: 1000 and 9.8 times off."""
+    labels = ["mm rms", "g pk", "mm/s (RMS)", "um p-p", "m/s RMSE", "rms"]
+    kinds = [("mm", "rms"), ("g", "peak"), ("mm/s", "rms"), ("um", "peak_to_peak"), ("m/s RMSE", ""), ("rms", "")]
+    assert [unit_and_kind(label) for label in labels] == kinds
+    channel = RecordedChannel(np.ones((1, 3), complex), (1,), unit="mm rms")
+    assert check_statements("run", channel, "displacement", "mm", amplitude="rms") == []
+    with pytest.raises(MeasurementError, match=r'the file says mm rms, measurement\.toml amplitude = "peak"'):
+        check_statements("run", channel, "displacement", "mm", amplitude="peak")
+    with pytest.raises(MeasurementError, match=r'the file says mm rms, measurement\.toml unit = "um"'):
+        check_statements("run", channel, "displacement", "um", amplitude="rms")
 
 
 def test_rows_of_empty_cells_are_no_rows(tmp_path):
