@@ -55,7 +55,7 @@ FACTORS = {
 }  # fmt: skip
 
 
-GRAVITY = {
+OF_ACCELERATIONS = {
     9.80665: 'multiples of standard gravity taken for m/s^2 or the other way round ("g_0", "m/s^2"); correct {unit}',
 }
 
@@ -289,17 +289,14 @@ def _factor(channel: Channel, ratio: float, frequency: float) -> str:
     """What a modal constant that is so many times the model's may come from, "" where that is nothing to ask about."""
     size, name = max(ratio, 1 / ratio), channel.name
     w = 2 * np.pi * frequency
-    of_time = {
+    known = FACTORS | (OF_ACCELERATIONS if channel.quantity in ("acceleration", "") else {})
+    known |= {
         w: "velocity taken for displacement, or acceleration for velocity; correct channels.{name}.quantity",
         w**2: "acceleration taken for displacement; correct channels.{name}.quantity",
     }
     guesses = [
         f"a factor of {factor:.4g} is {text.format(unit=UNIT.format(name), name=name)}"
-        for factor, text in {
-            **FACTORS,
-            **(GRAVITY if channel.quantity in ("acceleration", "") else {}),
-            **of_time,
-        }.items()
+        for factor, text in known.items()
         if abs(np.log(size / factor)) < QuestionOptions.exact
     ]
     if not guesses and size <= QuestionOptions.odd:

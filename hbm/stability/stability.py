@@ -101,7 +101,7 @@ def stability(
 def _of_one(system: NonlinearSystem, x: Floats, w: float, options: StabilityOptions, against: bool | None) -> Stability:
     """Of a problem that is not divided further."""
     found = _by_exponents(system, x, w, options, against)
-    if against and found.stable and any(depends_on_growth(group.law) for group in system.groups):
+    if against and found.stable and _has_memory(system):
         return replace(found, stable=None, trusted=False, reason=CONTRADICTED)
     return found
 
@@ -127,8 +127,9 @@ def _by_exponents(
     order = max(options.order, system.harmonics.orders[-1], LOWEST_ORDER)
     coarse = HillProblem(system, x, w, order, system.time_samples)
     if not len(coarse.still.rows):
-        return _back_from_a_turn() if against else _stuck(system, options.tolerance * w)
-    if not any(depends_on_growth(group.law) for group in system.groups):
+        # shaken-down sliders stand still here, and are taken to in what perturbs it: one that grows moves them
+        return _one_grows() if against else _stuck(system, options.tolerance * w)
+    if not _has_memory(system):
         fine = HillProblem(system, x, w, order + 2, 2 * system.time_samples)
         exponents, again = symmetric_exponents(coarse), float(symmetric_exponents(fine)[0].real)
         return _judged(exponents, again, w, options, _trace(coarse, exponents, options))
@@ -155,10 +156,13 @@ def _stuck(system: NonlinearSystem, small: float) -> Stability:
     return Stability(bool(values[0].real < small), values, True, "", 0.0)
 
 
-def _back_from_a_turn() -> Stability:
-    """Between turning points a real exponent grows, by the Jacobian that makes them. Sliders that have shaken down
-    stand still in the motion itself, and are taken to do so in what perturbs it; one that grows moves them.
-    """
+def _has_memory(system: NonlinearSystem) -> bool:
+    """Of sliders, or of what depends on the speed"""
+    return any(depends_on_growth(group.law) for group in system.groups)
+
+
+def _one_grows() -> Stability:
+    """A real exponent, which is not computed: turning points, or the sign of the Jacobian's determinant, say so."""
     return Stability(False, np.zeros(0, dtype=np.complex128), True, "", np.nan)
 
 
@@ -176,7 +180,7 @@ def _odd(coarse: HillProblem, against: bool | None) -> Stability:
     none = np.zeros(0, dtype=np.complex128)
     fine = HillProblem(coarse.system, coarse.x, coarse.w, coarse.order, 2 * coarse.time_samples, coarse.structure)
     if against or fine.determinant_sign < 0:
-        return Stability(False, none, True, "", np.nan)
+        return _one_grows()
     return Stability(None, none, False, "the sign of the Jacobian's determinant changes with twice the samples", np.inf)
 
 
