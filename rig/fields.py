@@ -114,8 +114,13 @@ class Quantity:
 
 @cache
 def _registry() -> pint.UnitRegistry:
-    """With decimal numbers, so that "60000 N/mm^3" is 6e13 and not 5.999...e13."""
-    return pint.UnitRegistry(non_int_type=Decimal)
+    """With decimal numbers, so that "60000 N/mm^3" is 6e13 and not 5.999...e13; and with what vibration engineers in
+    the United States write: a mil is a thousandth of an inch (to pint an angle of artillery), ips is inch per second.
+    """
+    registry: pint.UnitRegistry = pint.UnitRegistry(non_int_type=Decimal, on_redefinition="ignore")
+    registry.define("@alias thou = mil")
+    registry.define("ips = inch / second")
+    return registry
 
 
 def is_logarithmic(unit: str) -> bool:

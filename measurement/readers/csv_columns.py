@@ -1,59 +1,46 @@
 """CSV with columns of its own for each channel, one line a frequency: as a spreadsheet has it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from updamp.measurement.measurement import MeasurementError, near
+from updamp.measurement.measurement import MeasurementError
 from updamp.measurement.readers.column_checks import check_columns, check_radians
 from updamp.measurement.readers.csv_form import CsvForm
 from updamp.measurement.readers.gather import group_rows, repeat_number, sweep_direction, text_of
 from updamp.measurement.readers.header import Wanted, header_of
 from updamp.measurement.readers.registry import register
+from updamp.measurement.readers.separate_parts import SeparateParts
 from updamp.measurement.readers.table import Codes, Table, read_table
 from updamp.measurement.readers.units_row import ANGLE, HERTZ, check_axis
-from updamp.measurement.recorded import Complex, RecordedChannel, RecordedSweep, complex_of
+from updamp.measurement.recorded import Complex, RecordedChannel, RecordedSweep
 
-_TO_RADIANS = {"rad": 1.0, "deg": np.pi / 180}
 Column = Annotated[str, Field(examples=["frequency_Hz"])]
 
 
-class ColumnOptions(CsvForm):
-    """Which columns hold what.
+class ColumnOptions(CsvForm, SeparateParts):
+    """Which columns hold what, with phases and imaginary parts in columns of their own (`SeparateParts`).
 
-    phase: label -> column of its phase; imaginary: label -> column of its imaginary part. A channel with neither is
-    real: the force that the phases refer to, or an amplitude alone.
     run, repeat, sweep: columns that tell sweeps of one file apart
     """
 
     frequency: Column = "frequency_Hz"
-    phase: Mapping[str, Column] = {}
-    phase_unit: Literal["rad", "deg"] | None = None
-    imaginary: Mapping[str, Column] = {}
     run: Column | None = None
     repeat: Column | None = None
     sweep: Column | None = None
-
-    @model_validator(mode="after")
-    def _phases_are_clear(self) -> Self:
-        if self.phase and self.phase_unit is None:
-            raise ValueError('phase_unit: missing; add it, such as phase_unit = "deg"')
-        if both := set(self.phase) & set(self.imaginary):
-            raise ValueError(f"phase: {', '.join(sorted(both))} has a phase and an imaginary part; keep one of them")
-        return self
 
 
 @register("csv_columns", options=ColumnOptions)
 def read_csv_columns(path: Path, labels: tuple[str, ...], options: ColumnOptions) -> tuple[RecordedSweep, ...]:
     """A label is the column of the channel's amplitude, or of its real part where `imaginary` names another column."""
-    _check_keys(path, labels, options)
+    options.check_labels(path, labels, "column")
     header = header_of(path, Wanted((options.frequency,), labels), options)
     present = [label for label in labels if label in header.names]
-    parts = [table[label] for label in present for table in (options.phase, options.imaginary) if label in table]
+    parts = [part for label in present for part in options.parts_of(label)]
     marks = [name for name in (options.run, options.repeat, options.sweep) if name is not None]
     table = read_table(path, header, [*dict.fromkeys((options.frequency, *present, *parts))], marks, options)
     absent = Codes(np.zeros(len(table.numbers[options.frequency]), np.int32), {"": 0})
@@ -80,17 +67,6 @@ def read_csv_columns(path: Path, labels: tuple[str, ...], options: ColumnOptions
         frequency = table.numbers[options.frequency][rows]
         found.append(RecordedSweep(name, number, direction, frequency, channels, others, notes))
     return tuple(found)
-
-
-def _check_keys(path: Path, labels: tuple[str, ...], options: ColumnOptions) -> None:
-    """raises: MeasurementError for a phase or imaginary part of what is no channel"""
-    for key, table in (("phase", options.phase), ("imaginary", options.imaginary)):
-        for label in table:
-            if label not in labels:
-                raise MeasurementError(
-                    f'{path}: options.{key}: "{label}" = "{table[label]}": no channel has the label "{label}"; '
-                    f"{near(label, labels)} (a label is the name of the amplitude's column)"
-                )
 
 
 def _check_units(path: Path, table: Table, options: ColumnOptions) -> None:
@@ -127,11 +103,4 @@ def _granted(
 
 def _amplitude(table: Table, options: ColumnOptions, label: str, rows: NDArray[np.intp]) -> Complex:
     value = table.numbers[label][rows].astype(complex)
-    if label in options.imaginary:
-        return complex_of(value.real, table.numbers[options.imaginary[label]][rows])
-    if label in options.phase:
-        assert options.phase_unit is not None
-        turned = np.exp(1j * _TO_RADIANS[options.phase_unit] * table.numbers[options.phase[label]][rows])
-        with np.errstate(invalid="ignore"):  # infinities are refused later, with their place
-            return np.asarray(value * turned)
-    return value
+    return options.together(label, value, lambda column: table.numbers[column][rows])

@@ -2,7 +2,7 @@
 
 A file is a list of elements, each a kind, a number of bytes and its data; an array is an element of elements: flags,
 dimensions and name, then its numbers, or the arrays of a structure's fields (The MathWorks, MAT-File Format). Read are
-arrays of numbers and structures of one element. scipy reads more, and ends the process where some files are damaged.
+arrays of numbers and structures. scipy reads more, and ends the process where some files are damaged.
 """
 
 import zlib
@@ -68,9 +68,9 @@ class MatlabArray:
         value.real, value.imag = real, imaginary[0]  # 1j * inf is not a number
         return value
 
-    def field(self, name: str) -> "MatlabArray | None":
-        """Of a structure of one element. raises: DamagedFileError"""
-        if self.kind != _STRUCTURE or self.size != 1:
+    def field(self, name: str, number: int = 1) -> "MatlabArray | None":
+        """Of a structure, or of one of an array of them, counted from 1. raises: DamagedFileError"""
+        if self.kind != _STRUCTURE or not 1 <= number <= self.size:
             return None
         length, names = _first(2, self.content)
         width = int(_integers(length)[0])
@@ -79,7 +79,8 @@ class MatlabArray:
         fields = [_text(names.data[i : i + width]) for i in range(0, len(names.data), width)]
         if name not in fields:
             return None
-        return _array(_first(3 + fields.index(name), self.content)[-1], name)
+        before = (number - 1) * len(fields) + fields.index(name)
+        return _array(_first(3 + before, self.content)[-1], name)
 
     def _numbers_in(self, element: Element) -> NDArray[Any]:
         if element.kind not in _NUMBERS:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from updamp.measurement.measurement import MeasurementError
-from updamp.measurement.quantities import label_factor, quantity_of_label, unit_and_kind
+from updamp.measurement.quantities import label_factor, quantity_of_label, si_factor, unit_and_kind
 from updamp.measurement.readers.header import Wanted, header_of
 from updamp.measurement.readers.table import Table, read_table
 from updamp.measurement.readers.units_row import HERTZ, check_axis, units_of_names
@@ -68,3 +68,14 @@ def test_rows_of_empty_cells_are_no_rows(tmp_path):
 def test_a_low_line_is_no_part_of_a_number(tmp_path):
     with pytest.raises(MeasurementError, match='f = "1_000": not a number'):
         table(tmp_path, "f,a\n1_000,2\n1001,3\n", "f", "a")
+
+
+@pytest.mark.parametrize(
+    ("unit", "quantity", "wanted"),
+    [("mil", "displacement", 25.4e-6), ("mils", "displacement", 25.4e-6), ("ips", "velocity", 0.0254)],
+)
+def test_units_of_the_united_states(unit: str, quantity: str, wanted: float) -> None:
+    """A mil is no angle of artillery, as in pint."""
+    assert si_factor(unit, quantity) == pytest.approx(wanted, rel=1e-12)
+    assert label_factor(f"[{unit}]", quantity) == pytest.approx(wanted, rel=1e-12)
+    assert label_factor(unit_and_kind(f"{unit} pk-pk")[0], quantity) == pytest.approx(wanted, rel=1e-12)
