@@ -6,6 +6,7 @@ Between points a step of arc apart an extreme depends on where they happen to li
 
 from collections.abc import Callable
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from updamp.hbm.continuation.branch import BranchPoint, point_at
 from updamp.hbm.continuation.curve_records import CurveRequest, with_point
 from updamp.hbm.continuation.response_curve import Extreme, ResponseCurve
-from updamp.hbm.continuation.sweeps import swept
+from updamp.hbm.continuation.sweeps import sweep
 from updamp.hbm.newton.metric import Metric, Move
 from updamp.hbm.newton.newton import Arc, solve
 from updamp.hbm.problem.system import NonlinearSystem
@@ -23,15 +24,45 @@ Floats = NDArray[np.float64]
 
 def with_extremes_solved(system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve) -> ResponseCurve:
     """The curve with further points, at the top of the largest first harmonic at each point where the peak is told and
-    at the last frequency before each jump of a slow sweep."""
+    at the last frequency before each jump of a slow sweep, whether it shows (`sweeps.swept`) or not: how far the
+    response jumps is known at the fold alone."""
     for upwards in (True, False):
-        for jump in range(len(swept(curve, upwards).jumps)):
+        curve = _with_hidden_folds(system, request, curve, upwards)
+        for jump in range(len(sweep(curve.frequency, upwards).jumps)):
             curve = _with_solved(system, request, curve, partial(_fold, request, upwards, jump))
     # last, as the height is read from a spline through the points about it, those of a fold among them
     still = request.assembly.limits.still
     for point in (point for point in request.peaks_at if not curve.stands_still(point, still)):
         curve = _with_solved(system, request, curve, partial(_highest, request, point))
     return curve
+
+
+def _with_hidden_folds(
+    system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, upwards: bool
+) -> ResponseCurve:
+    """With points where a spline through those that a slow sweep visits turns back between two of them: a step may have
+    gone across a fold at which the sweep jumps. Each pair of points is asked once."""
+    asked: set[tuple[float, float]] = set()
+    while (hidden := _first_hidden(request, curve, upwards, asked)) is not None:
+        curve = _with_point_at(system, request, curve, hidden)
+    return curve
+
+
+def _first_hidden(
+    request: CurveRequest, curve: ResponseCurve, upwards: bool, asked: set[tuple[float, float]]
+) -> Extreme | None:
+    """Of pairs that have not been asked; these are added to those that have."""
+    visited = sweep(curve.frequency, upwards).visited
+    along = curve.frequency if upwards else -curve.frequency
+    for one, next_one in pairwise(visited.tolist()):
+        first, pair = min(one, next_one), (float(curve.frequency[one]), float(curve.frequency[next_one]))
+        if abs(next_one - one) != 1 or pair in asked:
+            continue
+        asked.add(pair)
+        values = along if one < next_one else -along
+        if (found := curve.hidden_extreme(values, int(first), request.peaks_at[0])) is not None:
+            return found
+    return None
 
 
 def _with_solved(
@@ -61,7 +92,7 @@ def _highest(request: CurveRequest, point: str, curve: ResponseCurve) -> Extreme
 def _fold(request: CurveRequest, upwards: bool, jump: int, curve: ResponseCurve) -> Extreme | None:
     """The last frequency before a jump, by its number; None where there are fewer: the fold before it reaches beyond
     this one."""
-    seen = swept(curve, upwards)
+    seen = sweep(curve.frequency, upwards)
     if jump >= len(seen.jumps):
         return None
     place = int(seen.visited[seen.jump_after[jump]])

@@ -128,6 +128,27 @@ class ResponseCurve:
 
         values: (n,) of which the largest is sought, such as the frequency at a fold
         """
+        about = self._spline_about(values, place, point)
+        if about is None:
+            return None
+        near, length, spline = about
+        ends = (length[max(place - near.start - 1, 0)], length[min(place - near.start + 1, len(length) - 1)])
+        at = float(minimize_scalar(lambda t: -float(spline(t)), bounds=ends).x)
+        return Extreme(near, length, at, float(spline(at)))
+
+    def hidden_extreme(self, values: Floats, place: int, point: str) -> Extreme | None:
+        """Where such a spline has its first maximum between a point and the next one, of values that rise from the one
+        to the other; None where it has none."""
+        about = self._spline_about(values, place, point)
+        if about is None or place + 1 >= about[0].stop:
+            return None
+        near, length, spline = about
+        low, high = length[place - near.start], length[place - near.start + 1]
+        turns = [at for at in spline.derivative().roots(extrapolate=False) if low < at < high]
+        highest = [float(at) for at in turns if spline(at, 2) < 0]
+        return Extreme(near, length, highest[0], float(spline(highest[0]))) if highest else None
+
+    def _spline_about(self, values: Floats, place: int, point: str) -> tuple[slice, Floats, CubicSpline] | None:
         near = self._without_gap(place, 3)
         f, z = self.frequency[near], self.receptance(point)[near]
         size = np.abs(z[place - near.start])
@@ -137,10 +158,7 @@ class ResponseCurve:
         length = np.concatenate([[0.0], np.cumsum(np.hypot(np.abs(np.diff(z)) / size, np.diff(f) / width))])
         if (np.diff(length) <= 0).any():  # a point met twice
             return None
-        spline = CubicSpline(length, values[near])
-        ends = (length[max(place - near.start - 1, 0)], length[min(place - near.start + 1, len(f) - 1)])
-        at = float(minimize_scalar(lambda t: -float(spline(t)), bounds=ends).x)
-        return Extreme(near, length, at, float(spline(at)))
+        return near, length, CubicSpline(length, values[near])
 
     def _without_gap(self, place: int, reach: int) -> slice:
         """The points up to so many places beside one, of its piece of the curve alone."""
