@@ -145,7 +145,7 @@ STATIC_CONTACT = Stage(
 )
 CURVE = Stage(
     name="curve",
-    version=19,
+    version=20,
     sections=(
         "damper_model",
         "material.loss_factor",
@@ -184,7 +184,7 @@ PEAKS = Stage(
     part_of=(RESONANCE,),
 )
 
-STABILITY = Stage(name="stability", version=8, sections=(), after=(CURVE,), choices=("force",))
+STABILITY = Stage(name="stability", version=9, sections=(), after=(CURVE,), choices=("force",))
 
 # Branches at the curve's force that are no part of it; the resonance followed in force may lead to some.
 DETACHED = Stage(name="detached", version=2, sections=(), after=(CURVE,), choices=("force",))

@@ -170,7 +170,7 @@ def _judged(exponents: Complex, again: float, w: float, options: StabilityOption
     """again: the largest real part, computed finer"""
     growth, small = float(exponents[0].real), options.tolerance * w
     reasons = [*_finer_agrees(growth, again, small, options), *reasons]
-    return Stability(growth < small, exponents, not reasons, "; ".join(reasons), abs(growth - again))
+    return Stability(bool(growth < small), exponents, not reasons, "; ".join(reasons), abs(growth - again))
 
 
 def _odd(coarse: HillProblem, against: bool | None) -> Stability:

@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 NODES = (0.0, 0.25, 0.5)  # nu. Without 0.25 the slope of P at 0 is wrong, and with it exponents near 0
-FASTEST = 0.1  # of w: exponents that grow or decay faster are not looked at; so far from the nodes P is not known
+FASTEST = 0.1  # of w: those that decay faster are not looked at; those that grow faster are with P where they are
 MARGIN = 0.02  # of w, beyond the strip
 ITERATIONS = 12  # of Newton's method
 MOVED = 0.002  # of w: exponents that a correction moves further are corrected once more,
@@ -62,21 +62,32 @@ class Strip:
         return np.tensordot(np.array(weights), P, axes=1)
 
     def exponents(self) -> tuple[list[Exponent], float]:
-        """All in the strip that settle, by falling real part; and the largest real part of those that do not."""
+        """All in the strip that settle and do not decay faster than it reaches, by falling real part; and the largest
+        real part of those that do not settle."""
         w, half = self.problem.w, 0.6 * (self.nodes[1] - self.nodes[0])
         found: list[Exponent] = []
         lost = -np.inf
         for nu, P in zip(self.nodes, self.contacts, strict=True):
             values, vectors = self.problem.eigen(P)
-            near = (np.abs(values.imag / w - nu) < half) & (np.abs(values.real) < FASTEST * w)
+            near = (np.abs(values.imag / w - nu) < half) & (values.real > -FASTEST * w)
             for i in np.flatnonzero(near & (values.imag > -MARGIN * w) & (values.imag < (0.5 + MARGIN) * w)):
                 start = Exponent(complex(values[i]), vectors[:, i])
-                one = self._settled(start, 0.0) or self._settled_by_eigenvalues(start)
+                one = self._from(start)
                 if one is None:
                     lost = max(lost, start.s.real)
-                elif all(abs(one.s - other.s) > 10 * self.tolerance * w for other in found):
+                elif one.s.real > -FASTEST * w and all(abs(one.s - o.s) > 10 * self.tolerance * w for o in found):
                     found.append(one)
         return sorted(found, key=lambda one: -one.s.real), lost
+
+    def _from(self, start: Exponent) -> Exponent | None:
+        """The exponent that one with the P of a node leads to, where it settles. What grows fast is far from all nodes,
+        and P is computed where it is."""
+        one: Exponent | None = start
+        if start.s.real < FASTEST * self.problem.w:
+            one = self._settled(start, 0.0) or self._settled_by_eigenvalues(start)
+        if one is not None and one.s.real >= FASTEST * self.problem.w:
+            return self.corrected(one, self.problem)
+        return one
 
     def corrected(self, one: Exponent, problem: HillProblem) -> Exponent | None:
         """The exponent with the P of `problem`, of the same harmonics and modes; None where it does not settle.
@@ -98,7 +109,7 @@ class Strip:
             values, vectors = self.problem.eigen(self.contact(s))
             nearest = int(np.argmin(np.abs(values - s)))
             change, s = abs(values[nearest] - s), complex(values[nearest])
-            if abs(s.real) > FASTEST * w:
+            if abs(s.real) > w:
                 return None
             if change < 1e-3 * w:
                 return self._settled(Exponent(s, vectors[:, nearest]), 0.0)
@@ -119,7 +130,5 @@ class Strip:
             if not np.isfinite(s) or abs(s.real) > w:
                 return None
             if abs(change) < self.tolerance * w:
-                if abs(s.real) > FASTEST * w:
-                    return None
                 return Exponent(s, q) if s.imag >= 0 else Exponent(s.conjugate(), q.conj())
         return None
