@@ -48,6 +48,7 @@ class IwanMicroslip:
     """
 
     cycles: int = 2
+    settles_in: ClassVar[int] = 2
     parameters: ClassVar[type] = IwanParameters
     directions: ClassVar[int] = 1
     rate_dependent: ClassVar[bool] = False

@@ -19,6 +19,7 @@ class JenkinsParameters(NamedTuple):
 @dataclass(frozen=True)
 class Jenkins:
     cycles: int = 2
+    settles_in: ClassVar[int] = 2
     parameters: ClassVar[type] = JenkinsParameters
     directions: ClassVar[int] = 1
     rate_dependent: ClassVar[bool] = False

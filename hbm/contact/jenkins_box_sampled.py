@@ -28,6 +28,7 @@ class SampledJenkinsBox(FrictionContact):
     """cycles: hysteresis cycles marched; this law settles in exactly two."""
 
     cycles: int = 2
+    settles_in: ClassVar[int] = 2
     decoupled_directions: ClassVar[tuple[int, ...]] = (0, 1)
     divides_by: ClassVar[tuple[str, ...]] = ("kn",)
 

@@ -21,6 +21,8 @@ class CompletenessLimits:
     change: of the response across it, relative; across a jump too, for a sweep to show one. Across a tenth of its
         half-width a linear resonance changes by a tenth at most: |d ln H / ds| <= 1 for 1 / (1 + i s), s in
         half-widths
+    unsettled: change of the elements' forces by one more cycle of hysteresis, relative: what is told of the curve is
+        off by about as much
     still: first harmonic of a point, as a share of the largest response on the curve, that is what Newton's method
         leaves: its maxima are none
     """
@@ -28,6 +30,7 @@ class CompletenessLimits:
     window: float = 0.005
     half_width: float = 0.1
     change: float = 0.1
+    unsettled: float = 0.01
     still: float = NewtonOptions.tolerance
 
 

@@ -23,6 +23,7 @@ from updamp.hbm.continuation.hardly_felt import with_hardly_felt_resonances
 from updamp.hbm.continuation.pieces import BranchSegment, Pieces
 from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.continuation.segments import from_end, segment_from
+from updamp.hbm.continuation.settled_laws import unsettled
 from updamp.hbm.continuation.starts import starts
 from updamp.hbm.continuation.window_ends import cut_at_window
 from updamp.hbm.newton.equation import linear_solution
@@ -157,7 +158,11 @@ def _finished(system: NonlinearSystem, request: CurveRequest, pieces: Pieces) ->
     beside = within(request.window, (apart(pieces.first.records, *chain) for chain in pieces.detached()))
     scale_w = request.options.scale_w(request.window)
     curve = replace(curve, detached=tuple(one for one in beside if missing(curve, [middle(one)], scale_w)))
-    why = shortcoming(curve, request.window, request.assembly.limits, request.peaks_at[0])
-    curve = curve if why else with_extremes_solved(system, request, curve)
-    ends = "; ".join(segment.end_sentence for segment in pieces.open_ends())
-    return replace(curve, complete=not why, stopped=f"{why}. {ends}" if why else "")
+    limits = request.assembly.limits
+    why = shortcoming(curve, request.window, limits, request.peaks_at[0])
+    if why:
+        ends = "; ".join(segment.end_sentence for segment in pieces.open_ends())
+        return replace(curve, complete=False, stopped=f"{why}. {ends}")
+    curve = with_extremes_solved(system, request, curve)
+    why = unsettled(system, curve, limits.unsettled)
+    return replace(curve, complete=not why, stopped=why)

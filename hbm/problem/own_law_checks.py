@@ -14,8 +14,9 @@ from updamp import hbm
 from updamp.hbm.contact.law import force_for_analysis, is_of_its_force
 from updamp.hbm.contact.memoryless import MemorylessLaw
 
-# Of a made-up motion: time samples, and sizes [m], of which some are within gaps and others beyond what a law is for.
-_SAMPLES, _SIZES = 16, (1e-6, 1e-3, 1.0)
+# Of a made-up motion: time samples, and sizes, in m or another unit; some are within gaps, others beyond what a law is
+# for.
+_SAMPLES, _SIZES = 16, (1e-6, 1e-3, 1.0, 1e3, 1e6)
 # Of the largest value, what two ways to compute one number may differ by; slopes are sums of steep and flat ones.
 _ROUND_OFF, _SLOPES = 1e-9, 1e-6
 

@@ -72,6 +72,11 @@ class ModifiedLaw:
         return extended_type(self.inner.parameters, self.entries)
 
     @property
+    def settles_in(self) -> float:
+        """Cycles after which the slider repeats itself: arguments that are periodic too change nothing in that"""
+        return float(getattr(self.inner, "settles_in", np.inf))
+
+    @property
     def rate_dependent(self) -> bool:
         return bool(self.inner.rate_dependent)
 

@@ -59,6 +59,11 @@ def test_what_is_not_symmetric_is_solved_whole() -> None:
     [
         (CubicSpring(), CubicParameters(np.full(2, 0.3)), True),
         (Stop(), UnilateralParameters(np.full(2, 0.3), np.full(2, 1e-4)), False),
+        (
+            Stop(),
+            UnilateralParameters(np.full(2, 0.3), np.full(2, 1e5)),
+            False,
+        ),  # a tenth of a millimetre in nanometres
     ],
 )
 def test_a_law_must_be_odd_where_its_displacement_changes_sign(law, parameters, found: bool) -> None:

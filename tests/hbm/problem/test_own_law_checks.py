@@ -112,7 +112,7 @@ def test_a_law_is_asked_once_whatever_its_parameters():
     law = Own(force)
     for _ in range(3):
         made(law)
-    assert len(asked) == 9  # three sizes, with two velocities each, and for a memory
+    assert len(asked) == 15  # five sizes, with two velocities each, and for a memory
 
 
 def slider(u, _, c):
