@@ -30,7 +30,7 @@ STUCK, SLIP, OPEN = ContactState.STUCK, ContactState.STICK_SLIP, ContactState.SE
 CASES = {
     "stick": (MarchedCase("IP", 10.0, (425.0, 428.0), 0.01), 0.6, {STUCK: 36}),
     "slip": (MarchedCase("OOP", 30.0, (443.5, 447.5), 0.01), 0.1, {STUCK: 18, SLIP: 18}),
-    "slip and separation": (MarchedCase("IP", 15.0, (415.0, 434.0), 0.01), 0.1, {STUCK: 14, SLIP: 8, OPEN: 14}),
+    "slip and separation": (MarchedCase("IP", 17.0, (412.0, 434.0), 0.01), 0.1, {STUCK: 11, SLIP: 11, OPEN: 14}),
     "edges separate": (MarchedCase("OOP", 60.0, (440.0, 450.0), 0.01), 0.6, {STUCK: 28, OPEN: 8}),
 }
 

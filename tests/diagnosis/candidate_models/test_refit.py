@@ -59,10 +59,6 @@ SPRING = Effect("spring", "there is a spring", (EffectParameter("size", 0.0, 0.0
 
 
 @pytest.mark.long
-@pytest.mark.xfail(
-    strict=True,
-    reason="what a finer mesh changes, carried over from other parameters, is too rough: notes of experiments",
-)
 def test_a_fit_that_leaves_a_misfit_of_its_mesh_explains_the_data_once_that_is_known(monkeypatch):
     monkeypatch.setattr("updamp.diagnosis.candidate_models.baseline.nuisances", lambda _: NUISANCES)
     truth = Parametrisation(apply(FINE, {"size": 1.0}), NUISANCES)
