@@ -43,7 +43,8 @@ def force_at(point: BranchPoint, condition: RunCondition) -> float:
 
 
 def trace_held(there: ModelAt, condition: RunCondition) -> tuple[list[HeldPoint], str]:
-    """Points through the measured window, and why they end inside it ("" where they do not).
+    """Points through the measured window, and why they end inside it ("" where they do not): where something else than
+    what is held is nonlinear, such as an absorber on it, the branch may turn back in frequency, and is not followed on.
 
     raises: BranchStoppedError where not even the first few are found
     """
@@ -55,7 +56,10 @@ def trace_held(there: ModelAt, condition: RunCondition) -> tuple[list[HeldPoint]
     except BranchStoppedError as stop:
         if len(points) < 4:
             raise
-        return points, str(stop)
+        return points, (
+            f"the branch of the held response is followed to {stop.frequency:.6g} Hz: it turns back in frequency "
+            f"there, where a controlled sweep jumps, or is lost ({stop.status.value}); what lies beyond is not known"
+        )
     return points, ""
 
 

@@ -51,7 +51,7 @@ def move_sweeps(
     takes half as long again and ends no closer to a traced branch (benchmarks/hidden_effects/NOTES.md).
 
     The branch's parameters may be fewer than those now: its derivatives are of the first ones. A branch with
-    the response held is not moved: it is single-valued in frequency, and soon traced.
+    the response held is not moved: it is soon traced.
 
     conditions: tests that sweep the branch, the first of them in its direction
     """

@@ -2,7 +2,8 @@
 
 The force is unknown in place of the amplitude: Newton's equations of the harmonic balance are bordered by the condition
 that the first harmonic at one row has the amplitude wanted. Where the force sets the response, a softening or hardening
-resonance folds over; with the response held it does not (S. Karaagacli and H. N. Ozguven, MSSP 156 (2021) 107651).
+resonance folds over; with the response held it does not (S. Karaagacli and H. N. Ozguven, MSSP 156 (2021) 107651), as
+long as what is nonlinear moves with what is held: an absorber on a held mass folds over still.
 """
 
 from collections.abc import Callable
