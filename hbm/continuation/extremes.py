@@ -41,9 +41,12 @@ def _with_hidden_folds(
     system: NonlinearSystem, request: CurveRequest, curve: ResponseCurve, upwards: bool
 ) -> ResponseCurve:
     """With points where a spline through those that a slow sweep visits turns back between two of them: a step may have
-    gone across a fold at which the sweep jumps. Each pair of points is asked once."""
+    gone across a fold at which the sweep jumps. Each pair of points is asked once, and no more are put in than there
+    are."""
     asked: set[tuple[float, float]] = set()
-    while (hidden := _first_hidden(request, curve, upwards, asked)) is not None:
+    for _ in range(len(curve)):
+        if (hidden := _first_hidden(request, curve, upwards, asked)) is None:
+            break
         curve = _with_point_at(system, request, curve, hidden)
     return curve
 
