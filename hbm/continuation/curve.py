@@ -164,5 +164,5 @@ def _finished(system: NonlinearSystem, request: CurveRequest, pieces: Pieces) ->
         ends = "; ".join(segment.end_sentence for segment in pieces.open_ends())
         return replace(curve, complete=False, stopped=f"{why}. {ends}")
     curve = with_extremes_solved(system, request, curve)
-    why = unsettled(system, curve, limits.unsettled)
+    why = unsettled(system, curve, limits.unsettled, request.assembly.settled_at)
     return replace(curve, complete=not why, stopped=why)

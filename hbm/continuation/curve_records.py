@@ -38,6 +38,7 @@ class CurveOptions:
         fold it takes ten; elsewhere a point is there after one or two
     there: how close to it a point is at it, as a share of the length of the points about it: what is read is off by the
         square of it beside a smooth extreme; on a flank that ends in a kink 1e-3 were 0.3 % of the height
+    settled_at: so many points, spread over the curve, at which laws with a memory are asked whether they have settled
     limits: of the gaps in a complete curve
     detached: so many points at most either way on a branch beside the curve, traced from a solution that the curve does
         not have: as many in all as `connecting`, for what is found there need not lead anywhere
@@ -52,6 +53,7 @@ class CurveOptions:
     same_start: float = 1e-4
     points_at_extreme: int = 20
     there: float = 1e-4
+    settled_at: int = 8
     limits: CompletenessLimits = field(default_factory=CompletenessLimits)
     detached: int = 300
 

@@ -10,17 +10,15 @@ from updamp.hbm.continuation.response_curve import ResponseCurve
 from updamp.hbm.problem.elements import ElementGroup, force_only
 from updamp.hbm.problem.system import NonlinearSystem
 
-# Points of a curve at most, spread over it, and the one of the largest motion.
-_ASKED = 8
 
-
-def unsettled(system: NonlinearSystem, curve: ResponseCurve, allowed: float) -> str:
+def unsettled(system: NonlinearSystem, curve: ResponseCurve, allowed: float, asked: int) -> str:
     """Which law has not, with what one more cycle changes; "" where all have.
 
-    allowed: change of a group's force, as a share of it
+    allowed: change of a group's force, as a share of it; asked: points spread over the curve at which it is, beside
+        that of the largest motion
     """
     largest = int(np.argmax(np.linalg.norm(curve.displacement, axis=(1, 2))))
-    places = sorted({*np.linspace(0, len(curve) - 1, _ASKED).astype(int).tolist(), largest})
+    places = sorted({*np.linspace(0, len(curve) - 1, asked).astype(int).tolist(), largest})
     for group in system.groups:
         if not _may_be_unsettled(group.law):
             continue

@@ -108,7 +108,10 @@ class _Content:
             raise MeasurementError(
                 f"{self.path}: '{name}' is complex; wanted are the numbers of a phase or an imaginary part"
             )
-        return np.real(self._rows(name, harmonics)[0])
+        rows, of = self._rows(name, harmonics)
+        if of != harmonics:
+            raise MeasurementError(f"{self.path}: '{name}' has one harmonic where its amplitudes have {len(harmonics)}")
+        return np.real(rows)
 
     def _rows(self, name: str, harmonics: tuple[int, ...]) -> tuple[Complex, tuple[int, ...]]:
         """(n_harmonics, n) and of which harmonics. raises: MeasurementError naming the sizes"""

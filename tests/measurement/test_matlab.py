@@ -121,3 +121,9 @@ def test_what_cannot_be_meant(tmp_path: Path, changed: dict[str, Any], options: 
     path = written(tmp_path, "5", content(**changed))
     with pytest.raises(MeasurementError, match=words):
         read_matlab(path, LABELS, MatlabOptions(phase_unit="rad", **options))
+
+
+def test_one_phase_is_not_that_of_two_harmonics(tmp_path: Path) -> None:
+    path = written(tmp_path, "5", content(tip=np.abs(TIP)))
+    with pytest.raises(MeasurementError, match="'angle' has one harmonic where its amplitudes have 2"):
+        read_matlab(path, LABELS, MatlabOptions(phase={"tip": "angle"}, phase_unit="deg", harmonics=(1, 3)))
