@@ -41,8 +41,8 @@ from updamp.comparison.prediction.model_at import ModelAt
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch, at_sizes
 from updamp.effects.chosen import ChosenEffect
-from updamp.effects.phase_lag import EFFECT as PHASE_LAG
 from updamp.effects.rig_model import RigModel
+from updamp.effects.sized import sized
 from updamp.hbm.newton.observe import ContactState, contact_states
 from updamp.measurement.measurement import Measurement
 from updamp.model.calibration import LOSS_FACTOR, nuisances, together_of_mode
@@ -111,8 +111,8 @@ def calibrate(
     rig_effects: Sequence[ChosenEffect] = (),
     branches_of: Branches = in_turn,
 ) -> CalibrationResult:
-    """As for `compare`, of a measurement with runs. Where all measured phases lag the model's by one angle, together
-    with that angle."""
+    """As for `compare`, of a measurement with runs. Where all measured phases lag the model's by one angle or one time,
+    together with that."""
     plan = plan_of(measurement)
     plain = Parametrisation(model, nuisances(model), rig_effects=tuple(rig_effects))
     gate, everything = NumericalGate(plan, finer_than(model, finer or {}), branches_of), range(len(plan.conditions))
@@ -122,8 +122,9 @@ def calibrate(
     if read is None:
         return found
     start = np.append(found.fit.u[: len(plain)], 0.0)
-    lagging = gated_calibration(replace(plain, effects=(PHASE_LAG,)), gate, everything, start, progress).calibration
-    return replace(_with_curves(first, lagging, plan, progress, branches_of), lag=fitted_lag(lagging.fit))
+    lagging_by = sized(read.effect, model, plan.largest_amplitude)
+    lagging = gated_calibration(replace(plain, effects=(lagging_by,)), gate, everything, start, progress).calibration
+    return replace(_with_curves(first, lagging, plan, progress, branches_of), lag=fitted_lag(lagging.fit, read.effect))
 
 
 def _with_curves(

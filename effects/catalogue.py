@@ -42,6 +42,7 @@ from updamp.effects import (
     pressure_slope,
     resonance_drift,
     sensor_compression,
+    sensor_delay,
     sensor_gain,
     shaker_attachment,
     static_dynamic_coupling,
@@ -118,6 +119,7 @@ JOINTS = _by_name(
 # Faults of the measurement, of any rig.
 FAULTS = _by_name(
     phase_lag,
+    sensor_delay,
     feed_through,
     sensor_gain,
     amplifier_drift,

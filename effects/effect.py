@@ -69,6 +69,7 @@ class Effect:
     finite_step: the effect cannot be differentiated at its null value; its signature is taken from a step to the
         typical value
     of_measurement: whether it is a fault of the measurement: of `reading` alone, not of what moves
+    modes: of how many modes runs are needed to tell it from other effects
     joint: point of the joint that it was placed at (`placed.py`), "" where it stays at the excitation
     """
 
@@ -78,6 +79,7 @@ class Effect:
     apply: Callable[[RigModel, Values], RigModel]
     finite_step: bool = False
     of_measurement: bool = False
+    modes: int = 1
     joint: str = ""
 
     @property

@@ -164,10 +164,11 @@ def _of_stated(
 
 
 def _effects(inputs: ComparisonInputs, options: DiagnoseOptions) -> tuple[Effect, ...]:
-    """Those of the catalogue and the user's own that the rig file does not have yet."""
+    """Those of the catalogue and the user's own that the rig file does not have yet and the runs may tell."""
+    modes = len({run.mode for run in inputs.measurement.runs})
     present = {one.effect.name for one in inputs.rig_effects}
     known = [*catalogue().values(), *own_effects(options.own, inputs.before_effects)]
-    return tuple(effect for effect in known if effect.name not in present)
+    return tuple(effect for effect in known if effect.name not in present and effect.modes <= modes)
 
 
 def _cache(

@@ -1,10 +1,12 @@
-"""Whether all measured responses lag the model's by one angle, as a delay, a filter or a multiplexer makes them.
+"""Whether all measured responses lag the model's by one angle, or by one time, as a delay, a filter or a multiplexer
+makes them.
 
 Calibration makes up for such an angle by frequency and loss, so that neither may be told before it is known. It is read
 where these have no say: the model's points about its top against the run's about its own. Frequency and loss move a
 top; at the top an oscillator's phase stays what it is. What fails otherwise turns the phase there by another angle at
 each level (microslip of a beam's joint 1 degree at the lowest level, 9 at the highest), or at each sensor: one angle is
-told only where all say the same, of two modes or of two levels at least, since one always agrees with itself.
+told only where all say the same, of two modes or of two levels at least, since one always agrees with itself; one time,
+where it says the same of modes far from each other, and angles do not.
 """
 
 from collections.abc import Sequence
@@ -12,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import norm
+from scipy.stats import chi2, norm
 
 from updamp.comparison.comparison import Finding
 from updamp.comparison.findings.peak_misfit import PLACED, without_peak
@@ -24,7 +26,9 @@ from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.matching import Matched
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
+from updamp.effects.effect import Effect
 from updamp.effects.phase_lag import EFFECT as PHASE_LAG
+from updamp.effects.sensor_delay import EFFECT as SENSOR_DELAY
 
 Floats = NDArray[np.float64]
 
@@ -33,15 +37,27 @@ PHASE = "phase"
 
 @dataclass(frozen=True)
 class PhaseLag:
-    """angle: by which the measured responses lag the model's [rad]; significance: in standard deviations, signed"""
+    """size: by which measured responses lag the model's, the parameter of the effect: an angle [rad] of `phase_lag`, a
+    time [s] of `sensor_delay`; significance: in standard deviations, signed"""
 
-    angle: float
+    effect: Effect
+    size: float
     significance: float
 
 
+@dataclass(frozen=True)
+class _Read:
+    """In one test. angles: (s,) lag at each sensor, as mean over the repeats [rad]; deviation: of their mean; angular:
+    its frequency [rad/s]"""
+
+    angles: Floats
+    deviation: float
+    angular: float
+
+
 def phase_lag(fit: Fit, plan: Plan, branches: Sequence[PredictedBranch]) -> PhaseLag | None:
-    """None where it does not stand out, or tests and sensors do not agree on it: all within a third of the mean; and
-    where it is larger than a lag can be, such as of a force of the wrong sign, which is asked about.
+    """None where neither an angle nor a time stands out, or tests and sensors do not agree on it: all within a third of
+    the mean; and where it is larger than a lag can be, such as of a force of the wrong sign, which is asked about.
 
     Read of tests whose runs and whose model have smooth tops: where a sweep jumps, the phase there is where it happens
     to. branches: calibrated, one a condition
@@ -52,19 +68,31 @@ def phase_lag(fit: Fit, plan: Plan, branches: Sequence[PredictedBranch]) -> Phas
     if len({(condition.mode, condition.level) for condition, _ in known}) < 2:
         return None
     read = [one for _, one in known]
-    each = np.concatenate([angles for angles, _ in read])
-    mean = float(np.mean([np.mean(angles) for angles, _ in read]))
-    if np.any(np.abs(each - mean) > ALIKE * abs(mean)) or not PHASE_LAG.parameters[0].allows(mean):
+    told = [_agreed(PHASE_LAG, read, np.ones(len(read)))]
+    if len({condition.mode for condition, _ in known}) >= SENSOR_DELAY.modes:
+        told.append(_agreed(SENSOR_DELAY, read, np.array([one.angular for one in read])))
+    agreed = [one for one in told if one is not None]
+    if len(agreed) > 1 and agreed[0][1] - agreed[1][1] < chi2.isf(RISK, 1):
+        agreed.pop()  # as good as the angle, which is told where no mode is far from the others
+    return agreed[-1][0] if agreed else None
+
+
+def _agreed(effect: Effect, read: Sequence[_Read], rates: Floats) -> tuple[PhaseLag, float] | None:
+    """With what the tests leave of it, in squared standard deviations. rates: (tests,) of the angle by its size"""
+    by_test = np.array([np.mean(one.angles) for one in read]) / rates
+    each = np.concatenate([one.angles / rate for one, rate in zip(read, rates, strict=True)])
+    deviations = np.array([one.deviation for one in read]) / rates
+    mean = float(np.mean(by_test))
+    if np.any(np.abs(each - mean) > ALIKE * abs(mean)) or not effect.parameters[0].allows(mean):
         return None
-    by_test = np.array([np.mean(angles) for angles, _ in read])
     spread = float(np.std(by_test, ddof=1) / np.sqrt(len(read))) if len(read) > 1 else 0.0
-    by_reading = float(np.linalg.norm([deviation for _, deviation in read])) / len(read)
-    significance = mean / max(spread, by_reading)
-    return PhaseLag(mean, significance) if abs(significance) > norm.isf(RISK / 2) else None
+    significance = mean / max(spread, float(np.linalg.norm(deviations)) / len(read))
+    left = float(np.sum(((by_test - mean) / deviations) ** 2))
+    return (PhaseLag(effect, mean, significance), left) if abs(significance) > norm.isf(RISK / 2) else None
 
 
-def _of_test(fit: Fit, test: int, branch: PredictedBranch) -> tuple[Floats, float] | None:
-    """(s,) lag at each sensor, as mean over the repeats, and the deviation of their mean; None where it is not read."""
+def _of_test(fit: Fit, test: int, branch: PredictedBranch) -> _Read | None:
+    """None where it is not read."""
     sensors = list(range(len(branch.condition.sensors)))
     matched = [m for m in fit.compared.matched if m.observations.test == test]
     if not sensors or not matched:
@@ -75,7 +103,9 @@ def _of_test(fit: Fit, test: int, branch: PredictedBranch) -> tuple[Floats, floa
     lags = np.array([_lags(swept, m, sensors) for m in matched])
     if not np.isfinite(lags).all():
         return None
-    return np.mean(lags, axis=0), _deviation(swept, matched, sensors, fit.compared.scatter.noise)
+    deviation = _deviation(swept, matched, sensors, fit.compared.scatter.noise)
+    angular = 2 * np.pi * float(np.exp(np.mean(swept.tops(sensors)[: len(sensors)])))
+    return _Read(np.mean(lags, axis=0), deviation, angular)
 
 
 def _lags(swept: SweptBranch, m: Matched, sensors: Sequence[int]) -> Floats:
@@ -97,17 +127,19 @@ def _deviation(swept: SweptBranch, matched: Sequence[Matched], sensors: Sequence
     return float(np.hypot(np.linalg.norm(of_runs) / len(matched), PLACED))
 
 
-def fitted_lag(fit: Fit) -> PhaseLag:
-    """Of a fit that has the effect, its own angle."""
-    place = fit.parametrisation.columns(PHASE_LAG.name)
-    angle = fit.parametrisation.values(fit.u)[PHASE_LAG.name][PHASE_LAG.parameters[0].name]
-    return PhaseLag(angle, float(fit.u[place][0] / fit.uncertainty[place][0]))
+def fitted_lag(fit: Fit, effect: Effect) -> PhaseLag:
+    """Of a fit that has the effect, its own size."""
+    place = fit.parametrisation.columns(effect.name)
+    size = fit.parametrisation.values(fit.u)[effect.name][effect.parameters[0].name]
+    return PhaseLag(effect, size, float(fit.u[place][0] / fit.uncertainty[place][0]))
 
 
 def lag_finding(lag: PhaseLag) -> Finding:
-    degrees = float(np.degrees(abs(lag.angle)))
-    text = (
-        f"measured phases {'lag' if lag.angle > 0 else 'lead'} the model's by {degrees:.1f} degrees in all runs, as a "
-        "delay or a filter of the measurement makes them; what else is told is of the model that lags as much"
-    )
-    return Finding(text, "", None, PHASE, "", lag.angle, lag.significance)
+    by = f"{np.degrees(abs(lag.size)):.1f} degrees in all runs, as a delay or a filter of the measurement makes them"
+    if lag.effect is not PHASE_LAG:
+        by = (
+            f"{1e3 * abs(lag.size):.3g} ms in all runs, more degrees the higher the frequency is, as a delay makes them"
+        )
+    side = "lag" if lag.size > 0 else "lead"
+    text = f"measured phases {side} the model's by {by}; what else is told is of the model that lags as much"
+    return Finding(text, "", None, PHASE, "", lag.size, lag.significance)

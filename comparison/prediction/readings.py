@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from updamp.comparison.prediction.derivatives import Change
 from updamp.comparison.prediction.held_branch import pairs
 from updamp.comparison.prediction.run_condition import RunCondition
-from updamp.effects.reading import Reading
+from updamp.effects.reading import Reading, SweepPlace
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -31,14 +31,15 @@ def as_read(moving: Moving, reading: Reading, changes: Sequence[Change], conditi
     state, along, slopes = moving
     log_f, x, force = state[:, 0], amplitudes(state), condition.force
     share, by_log_f = _share(log_f, condition)
-    y, factor = reading.of(x, share, force), reading.by_displacement(share)
+    at = SweepPlace(share, 2 * np.pi * np.exp(log_f))
+    y, factor = reading.of(x, at, force), reading.by_displacement(at)
     stretch = 1 + reading.drift * by_log_f
     at_frequency = slopes[:, :, :1] * stretch
-    of_frequency = factor * reading.compressed(x) * reading.trend * by_log_f
+    of_frequency = factor * reading.compressed(x) * reading.by_log_frequency(at, by_log_f)
     read_slopes = factor[:, None] * reading.compressed_change(x[:, None], amplitudes(slopes))
     read_slopes += of_frequency[:, None] * slopes[:, :, :1]
     for j, change in enumerate(changes):
-        read_slopes[:, j] += reading.difference(change.reading, x, share, force) / change.step
+        read_slopes[:, j] += reading.difference(change.reading, x, at, force) / change.step
         at_frequency[:, j, 0] += (change.reading.drift - reading.drift) * share / change.step
     if condition.control is None:  # else responses are those over the force
         read_slopes[:, -1] += reading.background * force

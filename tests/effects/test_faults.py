@@ -31,7 +31,15 @@ UP = RunCondition("up", "first", FORCE, True, (79.0, 81.5), ((POINT, 1),))
 DOWN = RunCondition("down", "first", FORCE, False, (79.0, 81.5), ((POINT, 1),))
 HELD = RunCondition("held", "first", FORCE, True, (79.0, 81.5), ((POINT, 1),), control=HeldResponse(POINT, 40.0, 2))
 CONDITIONS = pytest.mark.parametrize("condition", [UP, DOWN, HELD], ids=lambda c: c.name)
-NAMES = ("phase_lag", "feed_through", "sensor_gain", "amplifier_drift", "resonance_drift", "sensor_compression")
+NAMES = (
+    "phase_lag",
+    "sensor_delay",
+    "feed_through",
+    "sensor_gain",
+    "amplifier_drift",
+    "resonance_drift",
+    "sensor_compression",
+)
 
 
 @pytest.fixture(scope="module")
@@ -82,6 +90,8 @@ def test_what_is_read_is_what_the_formulas_say(beam: RigModel, condition: RunCon
 
     f, y = read("phase_lag")
     np.testing.assert_allclose(y, linear(f) * np.exp(-0.1j), rtol=1e-7)
+    f, y = read("sensor_delay")
+    np.testing.assert_allclose(y, linear(f) * np.exp(-2j * np.pi * f * 2e-4), rtol=1e-7)
     f, y = read("feed_through")
     np.testing.assert_allclose(y, linear(f) + (1 + 1j) * 1e-5 * FORCE, rtol=1e-7)
     f, y = read("sensor_gain")

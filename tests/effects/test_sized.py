@@ -38,6 +38,7 @@ def smaller():
         ("joint_microslip", 1, 1.0),
         ("feed_through", 0, LENGTH / FORCE),
         ("sensor_compression", 0, LENGTH**-2),
+        ("sensor_delay", 0, 1 / FREQUENCY),
         ("joint_viscous", 0, FORCE / LENGTH / FREQUENCY),
         ("joint_viscoelastic", 0, FORCE / LENGTH),
         ("joint_viscoelastic", 1, 1 / FREQUENCY),

@@ -1,0 +1,64 @@
+"""A delay of all responses, which turns the phase of each mode by another angle: told by itself, and told from an angle."""
+
+import numpy as np
+import pytest
+
+from updamp.comparison.compare import compare
+from updamp.comparison.comparison import Comparison
+from updamp.effects.rig_model import RigModel
+from updamp.measurement.measurement import Channel, MeasuredRun, Measurement
+from updamp.model.build import modal_model
+from updamp.rig.modal_rig import ModalRig
+
+POINT, MASS, LOSS = "arm.drive.x", 2.0, 0.01
+LOW, HIGH = 50.0, 500.0
+
+
+def arm() -> RigModel:
+    modes = {
+        f"mode_{f:g}": {"frequency": f"{f} Hz", "loss_factor": LOSS, "modal_mass": f"{MASS} kg", "shape": {POINT: 1.0}}
+        for f in (LOW, HIGH)
+    }
+    return modal_model(ModalRig.model_validate({"kind": "modal", "name": "arm", "excitation": POINT, "modes": modes}))
+
+
+def measured(delay: float, angle: float = 0.0) -> Measurement:
+    """Two levels a mode, noise of 0.3 %, all of it late by the delay [s] and lagging by the angle [rad]. No code of
+    updamp."""
+    rng, runs = np.random.default_rng(11), []
+    for mode in (LOW, HIGH):
+        f = mode * np.linspace(0.98, 1.02, 41)
+        w = 2 * np.pi * f
+        receptance = sum(1 / MASS / ((2 * np.pi * f0) ** 2 * (1 + 1j * LOSS) - w**2) for f0 in (LOW, HIGH))
+        for force in (1.0, 4.0):
+            x = force * receptance * np.exp(-1j * (w * delay + angle))
+            x = x * (1 + 0.003 / np.sqrt(2) * (rng.standard_normal(41) + 1j * rng.standard_normal(41)))
+            drive = np.full(41, force + 0j)
+            name = f"mode_{mode:g}"
+            runs.append(
+                MeasuredRun(f"{name} {force:g} N", name, True, "force", force, 1, ("a",), (1,), f, drive, x[None, None])
+            )
+    return Measurement("arm", 0.0, POINT, (Channel("a", POINT),), tuple(runs), repeatability=0.003)
+
+
+def of_arm(measurement: Measurement) -> Comparison:
+    return compare(arm(), measurement)[0]
+
+
+@pytest.mark.parametrize("delay", [3e-4, -1e-4])
+def test_a_delay_is_told_and_nothing_else(delay: float) -> None:
+    (finding,) = of_arm(measured(delay)).findings
+    assert (finding.quantity, finding.mode, finding.level) == ("phase", "", None)
+    assert finding.relative == pytest.approx(delay, abs=1e-6)
+    side = "lag" if delay > 0 else "lead"
+    assert f"measured phases {side} the model's by {1e3 * abs(delay):.3g} ms in all runs" in finding.text
+
+
+def test_an_angle_of_all_modes_is_no_delay() -> None:
+    (finding,) = of_arm(measured(0.0, np.radians(5))).findings
+    assert np.degrees(finding.relative) == pytest.approx(5, abs=0.1)
+    assert "5.0 degrees in all runs" in finding.text
+
+
+def test_without_a_delay_none_is_told() -> None:
+    assert of_arm(measured(0.0)).findings == ()
