@@ -1,4 +1,4 @@
-"""A delay of all responses, which turns the phase of each mode by another angle: told by itself, and told from an angle."""
+"""A delay of all responses, which turns the phase of each mode by another angle: told by itself, not as an angle."""
 
 import numpy as np
 import pytest
