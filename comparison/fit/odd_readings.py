@@ -1,6 +1,7 @@
 """Single points that are unlike the points next to them: a sample that had not settled, an overload, a typing error.
 
-A parabola through what the calibrated model leaves of the six points next to one predicts what it leaves there. Of a
+A parabola through what the calibrated model leaves of the six points next to one, one of its neighbours left out or
+not, predicts what it leaves there: two bad points beside each other would hide one another. Of a
 model that lacks nothing the difference is noise. What a model gets wrong may be as narrow as a resonance, and a point
 in the middle of it stands out by as much as the model is off around it. So the difference is held against the larger
 one of the sensors' noise and of what the model leaves of the six, and has Student's t distribution: with the degrees of
@@ -34,6 +35,7 @@ from updamp.comparison.prediction.predicted_branch import PredictedBranch
 
 Floats = NDArray[np.float64]
 _SIDE = 3  # points on each side, as many as there are, six in all
+_WITHIN = 2 * _SIDE + 1  # steps to the farthest of them: all on one side, a neighbour left out
 
 
 @dataclass(frozen=True)
@@ -183,19 +185,34 @@ def _readings(column: _Column, noise_freedom: float, chance: float) -> Iterator[
 
 def _off(left: Floats, noise_freedom: float) -> Iterator[tuple[float, float]]:
     """How far each point is off what those next to it say, and the probability of as much by chance; in deviations of
-    the sensors."""
+    the sensors. With and without each of its neighbours, of which one may be bad too: the least likely of these."""
     n = len(left)
     for i in range(n):
-        first = min(max(i - _SIDE, 0), n - 2 * _SIDE - 1)
-        near = np.delete(left[first : first + 2 * _SIDE + 1], i - first)
-        weights = _by_parabola(i - first)
-        around = float(np.sqrt(np.mean(near**2)))
-        off, deviation = float(left[i] - weights @ near), max(around, 1.0) * float(np.sqrt(1 + weights @ weights))
-        yield off, float(2 * student.sf(abs(off) / deviation, len(near) if around > 1 else noise_freedom))
+        others = [j for j in range(max(i - _WITHIN, 0), min(i + _WITHIN + 1, n)) if j != i]
+        told = [_off_others(left, i, _nearest(others, i), noise_freedom)]
+        for neighbour in (i - 1, i + 1):
+            if 0 <= neighbour < n and n > 2 * _SIDE + 1:
+                near = _nearest([j for j in others if j != neighbour], i)
+                told.append(_off_others(left, i, near, noise_freedom))
+        off, by_chance = min(told, key=lambda one: one[1])
+        yield off, min(len(told) * by_chance, 1.0)
+
+
+def _nearest(others: Sequence[int], i: int) -> tuple[int, ...]:
+    """Six of the others, three before and three after it, or as many there as there are."""
+    before = sum(j < i for j in others)
+    first = min(max(before - _SIDE, 0), len(others) - 2 * _SIDE)
+    return tuple(others[first : first + 2 * _SIDE])
+
+
+def _off_others(left: Floats, i: int, near: tuple[int, ...], noise_freedom: float) -> tuple[float, float]:
+    values, weights = left[list(near)], _by_parabola(tuple(j - i for j in near))
+    around = float(np.sqrt(np.mean(values**2)))
+    off, deviation = float(left[i] - weights @ values), max(around, 1.0) * float(np.sqrt(1 + weights @ weights))
+    return off, float(2 * student.sf(abs(off) / deviation, len(near) if around > 1 else noise_freedom))
 
 
 @cache
-def _by_parabola(place: int) -> Floats:
-    """(6,) weights of the others in what a parabola through them is at a place among seven."""
-    apart = np.delete(np.arange(2 * _SIDE + 1), place) - place
-    return np.asarray(np.linalg.pinv(np.vander(apart / _SIDE, 3))[-1])
+def _by_parabola(apart: tuple[int, ...]) -> Floats:
+    """(6,) weights of points so many steps away in what a parabola through them is at the point itself."""
+    return np.asarray(np.linalg.pinv(np.vander(np.array(apart) / _SIDE, 3))[-1])

@@ -60,6 +60,17 @@ def test_a_point_that_reads_low_is_named_and_no_other(branches, point: int) -> N
     assert "% low for the force there, beside the points next to it" in found.text
 
 
+@pytest.mark.parametrize("point", [0, 9, 22, 37])
+@pytest.mark.parametrize("other", [-0.25, 0.2])
+def test_of_two_beside_each_other_both_are_named(branches, point: int, other: float) -> None:
+    """Neither was: each made up for the other."""
+    plan = with_odd(runs(seed=3), run=1, point=point, column=3, by=np.log(0.8))
+    found = named(with_odd(plan, run=1, point=point + 1, column=3, by=other), branches)
+    assert {one.run for one in found} == {CONDITIONS[1].name}
+    wanted = plan.observations[1].frequency[[point, point + 1]]
+    assert sorted(one.frequency for one in found) == pytest.approx(sorted(wanted))
+
+
 def test_a_phase_is_named_in_degrees(branches) -> None:
     plan = with_odd(runs(seed=4), run=0, point=12, column=2, by=np.radians(-60.0))
     (found,) = named(plan, branches)
@@ -71,7 +82,7 @@ def test_a_phase_is_named_in_degrees(branches) -> None:
 def test_points_that_differ_by_chance_are_left_alone(branches) -> None:
     """Beside a model that is wrong by twenty times the noise, and beside its jump."""
     assert 0.05 * np.abs(MISFIT).max() > NOISE
-    assert [len(named(runs(seed), branches)) for seed in range(3)] == [0] * 3
+    assert [len(named(runs(seed), branches)) for seed in range(6)] == [0] * 6
 
 
 @pytest.mark.parametrize("condition", [DOWN, UP], ids=["down", "up"])
