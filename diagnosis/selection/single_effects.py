@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import cache, partial
+from itertools import islice
 
 from updamp.diagnosis.candidate_models.baseline import Baseline
 from updamp.diagnosis.candidate_models.candidate_fits import (
@@ -46,7 +47,7 @@ def try_singles(fits: FitContext, effects: Sequence[Effect], scored: Sequence[Sc
     found = _in_turn(fits, (likely[:first], likely[first:half], likely[half:]), found)
     found |= _settled(fits, best_first(found)[:1], found, 1)
     if _explaining(fits, found) is None:
-        found |= _settled(fits, most_promising(found), found, criteria.search.full)
+        found |= fits.full([r for r in _to_settle(fits, found) if not r.trial.full])
         found |= refits_with_own_numerics(fits, found)
     found |= _rivals(fits, seen[: criteria.search.short], by_probes, found)
     found |= _settled(fits, most_promising(found), found, criteria.search.full)
@@ -58,6 +59,13 @@ def _settled(fits: FitContext, some: Sequence[FittedCandidate], found: Candidate
     best = best_first(found)[:1]
     short = [r for r in some if not r.trial.full and _gains_as_much(r.refit, best[0].refit, fits)]
     return fits.full(short[:most])
+
+
+def _to_settle(fits: FitContext, found: CandidateFits) -> list[FittedCandidate]:
+    """Those that promise most, by rank: short fits stop anywhere, with the numerical error of another model, and say
+    little of what they would leave."""
+    gaining = (r for r in most_promising(found) if r.refit.delta_bic > 0)
+    return list(islice(gaining, fits.criteria.search.full))
 
 
 def _in_turn(fits: FitContext, tasks: Iterable[Sequence[FitTask]], known: CandidateFits) -> CandidateFits:
@@ -79,15 +87,16 @@ def _not_in(found: CandidateFits, tasks: Sequence[FitTask]) -> list[FitTask]:
 
 def refits_with_own_numerics(fits: FitContext, found: CandidateFits) -> CandidateFits:
     """Full fits that take off most of a misfit, and yet leave some, or ask for a calibration that nobody would believe:
-    with the numerical error of their own models, first those that come close to the best. Where none does, those that
-    the data ask for and that come close: this is to be known before a second effect is looked for, or none is said to
-    explain them, and which is the best may hang on it."""
+    with the numerical error of their own models, first those that come close to the best, then the others, by rank: how
+    large that error is differs from model to model. Where none takes off most of it, those that the data ask for and
+    that come close: this is to be known before a second effect is looked for, or none is said to explain them, and
+    which is the best may hang on it."""
     start, criteria = fits.start, fits.criteria
     if not start.fitted.parametrisation.numerics.names:
         return {}
     settled = [r for r in best_first(found) if r.trial.full]
     most, least = _left(start, criteria.search.nearly), min((r.trial.excess for r in settled), default=0.0)
-    close = [r for r in settled if r.trial.excess < min(most, criteria.search.comparable * least)]
+    close = [r for r in settled[: criteria.search.full] if r.trial.excess < most]
     if not close:
         asked = (r for r in settled if r.refit.delta_bic >= criteria.delta_bic)
         close = [r for r in asked if r.trial.excess < criteria.search.close * least]

@@ -35,7 +35,7 @@ class ForceSolver(Protocol):
         ...
 
     def solve(self, right: Floats) -> Floats:
-        """Many at once, on the active rows alone, and never by iteration: (n_active, n_coefficients, n) -> same"""
+        """Many at once, on the active rows alone, to 1e-9 at least: (n_active, n_coefficients, n) -> same"""
         ...
 
     @property
