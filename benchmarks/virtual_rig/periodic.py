@@ -4,7 +4,7 @@ x = x_stuck(w) - G(w) d(x)         d: what the forces depart from those of the s
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 import scipy.linalg
@@ -81,7 +81,7 @@ def motion_at(
     for iteration in range(options.iterations):
         if np.abs(r).max() <= options.tolerance * np.abs(x).max():
             return Motion(x, w, force, value, G, iteration)
-        step = -gmres(lambda v, times=tangents: v + G.contacts(times(v)), r, 1e-3 if iteration == 0 else 1e-4)
+        step = -_newton_step(G, tangents, r, 1e-3 if iteration == 0 else 1e-4)
         part = 1.0
         while True:
             ahead = x + part * step
@@ -100,27 +100,53 @@ def _basis(harmonics: int, mean: bool, n_time: int) -> Basis:
     return Basis(harmonics, mean, n_time)
 
 
-def forces(rig: Assembled, x: Floats, w: float, basis: Basis):
-    """Departures (n_rows, n_c), and what multiplies a motion (n_rows, n_c) with their derivatives."""
+@dataclass(frozen=True, eq=False)
+class Tangents:
+    """Derivatives of the departures by the motion, of the patches and elements that depart.
+
+    moving: (k,) their patches; blocks: (k, 3 n_c, 3 n_c); elements: (n_elements, n_c, n_c); first: row of the first of
+    these; rows: (3 k + n_elements,) of all of them
+    """
+
+    moving: NDArray[np.int64]
+    blocks: Floats
+    elements: Floats
+    first: int
+
+    @cached_property
+    def rows(self) -> NDArray[np.int64]:
+        of_elements = self.first + np.arange(len(self.elements))
+        return np.concatenate([(3 * self.moving[:, None] + np.arange(3)).ravel(), of_elements])
+
+    def times(self, v: Floats) -> Floats:
+        """(len(rows), n_c) motion of the rows -> force on them"""
+        k, n_c = len(self.moving), v.shape[1]
+        pushed = (self.blocks @ v[: 3 * k].reshape(k, 3 * n_c, 1))[:, :, 0]
+        return np.concatenate([pushed.reshape(3 * k, n_c), (self.elements @ v[3 * k :, :, None])[:, :, 0]])
+
+
+def _newton_step(G: BenchReceptance, tangents: Tangents, r: Floats, tolerance: float) -> Floats:
+    """v of v + G T v = r: on the rows that T is not zero on by iteration, on the others from there."""
+    rows, times = tangents.rows, tangents.times
+    if not len(rows):
+        return r
+    among = G.between(rows, rows)
+    moving = gmres(lambda v: v + among(times(v)), r[rows], tolerance)
+    return r - G.between(rows, np.arange(len(r)))(times(moving))
+
+
+def forces(rig: Assembled, x: Floats, w: float, basis: Basis) -> tuple[Floats, Tangents]:
+    """Departures (n_rows, n_c), and their derivatives."""
     n, n_c = rig.n_patches, basis.size
     patches, tangent = departures(x[: 3 * n].reshape(n, 3, n_c), w, basis, rig.bench.patches)
     moving = np.flatnonzero(tangent.any(axis=(1, 2)))
-    blocks = np.ascontiguousarray(tangent[moving])
-    value, own = [patches.reshape(3 * n, n_c)], []
+    value, own = [patches.reshape(3 * n, n_c)], [np.zeros((0, n_c, n_c))]
     for element, coefficients in zip(rig.bench.elements, x[3 * n :], strict=True):
         f, by_u, by_v = element.force(basis.values @ coefficients, w * (basis.rates @ coefficients))
         value.append((basis.analysis @ f)[None])
-        own.append(basis.analysis @ (by_u[:, None] * basis.values + w * by_v[:, None] * basis.rates))
-
-    def times(v: Floats) -> Floats:
-        product = np.zeros_like(v)
-        pushed = (blocks @ v[: 3 * n].reshape(n, 3 * n_c)[moving][:, :, None])[:, :, 0]
-        product[: 3 * n].reshape(n, 3 * n_c)[moving] = pushed
-        for i, matrix in enumerate(own):
-            product[3 * n + i] = matrix @ v[3 * n + i]
-        return product
-
-    return np.concatenate(value), times
+        own.append((basis.analysis @ (by_u[:, None] * basis.values + w * by_v[:, None] * basis.rates))[None])
+    tangents = Tangents(moving, np.ascontiguousarray(tangent[moving]), np.concatenate(own), 3 * n)
+    return np.concatenate(value), tangents
 
 
 def gmres(product, right, tolerance, most=200):

@@ -1,5 +1,6 @@
 """The stuck structure's answer at one frequency, harmonic by harmonic: applied, not formed."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,20 +26,34 @@ class BenchReceptance:
 
     def respond(self, force: Floats, rows: slice | NDArray[np.int64]) -> Floats:
         """(n_rows, n_c) coefficients of force on the rows with forces -> displacement of `rows`, mean excepted."""
-        stuck, n, H = self.rig.stuck, self.rig.n_rows, self.basis.harmonics
-        f = np.ascontiguousarray(force[:, : 2 * H])
-        q = np.ascontiguousarray(stuck.phi[:n].T @ f).view(complex)
-        y = stuck.phi[rows] @ np.ascontiguousarray(_each(self.modal, q)).view(float) + stuck.residual[rows, :n] @ f
-        pulled = _each(self.answer, _each(self.through[:, :n].transpose(0, 2, 1), f.view(complex)))
-        return np.asarray(y - np.ascontiguousarray(_each(self.through[:, rows], pulled)).view(float))
+        loaded = np.flatnonzero(force.any(axis=1))
+        everywhere = np.arange(self.rig.stuck.phi.shape[0])
+        return self.between(loaded, everywhere[rows])(force[loaded])[:, : 2 * self.basis.harmonics]
 
     def contacts(self, force: Floats) -> Floats:
-        """As `respond`, on the rows with forces and with the mean."""
+        """(n_rows, n_c) coefficients of force on the rows with forces -> their displacement."""
+        loaded = np.flatnonzero(force.any(axis=1))
+        return self.between(loaded, np.arange(self.rig.n_rows))(force[loaded])
+
+    def between(self, loaded: NDArray[np.int64], rows: NDArray[np.int64]) -> Callable[[Floats], Floats]:
+        """What takes forces (k, n_c) on k loaded rows to displacements of `rows`, mean excepted beyond those with
+        forces."""
+        stuck, H = self.rig.stuck, self.basis.harmonics
+        to_modes, from_modes = np.ascontiguousarray(stuck.phi[loaded].T), stuck.phi[rows]
+        residual = stuck.residual[np.ix_(rows, loaded)]
+        pulling, pulled = self.through[:, loaded].transpose(0, 2, 1), self.through[:, rows]
         n = self.rig.n_rows
-        y = self.respond(force, slice(n))
-        if self.basis.mean:
-            y = np.column_stack([y, self.rig.mean_compliance @ force[:, -1]])
-        return y
+        mean = self.rig.mean_compliance[np.ix_(rows, loaded)] if self.basis.mean and (rows < n).all() else None
+
+        def displacement(force: Floats) -> Floats:
+            f = np.ascontiguousarray(force[:, : 2 * H])
+            q = (to_modes @ f).view(complex)
+            y = from_modes @ np.ascontiguousarray(_each(self.modal, q)).view(float) + residual @ f
+            attached = _each(self.answer, _each(pulling, f.view(complex)))
+            y -= np.ascontiguousarray(_each(pulled, attached)).view(float)
+            return np.asarray(y if mean is None else np.column_stack([y, mean @ force[:, -1]]))
+
+        return displacement
 
     def excited(self, row: int) -> Complex:
         """(rows,) displacement under a unit force cos(w t) on a row."""
