@@ -4,8 +4,8 @@ how much of that a calibration takes up.
 A finer model's change is not in proportion to what it is still off by: where few contact elements slip or open, a test
 may by chance hardly change from one mesh to the next. (With two, three and four strips of elements a face the peak of
 the virtual rig's OOP at 16 N rises by 1.1 and 0.2 %, that of OOP at 32 N falls by 0.1 % and rises by 0.3 %.) So a
-test in which contacts slip or open has, besides half of its own change, an error by chance: in all ways that calibrated
-parameters change it, each as likely, half as large as what finer numerics change in other such tests of its mode.
+test in which contacts slip or open has, besides its own change, an error by chance: in all ways that calibrated
+parameters change it, each as likely, as large as what finer numerics change in other such tests of its mode.
 """
 
 from collections.abc import Mapping, Sequence

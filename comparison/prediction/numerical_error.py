@@ -1,7 +1,7 @@
 """What finer numerics would change: what is added to the model's observations, and how sure that is.
 
 The branch of a finer model (mesh, contact patches, harmonics, time samples) is compared with that of the model in use.
-The finer model is nearer the truth, but is not the truth: what it changes is known to within half of its size. That
+The finer model is nearer the truth, but is not the truth: it may be left with as much as it changes (`UNSURE`). That
 uncertainty enters the fit as patterns of size 0 with standard deviation 1, so that misfits of that shape and size prove
 nothing: one pattern for the whole difference and, of what calibration cannot make up for, one a mode and one a test.
 
@@ -22,8 +22,10 @@ from scipy.ndimage import uniform_filter1d
 
 Floats = NDArray[np.float64]
 
-# Of what finer numerics change.
-UNSURE = 0.5
+# Of what finer numerics change: a method of second order whose finer mesh has elements 1/r as long is left with
+# 1 / (r^2 - 1) of what it changed (P. J. Roache, J. Fluids Eng. 116 (1994) 405). Twice as many elements on a face are
+# 1/sqrt(2) as long.
+UNSURE = 1.0
 _FREQUENCY = 0.02  # of a turn of phase: what the whole window counts
 
 

@@ -58,7 +58,7 @@ def test_what_fits_fits_and_one_more_does_not() -> None:
         ("pesaresi2017.toml", "medium", ("full",)),
         ("pesaresi2017.toml", "full", ()),
         ("virtual_rig.toml", "diagnosis", ("laboratory", "diagnosis_contacts")),  # mesh, contacts
-        ("virtual_rig.toml", "diagnosis_146", ("laboratory", "diagnosis")),  # mesh, contacts
+        ("virtual_rig.toml", "diagnosis_146", ("laboratory", "diagnosis_contacts")),  # mesh, contacts
     ],
 )
 def test_the_numerical_error_is_told_by_the_next_finer_presets(name: str, preset: str, finer: tuple[str, ...]) -> None:
