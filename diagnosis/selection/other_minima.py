@@ -25,6 +25,19 @@ def other_sizes(fits: FitContext, found: CandidateFits) -> CandidateFits:
     return {best.trial.effects: replace(best, refit=replace(best.refit, own_numerics=first.own_numerics))}
 
 
+def resized(fits: FitContext, one: FittedCandidate) -> CandidateFits:
+    """The lowest of this fit and those from other sizes with the numerical error of these sizes, where it is another:
+    what finer numerics change where a fit stands may keep it there, in a valley of its own. It knows of the others."""
+    tries = [
+        FitTask(one.refit.effects, (), True, near=one.refit.fitted, own_numerics=True, size=size)
+        for size in SIZE_FACTORS
+    ]
+    tried = fits.runner(fits.start, fits.criteria, tries, reporting(fits.progress))
+    known = [one, *(r for r in tried if r is not None)]
+    lowest = max(known, key=lambda r: r.refit.drop)
+    return {} if lowest is one else {lowest.trial.effects: knowing_of(lowest, known)}
+
+
 def turned_round(fits: FitContext, fitted: Sequence[FittedCandidate]) -> CandidateFits:
     """Fits with the numerical error of their own models from the other sign: a coarse mesh may show an effect of the
     right sign so weakly that a fit on it ends at the wrong one."""

@@ -18,7 +18,7 @@ from updamp.diagnosis.candidate_models.refit import Refit, fails_badly
 from updamp.diagnosis.criteria import Criteria
 from updamp.diagnosis.score_tests.candidates import by_score, by_turns, with_probes
 from updamp.diagnosis.score_tests.score import Score
-from updamp.diagnosis.selection.other_minima import turned_round, with_other_sign
+from updamp.diagnosis.selection.other_minima import resized, turned_round, with_other_sign
 from updamp.effects.effect import Effect
 
 
@@ -49,6 +49,7 @@ def try_singles(fits: FitContext, effects: Sequence[Effect], scored: Sequence[Sc
     if _explaining(fits, found) is None:
         found |= fits.full([r for r in _to_settle(fits, found) if not r.trial.full])
         found |= refits_with_own_numerics(fits, found)
+        found |= _from_other_sizes(fits, found)
     found |= _rivals(fits, seen[: criteria.search.short], by_probes, found)
     found |= _settled(fits, most_promising(found), found, criteria.search.full)
     return found | refits_with_own_numerics(fits, found)
@@ -95,7 +96,7 @@ def refits_with_own_numerics(fits: FitContext, found: CandidateFits) -> Candidat
     if not start.fitted.parametrisation.numerics.names:
         return {}
     settled = [r for r in best_first(found) if r.trial.full]
-    most, least = _left(start, criteria.search.nearly), min((r.trial.excess for r in settled), default=0.0)
+    most, least = _left(start, criteria.search.nearly), _least(settled)
     close = [r for r in settled[: criteria.search.full] if r.trial.excess < most]
     if not close:
         asked = (r for r in settled if r.refit.delta_bic >= criteria.delta_bic)
@@ -113,6 +114,23 @@ def refits_with_own_numerics(fits: FitContext, found: CandidateFits) -> Candidat
         for r in left
         if (lowest := _lowest(r, again.get(r.trial.effects), turned.get(r.trial.effects))) is not r
     }
+
+
+def _from_other_sizes(fits: FitContext, found: CandidateFits) -> CandidateFits:
+    """Where none of those with the numerical error of its own model explains the data, the best of them and those that
+    come close, one after the other, until one does: before a second effect is looked for."""
+    own = [r for r in best_first(found) if r.refit.own_numerics]
+    most = min(_left(fits.start, fits.criteria.search.nearly), fits.criteria.search.close * _least(own))
+    again: CandidateFits = {}
+    for one in own:
+        if one.trial.excess >= most or _explaining(fits, {**found, **again}) is not None:
+            break
+        again |= resized(fits, one)
+    return again
+
+
+def _least(some: Sequence[FittedCandidate]) -> float:
+    return min((r.trial.excess for r in some), default=0.0)
 
 
 def _lowest(given: FittedCandidate, own: FittedCandidate | None, turned: FittedCandidate | None) -> FittedCandidate:
