@@ -110,6 +110,6 @@ def test_a_fit_that_ended_at_the_wrong_sign_is_turned_round(monkeypatch):
     assert same.refit.drop < turned.refit.drop == pytest.approx(best.refit.drop)
     fitted = best.refit.fitted
     size = fitted.parametrisation.columns("spring").start
-    # the coarse mesh shows half of it, and half of what that lacks is unsure: a quarter of the size
-    assert 0.2 < fitted.uncertainty[size] < 0.3
+    # the coarse mesh shows half of it, and all of what that lacks is unsure: half of the size
+    assert 0.4 < fitted.uncertainty[size] < 0.6
     assert fitted.u[size] == pytest.approx(1.0, abs=fitted.uncertainty[size])
