@@ -27,13 +27,14 @@ def other_sizes(fits: FitContext, found: CandidateFits) -> CandidateFits:
 
 def resized(fits: FitContext, one: FittedCandidate) -> CandidateFits:
     """The lowest of this fit and those from other sizes with the numerical error of these sizes, where it is another:
-    what finer numerics change where a fit stands may keep it there, in a valley of its own. It knows of the others."""
-    tries = [
-        FitTask(one.refit.effects, (), True, near=one.refit.fitted, own_numerics=True, size=size)
-        for size in SIZE_FACTORS
-    ]
-    tried = fits.runner(fits.start, fits.criteria, tries, reporting(fits.progress))
-    known = [one, *(r for r in tried if r is not None)]
+    what finer numerics change where a fit stands may keep it there, in a valley of its own. One after the other, until
+    one explains the data. It knows of the others."""
+    known = [one]
+    for size in SIZE_FACTORS:
+        task = FitTask(one.refit.effects, (), True, near=one.refit.fitted, own_numerics=True, size=size)
+        known += fits.results([task]).values()
+        if fits.explains_believably(known[-1].trial):
+            break
     lowest = max(known, key=lambda r: r.refit.drop)
     return {} if lowest is one else {lowest.trial.effects: knowing_of(lowest, known)}
 
