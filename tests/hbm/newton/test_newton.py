@@ -84,6 +84,24 @@ def test_factors_of_a_point_nearby_leave_little_to_iterate_on(slipping):
     assert 0 < found.iterations < 25  # 2 rows of 7 coefficients have changed much, the others little
 
 
+@pytest.mark.parametrize("worth", [10_000, 1])
+def test_many_right_sides_by_iteration_are_those_of_a_factorisation(slipping, monkeypatch, worth):
+    """However large each is: what contacts hardly depart by has squares that are none, and was taken to be solved by
+    nothing. Where all of them would take longer than a factorisation, by that."""
+    system, _, solution = slipping
+    equation = solution.equation
+    rows = active_rows(system, equation.departure)
+    monkeypatch.setattr(KrylovForces, "_iterations_for_many", worth)
+    iterated = KrylovForces(equation.receptance, equation.departure, rows)
+    right = np.random.default_rng(0).normal(size=(len(rows), system.harmonics.n_coefficients, 4))
+    right *= [1.0, 1e9, 0.0, 1e-170]
+    found = iterated.solve(right)
+    wanted = DirectForces(equation.receptance, equation.departure, rows).solve(right)
+    for j in range(4):
+        np.testing.assert_allclose(found[:, :, j], wanted[:, :, j], rtol=0, atol=1e-7 * np.abs(wanted[:, :, j]).max())
+    assert (iterated.factors is None) == (worth > 1)
+
+
 def test_frequency_derivative_against_differences(slipping):
     system, excitation, solution = slipping
     exact = solution.equation.frequency_derivative(excitation)
