@@ -68,6 +68,8 @@ def phase_lag(fit: Fit, plan: Plan, branches: Sequence[PredictedBranch]) -> Phas
     if len({(condition.mode, condition.level) for condition, _ in known}) < 2:
         return None
     read = [one for _, one in known]
+    if not all(PHASE_LAG.parameters[0].allows(float(np.mean(one.angles))) for one in read):
+        return None
     told = [_agreed(PHASE_LAG, read, np.ones(len(read)))]
     if len({condition.mode for condition, _ in known}) >= SENSOR_DELAY.modes:
         told.append(_agreed(SENSOR_DELAY, read, np.array([one.angular for one in read])))
@@ -83,7 +85,7 @@ def _agreed(effect: Effect, read: Sequence[_Read], rates: Floats) -> tuple[Phase
     each = np.concatenate([one.angles / rate for one, rate in zip(read, rates, strict=True)])
     deviations = np.array([one.deviation for one in read]) / rates
     mean = float(np.mean(by_test))
-    if np.any(np.abs(each - mean) > ALIKE * abs(mean)) or not effect.parameters[0].allows(mean):
+    if np.any(np.abs(each - mean) > ALIKE * abs(mean)):
         return None
     spread = float(np.std(by_test, ddof=1) / np.sqrt(len(read))) if len(read) > 1 else 0.0
     significance = mean / max(spread, float(np.linalg.norm(deviations)) / len(read))
