@@ -81,8 +81,10 @@ def motion_at(
     for iteration in range(options.iterations):
         if np.abs(r).max() <= options.tolerance * np.abs(x).max():
             return Motion(x, w, force, value, G, iteration)
-        step = -_newton_step(G, tangents, r, 1e-3 if iteration == 0 else 1e-4)
-        part = 1.0
+        step = -_newton_step(G, tangents, r, 1e-6)
+        # Where next to nothing holds the mean position a whole step may lead far away, to where nothing touches, and
+        # what is left of a step's equations is large in it.
+        part = min(1.0, float(np.linalg.norm(x) / max(np.linalg.norm(step), np.finfo(float).tiny)))
         while True:
             ahead = x + part * step
             value, tangents = forces(rig, ahead, w, basis)
