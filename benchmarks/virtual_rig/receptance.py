@@ -24,11 +24,10 @@ class BenchReceptance:
     through: Complex
     answer: Complex
 
-    def respond(self, force: Floats, rows: slice | NDArray[np.int64]) -> Floats:
+    def respond(self, force: Floats, rows: NDArray[np.int64]) -> Floats:
         """(n_rows, n_c) coefficients of force on the rows with forces -> displacement of `rows`, mean excepted."""
         loaded = np.flatnonzero(force.any(axis=1))
-        everywhere = np.arange(self.rig.stuck.phi.shape[0])
-        return self.between(loaded, everywhere[rows])(force[loaded])[:, : 2 * self.basis.harmonics]
+        return self.between(loaded, rows)(force[loaded])[:, : 2 * self.basis.harmonics]
 
     def contacts(self, force: Floats) -> Floats:
         """(n_rows, n_c) coefficients of force on the rows with forces -> their displacement."""

@@ -120,12 +120,11 @@ class KrylovForces:
             return self._direct.solve(right)
         found, left = np.empty_like(right), self._iterations_for_many
         for j in range(right.shape[2]):
-            limit, size = left // (right.shape[2] - j), float(np.abs(right[:, :, j]).max()) or 1.0
-            # what a contact hardly departs by has squares that are none
-            one = gmres(self._operator, right[:, :, j].ravel() / size, None, _MANY, limit)
+            limit = left // (right.shape[2] - j)
+            one = gmres(self._operator, right[:, :, j].ravel(), None, _MANY, limit)
             if not one.converged:
                 return self._direct.solve(right)
-            found[:, :, j], left = size * one.value.reshape(right.shape[:2]), left - one.iterations
+            found[:, :, j], left = one.value.reshape(right.shape[:2]), left - one.iterations
         return found
 
     @property

@@ -32,7 +32,7 @@ def gmres(
     """
     x = np.zeros_like(right) if start is None else start
     r = right if start is None else right - operator(start)
-    size, wanted = _norm(r), tolerance * _norm(right)
+    size, wanted = _length(r), tolerance * _length(right)
     if size <= wanted:
         return KrylovSolution(x, 0, True)
     V = np.empty((iterations + 1, len(right)))
@@ -66,3 +66,9 @@ def gmres(
 
 def _norm(vector: Floats) -> float:
     return math.sqrt(float(vector @ vector))
+
+
+def _length(vector: Floats) -> float:
+    """However small its entries are: squares of 1e-170 are none. In units of a power of two, which rounds nothing."""
+    exponent = math.frexp(float(np.abs(vector).max(initial=0.0)))[1]
+    return math.ldexp(_norm(np.ldexp(vector, -exponent)), exponent)
