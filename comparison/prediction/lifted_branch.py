@@ -1,6 +1,9 @@
-"""A branch as that of the model with further effects, which may bring elements of their own or take a symmetry away.
-From there its points are moved: elements that are new move as the structure does where they are put in, and exert
-nothing yet."""
+"""A branch as that of the model with further effects, which may bring elements of their own, harmonics, or take a
+symmetry away. From there its points are moved: elements that are new move as the structure does where they are put in,
+and exert nothing yet; of harmonics that are new there is nothing yet.
+
+That is far from the solution where a mean position is new that nothing but soft wires holds, and still Newton's method
+takes two to seven steps from there, all points of a branch together, where to trace it anew takes ten times as long."""
 
 from dataclasses import dataclass, replace
 
@@ -11,28 +14,31 @@ from updamp.comparison.prediction.model_at import ModelAt, added_points
 from updamp.comparison.prediction.numerical_error import NumericalError
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
+from updamp.hbm.continuation.branch import BranchPoint
+from updamp.hbm.newton.metric import Metric
 from updamp.hbm.problem.receptance_along import ReceptanceAlong
 
 Floats = NDArray[np.float64]
 
 
 def lifted(before: PredictedBranch, there: ModelAt) -> PredictedBranch | None:
-    """The same points on the rows of the model with all effects; None where these bring harmonics, or the branch was
-    solved with other ones.
+    """The same points on the rows and with the harmonics of the model with all effects; None where the branch was
+    solved with other ones than the model without them has.
 
     there: with the effects that the branch was solved with, and further ones after these
     """
     known = before.w_by_parameter.shape[1]
     parametrisation = _with_parameters(there.parametrisation, known)
     without = ModelAt(parametrisation, before.u[:known], there.place)
-    solved = without.system.free.n_relative, there.system.harmonics.n_coefficients
-    if before.points[0].x.shape != solved or without.model.harmonics.orders != there.model.harmonics.orders:
+    solved = without.system.free.n_relative, without.system.harmonics.n_coefficients
+    if before.points[0].x.shape != solved or not set(without.model.harmonics.orders) <= set(
+        there.model.harmonics.orders
+    ):
         return None
     rows = _Rows(without, there)
-    x = rows.of_motion(before)
     points = [
-        replace(p, x=np.ascontiguousarray(x[..., i]), tangent_x=rows.of_change(p.tangent_x))
-        for i, p in enumerate(before.points)
+        rows.of_point(point, np.ascontiguousarray(x))
+        for point, x in zip(before.points, np.moveaxis(rows.of_motion(before), 2, 0), strict=True)
     ]
     changes = tuple(rows.of_change(change) for change in before.x_by_parameter)
     return replace(before, points=tuple(points), x_by_parameter=changes)
@@ -58,6 +64,13 @@ class _Rows:
         """Points of further elements, in their order"""
         return added_points(self.without.model, self.there.model)
 
+    def of_point(self, point: BranchPoint, x: Floats) -> BranchPoint:
+        """x: (n_relative, n_coefficients) of it [m], with what is new"""
+        changed = replace(point, x=x, tangent_x=self.of_change(point.tangent_x))
+        if self.without.model.harmonics == self.there.model.harmonics:
+            return changed
+        return replace(changed, metric=Metric.at(x, self.there.model.harmonics, point.metric.scale_w))
+
     def of_motion(self, before: PredictedBranch) -> Floats:
         """(n_relative, n_coefficients, n_points) relative displacements [m] at the points of a branch"""
         model = self.without.model
@@ -67,10 +80,19 @@ class _Rows:
         forces = np.full(len(along.w), before.condition.force)
         rows = np.array([model.free.row(point) for point in self._added], dtype=np.int64)
         added = along.motion(model.free.row(model.excitation), forces, departure, rows)
-        return np.moveaxis(self.there.solved(np.moveaxis(np.concatenate([x, added]), 2, 0)), 0, 2)
+        return np.moveaxis(self._solved(np.moveaxis(np.concatenate([x, added]), 2, 0)), 0, 2)
 
     def of_change(self, change: Floats) -> Floats:
         """Of relative displacements (..., n_relative, n_coefficients); that of further elements is not known"""
         whole = self.without.whole(change)
         added = np.zeros((*whole.shape[:-2], len(self._added), whole.shape[-1]))
-        return self.there.solved(np.concatenate([whole, added], axis=-2))
+        return self._solved(np.concatenate([whole, added], axis=-2))
+
+    def _solved(self, x: Floats) -> Floats:
+        """What is solved with all effects, of relative displacements (..., n_relative, n_coefficients) of the whole
+        model in the harmonics without the further ones"""
+        own, wider = self.without.model.harmonics, self.there.model.harmonics
+        found = np.zeros((*x.shape[:-1], wider.n_coefficients))
+        for k in own.orders:
+            found[..., wider.slices[k]] = x[..., own.slices[k]]
+        return self.there.solved(found)

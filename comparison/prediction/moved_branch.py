@@ -1,6 +1,7 @@
 """A branch at other parameters from the points that it had before: a fraction of the work of tracing it."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,8 +80,8 @@ def move_sweeps(
 
 
 def _on_rows_of(there: ModelAt, before: PredictedBranch) -> PredictedBranch | None:
-    """The branch on the rows that are solved, where an effect has brought elements of its own or taken a symmetry; None
-    where it has brought harmonics."""
+    """The branch on the rows that are solved, where an effect has brought elements of its own or harmonics, or taken a
+    symmetry; None where it was solved with other ones."""
     system = there.system
     same = before.points[0].x.shape == (system.free.n_relative, system.harmonics.n_coefficients)
     return before if same else lifted(before, there)
@@ -96,7 +97,7 @@ def _moved(there: ModelAt, before: PredictedBranch, excitation: Excitation) -> l
     of where a contact begins to slip move by different amounts."""
     moved: list[BranchPoint] = []
     last, gap = before.points[0], False
-    solutions = solve_together(there.system, excitation, _predicted(there, before), NEWTON)
+    solutions = _solved(there.system, excitation, _predicted(there, before))
     for point, solution in zip(before.points, solutions, strict=True):
         gap = gap or point.after_gap
         if not solution.converged:
@@ -106,6 +107,26 @@ def _moved(there: ModelAt, before: PredictedBranch, excitation: Excitation) -> l
         moved.append(point_at(solution, excitation, point.metric.scale_w, point.tangent, point.step, gap))
         last, gap = point, False
     return moved
+
+
+def _solved(system: NonlinearSystem, excitation: Excitation, arcs: Sequence[Arc]) -> list[Solution]:
+    """Those that are not found from where they were put are tried once more from what the nearest ones that were found
+    were corrected by."""
+    solutions = solve_together(system, excitation, arcs, NEWTON)
+    found = np.flatnonzero([s.converged for s in solutions])
+    lost = np.setdiff1d(np.arange(len(arcs)), found)
+    if not (len(found) and len(lost)):
+        return solutions
+    again = []
+    for i in lost:
+        beside = found[np.unique(np.clip(np.searchsorted(found, i) - [1, 0], 0, len(found) - 1))]
+        share = 1 / np.abs(beside - i)
+        dx = np.average([solutions[j].x - arcs[j].x0 for j in beside], axis=0, weights=share)
+        dw = np.average([solutions[j].w - arcs[j].w0 for j in beside], weights=share)
+        again.append(replace(arcs[i], x0=arcs[i].x0 + dx, w0=arcs[i].w0 + float(dw)))
+    for i, solution in zip(lost, solve_together(system, excitation, again, NEWTON), strict=True):
+        solutions[i] = solution
+    return solutions
 
 
 def _predicted(there: ModelAt, before: PredictedBranch) -> list[Arc]:
