@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from updamp.comparison.fit.compared import padded, predict_branches
-from updamp.comparison.fit.numerical_patterns import change_to, with_error_patterns
+from updamp.comparison.fit.numerical_patterns import with_error_patterns
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.branch_tasks import Branches, BranchTask, in_turn
 from updamp.comparison.prediction.numerical_error import NumericalError
@@ -21,7 +21,6 @@ from updamp.comparison.prediction.predicted_branch import PredictedBranch, with_
 from updamp.comparison.prediction.run_condition import RunCondition, same_sweeps
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.analysis.settings import Setting, more_harmonics, twice_the_samples
-from updamp.hbm.continuation.continuation import ContinuationOptions
 from updamp.hbm.harmonics import Harmonics
 
 Floats = NDArray[np.float64]
@@ -177,11 +176,10 @@ def _finer_task(
     of_model: Parametrisation,
     u: Floats,
     conditions: Sequence[RunCondition],
-    options: ContinuationOptions | None = None,
 ) -> BranchTask:
     """conditions: tests that sweep the same branch"""
-    first, *others = (_wider(condition) for condition in conditions)
-    return BranchTask(of_model, u, first, options=options, others=tuple(others))
+    first, *others = (in_wider_window(condition) for condition in conditions)
+    return BranchTask(of_model, u, first, others=tuple(others))
 
 
 def _by_model(
@@ -195,26 +193,7 @@ def _by_model(
     }
 
 
-def change_of_branch(
-    model: RigModel,
-    condition: RunCondition,
-    observed: Floats,
-    numerics: NumericalError | None = None,
-    options: ContinuationOptions | None = None,
-) -> Floats:
-    """(n, m) what another model changes of the observations (n, m) along a branch.
-
-    numerics: error that the observations have been freed of, which is then taken off the other model's too, held where
-        it was (`NumericalError.held_at`)
-    options: of the continuation
-    raises: BranchStoppedError where it has no response at the beginning of the run
-    """
-    of_model = Parametrisation(model, (), numerics=numerics or NumericalError())
-    (traced,) = _finer_task(of_model, np.zeros(len(of_model)), (condition,), options).predicted()
-    return change_to(observed, traced, condition)[0]
-
-
-def _wider(condition: RunCondition) -> RunCondition:
-    """Finer numerics may shift the resonance by more than its width."""
+def in_wider_window(condition: RunCondition) -> RunCondition:
+    """Finer numerics, or an effect, may shift the resonance by more than its width."""
     low, high = condition.window
     return replace(condition, window=(low - _FURTHER * (high - low), high + _FURTHER * (high - low)))

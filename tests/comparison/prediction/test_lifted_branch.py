@@ -52,4 +52,3 @@ def test_a_moved_branch_is_the_traced_one(plain, before, name):
     apart = [np.abs(dense - value).max(axis=1).min() for value in moved.at(inside).value]
     assert np.median(apart) < 3e-4
     assert max(apart) < 5e-3
-
