@@ -90,7 +90,7 @@ def _widened(plan: Plan, width: float) -> Plan:
     """With frequencies known to a share of the range that their run was measured in, every point counting."""
     runs = []
     for run in plan.observations:
-        noise = run.noise.copy()
+        noise = run.own.copy()
         noise[:, 0] = np.hypot(noise[:, 0], width * _range(run))
-        runs.append(replace(run, noise=noise))
+        runs.append(replace(run, own=noise))
     return replace(plan, observations=tuple(runs), lacks_nothing=True)

@@ -77,7 +77,7 @@ def with_noise_of_sensors(plan: Plan, noise: Mapping[Sensor, SensorNoise]) -> Pl
             if sensor in c.sensors and c.mode in own.floor
         ]
         new = [own.of(_amplitude(runs[i], j), mode) for i, j, mode in places]
-        before = np.concatenate([runs[i].noise[:, 1 + 2 * j] for i, j, _ in places])
+        before = np.concatenate([runs[i].own[:, 1 + 2 * j] for i, j, _ in places])
         most = float(np.median(before)) * np.exp(2 * known_to(len(before)))
         factor = min(1.0, most / float(np.median(np.concatenate(new))))
         for (i, j, _), each in zip(places, new, strict=True):
@@ -143,8 +143,8 @@ def _amplitude(run: Observations, sensor: int) -> Floats:
 
 
 def _with_noise(run: Observations, sensor: int, relative: Floats) -> Observations:
-    noise = run.noise.copy()
+    noise = run.own.copy()
     noise[:, 1 + 2 * sensor] = relative
     if run.has_phase(sensor):
         noise[:, 2 + 2 * sensor] = relative
-    return replace(run, noise=noise)
+    return replace(run, own=noise)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,22 +20,31 @@ class Observations:
     """One run of one repeat.
 
     test: place of its condition; repeat: number of the assembly
-    observed: (n, 1 + 2 n_sensors) as in PredictedBranch; noise: like it, standard deviations of the sensors alone,
+    observed: (n, 1 + 2 n_sensors) as in PredictedBranch; own: like it, standard deviations of the sensors alone,
         infinite where no phase was recorded
     log_force: (n,) logarithm of the measured force over the condition's; log_level: (n,) of the measured response over
         the one to be held, None where the force was set
+    repeatability: relative, that another test of the same is stated to differ by, the sensors' noise included
     """
 
     run: str
     test: int
     repeat: int
     observed: Floats
-    noise: Floats
+    own: Floats
     log_force: Floats
     log_level: Floats | None = None
+    repeatability: float = 0.0
 
     def __len__(self) -> int:
         return len(self.observed)
+
+    @cached_property
+    def noise(self) -> Floats:
+        """Standard deviations, like those of the sensors alone: no less than what tests are stated to differ by."""
+        noise = self.own.copy()
+        noise[:, 1:] = np.maximum(noise[:, 1:], self.repeatability)
+        return noise
 
     def has_phase(self, sensor: int) -> bool:
         """Whether a phase was recorded; sensor: its place in the condition"""
@@ -50,9 +60,9 @@ class Observations:
 class Plan:
     """conditions: the tests; observations: all runs and repeats of them
     drift, gain: relative standard deviations as stated (`Measurement`), before repeats have been looked at
-    repeatability: as stated, 0 where repeats tell; the observations' noise has it
+    repeatability: as stated, 0 where repeats tell; the observations' noise is no less
     lacks_nothing: whether the model that is compared is taken to
-    noise_read: whether the observations' noise was read off how rough the runs are, and is no better known than that
+    noise_read: whether the sensors' noise was read off how rough the runs are, and is no better known than that
     common: variance over that of the noise by which neighbouring points are off alike although the model lacks nothing,
         as by its mesh (`Fit.numerics_beside_noise`); infinite where that is not known, as without a finer mesh, or
         of a repeatability that is stated, which says nothing of how much of it neighbours share
@@ -95,9 +105,19 @@ class Plan:
         return as_one(self.as_many, self.common)
 
     @property
+    def own_noise(self) -> float:
+        """Of the sensors alone, relative, the median of all amplitudes"""
+        return float(np.median(np.concatenate([o.own[:, 1::2].ravel() for o in self.observations])))
+
+    @property
+    def told_by_noise(self) -> bool:
+        """Whether what errors are measured in was read off the runs: nothing is stated, or less than they are rough."""
+        return self.noise_read and self.own_noise > self.repeatability
+
+    @property
     def noise_freedom(self) -> float:
-        """Degrees of freedom that the variance of the sensors' noise is known by, infinite where it is stated."""
-        if not self.noise_read:
+        """Degrees of freedom that the variance of the noise is known by, infinite where it is stated."""
+        if not self.told_by_noise:
             return float("inf")
         recorded = [int(np.isfinite(o.noise[:, 1:]).all(axis=0).sum()) for o in self.observations]
         return freedom([len(o) for o, columns in zip(self.observations, recorded, strict=True) for _ in range(columns)])
@@ -120,12 +140,8 @@ class Plan:
 
     def if_repeatable(self, repeatability: float) -> "Plan":
         """The same runs, had another repeatability been stated."""
-        runs = []
-        for o in self.observations:
-            noise = o.noise.copy()
-            noise[:, 1:] = np.sqrt(np.maximum(noise[:, 1:] ** 2 - self.repeatability**2, 0.0) + repeatability**2)
-            runs.append(replace(o, noise=noise))
-        return replace(self, observations=tuple(runs), repeatability=repeatability)
+        runs = tuple(replace(o, repeatability=repeatability) for o in self.observations)
+        return replace(self, observations=runs, repeatability=repeatability)
 
 
 def plan_of(measurement: Measurement) -> Plan:
@@ -143,13 +159,12 @@ def plan_of(measurement: Measurement) -> Plan:
     noise_read = all(run.noise is None for run in measurement.runs)
     if noise_read:
         observations = _pooled(observations, conditions)
-    observations = [_no_better_than(o, measurement.repeatability) for o in observations]
+    observations = [replace(o, repeatability=measurement.repeatability) for o in observations]
     if len({c.unit for c in conditions}) > 1:  # forces are the one thing that all of them have
         conditions = [replace(c, held=None, unit=measurement.units[1]) for c in conditions]
     conditions = [replace(c, noise=tuple(noise_of(observations, test).tolist())) for test, c in enumerate(conditions)]
     stated = measurement.drift, measurement.gain, measurement.repeatability
-    read_alone = noise_read and not measurement.repeatability
-    return Plan(tuple(conditions), tuple(observations), *stated, noise_read=read_alone)
+    return Plan(tuple(conditions), tuple(observations), *stated, noise_read=noise_read)
 
 
 def _places(runs: Sequence[MeasuredRun]) -> list[tuple[MeasuredRun, float]]:
@@ -251,16 +266,9 @@ def _deviation(run: MeasuredRun, channel: str) -> Floats:
     return np.full(len(run), roughness(np.log(np.abs(amplitude / run.force))))
 
 
-def _no_better_than(o: Observations, repeatability: float) -> Observations:
-    """With what another test of the same would differ by as noise of every amplitude and phase."""
-    noise = o.noise.copy()
-    noise[:, 1:] = np.hypot(noise[:, 1:], repeatability)
-    return replace(o, noise=noise)
-
-
 def _pooled(observations: Sequence[Observations], conditions: Sequence[RunCondition]) -> list[Observations]:
     """With the noise of each sensor drawn towards what all its runs have in common."""
-    noise = [o.noise.copy() for o in observations]
+    noise = [o.own.copy() for o in observations]
     places: dict[tuple[str, int], list[tuple[int, int]]] = {}
     for i, o in enumerate(observations):
         for j, sensor in enumerate(conditions[o.test].sensors):
@@ -270,4 +278,4 @@ def _pooled(observations: Sequence[Observations], conditions: Sequence[RunCondit
         better = shrunk(levels, [len(observations[i]) for i, _ in each])
         for (i, column), factor in zip(each, np.exp(better - levels), strict=True):
             noise[i][:, column : column + 2] *= factor
-    return [replace(o, noise=n) for o, n in zip(observations, noise, strict=True)]
+    return [replace(o, own=n) for o, n in zip(observations, noise, strict=True)]

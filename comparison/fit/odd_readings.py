@@ -145,7 +145,7 @@ def _without(o: Observations, left_out: Collection[tuple[str, int, float]]) -> O
     if kept.all():
         return o
     level = None if o.log_level is None else o.log_level[kept]
-    return replace(o, observed=o.observed[kept], noise=o.noise[kept], log_force=o.log_force[kept], log_level=level)
+    return replace(o, observed=o.observed[kept], own=o.own[kept], log_force=o.log_force[kept], log_level=level)
 
 
 def _is_long_enough(m: Matched) -> bool:

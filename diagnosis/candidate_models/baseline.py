@@ -111,7 +111,7 @@ def baseline(
     gated = gated_calibration(plain, gate, training, None, progress)
     found = gated.calibration
     whole = _without_odd_unseen(found.rests_on(plan), kept, found.fit, branches_of)
-    if whole.noise_read and finer:  # else it is not known how far the model is off along a curve
+    if whole.told_by_noise and finer:  # else it is not known how far the model is off along a curve
         whole = replace(whole, common=found.fit.numerics_beside_noise)
     known = gated.given.numerics
     return Baseline(whole, training, kept, found.fit, found.repeatability, model, finer, given_numerics=known)

@@ -163,6 +163,6 @@ def _confounding(found: SearchResult, criteria: Criteria) -> Confounding:
 
 def _words(found: SearchResult, candidates: Sequence[Candidate]) -> Wording:
     several = len(found.baseline.train_plan.repeats) > 1
-    alone = "the noise of the runs" if found.baseline.plan.noise_read else "the scatter that is stated"
+    alone = "the noise of the runs" if found.baseline.plan.told_by_noise else "the scatter that is stated"
     scatter = "the scatter of the repeats" if several else alone
     return Wording({c.name: c.sentence for c in candidates}, scatter, unseen(found.baseline))

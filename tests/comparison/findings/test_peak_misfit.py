@@ -129,7 +129,7 @@ def test_runs_that_end_below_the_top_are_held_against_their_repeats_alone(plans,
             return o
         top = int(np.argmax(o.observed[:, 1]))
         kept = slice(0, top - 3 - 2 * o.repeat)
-        return replace(o, observed=o.observed[kept], noise=o.noise[kept], log_force=o.log_force[kept])
+        return replace(o, observed=o.observed[kept], own=o.own[kept], log_force=o.log_force[kept])
 
     plan = replace(plans[0], observations=tuple(ended(o) for o in plans[0].observations))
     found = misfits(plan, branches)

@@ -117,7 +117,7 @@ def test_what_is_measured_just_after_a_jump_is_compared_at_its_frequency() -> No
     f = (fine.frequency[before] + coarse.frequency[landed]) / 2
     place = np.interp(f, fine.frequency[after:], fine.place[after:])
     observed, noise = fine.at(np.array([place])).value, np.array([[2e-6, 0.01, 0.01]])
-    run = replace(HARDENING.plan.observations[1], observed=observed, noise=noise, log_force=np.zeros(1))
+    run = replace(HARDENING.plan.observations[1], observed=observed, own=noise, log_force=np.zeros(1))
     found = match(coarse, run, u, np.zeros(len(u)))
     assert coarse.place[landed - 1] < found.place[0] < coarse.place[landed]
     np.testing.assert_allclose(found.difference, 0, atol=2e-3)

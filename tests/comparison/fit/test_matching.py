@@ -43,7 +43,7 @@ def test_nothing_along_the_branch_is_nearer_than_the_place_found(measured):
     """By what is left there, against 4000 places all along, the branch moved far from where it was solved."""
     branch, run = measured
     shift, noise = np.array([0.0, 1.0, 20.0, -20.0]), np.array([1e-5, 1e-3, 1e-3, 1e-3, 1e-3])
-    run = replace(run, noise=np.tile(noise, (len(run), 1)))
+    run = replace(run, own=np.tile(noise, (len(run), 1)))
     found = match(branch, run, shift, np.zeros(4))
     dense = branch.at(np.linspace(branch.place[0], branch.place[-1], 4000))
     away = run.observed[:, None] - (dense.value + np.einsum("npm,p->nm", dense.slopes[:, :-1], shift))

@@ -20,10 +20,12 @@ BEAM, WINDOW = Mode(80.38, 0.0031, 2.0), (79.9, 80.9)
 NOISE = 0.015
 
 
-def plan(points: int, joint: Joint = Joint()) -> Plan:
+def plan(points: int, joint: Joint = Joint(), repeatability: float = 0.0) -> Plan:
     """Eight runs of one assembly, whose noise is not stated"""
     forces = tuple(0.5 + 0.05 * i for i in range(8))
-    return plan_of(replace(measured((BEAM,), joint, WINDOW, forces, True, points, NOISE, 3), repeatability=0.0))
+    return plan_of(
+        replace(measured((BEAM,), joint, WINDOW, forces, True, points, NOISE, 3), repeatability=repeatability)
+    )
 
 
 def read_off(runs: Plan) -> tuple[float, float]:
@@ -48,6 +50,18 @@ def test_a_misfit_is_no_noise() -> None:
     """A spring is missing that moves the resonance by a third of its width."""
     _, of_model = read_off(plan(40, Joint(cubic=1e9)))
     assert of_model == pytest.approx(1.0, abs=0.15)
+
+
+@pytest.mark.parametrize(("stated", "counts"), [(NOISE / 5, 1.0), (NOISE, 1.0), (3 * NOISE, 3.0)])
+def test_what_tests_are_stated_to_differ_by_has_the_noise_in_it(stated: float, counts: float) -> None:
+    """It is the least that errors are measured in: less than the runs are rough, and their noise counts."""
+    runs = plan(12, repeatability=stated)
+    _, of_model = read_off(runs)
+    # of those that are larger than what is stated, by chance
+    assert of_model == pytest.approx(counts, abs=3.0 / np.sqrt(8 * 2 * (12 - 3)))
+    np.testing.assert_allclose(runs.if_repeatable(0.0).own_noise, plan(12).own_noise)
+    assert runs.told_by_noise == (stated < 3 * NOISE)
+    assert np.isinf(runs.noise_freedom) == (stated == 3 * NOISE)
 
 
 def test_a_noise_that_is_stated_stays() -> None:

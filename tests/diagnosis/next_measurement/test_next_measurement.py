@@ -148,7 +148,7 @@ def test_explanations_lie_closer_where_frequencies_are_known_less_well(explanati
 
 
 def test_runs_are_planned_with_the_frequency_error_of_the_measurement(measured):
-    stated = [replace(o, noise=np.insert(o.noise[:, 1:], 0, 4e-4, axis=1)) for o in measured.observations]
+    stated = [replace(o, own=np.insert(o.own[:, 1:], 0, 4e-4, axis=1)) for o in measured.observations]
     assert _noise(measured).frequency == pytest.approx(FREQUENCY_ERROR)
     assert _noise(replace(measured, observations=tuple(stated))).frequency == pytest.approx(4e-4)
 
