@@ -12,7 +12,9 @@ from difflib import get_close_matches
 import numpy as np
 from numpy.typing import NDArray
 
-from updamp.comparison.findings.backbone import half_power_frequency, highest, tops
+from updamp.comparison.findings.backbone import half_power_frequency
+from updamp.comparison.findings.tops import highest, tops
+from updamp.comparison.fit.observations import relative_deviation
 from updamp.effects.rig_model import RigModel
 from updamp.hbm.problem.small_amplitude import SmallAmplitude
 from updamp.measurement.measurement import Channel, MeasuredRun, Measurement, MeasurementError
@@ -148,14 +150,23 @@ def _few(run: MeasuredRun, points: int) -> str:
 
 
 def _largest_at_an_end(run: MeasuredRun) -> str:
-    """Where no channel has a top between the ends of the measured frequencies; "" where one has"""
-    if any(len(tops(np.abs(run.receptance(channel)))) for channel in run.channels):
-        return ""
+    """Where every channel is highest at an end of the measured frequencies, and has no top that chance does not make
+    between them; "" where one has"""
+    for channel in run.channels:
+        log_size = _log_size(run, channel)
+        inner, _ = tops(log_size, relative_deviation(run, channel))
+        if len(inner) or 0 < np.argmax(log_size) < len(log_size) - 1:
+            return ""
     low, high = float(run.frequency.min()), float(run.frequency.max())
     return (
         f"run '{run.name}' has no resonance between {low:g} and {high:g} Hz, where it was measured: its response only "
         "rises or falls; what is said of its resonance is of the end that is highest; was it left out?"
     )
+
+
+def _log_size(run: MeasuredRun, channel: str) -> Floats:
+    """(n,) of the receptance; one that is zero somewhere is refused later on"""
+    return np.asarray(np.log(np.maximum(np.abs(run.receptance(channel)), np.finfo(float).tiny)))
 
 
 def _peak(run: MeasuredRun) -> float:
@@ -253,7 +264,7 @@ def _turn(run: MeasuredRun, name: str) -> str:
     order = np.argsort(run.frequency)
     frequency, receptance = run.frequency[order], run.receptance(name)[order]
     size = np.abs(receptance)
-    top = highest(size)
+    top = highest(_log_size(run, name)[order], relative_deviation(run, name)[order])
     low, high = (half_power_frequency(frequency, size, top, side) for side in (-1, 1))
     if np.isnan([low, high]).any():
         return ""

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from updamp.comparison.comparison import Backbone
 from updamp.comparison.curves import model_curve, receptance_of
+from updamp.comparison.findings.tops import highest
 from updamp.comparison.fit.observations import Observations, Plan
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
 
@@ -44,10 +45,13 @@ class ResonanceReading:
     loss_factor: float
 
 
-def read_resonance(frequency: Floats, receptance: Complex, force: Floats) -> ResonanceReading:
-    """Of one sweep, in its own order. frequency: (n,) [Hz]; receptance: (n,) [m/N]; force: (n,) [N]"""
+def read_resonance(
+    frequency: Floats, receptance: Complex, force: Floats, deviation: Floats | None = None
+) -> ResonanceReading:
+    """Of one sweep, in its own order. frequency: (n,) [Hz]; receptance: (n,) [m/N]; force: (n,) [N]
+    deviation: (n,) of the receptance, relative, none by default"""
     size = np.abs(receptance)
-    i = highest(size)
+    i = highest(np.log(size), deviation)
     top, at = summit(frequency, np.log(receptance), i)
     by_phase = _loss_factor(frequency, receptance, i, at)
     widths = np.array([half_power_frequency(frequency, size, i, side) for side in (-1, 1)])
@@ -55,18 +59,6 @@ def read_resonance(frequency: Floats, receptance: Complex, force: Floats) -> Res
     by_width = by_phase if np.isnan(widths).all() else 2 * float(np.mean(np.abs(widths - at))) / at
     agree = abs(np.log(by_phase / by_width)) < _LIKE_OSCILLATOR
     return ResonanceReading(at, float(np.exp(top)), float(np.exp(top) * force[i]), by_phase if agree else float("nan"))
-
-
-def highest(size: Floats) -> int:
-    """Place of the highest top, at the ends only where there is none inside: there a curve may climb to another mode's
-    resonance."""
-    inner = tops(size)
-    return int(inner[np.argmax(size[inner])]) if len(inner) else int(np.argmax(size))
-
-
-def tops(size: Floats) -> NDArray[np.intp]:
-    """Places that no neighbour is higher than, those at the ends left out."""
-    return 1 + np.flatnonzero((size[1:-1] >= size[:-2]) & (size[1:-1] >= size[2:]))
 
 
 def half_power_frequency(f: Floats, size: Floats, i: int, side: int) -> float:
@@ -166,9 +158,8 @@ def _jumps_in_size(f: Floats, log_size: Floats) -> bool:
     return bool(led_to.min() < _HALF_POWER or led_to.max() > 1 / _HALF_POWER)
 
 
-def loss_by_phase(f: Floats, receptance: Complex) -> float:
-    """Loss factor by the phase's slope about the highest top, nan where too few points tell it."""
-    i = highest(np.abs(receptance))
+def loss_by_phase(f: Floats, receptance: Complex, i: int) -> float:
+    """Loss factor by the phase's slope about the i-th point, the highest top, nan where too few points tell it."""
     return _loss_factor(f, receptance, i, summit(f, np.log(receptance), i)[1])
 
 
@@ -195,9 +186,11 @@ def _increasing(x: Floats, y: Floats) -> tuple[Floats, Floats]:
     return x[order], y[order]
 
 
-def backbone(mode: str, channel: str, entries: Sequence[tuple[float, int, Floats, Complex, Floats]]) -> Backbone:
-    """entries: (level, repeat, frequency, receptance, force) of each sweep"""
-    found = [(level, repeat, read_resonance(f, z, force)) for level, repeat, f, z, force in entries]
+def backbone(
+    mode: str, channel: str, entries: Sequence[tuple[float, int, Floats, Complex, Floats, Floats | None]]
+) -> Backbone:
+    """entries: (level, repeat, frequency, receptance, force, deviation) of each sweep, as `read_resonance`"""
+    found = [(level, repeat, read_resonance(f, z, force, off)) for level, repeat, f, z, force, off in entries]
     return Backbone(
         mode,
         channel,
@@ -220,6 +213,7 @@ def measured_backbones(plan: Plan, names: Mapping[str, str]) -> tuple[Backbone, 
             o.frequency,
             receptance_of(o.observed, o.log_force, plan.conditions[o.test].force, j),
             plan.conditions[o.test].force * np.exp(o.log_force),
+            o.noise[:, 1 + 2 * j],
         ),
         plan.observations,
     )
@@ -236,14 +230,14 @@ def model_backbones(plan: Plan, names: Mapping[str, str], branches: Sequence[Pre
     """Likewise, with an entry for every condition. branches: one a condition"""
     first = [next(o for o in plan.observations if o.test == i) for i in range(len(plan.conditions))]
 
-    def curve(o: Observations, sensor: int) -> tuple[int, Floats, Complex, Floats]:
+    def curve(o: Observations, sensor: int) -> tuple[int, Floats, Complex, Floats, None]:
         whole = model_curve(branches[o.test], sensor)
         # beyond the window that was measured the branch may climb to another mode's resonance
         low, high = plan.conditions[o.test].window
         measured = whole.visited & (whole.frequency >= low) & (whole.frequency <= high)
         used = measured if measured.any() else whole.visited
         f, z = whole.frequency[used], whole.receptance[used]
-        return 0, f, z, np.full(len(f), plan.conditions[o.test].force)
+        return 0, f, z, np.full(len(f), plan.conditions[o.test].force), None
 
     return _backbones(plan, names, curve, first)
 
@@ -251,7 +245,7 @@ def model_backbones(plan: Plan, names: Mapping[str, str], branches: Sequence[Pre
 def _backbones(
     plan: Plan,
     names: Mapping[str, str],
-    curve: Callable[[Observations, int], tuple[int, Floats, Complex, Floats]],
+    curve: Callable[[Observations, int], tuple[int, Floats, Complex, Floats, Floats | None]],
     runs: Sequence[Observations],
 ) -> tuple[Backbone, ...]:
     found = []
@@ -261,7 +255,6 @@ def _backbones(
             entries = []
             for o in of_mode:
                 condition = plan.conditions[o.test]
-                repeat, f, z, force = curve(o, condition.sensors.index(sensor))
-                entries.append((condition.level, repeat, f, z, force))
+                entries.append((condition.level, *curve(o, condition.sensors.index(sensor))))
             found.append(backbone(mode, names[sensor[0]], entries))
     return tuple(found)

@@ -16,12 +16,12 @@ from updamp.comparison.findings.backbone import (
     FIVE,
     five_about,
     half_power_frequency,
-    highest,
     loss_by_phase,
     read_resonance,
     summit,
     summit_deviation,
 )
+from updamp.comparison.findings.tops import highest
 from updamp.comparison.fit.matching import Matched, by_drive
 from updamp.comparison.fit.observations import Observations
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
@@ -47,11 +47,19 @@ class Tops:
 
 def tops_of_run(o: Observations, sensors: Sequence[int]) -> Tops:
     """Heights over the measured force, as a share of the condition's."""
-    of_sensor = [_log_receptance(o, j) for j in sensors]
-    tops = [_top(o.frequency, log_receptance) for log_receptance in of_sensor]
-    loss = [_loss_factor(o.frequency, log_receptance) for log_receptance in of_sensor]
-    phase = [_phase(log_receptance[five_about(highest(log_receptance.real))]) for log_receptance in of_sensor]
+    of_sensor = [(_log_receptance(o, j), place_of_top(o, j)) for j in sensors]
+    tops = [_top(o.frequency, log_receptance, i) for log_receptance, i in of_sensor]
+    loss = [
+        _loss_factor(o.frequency, log_receptance, o.noise[:, 1 + 2 * j])
+        for j, (log_receptance, _) in zip(sensors, of_sensor, strict=True)
+    ]
+    phase = [_phase(log_receptance[five_about(i)]) for log_receptance, i in of_sensor]
     return Tops(np.array(tops).T.ravel(), np.array(loss), np.array(phase))
+
+
+def place_of_top(o: Observations, sensor: int) -> int:
+    """Of a run's highest top that chance does not make; at an end where there is none."""
+    return highest(_log_size(o, sensor), o.noise[:, 1 + 2 * sensor])
 
 
 def reading_noise(o: Observations, sensors: Sequence[int]) -> Floats:
@@ -76,18 +84,17 @@ def _noise_of_damping(o: Observations, sensor: int) -> float:
     log_receptance, noise = _log_receptance(o, sensor), o.noise[:, 1 + 2 * sensor : 3 + 2 * sensor]
     if not np.isfinite(noise).all():
         return float("inf")
-    changes = []
+    changes, top = [], place_of_top(o, sensor)
     for unit, deviations in zip((1.0, 1.0j), noise.T, strict=True):
         for each in np.diag(unit * deviations):
-            ends = [loss_by_phase(o.frequency, np.exp(log_receptance + sign * each)) for sign in (1, -1)]
+            ends = [loss_by_phase(o.frequency, np.exp(log_receptance + sign * each), top) for sign in (1, -1)]
             changes.append(np.log(ends[0] / ends[1]) / 2)
     return float(np.linalg.norm(np.nan_to_num(changes, nan=np.inf)))
 
 
 def _top_and_step(o: Observations, sensor: int) -> tuple[int, float]:
     """Place of the largest point (two off the ends at least), and the spacing of log f there."""
-    top = highest(_log_size(o, sensor))
-    i = int(np.clip(top, 2, max(len(o) - 3, 2)))
+    i = int(np.clip(place_of_top(o, sensor), 2, max(len(o) - 3, 2)))
     around = o.observed[five_about(i), 0]
     return min(i, len(o) - 1), float(np.ptp(around)) / max(len(around) - 1, 1)
 
@@ -101,16 +108,16 @@ def _log_receptance(o: Observations, sensor: int) -> Complex:
     return _log_size(o, sensor) + 1j * o.observed[:, 2 + 2 * sensor]
 
 
-def _top(frequency: Floats, log_receptance: Complex) -> tuple[float, float]:
-    """Logarithms of its frequency and its height."""
-    height, at = summit(frequency, log_receptance, highest(log_receptance.real))
+def _top(frequency: Floats, log_receptance: Complex, i: int) -> tuple[float, float]:
+    """Logarithms of the frequency and the height of the top at the i-th point."""
+    height, at = summit(frequency, log_receptance, i)
     return float(np.log(at)), height
 
 
-def _loss_factor(frequency: Floats, log_receptance: Complex) -> float:
+def _loss_factor(frequency: Floats, log_receptance: Complex, deviation: Floats | None = None) -> float:
     if len(frequency) < FIVE:
         return float("nan")
-    return read_resonance(frequency, np.exp(log_receptance), np.ones(len(frequency))).loss_factor
+    return read_resonance(frequency, np.exp(log_receptance), np.ones(len(frequency)), deviation).loss_factor
 
 
 def _phase(log_receptance: Complex) -> float:
@@ -143,8 +150,7 @@ class SweptBranch:
         not end on the way up, nor jump there."""
         o = m.observations
         for j in sensors:
-            log_receptance = _log_receptance(o, j)
-            i = highest(log_receptance.real)
+            log_receptance, i = _log_receptance(o, j), place_of_top(o, j)
             near = m.place[five_about(i)]
             if summit(o.frequency, log_receptance, i)[1] == o.frequency[i]:
                 return False
@@ -158,7 +164,7 @@ class SweptBranch:
         measured, of_model = tops_of_run(o, sensors).value, self.tops(sensors)
         tops, loss, phase = [], [], []
         for k, j in enumerate(sensors):
-            i, part = highest(_log_size(o, j)), self._part(j)
+            i, part = place_of_top(o, j), self._part(j)
             by_itself = (float(of_model[k]), float(of_model[len(sensors) + k]))
             top = _shifted_top(part, o.frequency[five_about(i)], min(i, FIVE // 2), float(measured[k]), by_itself)
             tops.append(top)
@@ -190,7 +196,7 @@ class SweptBranch:
         slopes = self.branch.at(self.places(sensors)).slopes
         frequency, height = [], []
         for j, of_place in zip(sensors, slopes, strict=True):
-            i = highest(_log_size(o, j))
+            i = place_of_top(o, j)
             change = by_drive(o, of_place[None])[i]
             frequency.append(change[0])
             height.append(change[1 + 2 * j] - o.log_force[i])

@@ -1,9 +1,8 @@
 """Runs that have more peaks than the model: a resonance that it lacks, or one that two bodies share.
 
-A peak is one if the response falls on both its sides by more than chance makes points differ: its prominence, as
-topographers have it. One or two points that stand beside their neighbours, or fall short of them, make none: peaks are
-those of a running median of five points. Where a test has more of them than the model, what is read off its highest top
-is of another resonance, and is not read.
+A peak is one that chance does not make (`tops.py`). One or two points that stand beside their neighbours, or fall short
+of them, make none: peaks are those of a running median of five points. Where a test has more of them than the model,
+what is read off its highest top is of another resonance, and is not read.
 """
 
 from collections.abc import Sequence
@@ -12,13 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
-from scipy.signal import find_peaks, peak_prominences
-from scipy.stats import norm
 
 from updamp.comparison.comparison import Finding
 from updamp.comparison.findings.kinds import Frequency
+from updamp.comparison.findings.tops import tops
 from updamp.comparison.findings.words import levels_of
-from updamp.comparison.fit.failing_model import RISK
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Observations, Plan
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
@@ -95,27 +92,20 @@ def _of_sensor(
 
 
 def _peaks(frequency: Floats, log_size: Floats, deviation: Floats) -> tuple[list[float], float]:
-    """Frequencies of the peaks that chance does not make, ascending, and the prominence of the least of them. Of n
-    points there are fewer than n^3 / 6 in threes, one between two others, which chance could put so."""
+    """Frequencies of the peaks that chance does not make, ascending, and the prominence of the least of them."""
     n, given, log_size = len(log_size), log_size, median_filter(log_size, _MEDIAN, mode="nearest")
-    limit = float(norm.isf(6 * RISK / max(n, 2) ** 3))
     # Of two tops of one height, as rounded numbers have them, the dip between them would be that of neither.
     unequal = log_size + np.finfo(float).eps * (1 + np.abs(log_size).max(initial=0.0)) * np.arange(n)
-    tops, _ = find_peaks(unequal)
-    prominences, left, right = peak_prominences(unequal, tops)
-    by_chance = [
-        np.hypot(deviation[top], max(deviation[a], deviation[b])) for top, a, b in zip(tops, left, right, strict=True)
-    ]
-    stand = np.asarray(prominences) > limit * np.asarray(by_chance)
+    found, prominences = tops(unequal, deviation)
     # a median moves a top by a point or two
-    near = [np.arange(max(top - _MEDIAN // 2, 0), min(top + _MEDIAN // 2 + 1, n)) for top in tops[stand]]
+    near = [np.arange(max(top - _MEDIAN // 2, 0), min(top + _MEDIAN // 2 + 1, n)) for top in found]
     highest = [int(places[np.argmax(given[places])]) for places in near]
-    return sorted(frequency[highest].tolist()), float(min(prominences[stand], default=np.inf))
+    return sorted(frequency[highest].tolist()), float(min(prominences, default=np.inf))
 
 
 def _peaks_of_model(branch: PredictedBranch, sensor: int, prominence: float) -> tuple[float, ...]:
     """Of what a sweep sees of it, those as prominent as the least that was measured."""
     low, high = branch.condition.window
     seen = branch.visited & (branch.frequency >= low) & (branch.frequency <= high)
-    tops, _ = find_peaks(np.log(np.abs(branch.amplitude[seen, sensor])), prominence=prominence)
-    return tuple(sorted(branch.frequency[seen][tops].tolist()))
+    found, each = tops(np.log(np.abs(branch.amplitude[seen, sensor])))
+    return tuple(sorted(branch.frequency[seen][found[each >= prominence]].tolist()))

@@ -229,7 +229,7 @@ def _observations(run: MeasuredRun, test: int, condition: RunCondition, measurem
     columns, noise = [np.log(run.frequency)], [np.full(len(run), measurement.frequency_error)]
     for point, _ in condition.sensors:
         amplitude = _nowhere_zero(run, points[point]) / turn
-        deviation = _deviation(run, points[point])
+        deviation = relative_deviation(run, points[point])
         columns += [np.log(np.abs(amplitude)), np.unwrap(np.angle(amplitude))]
         unknown = points[point] in run.without_phase
         noise += [deviation, np.full(len(run), np.inf) if unknown else deviation]
@@ -253,7 +253,7 @@ def _nowhere_zero(run: MeasuredRun, channel: str) -> NDArray[np.complex128]:
     return amplitude
 
 
-def _deviation(run: MeasuredRun, channel: str) -> Floats:
+def relative_deviation(run: MeasuredRun, channel: str) -> Floats:
     """(n,) relative standard deviation of an amplitude: as stated, or from how rough the run is.
 
     Its roughness is that of the amplitude over the force: where a controller holds the response, it is the force that

@@ -14,6 +14,7 @@ from updamp.comparison.findings.kinds import Amplitude, Damping, Frequency, Sens
 from updamp.comparison.findings.peak_misfit import PeakMisfit, by_repeats, peak_misfits, without_peak
 from updamp.comparison.findings.peak_reading import damping_noise, swept_branch, tops_of_run
 from updamp.comparison.findings.peak_sentences import peak_findings, without_peak_findings
+from updamp.comparison.findings.tops import highest
 from updamp.comparison.fit.compared import compare_at
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.observations import Observations, Plan
@@ -226,5 +227,5 @@ def test_damping_is_known_as_well_as_is_said(reach: float) -> None:
     observed = np.column_stack([np.log(f), exact.real, exact.imag])
     run = Observations("run", 0, 1, observed, np.tile([1e-6, noise, noise], (14, 1)), np.zeros(14))
     drawn = exact + noise * (rng.standard_normal((400, 14)) + 1j * rng.standard_normal((400, 14)))
-    read = np.log([loss_by_phase(f, np.exp(each)) for each in drawn])
+    read = np.log([loss_by_phase(f, np.exp(each), highest(each.real)) for each in drawn])
     assert np.std(read) == pytest.approx(damping_noise(run, [0])[0], rel=0.15)
