@@ -1,12 +1,13 @@
-"""Runs that are high or low as a whole, at all frequencies and sensors: another level than the file says, another point
-of excitation, a gain that was changed in between.
+"""Runs that are high or low as a whole, at all frequencies: at all sensors by another level than the file says, another
+point of excitation; at one of them by a gain that was changed in between.
 
 Nothing that a structure does looks so, unless all runs do: so where factors of single runs explain most of what the
-model leaves, these are what is said. They are estimated together with the fitted parameters, by generalised least
-squares, as the other misfits are (`findings.py`).
+model leaves, these are what is said. They are estimated for each sensor, together with the fitted parameters, by
+generalised least squares, as the other misfits are (`findings.py`).
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
@@ -14,9 +15,9 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from updamp.comparison.comparison import Finding
-from updamp.comparison.findings.direction import Direction
+from updamp.comparison.findings.direction import Direction, Sensor
 from updamp.comparison.findings.findings import equations_with
-from updamp.comparison.findings.kinds import OF_MODES, Amplitude
+from updamp.comparison.findings.kinds import OF_MODES, Amplitude, SensorGain
 from updamp.comparison.findings.words import FAR_LESS, in_percent, level_of
 from updamp.comparison.fit.failing_model import RISK
 from updamp.comparison.fit.fit import Fit
@@ -26,32 +27,48 @@ Floats = NDArray[np.float64]
 
 
 def whole_run_findings(fit: Fit, plan: Plan) -> tuple[Finding, ...]:
-    """A sentence on each test that is off as a whole against most of its mode, the farthest first; none unless these
-    leave less than a quarter of what the model does, and less than resonances and damping of all tests would."""
+    """A sentence on each test that is off as a whole against most of its mode, or on each of its sensors where these
+    are not off alike, the farthest first; none unless these leave less than a quarter of what the model does, and less
+    than resonances and damping of all tests would."""
     modes = [condition.mode for condition in plan.conditions]
     tests = [i for i, mode in enumerate(modes) if modes.count(mode) > 1]
     if not tests:
         return ()
-    several = dict.fromkeys(modes[test] for test in tests)
-    of_modes = [[i for i, test in enumerate(tests) if modes[test] == mode] for mode in several]
-    runs = [Amplitude(test) for test in tests]
-    estimate, covariance, left = _estimated(fit, plan, runs, _differences(of_modes))
+    factors = [_Factor(test, sensor=sensor) for test in tests for sensor in plan.conditions[test].sensors]
+    alike: dict[tuple[str, Sensor], list[int]] = {}
+    for i, one in enumerate(factors):
+        alike.setdefault((modes[one.test], one.sensor), []).append(i)
+    estimate, covariance, left = _estimated(fit, plan, factors, _differences(tuple(alike.values())))
     others = [kind(test) for kind in OF_MODES for test in tests]
     *_, otherwise = _estimated(fit, plan, others, np.eye(len(others)))
     if left > otherwise or left - 1 > FAR_LESS * (fit.compared.mean_squared_misfit - 1):
         return ()
-    limit = float(norm.isf(RISK / 2 / len(tests)))
-    found = [one for of_mode in of_modes for one in _against_the_middle(of_mode, estimate, covariance)]
-    # less than a sensor's gain may be off by anyway is not worth a sentence
-    sentences = [_sentence(plan, tests[i], off, z) for i, off, z in found if abs(z) > limit and abs(off) > plan.gain]
-    return tuple(sorted(sentences, key=lambda f: -abs(f.significance)))
+    against = np.zeros((len(factors), len(factors)))
+    for places in alike.values():
+        against[places] = _against_the_middle(places, estimate)
+    off, of_off = against @ estimate, against @ covariance @ against.T
+    found: list[Finding] = []
+    for test in tests:
+        own = [i for i, one in enumerate(factors) if one.test == test]
+        run = _Run(plan, test, [factors[i].channel for i in own], off[own], of_off[np.ix_(own, own)], len(factors))
+        found += run.sentences()
+    return tuple(sorted(found, key=lambda f: -abs(f.significance)))
 
 
-def _differences(of_modes: Sequence[Sequence[int]]) -> Floats:
-    """(tests, combinations) by which tests of a mode differ: what they have in common is the model's."""
-    same = np.zeros((len(of_modes), sum(len(of_mode) for of_mode in of_modes)))
-    for row, of_mode in zip(same, of_modes, strict=True):
-        row[list(of_mode)] = 1.0
+@dataclass(frozen=True)
+class _Factor(SensorGain):
+    """Of what one sensor reads in a whole run."""
+
+    def prior(self, plan: Plan) -> float:
+        return Amplitude().prior(plan)
+
+
+def _differences(alike: Sequence[Sequence[int]]) -> Floats:
+    """(factors, combinations) by which those of one sensor differ from test to test of a mode: what they have in common
+    is the model's. alike: places of the factors of each"""
+    same = np.zeros((len(alike), sum(len(places) for places in alike)))
+    for row, places in zip(same, alike, strict=True):
+        row[list(places)] = 1.0
     return np.asarray(scipy.linalg.null_space(same))
 
 
@@ -71,26 +88,63 @@ def _estimated(fit: Fit, plan: Plan, directions: Sequence[Direction], combined: 
     return combined @ estimate[n:], np.asarray(deviations), left
 
 
-def _against_the_middle(
-    of_mode: Sequence[int], estimate: Floats, covariance: Floats
-) -> Iterator[tuple[int, float, float]]:
-    """Each against the one in the middle, or the two; of two the second against the first: logarithm of the measured
-    amplitude over that, and how many deviations it is."""
-    in_order = sorted(of_mode, key=lambda i: estimate[i])
-    middle = in_order[(len(in_order) - 1) // 2 : len(in_order) // 2 + 1] if len(in_order) > 2 else of_mode[:1]
-    for i in of_mode:
-        against = np.zeros(len(estimate))
-        against[i] += 1.0
-        against[middle] -= 1 / len(middle)
-        if against.any():
-            off = float(against @ estimate)
-            yield i, off, off / float(np.sqrt(against @ covariance @ against))
+def _against_the_middle(places: Sequence[int], estimate: Floats) -> Floats:
+    """(places, factors) each against the one in the middle, or the two; of two the second against the first."""
+    in_order = sorted(places, key=lambda i: estimate[i])
+    middle = in_order[(len(in_order) - 1) // 2 : len(in_order) // 2 + 1] if len(in_order) > 2 else places[:1]
+    against = np.eye(len(estimate))[list(places)]
+    against[:, list(middle)] -= 1 / len(middle)
+    return against
 
 
-def _sentence(plan: Plan, test: int, off: float, significance: float) -> Finding:
-    condition, relative = plan.conditions[test], float(np.expm1(off))
-    text = (
-        f"{condition.mode} at {level_of(plan, test)}: the whole run reads {in_percent(relative)}, at all frequencies, "
-        "against the other runs of the mode: is its level, its point of excitation or a gain another one?"
-    )
-    return Finding(text, condition.mode, condition.level, Amplitude.quantity, "", float(np.expm1(-off)), -significance)
+@dataclass(frozen=True, eq=False)
+class _Run:
+    """A test, of all its runs. channels: (s,) its sensors; off: (s,) logarithms of the measured amplitudes over those
+    in the middle of the mode's tests; covariance: (s, s) of these; tested: how many such there are in all"""
+
+    plan: Plan
+    test: int
+    channels: Sequence[str]
+    off: Floats
+    covariance: Floats
+    tested: int
+
+    def sentences(self) -> Iterator[Finding]:
+        n = len(self.off)
+        each = np.eye(n)
+        against_others = each - (1 - each) / max(n - 1, 1)
+        if n > 1 and any(self._stands_out(row) for row in against_others):
+            for channel, row in zip(self.channels, each, strict=True):
+                if self._stands_out(row):
+                    yield self._of_sensor(channel, row)
+        elif self._stands_out(mean := np.full(n, 1 / n)):
+            yield self._of_run(mean)
+
+    def _stands_out(self, row: Floats) -> bool:
+        """Out of chance; and less than a sensor's gain may be off by anyway is not worth a sentence."""
+        limit = float(norm.isf(RISK / 2 / self.tested))
+        return abs(self._significance(row)) > limit and abs(float(row @ self.off)) > self.plan.gain
+
+    def _significance(self, row: Floats) -> float:
+        deviation = float(np.sqrt(row @ self.covariance @ row))
+        return float(row @ self.off) / deviation if deviation else 0.0
+
+    def _of_run(self, row: Floats) -> Finding:
+        condition, off = self.plan.conditions[self.test], float(row @ self.off)
+        text = (
+            f"{condition.mode} at {level_of(self.plan, self.test)}: the whole run reads {in_percent(np.expm1(off))}, "
+            "at all frequencies, against the other runs of the mode: is its level, its point of excitation or a gain "
+            "another one?"
+        )
+        of = condition.mode, condition.level, Amplitude.quantity, ""
+        return Finding(text, *of, float(np.expm1(-off)), -self._significance(row))
+
+    def _of_sensor(self, channel: str, row: Floats) -> Finding:
+        condition, off = self.plan.conditions[self.test], float(row @ self.off)
+        text = (
+            f"{condition.mode} at {level_of(self.plan, self.test)}: {channel} reads {in_percent(np.expm1(off))} in the "
+            "whole run, at all frequencies, against the other runs of the mode, unlike the other sensors: was its gain "
+            "or its range another one?"
+        )
+        of = condition.mode, condition.level, SensorGain.quantity, channel
+        return Finding(text, *of, float(np.expm1(-off)), -self._significance(row))

@@ -5,7 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support.held_beam import held_beam, of_beam
+from support.two_modes import DRIVE, TIP, swept_arm, two_modes
 
+from updamp.comparison.compare import compare
+from updamp.comparison.comparison import Comparison
 from updamp.measurement.measurement import MeasuredRun, Measurement
 
 SOUND = held_beam((80.40,) * 3, (0.003,) * 3)
@@ -52,3 +55,35 @@ def test_damping_and_resonances_that_change_with_the_level_are_those(resonances,
     found = of_beam(held_beam(resonances, losses)).findings
     assert found
     assert not any("whole run" in f.text for f in found)
+
+
+def of_arm(*factors: tuple[float, float]) -> Comparison:
+    """Three levels of one mode with 0.3 % of noise. factors: of what the sensors at the drive and at the tip read, a
+    pair for each"""
+    rng, (given,), sound = np.random.default_rng(8), swept_arm().runs, swept_arm()
+    runs = []
+    for level, pair in zip((1.0, 2.0, 4.0), factors, strict=True):
+        noise = rng.standard_normal((2, *given.response.shape))
+        response = level * np.array(pair)[:, None, None] * given.response * np.exp(0.003 * (noise[0] + 1j * noise[1]))
+        name = f"first {level:g} N"
+        runs.append(replace(given, name=name, level=level, force=level * given.force, response=response))
+    return compare(two_modes(), replace(sound, runs=tuple(runs), repeatability=0.003))[0]
+
+
+def test_one_sensor_of_a_run_is_not_the_whole_run() -> None:
+    (found,) = of_arm((1.0, 1.0), (1.0, 1.06), (1.0, 1.0)).findings
+    assert (found.quantity, found.level, found.channel) == ("sensor", 2.0, TIP)
+    assert found.relative == pytest.approx(1 / 1.06 - 1, abs=0.005)
+    assert f"{TIP} reads 6.0 % high in the whole run" in found.text or f"{TIP} reads 5.9 % high" in found.text
+
+
+def test_both_sensors_of_a_run_are() -> None:
+    (found,) = of_arm((1.0, 1.0), (1.06, 1.06), (1.0, 1.0)).findings
+    assert (found.quantity, found.level, found.channel) == ("amplitude", 2.0, "")
+    assert found.relative == pytest.approx(1 / 1.06 - 1, abs=0.005)
+
+
+def test_two_sensors_that_are_off_by_different_factors_have_a_sentence_each() -> None:
+    found = of_arm((0.9, 1.1), (1.0, 1.0), (1.0, 1.0)).findings
+    assert {f.channel: round(f.relative, 1) for f in found} == {DRIVE: 0.1, TIP: -0.1}
+    assert {f.level for f in found} == {1.0}
