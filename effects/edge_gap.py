@@ -11,18 +11,28 @@ from updamp.geometry.contact_elements import LEFT, RIGHT, ContactElements
 Floats = NDArray[np.float64]
 
 DIVISIONS = 12  # of a patch's edge, to average over it
+_SAME = 1e-9  # of the depth: less is round-off
 
 
 def apply(model: RigModel, values: Values) -> RigModel:
     """A gap of depth ((|s| - 1/2) / (1/2))^2 beyond |s| = 1/2, s up the face, averaged over each patch.
 
     The faces move together until each carries what it carried before: edges lose load, the middle takes it.
+
+    raises: ValueError where each patch reaches from edge to edge: all of them would lose the same
     """
     if values["depth"] == 0:
         return model
     patches = patches_of(model)
     n0, kn = entry(model, "n0"), entry(model, "kn")
-    opening = values["depth"] * profile(patches) + entry(model, "gap") - n0 / kn
+    rounded = profile(patches)
+    if np.ptp(rounded) < _SAME:
+        raise ValueError(
+            f"edge_gap: each of the {len(rounded)} contact elements reaches from the upper to the lower edge of its "
+            "face, so that none lies at an edge alone; state contact_strips = 2 in the mesh preset, or more "
+            "contact_elements"
+        )
+    opening = values["depth"] * rounded + entry(model, "gap") - n0 / kn
     carried = np.maximum(n0 - kn * entry(model, "gap"), 0.0)
     for side in (LEFT, RIGHT):
         on = patches.face == side

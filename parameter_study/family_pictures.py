@@ -54,15 +54,13 @@ def responses(solved: SolvedStudy, family: Family) -> Iterator[FamilyPicture]:
         labelled = {label: _drawn_curve(solved, name, curves[name]) for label, name in names.items() if name in curves}
         if labelled:
             by_force = len(family.variants) == 1
-            draw = partial(
-                variants.variant_responses, title=title, curves=labelled, point=solved.point, in_order=by_force
-            )
+            draw = partial(variants.variant_responses, title=title, curves=labelled, in_order=by_force)
             yield FamilyPicture(_file(family, "responses", title), f"Receptances, {title}; dots: peaks.", draw)
 
 
 def _drawn_curve(solved: SolvedStudy, name: CurveName, curve: ResponseCurve) -> DrawnCurve:
     peak = solved.peak_of(name, curve)
-    return DrawnCurve(curve, (peak.frequency, peak.receptance))
+    return DrawnCurve(curve, solved.point(name.variant), (peak.frequency, peak.receptance))
 
 
 def against_test(solved: SolvedStudy, family: Family) -> Iterator[FamilyPicture]:
@@ -74,10 +72,7 @@ def against_test(solved: SolvedStudy, family: Family) -> Iterator[FamilyPicture]
         }
         marks = [(f"measured, {m.force:g} N", m.frequency) for m in solved.study.measured if m.mode == mode]
         if labelled and marks:
-            draw = partial(
-                variants.variant_responses, title=f"{mode}: model and test", curves=labelled, point=solved.point,
-                measured=marks,
-            )  # fmt: skip
+            draw = partial(variants.variant_responses, title=f"{mode}: model and test", curves=labelled, measured=marks)
             yield FamilyPicture(
                 _file(family, "against_test", mode), f"{mode}; dashed: resonances that the test found.", draw
             )

@@ -18,11 +18,11 @@ def response_figures(solved: SolvedStudy, family: Family) -> dict[str, Any]:
     figures = {}
     for number, (title, names) in enumerate(groups(family)):
         curves = known(solved, names.values())
-        there = {label: curves[name] for label, name in names.items() if name in curves}
+        there = {label: name for label, name in names.items() if name in curves}
         palette = LEVELS if len(there) <= len(LEVELS) else MANY_LEVELS
         traces = [
-            _trace(label, curve, solved.point, palette[i % len(palette)])
-            for i, (label, curve) in enumerate(there.items())
+            _trace(label, curves[name], solved.point(name.variant), palette[i % len(palette)])
+            for i, (label, name) in enumerate(there.items())
         ]
         if traces:
             figures[f"{family.name}-{number}"] = {

@@ -40,10 +40,9 @@ class SolvedStudy:
     seconds: float = 0.0
     _states: dict[CurveName, Any] = field(default_factory=dict)
 
-    @property
-    def point(self) -> str:
-        """Where peaks are taken."""
-        return self.rig.response_point
+    def point(self, variant: str) -> str:
+        """Where its peaks are taken: the tip of the blade that it is excited at."""
+        return self.variants[variant].observed
 
     @property
     def forces(self) -> tuple[float, ...]:
@@ -69,7 +68,7 @@ class SolvedStudy:
     def peak_of(self, name: CurveName, curve: ResponseCurve) -> Peak:
         """Of a curve of this name, complete or not."""
         (reference,) = (one for one in self.variants[name.variant].given.references if one.name == name.mode)
-        return peak_of_mode(curve, self.point, reference)
+        return peak_of_mode(curve, self.point(name.variant), reference)
 
     def model(self, variant: str) -> RigModel:
         """raises: UnknownResultError where it cannot be built"""

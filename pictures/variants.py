@@ -21,9 +21,10 @@ FEW = (BLUE, VERMILLION, GREEN, ORANGE, SKY, INK)  # told apart more easily than
 
 @dataclass(frozen=True, eq=False)
 class DrawnCurve:
-    """peak: frequency [Hz] and receptance [m/N] of what is marked"""
+    """point: where its receptance is taken; peak: frequency [Hz] and receptance [m/N] of what is marked"""
 
     curve: ResponseCurve
+    point: str
     peak: tuple[float, float]
 
 
@@ -42,7 +43,6 @@ def variant_responses(
     path: Path,
     title: str,
     curves: Mapping[str, DrawnCurve],
-    point: str,
     measured: Sequence[tuple[str, float]] = (),
     in_order: bool = False,
 ) -> None:
@@ -55,7 +55,7 @@ def variant_responses(
         ax = drawing.subplots()
         for (label, drawn), colour, width in zip(curves.items(), palette, widths, strict=True):
             curve, (frequency, peak) = drawn.curve, drawn.peak
-            draw_branch(ax, curve, point, colour, None, linewidth=float(width))
+            draw_branch(ax, curve, drawn.point, colour, None, linewidth=float(width))
             ax.plot([], [], color=colour, label=label if curve.complete else f"{label}, not complete")
             ax.plot(frequency, MM * peak, "o", color=colour, markeredgecolor="white", markersize=5)
             if not curve.complete:
@@ -64,7 +64,7 @@ def variant_responses(
             ax.axvline(frequency, color=GREY, linestyle="--", linewidth=1.0, label=label)
         ax.set(xlabel="frequency [Hz]", ylabel="receptance, first harmonic [mm/N]", title=title)
         ax.set_ylim(bottom=0)
-        ax.set_xlim(*_shown(curves, point, [frequency for _, frequency in measured]))
+        ax.set_xlim(*_shown(curves, [frequency for _, frequency in measured]))
         drawing.legend(loc="outside right upper", fontsize=8.5)
 
 
@@ -72,11 +72,10 @@ def colours(count: int) -> Sequence[Any]:
     return FEW[:count] if count <= len(FEW) else shades(count)
 
 
-def _shown(drawn: Mapping[str, DrawnCurve], point: str, marked: Sequence[float]) -> tuple[float, float]:
+def _shown(drawn: Mapping[str, DrawnCurve], marked: Sequence[float]) -> tuple[float, float]:
     """Frequencies with something to see, and a little more."""
-    curves = [one.curve for one in drawn.values()]
     largest = max(one.peak[1] for one in drawn.values())
-    seen = [curve.frequency[np.abs(curve.receptance(point)) > SHOWN * largest] for curve in curves]
+    seen = [one.curve.frequency[np.abs(one.curve.receptance(one.point)) > SHOWN * largest] for one in drawn.values()]
     places = np.concatenate([*seen, np.asarray(marked)])
     margin = 0.03 * float(np.ptp(places))
     return float(places.min()) - margin, float(places.max()) + margin

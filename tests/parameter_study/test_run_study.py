@@ -16,6 +16,7 @@ from support.parameter_study import STUDY, run, study_folder
 
 from updamp.fem.contact_places import nearest_patch
 from updamp.model.small_amplitude import small_amplitude
+from updamp.parameter_study import solved_study
 from updamp.parameter_study.design_numbers import design_numbers
 from updamp.parameter_study.families import CurveName
 from updamp.parameter_study.mode_peak import window_of_mode
@@ -97,6 +98,16 @@ def test_outputs_and_findings(solved):
     assert all(any(f"levels_{kind}" in file for file in found["pictures"]) for kind in kinds)
     assert "<script src" not in html
     assert html.count("data:image/png") >= len(kinds) - 2
+
+
+def test_peaks_are_taken_at_the_blade_that_a_variant_is_excited_at(tmp_path, monkeypatch):
+    """Else a rig and its mirror image would have other peaks."""
+    changes = 'changes = { "excitation.blade" = "left" }'
+    text = STUDY.replace('changes = { "contact.pressure" = { model = "uniform" } }', changes)
+    result = run(study_folder(tmp_path, text), solve=False).result
+    assert [result.point(variant) for variant in ("film", "50/50")] == ["blade_right.tip.x", "blade_left.tip.x"]
+    monkeypatch.setattr(solved_study, "peak_of_mode", lambda _, point, reference: (point, reference.name))
+    assert result.peak_of(CurveName("50/50", "OOP", 0.096), softening_curve()) == ("blade_left.tip.x", "OOP")
 
 
 def test_a_variant_that_cannot_be_built_leaves_the_others(tmp_path):
