@@ -8,7 +8,17 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from updamp.commands.shared import INCOMPLETE, Debug, Jobs, Mesh, RigFile, clean_errors, interruptible, out_option
+from updamp.commands.shared import (
+    INCOMPLETE,
+    Debug,
+    Jobs,
+    Mesh,
+    RigFile,
+    clean_errors,
+    interruptible,
+    out_option,
+    rig_with_dimensions,
+)
 from updamp.parallel.resources import Meter, one_thread_for_numpy, usual_workers
 from updamp.workflow import stages
 
@@ -80,7 +90,7 @@ def run(
 
         forces, last = tuple(_force(text) for text in force or ()), _stage(until)
         with Meter() as meter:
-            loaded = _rig_with_dimensions(rig)
+            loaded = rig_with_dimensions(rig)
             from updamp.workflow.run_options import RunOptions  # once the rig file is known to be sound
 
             preset = mesh if mesh is not None else next(iter(loaded.mesh))
@@ -93,19 +103,6 @@ def run(
             complete = _run(loaded, options, meter)
     if not complete:
         raise typer.Exit(INCOMPLETE)
-
-
-def _rig_with_dimensions(file: Path) -> "Rig":
-    """raises: RigError; ValueError where the rig is given by its modes"""
-    from updamp.model.rig_files import is_modal, load_any, load_rig
-
-    if is_modal(file):
-        load_any(file)  # what is wrong with it comes first
-        raise ValueError(
-            f"{file}: gives modes, not dimensions, so there is nothing to mesh; use it with: updamp compare "
-            f"{file} MEASUREMENT --out DIR (or diagnose), or from Python with updamp.api.response_curve"
-        )
-    return load_rig(file)
 
 
 def _run(rig: "Rig", options: "RunOptions", meter: Meter) -> bool:

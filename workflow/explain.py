@@ -120,7 +120,7 @@ def _flat(value: Any, path: str) -> Iterator[tuple[str, Any]]:
 
 def _written(value: Any) -> str:
     if isinstance(value, float):
-        return f"{value:.6g}"
+        return f"{value:.12g}"
     if isinstance(value, list):
         return f"[{', '.join(map(_written, value))}]" if len(value) <= 6 else f"{len(value)} entries"
     return str(value)

@@ -48,7 +48,7 @@ def _write_csv(path: Path, curves: Sequence[ResponseCurve], stability: Known) ->
             for point in written_points(curve):
                 for k in curve.orders:
                     amplitude = curve.amplitude(point, k)
-                    start = (curve.mode, f"{curve.force:g}")
+                    start = (curve.mode, f"{curve.force:.12g}")
                     lines.writerows(
                         (*start, f, point, k, f"{x.real:.9g}", f"{x.imag:.9g}", state)
                         for f, x, state in zip(frequency, amplitude, stable, strict=True)
@@ -62,7 +62,7 @@ def _recorded(curve: ResponseCurve) -> RecordedSweep:
     for point in written_points(curve):
         x = _amplitudes(curve, point)
         channels[point] = RecordedChannel(x, curve.orders, per_force=False, unit="m", quantity="displacement")
-    return RecordedSweep(f"{curve.mode} {curve.force:g} N", None, "", curve.frequency, channels)
+    return RecordedSweep(f"{curve.mode} {curve.force:.12g} N", None, "", curve.frequency, channels)
 
 
 def _amplitudes(curve: ResponseCurve, point: str) -> np.ndarray[Any, np.dtype[np.complex128]]:
@@ -84,7 +84,7 @@ def _write_matlab(path: Path, curves: Sequence[ResponseCurve], stability: Known)
             "complete": curve.complete,
         }
         entry |= {matlab_name(point): _amplitudes(curve, point) for point in written_points(curve)}
-        content[matlab_name(f"{curve.mode}_{curve.force:g}N")] = entry
+        content[matlab_name(f"{curve.mode}_{curve.force:.12g}N")] = entry
     whole = path.with_suffix(".part.mat")
     scipy.io.savemat(str(whole), content, long_field_names=True, do_compression=True)
     whole.replace(path)

@@ -110,6 +110,12 @@ def test_the_command_says_so(tmp_path):
     result = CliRunner().invoke(app, ["explain", str(other), "--against", str(RIG), "--mesh", "small"])
     assert result.exit_code == 0, result.output
     assert "runs again" in result.output
+    beam = RIG.with_name("brake_reuss.toml")
+    for pair in ((beam, RIG), (RIG, beam)):
+        given_by_modes = CliRunner().invoke(app, ["explain", str(pair[0]), "--against", str(pair[1])])
+        assert given_by_modes.exit_code == 2
+        assert "brake_reuss.toml: gives modes, not dimensions, so there is nothing to mesh" in given_by_modes.output
+        assert "missing" not in given_by_modes.output
     refused = CliRunner().invoke(app, ["explain", str(other), "--against", str(RIG), "--mesh", "tiny"])
     assert refused.exit_code == 2
     assert "--mesh tiny: the rig pesaresi2017 has small, medium, full" in refused.output

@@ -57,3 +57,12 @@ def test_csv_has_the_same_numbers(written: Path) -> None:
     assert [one["force_N"] for one in lines] == ["0.5"] * 41 + ["3.84"] * 41
     found = [complex(float(one["real_m"]), float(one["imag_m"])) for one in lines[:41]]
     np.testing.assert_allclose(found, curve.amplitude(POINT), rtol=1e-8)
+
+
+def test_forces_that_differ_by_little_are_two_curves(tmp_path: Path) -> None:
+    forces = (3.84, 3.840001)
+    write_responses(tmp_path / "frf_IP.csv", [softening_curve(force=force, n=41) for force in forces])
+    plain = scipy.io.loadmat(tmp_path / "frf_IP.mat", squeeze_me=True)
+    assert {float(plain[name]["force"]) for name in ("IP_3_84N", "IP_3_840001N")} == set(forces)
+    with (tmp_path / "frf_IP.csv").open(encoding="utf-8") as file:
+        assert {float(one["force_N"]) for one in csv.DictReader(file)} == set(forces)
