@@ -87,8 +87,7 @@ def _refuse_force(
         raise OwnLawError(f"{name}: force returns {kind}; real numbers in double precision, float64, are needed")
     if not law.rate_dependent and not _same(force, law.force(displacement, 0.7 * velocity, parameters), _ROUND_OFF):
         raise OwnLawError(f"{name}: rate_dependent is False, and force changes with the velocity: say True")
-    tells_memory = law.rate_dependent or hasattr(law, "cycles")
-    if not tells_memory and _remembers(law, parameters, displacement, velocity):
+    if not hasattr(law, "cycles") and _remembers(law, parameters, displacement, velocity):
         raise OwnLawError(
             f"{name}: force at one time depends on the motion at others, and a law with a memory says through how many "
             "periods it marches, or its stability would be that of a law without: give it a field cycles, such as "
@@ -99,13 +98,15 @@ def _refuse_force(
 
 
 def _remembers(law: Any, parameters: Any, displacement: jax.Array, velocity: jax.Array) -> bool:
-    """Whether a sample changes the force at others beyond its neighbours, which a law that averages between samples
-    looks at. Not told where a force is no number: beyond what a law is for."""
-    by_sample = jax.jacfwd(lambda u: law.force(u, velocity, parameters))(displacement)
-    slopes = np.abs(np.asarray(by_sample)).max(axis=(1, 3))
+    """Whether a sample of the displacement or the velocity changes the force at others beyond its neighbours, which a
+    law that averages between samples looks at. Not told where a force is no number: beyond what a law is for."""
     apart = np.abs(np.subtract.outer(np.arange(_SAMPLES), np.arange(_SAMPLES)))
-    far = slopes[np.minimum(apart, _SAMPLES - apart) > 1]
-    return bool(np.isfinite(slopes).all() and far.max() > _SLOPES * slopes.max())
+    far = np.minimum(apart, _SAMPLES - apart) > 1
+    for by_sample in jax.jacfwd(lambda *motion: law.force(*motion, parameters), argnums=(0, 1))(displacement, velocity):
+        slopes = np.abs(np.asarray(by_sample)).max(axis=(1, 3))
+        if np.isfinite(slopes).all() and slopes[far].max() > _SLOPES * slopes.max():
+            return True
+    return False
 
 
 def _refuse_sampled(

@@ -25,8 +25,14 @@ class Receptance:
     @cached_property
     def modal(self) -> Mapping[int, Complex]:
         """harmonic k -> inverse of the modal dynamic stiffness at k w, (m, m): costlier than what is done without"""
-        static = np.diag(1 / self.system.stuck.omega_squared).astype(np.complex128)
-        return {k: self.moving.matrix(self.moving_orders.index(k)) if k else static for k in self._orders}
+
+        def of(k: int) -> Complex:
+            """A structure that can move as a whole has no static one, and is not solved with harmonic 0."""
+            if k == 0:
+                return np.diag(1 / self.system.stuck.omega_squared).astype(np.complex128)
+            return self.moving.matrix(self.moving_orders.index(k))
+
+        return {k: of(k) for k in self._orders}
 
     def apply(self, forces: Floats, rows: slice | Integers | None = None) -> Floats:
         """G forces, from the relative rows (n_relative, n_coefficients) to `rows` (default: the same)."""

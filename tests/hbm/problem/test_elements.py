@@ -24,6 +24,7 @@ from updamp.hbm.continuation.curve import CurveRequest, whole_curve
 from updamp.hbm.harmonics import Harmonics
 from updamp.hbm.problem.elements import ElementGroup, element_forces, force_only
 from updamp.hbm.problem.linear_model import from_matrices
+from updamp.hbm.problem.receptance import Receptance
 from updamp.hbm.problem.system import Excitation, NonlinearSystem
 
 ONE = Harmonics((1,))
@@ -218,7 +219,9 @@ def test_a_free_motion_has_no_mean_that_could_be_held() -> None:
     linear = from_matrices(np.eye(2), 0 * np.eye(2), np.array([[1.0, -1.0], [-1.0, 1.0]]), np.array([[1.0, -1.0]]))
     with pytest.raises(ValueError, match=r"harmonic 0: a motion of the structure .* has no stiffness"):
         _ = NonlinearSystem(linear, (group,), Harmonics((0, 1)), 64).stuck
-    assert len(NonlinearSystem(linear, (group,), Harmonics((1, 3)), 64).stuck.omega_squared) == 2
+    without = NonlinearSystem(linear, (group,), Harmonics((1, 3)), 64)
+    assert len(without.stuck.omega_squared) == 2
+    assert set(Receptance(without, 1.5).modal) == {1, 3}, "a static one was divided by zero"
 
 
 def test_a_negative_stiffness_is_told_as_such() -> None:

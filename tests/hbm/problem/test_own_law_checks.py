@@ -136,3 +136,25 @@ def test_a_law_with_a_memory_says_that_it_has_one():
     with pytest.raises(OwnLawError, match=r"Own: force at one time depends on the motion at others.* cycles: int = 2"):
         made(Own(slider))
     made(Marched(slider))
+
+
+def maxwell(u, v, c):
+    """A spring c in series with a dashpot, of which the motion is told by the velocities too."""
+
+    def step(at, both):
+        there, rate = both
+        at = (at + (there + rate / len(u)) / 2) / 1.5
+        return at, c * (there - at)
+
+    motion = u[:, 0], v[:, 0]
+    at, _ = jax.lax.scan(step, 0.0 * u[0, 0], motion)
+    return jax.lax.scan(step, at, motion)[1][:, None]
+
+
+@pytest.mark.parametrize("what", [maxwell, lambda u, v, c: maxwell(0 * u, v, c) + c * u], ids=["both", "velocities"])
+def test_a_law_that_depends_on_the_velocity_says_so_too(what):
+    """It passed for one that may remember, and was looked at as one that does not: growth of the wrong sign."""
+    with pytest.raises(OwnLawError, match=r"Own: force at one time depends on the motion at others"):
+        made(Own(what, rate_dependent=True))
+    made(Marched(what, rate_dependent=True))
+    made(Own(lambda u, v, c: c * u + v**3, rate_dependent=True))
