@@ -28,7 +28,7 @@ from updamp.comparison.fit.scatter import Scatter
 
 Floats = NDArray[np.float64]
 # Fewest repeats of which one can be told from the others.
-_FEWEST = 3
+FEWEST = 3
 
 
 def unlike_repeats(compared: Compared, scatter: Scatter, plan: Plan) -> tuple[UnlikeRun, ...]:
@@ -57,7 +57,7 @@ class _Run:
 
 def _off(runs: Sequence[_Run]) -> Iterator[tuple[_Run, float, float]]:
     """How many times the scatter each is off, and the probability of as much by chance."""
-    if len(runs) < _FEWEST or not len(runs[0].values):
+    if len(runs) < FEWEST or not len(runs[0].values):
         return
     projected, values = _projected(runs), np.concatenate([run.values for run in runs])
     off = projected @ values
@@ -84,7 +84,7 @@ def _projected(runs: Sequence[_Run]) -> Floats:
 def _repeats(compared: Compared, scatter: Scatter, test: int) -> list[_Run]:
     """Of a test; over stretches with as many points of all of them, where each has some."""
     of_test = [m for m in compared.matched if m.observations.test == test]
-    if len(of_test) < _FEWEST:
+    if len(of_test) < FEWEST:
         return []
     edges = np.quantile(np.concatenate([m.place for m in of_test]), np.linspace(0, 1, STRETCHES + 1)[1:-1])
     within = [np.digitize(m.place, edges)[:, None] == np.arange(STRETCHES) for m in of_test]

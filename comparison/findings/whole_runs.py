@@ -1,5 +1,5 @@
 """Runs that are high or low as a whole, at all frequencies: at all sensors by another level than the file says, another
-point of excitation; at one of them by a gain that was changed in between.
+point of excitation; at one of them by a gain that was changed in between; in one repeat of several, or in all of them.
 
 Nothing that a structure does looks so, unless all runs do: so where factors of single runs explain most of what the
 model leaves, these are what is said. They are estimated for each sensor, together with the fitted parameters, by
@@ -18,26 +18,32 @@ from updamp.comparison.comparison import Finding
 from updamp.comparison.findings.direction import Direction, Sensor
 from updamp.comparison.findings.findings import equations_with
 from updamp.comparison.findings.kinds import OF_MODES, Amplitude, SensorGain
+from updamp.comparison.findings.unlike_repeats import FEWEST
 from updamp.comparison.findings.words import FAR_LESS, in_percent, level_of
 from updamp.comparison.fit.failing_model import RISK
 from updamp.comparison.fit.fit import Fit
+from updamp.comparison.fit.matching import Matched
 from updamp.comparison.fit.observations import Plan
+from updamp.comparison.prediction.run_condition import RunCondition
 
 Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
 
 
 def whole_run_findings(fit: Fit, plan: Plan) -> tuple[Finding, ...]:
-    """A sentence on each test that is off as a whole against most of its mode, or on each of its sensors where these
-    are not off alike, the farthest first; none unless these leave less than a quarter of what the model does, and less
-    than resonances and damping of all tests would."""
+    """A sentence on each test that is off as a whole against most of its mode, or on each of its sensors, or repeats,
+    where these are not off alike, the farthest first; none unless these leave less than a quarter of what the model
+    does, and less than resonances and damping of all tests would."""
     modes = [condition.mode for condition in plan.conditions]
     tests = [i for i, mode in enumerate(modes) if modes.count(mode) > 1]
     if not tests:
         return ()
-    factors = [_Factor(test, sensor=sensor) for test in tests for sensor in plan.conditions[test].sensors]
-    alike: dict[tuple[str, Sensor], list[int]] = {}
+    runs = [(o.test, o.repeat) for o in plan.observations if o.test in tests]
+    factors = [_Factor(*run, sensor=sensor) for run in runs for sensor in plan.conditions[run[0]].sensors]
+    # of one assembly, which have its sensors' gains in common
+    alike: dict[tuple[str, int, Sensor], list[int]] = {}
     for i, one in enumerate(factors):
-        alike.setdefault((modes[one.test], one.sensor), []).append(i)
+        alike.setdefault((modes[one.test], one.repeat, one.sensor), []).append(i)
     estimate, covariance, left = _estimated(fit, plan, factors, _differences(tuple(alike.values())))
     others = [kind(test) for kind in OF_MODES for test in tests]
     *_, otherwise = _estimated(fit, plan, others, np.eye(len(others)))
@@ -50,8 +56,8 @@ def whole_run_findings(fit: Fit, plan: Plan) -> tuple[Finding, ...]:
     found: list[Finding] = []
     for test in tests:
         own = [i for i, one in enumerate(factors) if one.test == test]
-        run = _Run(plan, test, [factors[i].channel for i in own], off[own], of_off[np.ix_(own, own)], len(factors))
-        found += run.sentences()
+        of_test = _Test(plan, test, [factors[i] for i in own], off[own], of_off[np.ix_(own, own)], len(factors))
+        found += of_test.sentences()
     return tuple(sorted(found, key=lambda f: -abs(f.significance)))
 
 
@@ -59,13 +65,18 @@ def whole_run_findings(fit: Fit, plan: Plan) -> tuple[Finding, ...]:
 class _Factor(SensorGain):
     """Of what one sensor reads in a whole run."""
 
+    repeat: int = 0
+
     def prior(self, plan: Plan) -> float:
         return Amplitude().prior(plan)
 
+    def column(self, m: Matched, sensors: Sequence[Sensor], parameters: Sequence[str]) -> Floats:
+        return super().column(m, sensors, parameters) * (m.observations.repeat == self.repeat)
+
 
 def _differences(alike: Sequence[Sequence[int]]) -> Floats:
-    """(factors, combinations) by which those of one sensor differ from test to test of a mode: what they have in common
-    is the model's. alike: places of the factors of each"""
+    """(factors, combinations) by which those of one sensor differ from run to run of a mode and assembly: what they
+    have in common is the model's, or the sensor's gain. alike: places of the factors of each"""
     same = np.zeros((len(alike), sum(len(places) for places in alike)))
     for row, places in zip(same, alike, strict=True):
         row[list(places)] = 1.0
@@ -98,27 +109,45 @@ def _against_the_middle(places: Sequence[int], estimate: Floats) -> Floats:
 
 
 @dataclass(frozen=True, eq=False)
-class _Run:
-    """A test, of all its runs. channels: (s,) its sensors; off: (s,) logarithms of the measured amplitudes over those
-    in the middle of the mode's tests; covariance: (s, s) of these; tested: how many such there are in all"""
+class _Test:
+    """factors: (n,) of its runs and sensors; off: (n,) logarithms of the measured amplitudes over those in the middle
+    of the runs of the mode and assembly; covariance: (n, n) of these; tested: how many such there are in all"""
 
     plan: Plan
     test: int
-    channels: Sequence[str]
+    factors: Sequence[_Factor]
     off: Floats
     covariance: Floats
     tested: int
 
     def sentences(self) -> Iterator[Finding]:
-        n = len(self.off)
-        each = np.eye(n)
-        against_others = each - (1 - each) / max(n - 1, 1)
-        if n > 1 and any(self._stands_out(row) for row in against_others):
-            for channel, row in zip(self.channels, each, strict=True):
-                if self._stands_out(row):
-                    yield self._of_sensor(channel, row)
-        elif self._stands_out(mean := np.full(n, 1 / n)):
-            yield self._of_run(mean)
+        repeats = np.array([factor.repeat for factor in self.factors])
+        each, everywhere = tuple(dict.fromkeys(repeats.tolist())), np.ones(len(repeats), dtype=bool)
+        # of two none can be told to be the odd one
+        told_apart = [r for r in each if len(each) >= FEWEST and self._is_unlike(repeats == r, everywhere)]
+        for repeat in told_apart:
+            yield from self._of(repeats == repeat, f", repeat {repeat}")
+        if not told_apart:
+            yield from self._of(everywhere, "")
+
+    def _of(self, run: Bools, which: str) -> Iterator[Finding]:
+        """run: (n,) which factors are of it"""
+        of_sensors = {s: np.array([f.sensor == s for f in self.factors]) for s in self._condition.sensors}
+        where = f"{self._condition.mode} at {level_of(self.plan, self.test)}{which}"
+        if any(self._is_unlike(own, run) for own in of_sensors.values()):
+            for (channel, _), own in of_sensors.items():
+                if self._stands_out(row := _mean(own & run)):
+                    yield self._of_sensor(where, channel, row)
+        elif self._stands_out(row := _mean(run)):
+            yield self._of_run(where, row)
+
+    def _is_unlike(self, own: Bools, among: Bools) -> bool:
+        """Whether some stand out of the mean of the others among these"""
+        return bool((~own & among).any()) and self._stands_out(_mean(own & among) - _mean(~own & among))
+
+    @property
+    def _condition(self) -> RunCondition:
+        return self.plan.conditions[self.test]
 
     def _stands_out(self, row: Floats) -> bool:
         """Out of chance; and less than a sensor's gain may be off by anyway is not worth a sentence."""
@@ -129,22 +158,25 @@ class _Run:
         deviation = float(np.sqrt(row @ self.covariance @ row))
         return float(row @ self.off) / deviation if deviation else 0.0
 
-    def _of_run(self, row: Floats) -> Finding:
-        condition, off = self.plan.conditions[self.test], float(row @ self.off)
+    def _of_run(self, where: str, row: Floats) -> Finding:
+        relative, of_model = np.expm1([float(row @ self.off), -float(row @ self.off)]).tolist()
         text = (
-            f"{condition.mode} at {level_of(self.plan, self.test)}: the whole run reads {in_percent(np.expm1(off))}, "
-            "at all frequencies, against the other runs of the mode: is its level, its point of excitation or a gain "
-            "another one?"
+            f"{where}: the whole run reads {in_percent(relative)}, at all frequencies, against the other runs of the "
+            "mode: is its level, its point of excitation or a gain another one?"
         )
-        of = condition.mode, condition.level, Amplitude.quantity, ""
-        return Finding(text, *of, float(np.expm1(-off)), -self._significance(row))
+        of = self._condition.mode, self._condition.level, Amplitude.quantity, ""
+        return Finding(text, *of, of_model, -self._significance(row))
 
-    def _of_sensor(self, channel: str, row: Floats) -> Finding:
-        condition, off = self.plan.conditions[self.test], float(row @ self.off)
+    def _of_sensor(self, where: str, channel: str, row: Floats) -> Finding:
+        relative, of_model = np.expm1([float(row @ self.off), -float(row @ self.off)]).tolist()
         text = (
-            f"{condition.mode} at {level_of(self.plan, self.test)}: {channel} reads {in_percent(np.expm1(off))} in the "
-            "whole run, at all frequencies, against the other runs of the mode, unlike the other sensors: was its gain "
-            "or its range another one?"
+            f"{where}: {channel} reads {in_percent(relative)} in the whole run, at all frequencies, against the other "
+            "runs of the mode, unlike the other sensors: was its gain or its range another one?"
         )
-        of = condition.mode, condition.level, SensorGain.quantity, channel
-        return Finding(text, *of, float(np.expm1(-off)), -self._significance(row))
+        of = self._condition.mode, self._condition.level, SensorGain.quantity, channel
+        return Finding(text, *of, of_model, -self._significance(row))
+
+
+def _mean(some: Bools) -> Floats:
+    """(n,) shares of a mean over some"""
+    return some.astype(float) / float(np.count_nonzero(some))

@@ -57,17 +57,18 @@ def test_damping_and_resonances_that_change_with_the_level_are_those(resonances,
     assert not any("whole run" in f.text for f in found)
 
 
-def of_arm(*factors: tuple[float, float]) -> Comparison:
+def of_arm(*factors: tuple[float, float], repeats: int = 1, odd: int = 1) -> Comparison:
     """Three levels of one mode with 0.3 % of noise. factors: of what the sensors at the drive and at the tip read, a
-    pair for each"""
+    pair for each, in the repeat that is odd"""
     rng, (given,), sound = np.random.default_rng(8), swept_arm().runs, swept_arm()
     runs = []
-    for level, pair in zip((1.0, 2.0, 4.0), factors, strict=True):
-        noise = rng.standard_normal((2, *given.response.shape))
-        response = level * np.array(pair)[:, None, None] * given.response * np.exp(0.003 * (noise[0] + 1j * noise[1]))
-        name = f"first {level:g} N"
-        runs.append(replace(given, name=name, level=level, force=level * given.force, response=response))
-    return compare(two_modes(), replace(sound, runs=tuple(runs), repeatability=0.003))[0]
+    for repeat in range(1, repeats + 1):
+        for level, pair in zip((1.0, 2.0, 4.0), factors, strict=True):
+            noise, factor = rng.standard_normal((2, *given.response.shape)), np.array(pair if repeat == odd else (1, 1))
+            response = level * factor[:, None, None] * given.response * np.exp(0.003 * (noise[0] + 1j * noise[1]))
+            of = {"name": f"first {level:g} N", "level": level, "repeat": repeat}
+            runs.append(replace(given, **of, force=level * given.force, response=response))
+    return compare(two_modes(), replace(sound, runs=tuple(runs), repeatability=0.0 if repeats > 1 else 0.003))[0]
 
 
 def test_one_sensor_of_a_run_is_not_the_whole_run() -> None:
@@ -87,3 +88,17 @@ def test_two_sensors_that_are_off_by_different_factors_have_a_sentence_each() ->
     found = of_arm((0.9, 1.1), (1.0, 1.0), (1.0, 1.0)).findings
     assert {f.channel: round(f.relative, 1) for f in found} == {DRIVE: 0.1, TIP: -0.1}
     assert {f.level for f in found} == {1.0}
+
+
+def test_one_repeat_of_a_test_is_not_the_test() -> None:
+    """ "The curves differ in shape", and none did."""
+    (found,) = of_arm((1.0, 1.0), (1.06, 1.06), (1.0, 1.0), repeats=3, odd=2).findings
+    assert (found.quantity, found.level) == ("amplitude", 2.0)
+    assert "first at 2 N, repeat 2: the whole run reads" in found.text
+    assert found.relative == pytest.approx(1 / 1.06 - 1, abs=0.01)
+
+
+def test_one_sensor_of_one_repeat() -> None:
+    (found,) = of_arm((1.0, 1.0), (1.0, 1.06), (1.0, 1.0), repeats=3, odd=3).findings
+    assert (found.quantity, found.level, found.channel) == ("sensor", 2.0, TIP)
+    assert f"first at 2 N, repeat 3: {TIP} reads" in found.text
