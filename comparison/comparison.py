@@ -61,12 +61,15 @@ class UnlikeRun:
         )
 
 
+FORCE = "the force"  # in the place of a channel
+
+
 @dataclass(frozen=True)
 class OddPoint:
     """A point of a run that is unlike the points next to it.
 
-    run, mode, level, repeat: as of an `UnlikeRun`; channel: its name; frequency: [Hz]; relative: of the amplitude,
-    degrees: of the phase, whichever is odd, the other nan; chance: probability of as much by chance
+    run, mode, level, repeat: as of an `UnlikeRun`; channel: its name, or `FORCE`; frequency: [Hz]; relative: of the
+    amplitude, degrees: of the phase, whichever is odd, the other nan; chance: probability of as much by chance
     """
 
     run: str
@@ -83,7 +86,8 @@ class OddPoint:
     def text(self) -> str:
         if not np.isnan(self.relative):
             side = "high" if self.relative > 0 else "low"
-            size = f"{_two_digits(100 * abs(self.relative))} % {side} for the force there,"
+            beside = "" if self.channel == FORCE else " for the force there,"
+            size = f"{_two_digits(100 * abs(self.relative))} % {side}{beside}"
         else:
             size = f"{_two_digits(abs(self.degrees))} degrees {'early' if self.degrees > 0 else 'late'}"
         return (

@@ -4,22 +4,23 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from updamp.comparison.comparison import OddPoint
+from updamp.comparison.comparison import FORCE, OddPoint
 from updamp.comparison.findings.words import level_of
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.odd_readings import OddReading
 
 
 def odd_points(readings: Sequence[OddReading], plan: Plan, names: Mapping[str, str]) -> tuple[OddPoint, ...]:
-    """names: of the channels, by the model's points"""
-    return tuple(_named(one, plan, names) for one in readings)
+    """One a sensor, or one of the force, which all sensors show alike. names: of the channels, by the model's points"""
+    by_itself = {(one.point, "" if one.of_force else one.sensor): one for one in reversed(readings)}
+    return tuple(_named(one, plan, names) for one in readings if one in by_itself.values())
 
 
 def _named(one: OddReading, plan: Plan, names: Mapping[str, str]) -> OddPoint:
     test = next(i for i, condition in enumerate(plan.conditions) if condition.name == one.run)
     relative = float("nan") if one.of_phase else float(np.expm1(one.by))
     degrees = float(np.degrees(one.by)) if one.of_phase else float("nan")
-    return OddPoint(
-        one.run, plan.conditions[test].mode, level_of(plan, test), one.repeat, names[one.sensor], one.frequency,
-        relative, degrees, one.chance,
-    )  # fmt: skip
+    of = one.run, plan.conditions[test].mode, level_of(plan, test), one.repeat
+    if one.of_force:
+        return OddPoint(*of, FORCE, one.frequency, float(np.expm1(-one.by)), degrees, one.chance)
+    return OddPoint(*of, names[one.sensor], one.frequency, relative, degrees, one.chance)

@@ -44,6 +44,7 @@ class OddReading:
 
     run: name of its test; repeat: of the assembly; sensor: its point of the model; frequency: [Hz]
     by: how far off, logarithm of the amplitude or phase [rad]; chance: probability of as much by chance
+    of_force: whether it is the force that is unlike its neighbours, as much the other way
     """
 
     run: str
@@ -53,6 +54,7 @@ class OddReading:
     frequency: float
     by: float
     chance: float
+    of_force: bool = False
 
     @property
     def point(self) -> tuple[str, int, float]:
@@ -65,6 +67,7 @@ class _Column:
     """What one sensor recorded of a run, amplitudes or phases, of n points.
 
     left: (n,) what the model leaves, in deviations of the sensors; noise: (n,) one deviation; model: (n,) what it says
+    log_force: (n,) over the level's
     in_jump: (n,) whether a sweep jumps between the points on both sides
     """
 
@@ -77,6 +80,7 @@ class _Column:
     left: Floats
     noise: Floats
     model: Floats
+    log_force: Floats
     in_jump: NDArray[np.bool_]
 
     def at(self, frequency: float) -> float:
@@ -92,6 +96,14 @@ class _Column:
             return bool(abs(by) >= np.ptp(around))
         reading = self.model[i] + self.left[i] * self.noise[i]
         return bool(min(around[0], around[-1]) < reading < max(around[0], around[-1]))
+
+    def is_of_force(self, i: int, by: float) -> bool:
+        """Whether it is the force at a point that leaves those next to it, to within half of what the amplitude is off
+        by over it: a bad sample of it. One that did act would be in the response too."""
+        others = [j for j in range(max(i - _WITHIN, 0), min(i + _WITHIN + 1, len(self.left))) if j != i]
+        near = _nearest(others, i)
+        off = float(self.log_force[i] - _by_parabola(tuple(j - i for j in near)) @ self.log_force[list(near)])
+        return not self.of_phase and abs(off + by) < abs(by) / 2
 
     def is_of(self, other: Self) -> bool:
         """Whether of the same sensor and mode."""
@@ -162,7 +174,7 @@ def _columns(m: Matched, branch: PredictedBranch, plan: Plan) -> Iterator[_Colum
         at = condition.sensors[sensor][0]
         yield _Column(
             as_measured.run, o.repeat, condition.mode, at, bool(of_phase),
-            as_measured.frequency, left, o.noise[:, place], model[:, place], in_jump,
+            as_measured.frequency, left, o.noise[:, place], model[:, place], o.log_force, in_jump,
         )  # fmt: skip
 
 
@@ -180,7 +192,8 @@ def _readings(column: _Column, noise_freedom: float, chance: float) -> Iterator[
         by = off * float(column.noise[i])
         if by_chance < chance and column.stands_out(i, by):
             c, frequency = column, float(column.frequency[i])
-            yield OddReading(c.run, c.repeat, c.sensor, c.of_phase, frequency, by, by_chance)
+            of_force = c.is_of_force(i, by)
+            yield OddReading(c.run, c.repeat, c.sensor, c.of_phase, frequency, by, by_chance, of_force)
 
 
 def _off(left: Floats, noise_freedom: float) -> Iterator[tuple[float, float]]:

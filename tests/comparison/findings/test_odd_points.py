@@ -41,6 +41,25 @@ def named(plan: Plan, branches) -> tuple[OddPoint, ...]:
     return odd_points(odd_readings(compared, plan), plan, NAMES)
 
 
+@pytest.mark.parametrize("point", [0, 9, 22])
+def test_a_bad_sample_of_the_force_is_told_once_and_as_that(branches, point: int) -> None:
+    """Both sensors read four times too much for it, and neither did."""
+    plan = runs(seed=3)
+    (found,) = named(with_force(plan, run=1, point=point, by=np.log(0.25)), branches)
+    assert (found.channel, found.frequency) == ("the force", pytest.approx(plan.observations[1].frequency[point]))
+    assert found.relative == pytest.approx(-0.75, abs=0.03)
+    assert "the force at" in found.text
+    assert "% low beside the points next to it" in found.text
+
+
+def with_force(plan: Plan, run: int, point: int, by: float) -> Plan:
+    changed = list(plan.observations)
+    log_force = changed[run].log_force.copy()
+    log_force[point] += by
+    changed[run] = replace(changed[run], log_force=log_force)
+    return replace(plan, observations=tuple(changed))
+
+
 def with_odd(plan: Plan, run: int, point: int, column: int, by: float) -> Plan:
     changed = list(plan.observations)
     observed = changed[run].observed.copy()
