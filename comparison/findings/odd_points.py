@@ -11,9 +11,11 @@ from updamp.comparison.fit.odd_readings import OddReading
 
 
 def odd_points(readings: Sequence[OddReading], plan: Plan, names: Mapping[str, str]) -> tuple[OddPoint, ...]:
-    """One a sensor, or one of the force, which all sensors show alike. names: of the channels, by the model's points"""
-    by_itself = {(one.point, "" if one.of_force else one.sensor): one for one in reversed(readings)}
-    return tuple(_named(one, plan, names) for one in readings if one in by_itself.values())
+    """One a sensor, or one of the force, which is all that is said of a point then: where it is wrong the model is asked
+    what another one does. names: of the channels, by the model's points"""
+    of_force = {one.point: one for one in reversed(readings) if one.of_force}
+    told = [one for one in readings if of_force.get(one.point, one) is one]
+    return tuple(_named(one, plan, names) for one in told)
 
 
 def _named(one: OddReading, plan: Plan, names: Mapping[str, str]) -> OddPoint:
