@@ -44,7 +44,7 @@ class OddReading:
 
     run: name of its test; repeat: of the assembly; sensor: its point of the model; frequency: [Hz]
     by: how far off, logarithm of the amplitude or phase [rad]; chance: probability of as much by chance
-    of_force: whether it is the force that is unlike its neighbours, as much the other way
+    of_force: how far the force is off its neighbours, logarithm, where it is that which is bad; else 0
     """
 
     run: str
@@ -54,7 +54,7 @@ class OddReading:
     frequency: float
     by: float
     chance: float
-    of_force: bool = False
+    of_force: float = 0.0
 
     @property
     def point(self) -> tuple[str, int, float]:
@@ -97,13 +97,13 @@ class _Column:
         reading = self.model[i] + self.left[i] * self.noise[i]
         return bool(min(around[0], around[-1]) < reading < max(around[0], around[-1]))
 
-    def is_of_force(self, i: int, by: float) -> bool:
-        """Whether it is the force at a point that leaves those next to it, to within half of what the amplitude is off
-        by over it: a bad sample of it. One that did act would be in the response too."""
+    def of_force(self, i: int, by: float) -> float:
+        """Logarithm by which the force at a point leaves those next to it, where that is what the amplitude over it is
+        off by, to within half: a bad sample of it. One that did act would be in the response too."""
         others = [j for j in range(max(i - _WITHIN, 0), min(i + _WITHIN + 1, len(self.left))) if j != i]
         near = _nearest(others, i)
         off = float(self.log_force[i] - _by_parabola(tuple(j - i for j in near)) @ self.log_force[list(near)])
-        return not self.of_phase and abs(off + by) < abs(by) / 2
+        return off if not self.of_phase and abs(off + by) < abs(by) / 2 else 0.0
 
     def is_of(self, other: Self) -> bool:
         """Whether of the same sensor and mode."""
@@ -192,8 +192,7 @@ def _readings(column: _Column, noise_freedom: float, chance: float) -> Iterator[
         by = off * float(column.noise[i])
         if by_chance < chance and column.stands_out(i, by):
             c, frequency = column, float(column.frequency[i])
-            of_force = c.is_of_force(i, by)
-            yield OddReading(c.run, c.repeat, c.sensor, c.of_phase, frequency, by, by_chance, of_force)
+            yield OddReading(c.run, c.repeat, c.sensor, c.of_phase, frequency, by, by_chance, c.of_force(i, by))
 
 
 def _off(left: Floats, noise_freedom: float) -> Iterator[tuple[float, float]]:
