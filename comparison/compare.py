@@ -22,7 +22,16 @@ from updamp.comparison.findings.all_findings import all_findings
 from updamp.comparison.findings.backbone import measured_backbones, model_backbones
 from updamp.comparison.findings.findings import misfits
 from updamp.comparison.findings.odd_points import odd_points
-from updamp.comparison.findings.phase_lag import PhaseLag, fitted_lag, lag_finding, phase_lag
+from updamp.comparison.findings.phase_lag import (
+    PhaseLag,
+    SensorLag,
+    fitted_lag,
+    lag_finding,
+    phase_lag,
+    sensor_lag_finding,
+    sensor_lags,
+    without_phases,
+)
 from updamp.comparison.findings.stated_values import feature_findings
 from updamp.comparison.findings.unlike_repeats import unlike_repeats
 from updamp.comparison.fit.calibration import Calibration
@@ -65,6 +74,7 @@ class CalibrationResult:
     given: the model as the rig file has it, with its numerical error
     before, after: branches of that and as calibrated, one a condition
     lag: fitted together with the calibration, None where measured phases do not ask for it
+    sensor_lags: of those whose phases do not count, since they lag by themselves
     odd: points that do not count, since they are unlike those next to them
     """
 
@@ -75,6 +85,7 @@ class CalibrationResult:
     fit: Fit
     after: tuple[PredictedBranch, ...]
     lag: PhaseLag | None = None
+    sensor_lags: tuple[SensorLag, ...] = ()
     odd: tuple[OddReading, ...] = ()
 
 
@@ -112,13 +123,18 @@ def calibrate(
     branches_of: Branches = in_turn,
 ) -> CalibrationResult:
     """As for `compare`, of a measurement with runs. Where all measured phases lag the model's by one angle or one time,
-    together with that."""
+    together with that; where those of one sensor do, without them."""
     plan = plan_of(measurement)
     plain = Parametrisation(model, nuisances(model), rig_effects=tuple(rig_effects))
     gate, everything = NumericalGate(plan, finer_than(model, finer or {}), branches_of), range(len(plan.conditions))
     first = gated_calibration(plain, gate, everything, None, progress)
     found = _with_curves(first, first.calibration, plan, progress, branches_of)
     read = phase_lag(found.fit, found.plan, found.after)
+    if read is None and (lags := sensor_lags(found.fit, found.plan, found.after)):
+        kept = without_phases(plan, lags)
+        again = gated_calibration(plain, replace(gate, plan=kept), everything, None, progress)
+        of_kept = _with_curves(again, again.calibration, kept, progress, branches_of)
+        return replace(of_kept, measured=plan, sensor_lags=lags)
     if read is None:
         return found
     start = np.append(found.fit.u[: len(plain)], 0.0)
@@ -187,12 +203,13 @@ def _findings(
     of_model: Sequence[Backbone],
     repeats: Scatter,
 ) -> tuple[Finding, ...]:
-    """The lag of all phases first, where there is one."""
+    """Lags of phases first, where there are any."""
     plan, fitted, after = calibrated.plan, calibrated.fit, calibrated.after
     loss_factor = fitted.parametrisation.names.index(LOSS_FACTOR.name)
     first_order = misfits(fitted, plan, [damping_share(b, loss_factor) for b in after])
     told = all_findings(fitted, plan, after, first_order, names, of_tests, of_model, repeats)
-    return told if calibrated.lag is None else (lag_finding(calibrated.lag), *told)
+    of_sensors = tuple(sensor_lag_finding(one, names) for one in calibrated.sensor_lags)
+    return (*of_sensors, *told) if calibrated.lag is None else (lag_finding(calibrated.lag), *told)
 
 
 def _provenance(fitted: Fit, plan: Plan) -> dict[str, str]:

@@ -6,17 +6,19 @@ where these have no say: the model's points about its top against the run's abou
 top; at the top an oscillator's phase stays what it is. What fails otherwise turns the phase there by another angle at
 each level (microslip of a beam's joint 1 degree at the lowest level, 9 at the highest), or at each sensor: one angle is
 told only where all say the same, of two modes or of two levels at least, since one always agrees with itself; one time,
-where it says the same of modes far from each other, and angles do not.
+where it says the same of modes far from each other, and angles do not. One sensor that lags so by itself, the model and
+the other sensors, has its phases left out: calibration would make up for half of what it lags by.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 
 from updamp.comparison.comparison import Finding
+from updamp.comparison.findings.direction import Sensor
 from updamp.comparison.findings.peak_misfit import PLACED, without_peak
 from updamp.comparison.findings.peak_reading import SweptBranch, reading_noise, swept_branch, tops_of_run
 from updamp.comparison.findings.peak_sentences import ALIKE
@@ -24,8 +26,9 @@ from updamp.comparison.findings.several_peaks import several_peaks
 from updamp.comparison.fit.failing_model import RISK
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.matching import Matched
-from updamp.comparison.fit.observations import Plan
+from updamp.comparison.fit.observations import Plan, noise_of
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
+from updamp.comparison.prediction.run_condition import RunCondition
 from updamp.effects.effect import Effect
 from updamp.effects.phase_lag import EFFECT as PHASE_LAG
 from updamp.effects.sensor_delay import EFFECT as SENSOR_DELAY
@@ -54,6 +57,18 @@ class _Read:
     deviation: float
     angular: float
 
+    def only(self, angle: float) -> "_Read":
+        """Of one sensor, less well known than the mean of all"""
+        return replace(self, angles=np.array([angle]), deviation=self.deviation * float(np.sqrt(len(self.angles))))
+
+
+@dataclass(frozen=True)
+class SensorLag:
+    """Of one sensor alone."""
+
+    sensor: Sensor
+    lag: PhaseLag
+
 
 def phase_lag(fit: Fit, plan: Plan, branches: Sequence[PredictedBranch]) -> PhaseLag | None:
     """None where neither an angle nor a time stands out, or tests and sensors do not agree on it: all within a third of
@@ -62,9 +77,44 @@ def phase_lag(fit: Fit, plan: Plan, branches: Sequence[PredictedBranch]) -> Phas
     Read of tests whose runs and whose model have smooth tops: where a sweep jumps, the phase there is where it happens
     to. branches: calibrated, one a condition
     """
+    return _told(_read(fit, plan, branches))
+
+
+def sensor_lags(fit: Fit, plan: Plan, branches: Sequence[PredictedBranch]) -> tuple[SensorLag, ...]:
+    """Of the sensors that lag both the model and the mean of the other ones, as `phase_lag`"""
+    known, found = _read(fit, plan, branches), []
+    for sensor in dict.fromkeys(s for condition, _ in known for s in condition.sensors):
+        seen = [(c, one, c.sensors.index(sensor)) for c, one in known if sensor in c.sensors and len(c.sensors) > 1]
+        lag = _told([(c, one.only(one.angles[j])) for c, one, j in seen])
+        against_others = _told([(c, one.only(one.angles[j] - np.mean(np.delete(one.angles, j)))) for c, one, j in seen])
+        if lag is not None and against_others is not None:
+            found.append(SensorLag(sensor, lag))
+    return tuple(found)
+
+
+def without_phases(plan: Plan, lags: Sequence[SensorLag]) -> Plan:
+    """As if these sensors had recorded none."""
+    sensors = {one.sensor for one in lags}
+    runs = []
+    for o in plan.observations:
+        own = o.own.copy()
+        own[:, [2 + 2 * j for j, s in enumerate(plan.conditions[o.test].sensors) if s in sensors]] = np.inf
+        runs.append(replace(o, own=own))
+    conditions = [replace(c, noise=tuple(noise_of(runs, test).tolist())) for test, c in enumerate(plan.conditions)]
+    return replace(plan, conditions=tuple(conditions), observations=tuple(runs))
+
+
+_Known = Sequence[tuple[RunCondition, "_Read"]]
+
+
+def _read(fit: Fit, plan: Plan, branches: Sequence[PredictedBranch]) -> _Known:
+    """The tests that are read"""
     without = {*without_peak(plan, branches), *(one.test for one in several_peaks(fit, plan, branches))}
     of_tests = ((c, _of_test(fit, i, branches[i])) for i, c in enumerate(plan.conditions) if i not in without)
-    known = [(condition, one) for condition, one in of_tests if one is not None]
+    return [(condition, one) for condition, one in of_tests if one is not None]
+
+
+def _told(known: _Known) -> PhaseLag | None:
     if len({(condition.mode, condition.level) for condition, _ in known}) < 2:
         return None
     read = [one for _, one in known]
@@ -137,11 +187,25 @@ def fitted_lag(fit: Fit, effect: Effect) -> PhaseLag:
 
 
 def lag_finding(lag: PhaseLag) -> Finding:
-    by = f"{np.degrees(abs(lag.size)):.1f} degrees in all runs, as a delay or a filter of the measurement makes them"
-    if lag.effect is not PHASE_LAG:
-        by = (
-            f"{1e3 * abs(lag.size):.3g} ms in all runs, more degrees the higher the frequency is, as a delay makes them"
-        )
-    side = "lag" if lag.size > 0 else "lead"
-    text = f"measured phases {side} the model's by {by}; what else is told is of the model that lags as much"
+    text = f"measured phases {_by(lag, '')}; what else is told is of the model that lags as much"
     return Finding(text, "", None, PHASE, "", lag.size, lag.significance)
+
+
+def sensor_lag_finding(one: SensorLag, names: Mapping[str, str]) -> Finding:
+    """names: of the channels, by the model's points"""
+    channel = names.get(one.sensor[0], one.sensor[0])
+    text = (
+        f"{channel}: its phases {_by(one.lag, ', and the other sensors do not')}; they are left out of calibration and "
+        "of what else is told"
+    )
+    return Finding(text, "", None, PHASE, channel, one.lag.size, one.lag.significance)
+
+
+def _by(lag: PhaseLag, unlike: str) -> str:
+    """unlike: whom"""
+    side = "lag" if lag.size > 0 else "lead"
+    if lag.effect is PHASE_LAG:
+        angle = f"{np.degrees(abs(lag.size)):.1f} degrees in all runs"
+        return f"{side} the model's by {angle}{unlike}, as a delay or a filter of the measurement makes them"
+    time = f"{1e3 * abs(lag.size):.3g} ms in all runs{unlike}, more degrees the higher the frequency is"
+    return f"{side} the model's by {time}, as a delay makes them"

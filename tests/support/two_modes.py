@@ -1,5 +1,7 @@
 """A beam of two identified modes that is driven at one point and whose tip each mode moves otherwise."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from updamp.effects.rig_model import RigModel
@@ -46,3 +48,17 @@ def _sweep(mode: str, tip: complex, conjugated: bool) -> MeasuredRun:
     x = np.stack([found[DRIVE], tip * found[TIP]])[:, None]
     x, force = x.conj() if conjugated else x, np.ones(40, complex)
     return MeasuredRun(f"{mode} 1 N", mode, True, "force", 1.0, 1, ("drive", "tip"), (1,), f, force, x)
+
+
+def swept_levels(*factors: tuple[complex, complex], repeats: int = 1, odd: int = 1) -> Measurement:
+    """Three levels of the first mode with 0.3 % of noise. factors: of what the sensors at the drive and at the tip
+    read, a pair for each level, in the repeat that is odd"""
+    rng, sound, runs = np.random.default_rng(8), swept_arm(), []
+    (given,) = sound.runs
+    for repeat in range(1, repeats + 1):
+        for level, pair in zip((1.0, 2.0, 4.0), factors, strict=True):
+            noise, factor = rng.standard_normal((2, *given.response.shape)), np.array(pair if repeat == odd else (1, 1))
+            response = level * factor[:, None, None] * given.response * np.exp(0.003 * (noise[0] + 1j * noise[1]))
+            of_level = replace(given, name=f"first {level:g} N", level=level, repeat=repeat)
+            runs.append(replace(of_level, force=level * given.force, response=response))
+    return replace(sound, runs=tuple(runs), repeatability=0.0 if repeats > 1 else 0.003)

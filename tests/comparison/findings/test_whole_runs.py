@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support.held_beam import held_beam, of_beam
-from support.two_modes import DRIVE, TIP, swept_arm, two_modes
+from support.two_modes import DRIVE, TIP, swept_levels, two_modes
 
 from updamp.comparison.compare import compare
 from updamp.comparison.comparison import Comparison
@@ -58,17 +58,7 @@ def test_damping_and_resonances_that_change_with_the_level_are_those(resonances,
 
 
 def of_arm(*factors: tuple[float, float], repeats: int = 1, odd: int = 1) -> Comparison:
-    """Three levels of one mode with 0.3 % of noise. factors: of what the sensors at the drive and at the tip read, a
-    pair for each, in the repeat that is odd"""
-    rng, (given,), sound = np.random.default_rng(8), swept_arm().runs, swept_arm()
-    runs = []
-    for repeat in range(1, repeats + 1):
-        for level, pair in zip((1.0, 2.0, 4.0), factors, strict=True):
-            noise, factor = rng.standard_normal((2, *given.response.shape)), np.array(pair if repeat == odd else (1, 1))
-            response = level * factor[:, None, None] * given.response * np.exp(0.003 * (noise[0] + 1j * noise[1]))
-            of = {"name": f"first {level:g} N", "level": level, "repeat": repeat}
-            runs.append(replace(given, **of, force=level * given.force, response=response))
-    return compare(two_modes(), replace(sound, runs=tuple(runs), repeatability=0.0 if repeats > 1 else 0.003))[0]
+    return compare(two_modes(), swept_levels(*factors, repeats=repeats, odd=odd))[0]
 
 
 def test_one_sensor_of_a_run_is_not_the_whole_run() -> None:
