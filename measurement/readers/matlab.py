@@ -120,9 +120,10 @@ class _Content:
             return np.broadcast_to(value.ravel(), (1, n)), (1,)
         array = value.reshape(1, n) if value.size == n else value
         if array.shape != (m, n):
+            several = f"; of several channels save each as a variable, such as {name}_1 = {name}(:, 1)"
             raise MeasurementError(
                 f"{self.path}: '{name}' is {' x '.join(map(str, value.shape))}, wanted is {m} x {n}: a row for each of "
-                f"harmonics = {list(harmonics)}, a column for each frequency"
+                f"harmonics = {list(harmonics)}, a column for each frequency{several if n in value.shape else ''}"
             )
         return array, harmonics
 

@@ -17,6 +17,7 @@ LONGEST_LINE = 10_000  # characters; a longer one is no line of numbers
 UTF8, WIDE, WINDOWS = "utf-8-sig", "utf-16", "cp1252"  # as Python calls them
 _AT_ONCE = 1 << 20  # bytes
 _EMPTY_CELLS = " \t\r\n\v\f\x1a,;"
+_ZIP = b"PK\x03\x04"
 _BLANKS = b"\t\n\v\f\r\x1a"  # the last one ends a file of DOS
 _PRINTED = _BLANKS + bytes(b for b in range(0x20, 0x100) if b not in (0x7F, 0x81, 0x8D, 0x8F, 0x90, 0x9D))
 _NOTES = {
@@ -36,8 +37,11 @@ class Start:
 def encoding_of(path: Path) -> str:
     """UTF8, WIDE or WINDOWS. raises: MeasurementError where the file is no text"""
     with path.open("rb") as file:
-        if file.read(2) in UTF_16:
+        begin = file.read(len(_ZIP))
+        if begin[:2] in UTF_16:
             return WIDE
+        if begin == _ZIP:
+            raise _no_text(path, "it is a zip archive, as workbooks of Excel are: save the sheet as CSV there")
         file.seek(0)
         decoder, utf_8, printed = codecs.getincrementaldecoder("utf-8")(), True, True
         chunk = b" "

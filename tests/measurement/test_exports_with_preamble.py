@@ -257,6 +257,12 @@ def test_a_binary_file_is_no_text(tmp_path: Path, content: bytes) -> None:
         load_measurement(stated(tmp_path, GERMAN))
 
 
+def test_a_workbook_is_told_as_one(tmp_path: Path) -> None:
+    (tmp_path / "data.csv").write_bytes(b"PK\x03\x04 workbook.xml")
+    with pytest.raises(MeasurementError, match=r"data\.csv: no text \(it is a zip archive, .* save the sheet as CSV"):
+        load_measurement(stated(tmp_path, GERMAN))
+
+
 def test_damaged_utf_16(tmp_path: Path) -> None:
     (tmp_path / "data.csv").write_bytes(text().encode("utf-16")[:-1])
     with pytest.raises(MeasurementError, match=r"data\.csv: damaged text in UTF-16"):

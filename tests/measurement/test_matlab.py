@@ -83,6 +83,14 @@ def test_one_number_is_no_response(tmp_path: Path) -> None:
         read_matlab(path, LABELS, MatlabOptions())
 
 
+def test_a_matrix_of_channels_is_told_how_to_be_saved(tmp_path: Path) -> None:
+    path = written(tmp_path, "5", content(tip=np.stack([TIP[0], TIP[1]]).T))
+    with pytest.raises(
+        MeasurementError, match=r"'tip' is 21 x 2.* save each as a variable, such as tip_1 = tip\(:, 1\)"
+    ):
+        read_matlab(path, LABELS, MatlabOptions())
+
+
 @pytest.mark.parametrize("version", ["5", "7.3"])
 def test_one_of_an_array_of_structures(tmp_path: Path, version: str) -> None:
     runs = [content(tip=k * np.abs(TIP[0])) for k in (1.0, 2.0, 3.0)]
