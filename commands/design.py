@@ -18,7 +18,6 @@ from updamp.commands.shared import (
     clean_errors,
     interruptible,
     out_option,
-    rig_with_dimensions,
 )
 from updamp.parallel.ending import INTERRUPTED
 from updamp.parallel.resources import one_thread
@@ -96,10 +95,11 @@ def explain(
     Mesh and finite elements take most of the time: what leaves them alone is quick to try.
     """
     with clean_errors(debug):
+        from updamp.model.rig_files import load_with_dimensions
         from updamp.workflow.explain import explain as compare_rigs
         from updamp.workflow.explain import explain_table, other_changes
 
-        new, old, console = rig_with_dimensions(rig), rig_with_dimensions(against), Console()
+        new, old, console = load_with_dimensions(rig), load_with_dimensions(against), Console()
         verdicts = compare_rigs(new, old, chosen_mesh(rig, mesh))
         console.print(explain_table(verdicts))
         for one in other_changes(new, old, verdicts):

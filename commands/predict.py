@@ -8,17 +8,7 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from updamp.commands.shared import (
-    INCOMPLETE,
-    Debug,
-    Jobs,
-    Mesh,
-    RigFile,
-    clean_errors,
-    interruptible,
-    out_option,
-    rig_with_dimensions,
-)
+from updamp.commands.shared import INCOMPLETE, Debug, Jobs, Mesh, RigFile, clean_errors, interruptible, out_option
 from updamp.parallel.resources import Meter, one_thread_for_numpy, usual_workers
 from updamp.workflow import stages
 
@@ -90,7 +80,9 @@ def run(
 
         forces, last = tuple(_force(text) for text in force or ()), _stage(until)
         with Meter() as meter:
-            loaded = rig_with_dimensions(rig)
+            from updamp.model.rig_files import load_with_dimensions
+
+            loaded = load_with_dimensions(rig)
             from updamp.workflow.run_options import RunOptions  # once the rig file is known to be sound
 
             preset = mesh if mesh is not None else next(iter(loaded.mesh))

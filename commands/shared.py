@@ -6,15 +6,12 @@ import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from updamp.parallel.ending import INTERRUPTED, Command, heard
 from updamp.parallel.resources import checked_workers, usual_workers
-
-if TYPE_CHECKING:
-    from updamp.rig.rig import Rig
 
 BAD_INPUT, INCOMPLETE = 2, 1
 
@@ -133,16 +130,3 @@ def interruptible() -> Iterator[None]:
 def _go_on() -> str:
     command = shlex.join(["updamp", *sys.argv[1:]])
     return f"\nInterrupted. What is finished is kept; to go on from there run again:\n  {command}"
-
-
-def rig_with_dimensions(file: Path) -> "Rig":
-    """raises: RigError; ValueError where the rig is given by its modes"""
-    from updamp.model.rig_files import is_modal, load_any, load_rig
-
-    if is_modal(file):
-        load_any(file)  # what is wrong with it comes first
-        raise ValueError(
-            f"{file}: gives modes, not dimensions, so there is nothing to mesh; use it with: updamp compare "
-            f"{file} MEASUREMENT --out DIR (or diagnose), or from Python with updamp.api.response_curve"
-        )
-    return load_rig(file)

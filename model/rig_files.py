@@ -52,6 +52,17 @@ def load_any(path: str | Path, overrides: Mapping[str, Any] | None = None) -> Ri
     return load_modal(path, overrides) if is_modal(path) else load_rig(path, overrides)
 
 
+def load_with_dimensions(path: str | Path) -> Rig:
+    """raises: RigError; ValueError where the rig is given by its modes"""
+    if is_modal(path):
+        load_modal(path)  # what is wrong with it comes first
+        raise ValueError(
+            f"{path}: gives modes, not dimensions, so there is nothing to mesh; use it with: updamp compare "
+            f"{path} MEASUREMENT --out DIR (or diagnose), or from Python with updamp.api.response_curve"
+        )
+    return load_rig(path)
+
+
 def is_modal(path: str | Path) -> bool:
     """Whether a rig file gives modes; False for one that cannot be read, which its loader explains better."""
     try:
