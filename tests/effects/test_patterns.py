@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.special import gamma
-from support.plain_rig import plain_model
+from support.plain_rig import SHORT_FACES, SLIPPING, plain_model
 
 from updamp.effects.catalogue import CATALOGUE
 from updamp.effects.contact_faces import along_damper, up_the_face
@@ -15,8 +15,6 @@ from updamp.effects.structure import TIPS
 from updamp.geometry.contact_elements import LEFT, RIGHT
 from updamp.hbm.problem.elements import over_period
 from updamp.model.calibration import PRELOAD
-
-from .conftest import CHANGES, RIG_FILE
 
 
 def changed(model, name, **values):
@@ -59,7 +57,7 @@ def test_slope_and_asymmetry_and_gradient_are_linear(model):
 
 def test_edge_gap_is_refused_where_no_contact_element_lies_at_an_edge_alone():
     """One strip: upright and turned triangles from edge to edge lose the same, which taking up the load makes none."""
-    one_strip = plain_model(RIG_FILE, {**CHANGES, "mesh.small.contact_strips": 1})
+    one_strip = plain_model(SHORT_FACES, {**SLIPPING, "mesh.small.contact_strips": 1})
     with pytest.raises(ValueError, match=r"reaches from the upper to the lower edge.*contact_strips = 2"):
         changed(one_strip, "edge_gap", depth=1e-6)
 

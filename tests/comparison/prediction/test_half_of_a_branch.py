@@ -1,11 +1,10 @@
 """Comparisons solve half of a model that is its own mirror image: the same branch with the same derivatives."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-from support.plain_rig import plain_model
+from support.plain_rig import SHORT_FACES, SLIPPING, plain_model
 
 from updamp.comparison.prediction.model_at import ModelAt
 from updamp.comparison.prediction.moved_branch import move_branch
@@ -17,19 +16,12 @@ from updamp.effects.catalogue import CATALOGUE
 from updamp.hbm.newton.equation import residual_alone
 from updamp.model.calibration import nuisances
 
-RIG_FILE = Path(__file__).parents[2] / "data" / "short_faces.toml"
-CHANGES = {
-    "contact.law": "jenkins_box_sampled",
-    "contact.friction_coefficient": 0.15,
-    "harmonic_balance.harmonics": [1, 2, 3],
-    "harmonic_balance.time_samples": 64,
-}
 SENSORS = (("blade_left.tip.x", 1), ("blade_right.tip.x", 1))
 
 
 @pytest.fixture(scope="module")
 def model():
-    return plain_model(RIG_FILE, CHANGES)
+    return plain_model(SHORT_FACES, SLIPPING)
 
 
 def with_gradient(model, mirrored):

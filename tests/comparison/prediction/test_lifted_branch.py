@@ -1,10 +1,8 @@
 """A branch moved onto what an effect brings, harmonics or elements of its own: the curve that a trace of it is."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-from support.plain_rig import plain_model
+from support.plain_rig import SHORT_FACES, SLIPPING, plain_model
 
 from updamp.comparison.prediction.moved_branch import move_branch
 from updamp.comparison.prediction.parameters import Parametrisation
@@ -13,19 +11,12 @@ from updamp.comparison.prediction.traced_branch import trace_branch
 from updamp.effects.catalogue import CATALOGUE
 from updamp.model.calibration import nuisances
 
-RIG_FILE = Path(__file__).parents[2] / "data" / "short_faces.toml"
-CHANGES = {
-    "contact.law": "jenkins_box_sampled",
-    "contact.friction_coefficient": 0.15,
-    "harmonic_balance.harmonics": [1, 2, 3],
-    "harmonic_balance.time_samples": 64,
-}
 SENSORS = (("blade_left.tip.x", 1), ("blade_right.tip.x", 1))
 
 
 @pytest.fixture(scope="module")
 def plain():
-    model = plain_model(RIG_FILE, CHANGES)
+    model = plain_model(SHORT_FACES, SLIPPING)
     return Parametrisation(model, nuisances(model), ())
 
 
