@@ -99,12 +99,14 @@ def _refuse_force(
 
 def _remembers(law: Any, parameters: Any, displacement: jax.Array, velocity: jax.Array) -> bool:
     """Whether a sample of the displacement or the velocity changes the force at others beyond its neighbours, which a
-    law that averages between samples looks at. Not told where a force is no number: beyond what a law is for."""
+    law that averages between samples looks at, by more than it changes the mean that a law may count from. Not told
+    where a force is no number: beyond what a law is for."""
     apart = np.abs(np.subtract.outer(np.arange(_SAMPLES), np.arange(_SAMPLES)))
-    far = np.minimum(apart, _SAMPLES - apart) > 1
+    far = (np.minimum(apart, _SAMPLES - apart) > 1)[:, None, :, None]
     for by_sample in jax.jacfwd(lambda *motion: law.force(*motion, parameters), argnums=(0, 1))(displacement, velocity):
-        slopes = np.abs(np.asarray(by_sample)).max(axis=(1, 3))
-        if np.isfinite(slopes).all() and slopes[far].max() > _SLOPES * slopes.max():
+        slopes = np.asarray(by_sample)
+        by_mean = slopes.mean(axis=2, keepdims=True, where=far)
+        if np.isfinite(slopes).all() and np.abs((slopes - by_mean) * far).max() > _SLOPES * np.abs(slopes).max():
             return True
     return False
 

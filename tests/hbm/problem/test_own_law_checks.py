@@ -158,3 +158,4 @@ def test_a_law_that_depends_on_the_velocity_says_so_too(what):
         made(Own(what, rate_dependent=True))
     made(Marched(what, rate_dependent=True))
     made(Own(lambda u, v, c: c * u + v**3, rate_dependent=True))
+    made(Own(lambda u, v, c: c * jnp.abs(u - jnp.mean(u, axis=0)) * v, rate_dependent=True))  # counted from the mean
