@@ -5,6 +5,7 @@ parameters about where they were solved, while parameters, the offsets of each a
 outside, the branches are solved anew, the same for all assemblies.
 """
 
+from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -31,6 +32,8 @@ from updamp.hbm.continuation.continuation import BranchStoppedError
 
 Floats = NDArray[np.float64]
 Progress = Callable[[str], None]
+# Rounds that a circle is looked for in, and how far a place is the same, in scales of the parameters.
+_CIRCLE, _SAME = 6, 1e-3
 # Share of chi2 below which a change of it is none.
 _DIGITS = 1e-5
 SETTLED = "settled"
@@ -127,9 +130,12 @@ def fit(
     common = at_start if at_start is not None else predict_branches(parametrisation, start, plan, None, branches_of)
     first = compared_at_start(parametrisation, start, plan, common, scatter or prior)
     rounds = _Rounds(parametrisation, plan, scatter, prior, options, progress, branches_of, known)
-    now = _Reached(first, options.largest_step, options.retraced)
+    now, lately = _Reached(first, options.largest_step, options.retraced), deque[_Reached](maxlen=_CIRCLE)
     for _ in range(options.rounds):
+        lately.append(now)
         now = rounds.after(now)
+        if circle := rounds.circle(lately, now):
+            now = replace(min(circle, key=rounds.lacks), ended="goes round in a circle: its weights do not settle")
         if now.ended:
             break
     best = _traced(parametrisation, plan, now.best, branches_of) if now.moved else now.best
@@ -174,8 +180,7 @@ class _Rounds:
         if self.known(ahead):
             return replace(now, best=ahead, moved=False, ended="leads to what is known")
         promised = objective(p, here) - objective(p, ahead)
-        if promised < max(options.tolerance, options.share * here.weighed):
-            # two standard deviations at most
+        if promised < self._worth_a_round(here):
             return self._at_the_end(now, ahead, here, now.confirmed or promised < _DIGITS * here.weighed)
         solved, is_traced = self._solved(now, ahead, here)
         self.progress(_fall(here, solved))
@@ -185,6 +190,29 @@ class _Rounds:
             return replace(now, reach=shorter, ended=ended)
         longer = min(1.5 * now.reach, options.largest_step)
         return replace(now, best=solved, reach=longer, moved=options.retraced and not is_traced, confirmed=False)
+
+    def circle(self, lately: Sequence[_Reached], now: _Reached) -> Sequence[_Reached]:
+        """What was gone through since the same place, with the same weights and reach; none where it has not been
+        there, or the weights have been the same since: then each step led lower. Learnt from what is left, they may
+        make of each of two places the other one."""
+        last = max((i for i, one in enumerate(lately) if self._apart(one, now) < _SAME), default=len(lately))
+        since = (*tuple(lately)[last + 1 :], now) if last < len(lately) else ()
+        noise = np.log([one.best.scatter.noise for one in since])
+        return since if len(since) and np.ptp(noise) > _SAME else ()
+
+    def _apart(self, one: _Reached, other: _Reached) -> float:
+        """In scales of the parameters, and logarithms of noise and reach"""
+        scale = np.minimum(self.parametrisation.deviation, 1.0)
+        noise, reach = np.log([one.best.scatter.noise / other.best.scatter.noise, one.reach / other.reach])
+        return float(max(np.abs((one.best.u - other.best.u) / scale).max(initial=0.0), abs(noise), abs(reach)))
+
+    def lacks(self, reached: _Reached) -> float:
+        """What is left by the weights that all fits begin with"""
+        return objective(self.parametrisation, reweighed(self.parametrisation, self.plan, reached.best, self.prior))
+
+    def _worth_a_round(self, here: Compared) -> float:
+        """Fall of chi-square below which none is; two standard deviations at most"""
+        return max(self.options.tolerance, self.options.share * here.weighed)
 
     def _at_the_end(self, now: _Reached, ahead: Compared, here: Compared, confirmed: bool) -> _Reached:
         """What is still to be gained is little, to first order. It may be more: where a gap opens that was closed at
@@ -197,12 +225,14 @@ class _Rounds:
         return self._checked(now) if now.moved else replace(now, best=here, ended=SETTLED)
 
     def _checked(self, now: _Reached) -> _Reached:
-        """Traced where it stands. What was moved since the last time may have seemed lower and not be: from there on
-        only what is traced counts."""
+        """Traced where it stands. What was moved since the last time may have seemed lower and not be, or by less than
+        another round is worth: from there on only what is traced counts, or the two would go round in a circle."""
         p, before = self.parametrisation, now.checked
         best, only_traced = _traced(p, self.plan, now.best, self.branches_of), now.only_traced
-        if before is not None and objective(p, before) < objective(p, best):
-            best, only_traced = before, True
+        if before is not None:
+            gained = objective(p, before) - objective(p, best)
+            only_traced = only_traced or gained < self._worth_a_round(best)
+            best = before if gained < 0 else best
         return replace(now, best=best, moved=False, checked=best, only_traced=only_traced)
 
     def _solved(self, now: _Reached, ahead: Compared, here: Compared) -> tuple[Compared, bool]:

@@ -21,7 +21,10 @@ class At:
     objective: float
     weighed: float = 2400.0
     inflation: float = 1.0
-    scatter: None = None
+
+    @property
+    def scatter(self) -> SimpleNamespace:
+        return SimpleNamespace(noise=1.0)
 
     @property
     def u(self) -> np.ndarray:
