@@ -193,6 +193,17 @@ def comparison_of(
         unlike_repeats=unlike_repeats(fitted.compared, repeats, plan),
         odd_points=odd_points(calibrated.odd, plan, names),
         questions=measurement.questions,
+        checks=_of_repeatability(plan),
+    )
+
+
+def _of_repeatability(plan: Plan) -> tuple[str, ...]:
+    if not plan.rougher_than_stated:
+        return ()
+    stated, own = (f"{100 * each:.2g} %" for each in (plan.repeatability, plan.own_noise))
+    return (
+        f"repeatability = {plan.repeatability:g}: {stated} is stated, and the points of the runs scatter by {own} by "
+        "themselves, which counts in its place",
     )
 
 

@@ -231,7 +231,7 @@ class Comparison:
     level_unit: of every `level`: that of the force, or SI unit of the response that was held
     response_unit, force_unit: "m" and "N", or what stands for them where channels are not calibrated
     contact_states: for each curve's name "OOP 17 N": share of contacts stuck, slipping, separating, open at the peak
-    unlike_repeats, odd_points: runs and points that are to be looked at, whatever the model does
+    unlike_repeats, odd_points: runs and points that are to be looked at, whatever the model does; checks: what else is
     questions: what is hardly meant as it is stated: to be answered before anything here is believed
     calibrated_modes: of a rig given by several modes, what the factors on all modes and on each are together
     """
@@ -260,11 +260,12 @@ class Comparison:
     odd_points: tuple[OddPoint, ...] = ()
     calibrated_modes: tuple[Calibrated, ...] = ()
     questions: tuple[str, ...] = ()
+    checks: tuple[str, ...] = ()
 
     @property
     def to_look_at(self) -> tuple[str, ...]:
-        """Runs and points that are, in words."""
-        return tuple(run.text for run in self.unlike_repeats) + tuple(point.text for point in self.odd_points)
+        """In words."""
+        return (*(run.text for run in self.unlike_repeats), *(point.text for point in self.odd_points), *self.checks)
 
 
 # `comparison.json`, every number kept to the last digit: the fields of `Comparison` by their names, and `schema`;

@@ -115,6 +115,13 @@ class Plan:
         return self.noise_read and self.own_noise > self.repeatability
 
     @property
+    def rougher_than_stated(self) -> bool:
+        """Whether the runs are by more than chance: the logarithm of a deviation of f degrees of freedom is known to
+        1 / sqrt(2 f)."""
+        by_chance = np.exp(2 / np.sqrt(2 * self.noise_freedom))
+        return self.told_by_noise and self.repeatability > 0 and self.own_noise > by_chance * self.repeatability
+
+    @property
     def noise_freedom(self) -> float:
         """Degrees of freedom that the variance of the noise is known by, infinite where it is stated."""
         if not self.told_by_noise:

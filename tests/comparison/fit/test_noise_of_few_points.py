@@ -62,6 +62,8 @@ def test_what_tests_are_stated_to_differ_by_has_the_noise_in_it(stated: float, c
     np.testing.assert_allclose(runs.if_repeatable(0.0).own_noise, plan(12).own_noise)
     assert runs.told_by_noise == (stated < 3 * NOISE)
     assert np.isinf(runs.noise_freedom) == (stated == 3 * NOISE)
+    if stated != NOISE:  # where a model has not taken the resonance off, twelve points are rougher than their noise
+        assert runs.rougher_than_stated == (stated < NOISE)
 
 
 def test_a_noise_that_is_stated_stays() -> None:
