@@ -31,9 +31,8 @@ def lifted(before: PredictedBranch, there: ModelAt) -> PredictedBranch | None:
     parametrisation = _with_parameters(there.parametrisation, known)
     without = ModelAt(parametrisation, before.u[:known], there.place)
     solved = without.system.free.n_relative, without.system.harmonics.n_coefficients
-    if before.points[0].x.shape != solved or not set(without.model.harmonics.orders) <= set(
-        there.model.harmonics.orders
-    ):
+    own, wider = without.model.harmonics.orders, there.model.harmonics.orders
+    if before.points[0].x.shape != solved or not set(own) <= set(wider):
         return None
     rows = _Rows(without, there)
     points = [
