@@ -180,7 +180,8 @@ class _Rounds:
         if self.known(ahead):
             return replace(now, best=ahead, moved=False, ended="leads to what is known")
         promised = objective(p, here) - objective(p, ahead)
-        if promised < self._worth_a_round(here):
+        if promised < max(options.tolerance, options.share * here.weighed):
+            # two standard deviations at most
             return self._at_the_end(now, ahead, here, now.confirmed or promised < _DIGITS * here.weighed)
         solved, is_traced = self._solved(now, ahead, here)
         self.progress(_fall(here, solved))
@@ -210,10 +211,6 @@ class _Rounds:
         """What is left by the weights that all fits begin with"""
         return objective(self.parametrisation, reweighed(self.parametrisation, self.plan, reached.best, self.prior))
 
-    def _worth_a_round(self, here: Compared) -> float:
-        """Fall of chi-square below which none is; two standard deviations at most"""
-        return max(self.options.tolerance, self.options.share * here.weighed)
-
     def _at_the_end(self, now: _Reached, ahead: Compared, here: Compared, confirmed: bool) -> _Reached:
         """What is still to be gained is little, to first order. It may be more: where a gap opens that was closed at
         first order's place, or a contact begins to slip, the derivatives leap. So where it leads is solved too."""
@@ -225,14 +222,12 @@ class _Rounds:
         return self._checked(now) if now.moved else replace(now, best=here, ended=SETTLED)
 
     def _checked(self, now: _Reached) -> _Reached:
-        """Traced where it stands. What was moved since the last time may have seemed lower and not be, or by less than
-        another round is worth: from there on only what is traced counts, or the two would go round in a circle."""
+        """Traced where it stands. What was moved since the last time may have seemed lower and not be: from there on
+        only what is traced counts."""
         p, before = self.parametrisation, now.checked
         best, only_traced = _traced(p, self.plan, now.best, self.branches_of), now.only_traced
-        if before is not None:
-            gained = objective(p, before) - objective(p, best)
-            only_traced = only_traced or gained < self._worth_a_round(best)
-            best = before if gained < 0 else best
+        if before is not None and objective(p, before) < objective(p, best):
+            best, only_traced = before, True
         return replace(now, best=best, moved=False, checked=best, only_traced=only_traced)
 
     def _solved(self, now: _Reached, ahead: Compared, here: Compared) -> tuple[Compared, bool]:
