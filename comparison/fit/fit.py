@@ -32,8 +32,6 @@ from updamp.hbm.continuation.continuation import BranchStoppedError
 
 Floats = NDArray[np.float64]
 Progress = Callable[[str], None]
-# Rounds that a circle is looked for in, and how far a place is the same, in scales of the parameters.
-_CIRCLE, _SAME = 6, 1e-3
 # Share of chi2 below which a change of it is none.
 _DIGITS = 1e-5
 SETTLED = "settled"
@@ -48,6 +46,8 @@ class FitOptions:
         has to promise no more; share: likewise, of chi2
     retraced: whether it settles, and turns back from a step, on traced branches alone, not on those that were moved:
         what no sweep saw where a branch came from has been left out of it, and may be what a sweep sees now
+    circle: rounds in which it may come back to where it was, and ends; same: how near that is, in scales of the
+        parameters and logarithms of the noise
     """
 
     rounds: int = 60
@@ -55,6 +55,8 @@ class FitOptions:
     tolerance: float = 4.0
     share: float = _DIGITS
     retraced: bool = True
+    circle: int = 6
+    same: float = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +132,7 @@ def fit(
     common = at_start if at_start is not None else predict_branches(parametrisation, start, plan, None, branches_of)
     first = compared_at_start(parametrisation, start, plan, common, scatter or prior)
     rounds = _Rounds(parametrisation, plan, scatter, prior, options, progress, branches_of, known)
-    now, lately = _Reached(first, options.largest_step, options.retraced), deque[_Reached](maxlen=_CIRCLE)
+    now, lately = _Reached(first, options.largest_step, options.retraced), deque[_Reached](maxlen=options.circle)
     for _ in range(options.rounds):
         lately.append(now)
         now = rounds.after(now)
@@ -196,10 +198,12 @@ class _Rounds:
         """What was gone through since the same place, with the same weights and reach; none where it has not been
         there, or the weights have been the same since: then each step led lower. Learnt from what is left, they may
         make of each of two places the other one."""
-        last = max((i for i, one in enumerate(lately) if self._apart(one, now) < _SAME), default=len(lately))
+        last = max(
+            (i for i, one in enumerate(lately) if self._apart(one, now) < self.options.same), default=len(lately)
+        )
         since = (*tuple(lately)[last + 1 :], now) if last < len(lately) else ()
         noise = np.log([one.best.scatter.noise for one in since])
-        return since if len(since) and np.ptp(noise) > _SAME else ()
+        return since if len(since) and np.ptp(noise) > self.options.same else ()
 
     def _apart(self, one: _Reached, other: _Reached) -> float:
         """In scales of the parameters, and logarithms of noise and reach"""
