@@ -198,12 +198,11 @@ class _Rounds:
         """What was gone through since the same place, with the same weights and reach; none where it has not been
         there, or the weights have been the same since: then each step led lower. Learnt from what is left, they may
         make of each of two places the other one."""
-        last = max(
-            (i for i, one in enumerate(lately) if self._apart(one, now) < self.options.same), default=len(lately)
-        )
+        same = self.options.same
+        last = max((i for i, one in enumerate(lately) if self._apart(one, now) < same), default=len(lately))
         since = (*tuple(lately)[last + 1 :], now) if last < len(lately) else ()
         noise = np.log([one.best.scatter.noise for one in since])
-        return since if len(since) and np.ptp(noise) > self.options.same else ()
+        return since if len(since) and np.ptp(noise) > same else ()
 
     def _apart(self, one: _Reached, other: _Reached) -> float:
         """In scales of the parameters, and logarithms of noise and reach"""
