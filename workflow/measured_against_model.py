@@ -169,6 +169,12 @@ def _log_size(run: MeasuredRun, channel: str) -> Floats:
     return np.asarray(np.log(np.maximum(np.abs(run.receptance(channel)), np.finfo(float).tiny)))
 
 
+def _tops(run: MeasuredRun) -> list[float]:
+    """Frequencies [Hz] at which a channel has its highest top, or is highest"""
+    sizes = [(_log_size(run, channel), relative_deviation(run, channel)) for channel in run.channels]
+    return [float(run.frequency[highest(size, deviation)]) for size, deviation in sizes]
+
+
 def _peak(run: MeasuredRun) -> float:
     """Frequency [Hz] at which the strongest channel is highest."""
     receptances = np.abs([run.receptance(channel) for channel in run.channels])
@@ -188,8 +194,10 @@ def _check_frequency(run: MeasuredRun, resonances: Sequence[tuple[float, float]]
     def possible(frequency: float) -> bool:
         return any(low * (1 - off) <= frequency <= high * (1 + off) for low, high in resonances)
 
-    peak = _peak(run)
-    if possible(peak):
+    peak, (low, high) = _peak(run), (run.frequency.min(), run.frequency.max())
+    within = any(one <= high and low <= other for one, other in resonances)
+    # at an end of what was measured a response may be highest on the flank of another mode
+    if any(map(possible, _tops(run))) or (within and _largest_at_an_end(run)):
         return
     meant = [unit for unit, factor in FREQUENCY_UNITS.items() if possible(peak * factor)]
     guess = (

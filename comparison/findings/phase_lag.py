@@ -50,16 +50,24 @@ class PhaseLag:
 
 @dataclass(frozen=True)
 class _Read:
-    """In one test. angles: (s,) lag at each sensor, as mean over the repeats [rad]; deviation: of their mean; angular:
-    its frequency [rad/s]"""
+    """In one test. angles: (s,) lag at each sensor, as mean over the repeats [rad]; deviation: of their mean; turned:
+    of that by the noise of the phases alone; angular: its frequency [rad/s]"""
 
     angles: Floats
     deviation: float
+    turned: float
     angular: float
 
-    def only(self, angle: float) -> "_Read":
-        """Of one sensor, less well known than the mean of all"""
-        return replace(self, angles=np.array([angle]), deviation=self.deviation * float(np.sqrt(len(self.angles))))
+    def of(self, sensor: int) -> "_Read":
+        """Of one alone, less well known than the mean of all"""
+        angles = self.angles[[sensor]]
+        return replace(self, angles=angles, deviation=self.deviation * float(np.sqrt(len(self.angles))))
+
+    def against_others(self, sensor: int) -> "_Read":
+        """Where the resonance is taken to be turns all sensors alike: it has no part in what one is off the others."""
+        n = len(self.angles)
+        angle = self.angles[sensor] - np.mean(np.delete(self.angles, sensor))
+        return replace(self, angles=np.array([angle]), deviation=self.turned * n / float(np.sqrt(n - 1)))
 
 
 @dataclass(frozen=True)
@@ -81,13 +89,13 @@ def phase_lag(fit: Fit, plan: Plan, branches: Sequence[PredictedBranch]) -> Phas
 
 
 def sensor_lags(fit: Fit, plan: Plan, branches: Sequence[PredictedBranch]) -> tuple[SensorLag, ...]:
-    """Of the sensors that lag both the model and the mean of the other ones, as `phase_lag`"""
+    """Of the sensors that lag both the model and the mean of the other ones, by as much as they lag those, as
+    `phase_lag`"""
     known, found = _read(fit, plan, branches), []
     for sensor in dict.fromkeys(s for condition, _ in known for s in condition.sensors):
         seen = [(c, one, c.sensors.index(sensor)) for c, one in known if sensor in c.sensors and len(c.sensors) > 1]
-        lag = _told([(c, one.only(one.angles[j])) for c, one, j in seen])
-        against_others = _told([(c, one.only(one.angles[j] - np.mean(np.delete(one.angles, j)))) for c, one, j in seen])
-        if lag is not None and against_others is not None:
+        lag = _told([(c, one.against_others(j)) for c, one, j in seen])
+        if lag is not None and _told([(c, one.of(j)) for c, one, j in seen]) is not None:
             found.append(SensorLag(sensor, lag))
     return tuple(found)
 
@@ -155,9 +163,9 @@ def _of_test(fit: Fit, test: int, branch: PredictedBranch) -> _Read | None:
     lags = np.array([_lags(swept, m, sensors) for m in matched])
     if not np.isfinite(lags).all():
         return None
-    deviation = _deviation(swept, matched, sensors, fit.compared.scatter.noise)
+    deviations = _deviations(swept, matched, sensors, fit.compared.scatter.noise)
     angular = 2 * np.pi * float(np.exp(np.mean(swept.tops(sensors)[: len(sensors)])))
-    return _Read(np.mean(lags, axis=0), deviation, angular)
+    return _Read(np.mean(lags, axis=0), *deviations, angular)
 
 
 def _lags(swept: SweptBranch, m: Matched, sensors: Sequence[int]) -> Floats:
@@ -168,15 +176,19 @@ def _lags(swept: SweptBranch, m: Matched, sensors: Sequence[int]) -> Floats:
     return np.angle(np.exp(1j * turned)) if known else np.full(len(sensors), np.nan)
 
 
-def _deviation(swept: SweptBranch, matched: Sequence[Matched], sensors: Sequence[int], noise: float) -> float:
-    """Of the mean over runs and sensors. A top that is misplaced by a half-width turns the phase by 1: each by its
-    noise, the model's by as much as no top is placed better than."""
-    s, of_runs = len(sensors), []
+def _deviations(
+    swept: SweptBranch, matched: Sequence[Matched], sensors: Sequence[int], noise: float
+) -> tuple[float, float]:
+    """Of the mean over runs and sensors, and by the noise of the phases alone. A top that is misplaced by a half-width
+    turns the phase by 1: each by its noise, the model's by as much as no top is placed better than."""
+    s, of_runs, of_phases = len(sensors), [], []
     for m in matched:
         placed = noise * reading_noise(m.observations, sensors)[:s] / [swept.half_width(j) for j in sensors]
         turned = noise * m.observations.noise[:, [2 + 2 * j for j in sensors]].max(axis=0)
         of_runs.append(float(np.linalg.norm(np.hypot(placed, turned))) / s)
-    return float(np.hypot(np.linalg.norm(of_runs) / len(matched), PLACED))
+        of_phases.append(float(np.linalg.norm(turned)) / s)
+    by_phases = float(np.linalg.norm(of_phases)) / len(matched)
+    return float(np.hypot(np.linalg.norm(of_runs) / len(matched), PLACED)), by_phases
 
 
 def fitted_lag(fit: Fit, effect: Effect) -> PhaseLag:

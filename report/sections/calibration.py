@@ -22,7 +22,7 @@ def render(report: Report) -> Content | None:
             "better than each of the two.</p>"
         )
         html += table(head, [_row(each) for each in of_modes])
-    far = [each.name for each in calibration if each.far]
+    far = [each.name for each in _as_told(report.comparison) if each.far]
     if far:
         html += (
             f'<p class="note">Further from the rig file than {FAR:g} standard deviations of the prior: '
@@ -36,10 +36,16 @@ def far_calibrated(comparison: Comparison) -> str:
     far = [
         f"{each.name} to {each.after:.3g} times the rig file's, {abs(each.deviations):.1f} deviations of how well it "
         "is known"
-        for each in comparison.calibration
+        for each in _as_told(comparison)
         if each.far
     ]
     return f"{'; '.join(far)}. {MAKES_UP}." if far else ""
+
+
+def _as_told(comparison: Comparison) -> tuple[Calibrated, ...]:
+    """Of several modes what the test tells: a factor on all of them and one that takes it back of one are both far,
+    and that mode is where it was."""
+    return comparison.calibrated_modes or comparison.calibration
 
 
 def _row(each: Calibrated) -> tuple[str, ...]:

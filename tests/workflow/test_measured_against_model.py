@@ -130,6 +130,19 @@ def test_a_run_without_its_resonance_is_asked_about() -> None:
     assert measured_against_model(two_modes(), swept_arm()) == []
 
 
+def test_a_run_that_is_highest_on_another_mode_s_flank_is_one_of_this_rig() -> None:
+    """ "The model can resonate nowhere within 20 % of that": the second mode, from beside the first one on."""
+    f = np.linspace(50.0, 104.0, 200)
+    w, modes = 2 * np.pi * f, ((40.0, 0.4**2), (97.0, 0.05**2))
+    receptance = sum(c / ((2 * np.pi * f0) ** 2 * (1 + 0.01j) - w**2) for f0, c in modes)
+    (run,) = swept_arm(modes=("second",)).runs
+    response = np.stack([receptance, receptance])[:, None]
+    wide = replace(run, frequency=f, force=np.ones(len(f), complex), response=response)
+    assert np.abs(receptance).argmax() == 0
+    asked = measured_against_model(two_modes(), replace(swept_arm(), runs=(wide,)))
+    assert not any("no resonance between" in question for question in asked)
+
+
 @pytest.mark.parametrize(
     ("factor", "says"), [(np.pi / 180, "radians taken for degrees"), (180 / np.pi, "degrees taken for radians")]
 )
