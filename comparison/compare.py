@@ -28,6 +28,7 @@ from updamp.comparison.findings.phase_lag import (
     fitted_lag,
     lag_finding,
     phase_lag,
+    read_lags,
     sensor_lag_finding,
     sensor_lags,
     without_phases,
@@ -129,8 +130,9 @@ def calibrate(
     gate, everything = NumericalGate(plan, finer_than(model, finer or {}), branches_of), range(len(plan.conditions))
     first = gated_calibration(plain, gate, everything, None, progress)
     found = _with_curves(first, first.calibration, plan, progress, branches_of)
-    read = phase_lag(found.fit, found.plan, found.after)
-    if read is None and (lags := sensor_lags(found.fit, found.plan, found.after)):
+    of_tests = read_lags(found.fit, found.plan, found.after)
+    read = phase_lag(of_tests)
+    if read is None and (lags := sensor_lags(of_tests)):
         kept = without_phases(plan, lags)
         again = gated_calibration(plain, replace(gate, plan=kept), everything, None, progress)
         of_kept = _with_curves(again, again.calibration, kept, progress, branches_of)

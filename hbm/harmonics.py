@@ -55,6 +55,14 @@ class Harmonics:
             start += width
         return places
 
+    def among(self, wider: "Harmonics", values: Floats) -> Floats:
+        """(..., n_coefficients) of these harmonics as those of wider ones, which have all of them: nothing of the
+        others."""
+        found = np.zeros((*values.shape[:-1], wider.n_coefficients))
+        for k, place in self.slices.items():
+            found[..., wider.slices[k]] = values[..., place]
+        return found
+
     def phase(self, n_time: int) -> Floats:
         """(n_time,) equidistant w t over one period, starting at 0."""
         return 2 * np.pi * np.arange(n_time) / n_time

@@ -78,24 +78,25 @@ class SensorLag:
     lag: PhaseLag
 
 
-def phase_lag(fit: Fit, plan: Plan, branches: Sequence[PredictedBranch]) -> PhaseLag | None:
-    """None where neither an angle nor a time stands out, or tests and sensors do not agree on it: all within a third of
-    the mean; and where it is larger than a lag can be, such as of a force of the wrong sign, which is asked about.
-
-    Read of tests whose runs and whose model have smooth tops: where a sweep jumps, the phase there is where it happens
-    to. branches: calibrated, one a condition
-    """
-    return _told(_read(fit, plan, branches))
+_Known = Sequence[tuple[RunCondition, _Read]]
 
 
-def sensor_lags(fit: Fit, plan: Plan, branches: Sequence[PredictedBranch]) -> tuple[SensorLag, ...]:
+def read_lags(fit: Fit, plan: Plan, branches: Sequence[PredictedBranch]) -> _Known:
+    """Of the tests whose runs and whose model have smooth tops: where a sweep jumps, the phase there is where it
+    happens to. branches: calibrated, one a condition"""
+    without = {*without_peak(plan, branches), *(one.test for one in several_peaks(fit, plan, branches))}
+    of_tests = ((c, _of_test(fit, i, branches[i])) for i, c in enumerate(plan.conditions) if i not in without)
+    return [(condition, one) for condition, one in of_tests if one is not None]
+
+
+def sensor_lags(known: _Known) -> tuple[SensorLag, ...]:
     """Of the sensors that lag both the model and the mean of the other ones, by as much as they lag those, as
     `phase_lag`"""
-    known, found = _read(fit, plan, branches), []
+    found = []
     for sensor in dict.fromkeys(s for condition, _ in known for s in condition.sensors):
         seen = [(c, one, c.sensors.index(sensor)) for c, one in known if sensor in c.sensors and len(c.sensors) > 1]
-        lag = _told([(c, one.against_others(j)) for c, one, j in seen])
-        if lag is not None and _told([(c, one.of(j)) for c, one, j in seen]) is not None:
+        lag = phase_lag([(c, one.against_others(j)) for c, one, j in seen])
+        if lag is not None and phase_lag([(c, one.of(j)) for c, one, j in seen]) is not None:
             found.append(SensorLag(sensor, lag))
     return tuple(found)
 
@@ -112,17 +113,9 @@ def without_phases(plan: Plan, lags: Sequence[SensorLag]) -> Plan:
     return replace(plan, conditions=tuple(conditions), observations=tuple(runs))
 
 
-_Known = Sequence[tuple[RunCondition, "_Read"]]
-
-
-def _read(fit: Fit, plan: Plan, branches: Sequence[PredictedBranch]) -> _Known:
-    """The tests that are read"""
-    without = {*without_peak(plan, branches), *(one.test for one in several_peaks(fit, plan, branches))}
-    of_tests = ((c, _of_test(fit, i, branches[i])) for i, c in enumerate(plan.conditions) if i not in without)
-    return [(condition, one) for condition, one in of_tests if one is not None]
-
-
-def _told(known: _Known) -> PhaseLag | None:
+def phase_lag(known: _Known) -> PhaseLag | None:
+    """None where neither an angle nor a time stands out, or tests and sensors do not agree on it: all within a third of
+    the mean; and where it is larger than a lag can be, such as of a force of the wrong sign, which is asked about."""
     if len({(condition.mode, condition.level) for condition, _ in known}) < 2:
         return None
     read = [one for _, one in known]

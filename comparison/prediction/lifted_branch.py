@@ -91,7 +91,4 @@ class _Rows:
         """What is solved with all effects, of relative displacements (..., n_relative, n_coefficients) of the whole
         model in the harmonics without the further ones"""
         own, wider = self.without.model.harmonics, self.there.model.harmonics
-        found = np.zeros((*x.shape[:-1], wider.n_coefficients))
-        for k in own.orders:
-            found[..., wider.slices[k]] = x[..., own.slices[k]]
-        return self.there.solved(found)
+        return self.there.solved(own.among(wider, x))

@@ -106,11 +106,7 @@ def _leaves_as_it_is(there: ModelAt, changed: RigModel, points: Sequence[BranchP
 
 def _same_forces(system: NonlinearSystem, changed: NonlinearSystem, x: Floats, w: float) -> bool:
     """x: (n_relative, n_coefficients) [m], without the harmonics that the changed system has beside"""
-    places = [(system.harmonics.slices[k], changed.harmonics.slices[k]) for k in system.harmonics.orders]
-    wider = np.zeros((len(x), changed.harmonics.n_coefficients))
-    for own, other in places:
-        wider[:, other] = x[:, own]
-    forces, difference = system.element_forces(x, w), changed.element_forces(wider, w)
-    for own, other in places:
-        difference[:, other] -= forces[:, own]
+    own, wider = system.harmonics, changed.harmonics
+    forces = system.element_forces(x, w)
+    difference = changed.element_forces(own.among(wider, x), w) - own.among(wider, forces)
     return bool(np.abs(difference).max() <= _NOTHING * np.abs(forces).max())
