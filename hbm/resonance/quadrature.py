@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import BarycentricInterpolator
 
 from updamp.hbm.continuation.response_curve import ResponseCurve
 
@@ -35,22 +36,43 @@ def quadrature_resonances(curve: ResponseCurve, point: str) -> list[QuadratureRe
     receptance = curve.receptance(point)
     real, found = receptance.real, []
     for i in np.flatnonzero((np.sign(real[1:]) * np.sign(real[:-1]) < 0) & ~curve.after_gap[1:]):
-        frequency, size = _at_quadrature(curve.frequency[i : i + 2], receptance[i : i + 2])
+        near = _one_by_one(receptance, curve.after_gap, int(i))
+        frequency, size = _at_quadrature(curve.frequency[near], receptance[near])
         nearest = np.abs(receptance[i : i + 2]).max()
         if all(_first_at_45_degrees(side) < nearest for side in (receptance[:i][::-1], receptance[i + 2 :])):
             found.append(QuadratureResonance(frequency, size, int(i)))
     return found
 
 
+def _one_by_one(receptance: Complex, after_gap: NDArray[np.bool_], i: int) -> NDArray[np.intp]:
+    """Points i and i + 1 on both sides of quadrature, and their other neighbours where the phase goes on the same way,
+    within 45 degrees of quadrature, without a gap."""
+    first, last = max(i - 1, 0), min(i + 3, len(receptance))
+    off = dict(zip(range(first, last), _off(receptance[first:last]).tolist(), strict=True))
+    way = np.sign(off[i + 1] - off[i])
+    near = [i, i + 1]
+    if i - 1 in off and not after_gap[i] and abs(off[i - 1]) < 1 and way * (off[i] - off[i - 1]) > 0:
+        near.insert(0, i - 1)
+    if i + 2 in off and not after_gap[i + 2] and abs(off[i + 2]) < 1 and way * (off[i + 2] - off[i + 1]) > 0:
+        near.append(i + 2)
+    return np.array(near)
+
+
 def _at_quadrature(frequency: Floats, receptance: Complex) -> tuple[float, float]:
-    """Frequency and size between two points, exact for a linear resonance of small damping: there the tangent of the
-    phase's distance from quadrature is linear in frequency, and the points lie on a circle through the origin, whose
-    diameter is the size.
+    """Frequency and size between the points, by polynomials through all of them, in the tangent of the phase's distance
+    from quadrature. Of a linear resonance of small damping that tangent is linear in frequency, and all points lie on
+    one circle through the origin, whose diameter is the size: exact with two points. Friction's loss changes along the
+    curve, and the diameter with it.
     """
-    slope, diameter = receptance.real / receptance.imag, np.abs(receptance) ** 2 / np.abs(receptance.imag)
-    share = slope[0] / (slope[0] - slope[1])
-    at, size = (float(pair[0] + share * (pair[1] - pair[0])) for pair in (frequency, diameter))
-    return at, size
+    diameter = np.abs(receptance) ** 2 / np.abs(receptance.imag)
+    through = BarycentricInterpolator(_off(receptance), np.stack([frequency, diameter], axis=1))
+    at, size = through(0.0)
+    return float(at), float(size)
+
+
+def _off(receptance: Complex) -> Floats:
+    """Tangent of the phase's distance from quadrature"""
+    return receptance.real / np.where(receptance.imag == 0, np.finfo(float).tiny, receptance.imag)
 
 
 def _first_at_45_degrees(side: Complex) -> float:

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 from support.peers import one_degree_of_freedom, solved
 
 from updamp.hbm.contact.springs import CubicParameters, CubicSpring
@@ -62,3 +63,18 @@ def test_where_the_branch_was_not_followed_there_is_none(duffing):
     gap = np.zeros(len(duffing), dtype=bool)
     gap[found.place + 1] = True
     assert quadrature_resonances(replace(duffing, after_gap=gap), "mass") == []
+
+
+def test_loss_that_grows_along_the_curve_is_read_off_four_points(duffing):
+    """As friction's: 0.01 of the stiffness at rest and as much again at an amplitude of 50. Points at -28, -8, 7 and 25
+    degrees; a circle through two of them is 0.3 % too large."""
+    off = np.radians([-60.0, -28.0, -8.0, 7.0, 25.0, 60.0])
+
+    def amplitude(phase):
+        return brentq(lambda a: a * 0.01 * (1 + a / 50) - np.cos(phase), 1, 200)
+
+    sizes = np.array([amplitude(phase) for phase in off])
+    receptance = sizes * np.exp(-1j * (np.pi / 2 + off))
+    (found,) = quadrature_resonances(with_response(duffing, np.sqrt(1 - np.sin(off) / sizes), receptance), "mass")
+    assert found.receptance == pytest.approx(amplitude(0.0), rel=5e-4)
+    assert found.frequency == pytest.approx(1.0, abs=1e-5)
