@@ -44,9 +44,9 @@ def curve_error(curve: ResponseCurve, finer: ResponseCurve, point: str) -> Curve
     if not len(curve) or not len(finer):
         raise ValueError("a curve without points has no error: trace it first")
     (at, peak), (finer_at, finer_peak) = curve.peak(point), finer.peak(point)
-    sizes = [np.abs(one.receptance(point)) for one in (curve, finer)]
-    widths = [half_width(one.frequency, size) for one, size in zip((curve, finer), sizes, strict=True)]
-    flank = np.flatnonzero((np.abs(curve.frequency - at) > widths[0]) & (sizes[0] > FLANK_DOWN_TO * peak))
+    size = np.abs(curve.receptance(point))
+    widths = [_half_width(one, point) for one in (curve, finer)]
+    flank = np.flatnonzero((np.abs(curve.frequency - at) > widths[0]) & (size > FLANK_DOWN_TO * peak))
     apart = distances(curve, finer, point, widths[0], flank)
     return CurveError(
         orders=finer.orders,
@@ -56,6 +56,13 @@ def curve_error(curve: ResponseCurve, finer: ResponseCurve, point: str) -> Curve
         flank_percent=100 * float(apart.max()) if len(apart) else np.nan,
         complete=finer.complete,
     )
+
+
+def _half_width(curve: ResponseCurve, point: str) -> float:
+    """[Hz], between the points on smooth lines: straight ones make as much of a change of the points as of the finer
+    model's."""
+    near = smooth_branch(curve, point)
+    return half_width(near.frequency, np.abs(near.receptance), curve.peak(point)) if len(near.frequency) else np.nan
 
 
 def distances(

@@ -94,20 +94,22 @@ def _left(end: float, window: tuple[float, float]) -> str:
     )
 
 
-def half_width(frequency: Floats, size: Floats) -> float:
+def half_width(frequency: Floats, size: Floats, peak: tuple[float, float] | None = None) -> float:
     """Half of the width at the height of 1 / sqrt(2) about the largest value [Hz]; along the branch, so that a
     peak that overhangs has the width of its wider side. Infinite where neither side comes down to that height.
 
+    peak: frequency and size of the largest value, where it is known between the points
     Between the points on both sides of that height the branch is taken as straight.
     """
     top = int(np.argmax(size))
-    level = size[top] / np.sqrt(2)
+    at, highest = (frequency[top], size[top]) if peak is None else peak
+    level = highest / np.sqrt(2)
     below = np.flatnonzero(size < level)
     outside = np.array([*below[below < top][-1:], *below[below > top][:1]], dtype=int)
     inside = outside + np.sign(top - outside)
     share = (level - size[outside]) / (size[inside] - size[outside])
     crossed = frequency[outside] + share * (frequency[inside] - frequency[outside])
-    return float(np.abs(crossed - frequency[top]).max()) if len(crossed) else np.inf
+    return float(np.abs(crossed - at).max()) if len(crossed) else np.inf
 
 
 def relative_change(before: Complex, after: Complex) -> float:

@@ -75,3 +75,15 @@ def test_a_curve_without_points_has_none():
     empty = replace(curve, frequency=np.zeros(0))
     with pytest.raises(ValueError, match="without points"):
         curve_error(curve, empty, "tip")
+
+
+def test_the_width_does_not_hang_on_where_a_curve_has_its_points():
+    """Ten points to a half-width, as a continuation has them at least, and the same moved by half a step."""
+    whole = linear_curve(100.0, LOSS)
+    traced = [
+        replace(
+            whole, frequency=whole.frequency[places], response=whole.response[places], after_gap=whole.after_gap[places]
+        )
+        for places in (slice(0, None, 2), slice(1, None, 2))
+    ]
+    assert abs(curve_error(*traced, "tip").half_width_percent) < 0.01
