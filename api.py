@@ -124,7 +124,8 @@ def resonance(
 ) -> Resonance:
     """The resonance of one mode against force (backbone), without the response curves around it.
 
-    window: as for `response_curve`; the stuck structure's resonance has to lie in it
+    window: as for `response_curve`; the stuck structure's resonance has to lie in it, and of several the one that
+        responds most is followed; of a mode that the rig file states, its own
     forces: amplitudes [N], all rising or all falling, or a single one; point: as for `response_curve`
     condition: what is meant by resonance: `MaximumResonance()`, the default, or `PhaseResonance(target)` [rad]
     returns: the resonance; where it could not be followed to the last force, `stopped` says why
@@ -133,9 +134,11 @@ def resonance(
     name, frequencies = _window(model, window)
     (observed,) = _points(model, point)
     wanted = (_force(forces),) if np.ndim(forces) == 0 else tuple(map(_force, np.asarray(forces)))
+    stated = model.rig.modes[name].frequency if isinstance(model.rig, ModalRig) and name in model.rig.modes else None
     request = ResonanceRequest(
-        name, model.parts.excitation, observed, frequencies, wanted, condition or MaximumResonance(), options
-    )
+        name, model.parts.excitation, observed, frequencies, wanted, condition or MaximumResonance(), options,
+        mode_frequency=stated,
+    )  # fmt: skip
     return Resonance(whole_resonance(model.system, request))
 
 

@@ -12,6 +12,7 @@ from updamp.measurement.measurement import (
     DRIFT,
     FREQUENCY_ERROR,
     GAIN,
+    LEVEL,
     Channel,
     Feature,
     MeasuredRun,
@@ -119,6 +120,7 @@ def _with_runs(path: Path, file: MeasurementFile, files: _Files) -> Measurement:
         questions=tuple(questions),
         drift=file.frequency_drift or DRIFT,
         gain=file.gain_error or GAIN,
+        level=file.level_error or LEVEL,
         frequency_error=file.frequency_error or FREQUENCY_ERROR,
         units=_own_units(file),
     )

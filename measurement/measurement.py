@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
-# Where nothing is stated: a steel beam detunes by 1e-4 with half a kelvin; a calibrated sensor is good to a per cent.
-DRIFT, GAIN = 1e-4, 0.01
+# Where nothing is stated: a steel beam detunes by 1e-4 with half a kelvin; a calibrated sensor is good to a per cent;
+# it and a force's control repeat to a thousandth.
+DRIFT, GAIN, LEVEL = 1e-4, 0.01, 1e-3
 # Relative standard deviation of a single frequency as a generator sets it.
 FREQUENCY_ERROR = 2e-6
 
@@ -112,6 +113,7 @@ class Measurement:
     repeatability: relative standard deviation of a response from test to test as stated, 0 where the repeats tell
     questions: what is hardly meant as it is stated, found when it was held against a model; `stated` has them first
     drift: relative standard deviation of the resonance from run to run of one assembly; gain: of a sensor's gain
+    level: of the amplitudes of a whole run from run to run of one assembly
     frequency_error: relative standard deviation of a single frequency
     units: those that responses and force are in where a channel is not calibrated, such as ("V", "N")
     """
@@ -128,6 +130,7 @@ class Measurement:
     questions: tuple[str, ...] = ()
     drift: float = DRIFT
     gain: float = GAIN
+    level: float = LEVEL
     frequency_error: float = FREQUENCY_ERROR
     units: tuple[str, str] = ("m", "N")
 

@@ -32,6 +32,8 @@ class MeasurementFile(InputTable):
     frequency_error: relative standard deviation of a single frequency where a generator's clock is not all: of points
     read off a figure, of a sweep in steps where it jumps
     gain_error: that of a sensor's gain, as on its data sheet
+    level_error: that of the amplitudes of a whole run, from run to run of one assembly: of the force's control and
+    gauge, of a laser that is aligned anew
     """
 
     title: Annotated[Text, Field(examples=["Double-beam rig, damper 3, May 2024"])]
@@ -44,6 +46,7 @@ class MeasurementFile(InputTable):
     frequency_drift: Annotated[float, Field(strict=True, gt=0, lt=0.1, examples=[1e-4])] | None = None
     frequency_error: Annotated[float, Field(strict=True, gt=0, lt=0.1, examples=[3.6e-4])] | None = None
     gain_error: Annotated[float, Field(strict=True, gt=0, lt=1, examples=[0.01])] | None = None
+    level_error: Annotated[float, Field(strict=True, gt=0, lt=1, examples=[0.001])] | None = None
     channels: Annotated[Mapping[str, ChannelTable], Field(min_length=1)]
     runs: Annotated[
         tuple[RunTable, ...], BeforeValidator(_listed_once), Field(examples=[[{"name": "OOP 17 N", "mode": "OOP"}]])

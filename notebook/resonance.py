@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from updamp.pictures.style import NotebookFigure
 
 MM = 1e3  # m to mm
+_TURNS = 4  # turns that are told
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -65,6 +66,12 @@ class Resonance:
         """Why it ended early, with what to try; "" where it did not."""
         return self.data.stopped
 
+    @property
+    def turned(self) -> NDArray[np.float64]:
+        """(n,) forces near which it turned back in force on its way [N]. Where two resonances come near each other one
+        may turn into the other: what was met after a turn need not be the resonance that it began as."""
+        return self.data.force[np.flatnonzero(self.data.turning)]
+
     def plot(self) -> "NotebookFigure":
         """Frequency and receptance [mm/N] at resonance over force. Shows itself in a notebook; in a script save it:
         resonance.plot().savefig("resonance.png")
@@ -75,6 +82,9 @@ class Resonance:
 
     def __repr__(self) -> str:
         how = "complete" if self.complete else f"stopped: {self.stopped}"
+        if len(self.turned):
+            at = ", ".join(f"{force:.4g}" for force in self.turned[:_TURNS])
+            how += f"; turned back in force near {at} N: what follows may be another resonance"
         ends = " to ".join(f"{self.frequency[i]:.2f} Hz at {self.force[i]:g} N" for i in (0, -1) if len(self))
         return f"<Resonance {self.data.mode} at {self.data.point}: {ends or 'no point'}, {how}>"
 

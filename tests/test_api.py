@@ -161,6 +161,37 @@ def test_a_mode_of_a_modal_rig_has_a_window_of_its_own(beam: api.Model) -> None:
     assert downwards.frequency[0] == pytest.approx(1.05 * 80.38)
 
 
+CLOSE = """
+kind = "modal"
+name = "twins"
+excitation = "frame.a.x"
+[modes.one]
+frequency = "100 Hz"
+damping_ratio = 0.002
+modal_mass = "1 kg"
+shape = { "frame.a.x" = 1.0 }
+[modes.two]
+frequency = "102 Hz"
+damping_ratio = 0.002
+modal_mass = "1 kg"
+shape = { "frame.a.x" = 0.8 }
+"""
+
+
+def test_of_two_close_modes_each_is_followed_by_its_name(tmp_path: Path) -> None:
+    """The window of each holds both, and the first responds more: it was followed under either name."""
+    (tmp_path / "twins.toml").write_text(CLOSE, encoding="utf-8")
+    model = api.build_model(tmp_path / "twins.toml")
+    w = 2 * np.pi * np.linspace(99.0, 103.0, 80001)
+    modes = [p**2 / (w0**2 - w**2 + 0.004j * w0 * w) for w0, p in ((200 * np.pi, 1.0), (204 * np.pi, 0.8))]
+    size = np.abs(modes[0] + modes[1])
+    tops = 1 + np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] > size[2:]))
+    found = [api.resonance(model, name, (0.01, 1.0)) for name in ("one", "two")]
+    assert [one.frequency[-1] for one in found] == pytest.approx(w[tops] / (2 * np.pi), abs=2e-4)
+    assert [abs(one.receptance[-1]) for one in found] == pytest.approx(size[tops], rel=1e-6)
+    assert not any("turned" in repr(one) for one in found)
+
+
 def test_a_resonance_is_the_top_of_the_curve(beam: api.Model, curve: api.Curve) -> None:
     many, one = api.resonance(beam, (78.0, 83.0), (0.1, 1.0)), api.resonance(beam, (78.0, 83.0), 1.0)
     at, top = curve.peak()

@@ -48,10 +48,10 @@ def linear_findings(
 
     branches: calibrated, one a condition; measured, model: as for `gross_misfits`
     """
-    if lack_of_fit(fit, plan) >= RISK:
-        return findings(fit, plan, first_order)
     if whole_runs := whole_run_findings(fit, plan):
         return whole_runs
+    if lack_of_fit(fit, plan) >= RISK:
+        return findings(fit, plan, first_order)
     gains = [m for m in first_order if m.direction == Amplitude()]
     more = several_peaks(fit, plan, branches)
     unlike = {one.test for one in more}

@@ -222,6 +222,7 @@ def _scatter(
     noise = scatter.noise * np.mean([reading_noise(o, sensors) for o in runs], axis=0)
     rough = swept.branch.rough_at(swept.places(sensors))
     jagged = np.append(rough[:, 0], rough[np.arange(s), 1 + 2 * np.array(sensors)])
-    own = (together * scatter.drift**2 + np.diag(noise**2)) / len(runs)
+    levels = np.outer(1 - frequencies, 1 - frequencies) * scatter.level**2
+    own = (together * scatter.drift**2 + levels + np.diag(noise**2)) / len(runs)
     own += together * (PLACED * half_width) ** 2 + np.diag(jagged**2)
     return np.concatenate([of_parameters, gains]), by_parameter, own

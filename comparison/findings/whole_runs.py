@@ -7,12 +7,12 @@ generalised least squares, as the other misfits are (`findings.py`).
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
-from scipy.stats import norm
+from scipy.stats import median_abs_deviation, norm
 
 from updamp.comparison.comparison import Finding
 from updamp.comparison.findings.direction import Direction, Sensor
@@ -20,11 +20,16 @@ from updamp.comparison.findings.findings import equations_with
 from updamp.comparison.findings.kinds import OF_MODES, Amplitude, SensorGain
 from updamp.comparison.findings.unlike_repeats import FEWEST
 from updamp.comparison.findings.words import FAR_LESS, in_percent, level_of
+from updamp.comparison.fit.compared import reweighed
 from updamp.comparison.fit.failing_model import RISK
 from updamp.comparison.fit.fit import Fit
+from updamp.comparison.fit.lack_of_fit import lack_of_fit
 from updamp.comparison.fit.matching import Matched
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.prediction.run_condition import RunCondition
+
+# Deviation of the level of a run where there is none.
+_NONE = 1e-9
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -37,6 +42,9 @@ def whole_run_findings(fit: Fit, plan: Plan) -> tuple[Finding, ...]:
     modes = [condition.mode for condition in plan.conditions]
     tests = [i for i, mode in enumerate(modes) if modes.count(mode) > 1]
     if not tests:
+        return ()
+    of_most, fit = _of_most_runs(fit, plan), _with_levels_told(fit, plan)
+    if lack_of_fit(fit, plan) >= RISK:
         return ()
     runs = [(o.test, o.repeat) for o in plan.observations if o.test in tests]
     factors = [_Factor(*run, sensor=sensor) for run in runs for sensor in plan.conditions[run[0]].sensors]
@@ -52,13 +60,29 @@ def whole_run_findings(fit: Fit, plan: Plan) -> tuple[Finding, ...]:
     against = np.zeros((len(factors), len(factors)))
     for places in alike.values():
         against[places] = _against_the_middle(places, estimate)
-    off, of_off = against @ estimate, against @ covariance @ against.T
+    same_run = np.array(
+        [[(one.test, one.repeat) == (other.test, other.repeat) for other in factors] for one in factors]
+    )
+    off, of_off = against @ estimate, against @ (covariance + of_most**2 * same_run) @ against.T
     found: list[Finding] = []
     for test in tests:
         own = [i for i, one in enumerate(factors) if one.test == test]
         of_test = _Test(plan, test, [factors[i] for i in own], off[own], of_off[np.ix_(own, own)], len(factors))
         found += of_test.sentences()
     return tuple(sorted(found, key=lambda f: -abs(f.significance)))
+
+
+def _of_most_runs(fit: Fit, plan: Plan) -> float:
+    """Deviation of the levels of runs as those of most of them have it, and at least as stated: one run that is unlike
+    all others makes the deviation of all so large that it is one of its draws."""
+    levels = [level for offsets in fit.compared.offsets.values() for level in offsets.level.values()]
+    return min(fit.compared.scatter.level, max(plan.level, float(median_abs_deviation(levels, scale="normal"))))
+
+
+def _with_levels_told(fit: Fit, plan: Plan) -> Fit:
+    """The fit as if all runs of an assembly had one level: what they differ by is then a misfit."""
+    without = replace(fit.compared.scatter, level=_NONE)
+    return replace(fit, compared=reweighed(fit.parametrisation, plan, fit.compared, without))
 
 
 @dataclass(frozen=True)

@@ -215,7 +215,7 @@ class _Given:
         """With its best offsets; start: to begin with; widths: as `_with_best_offsets`"""
         runs = [o for o in self.plan.observations if o.repeat == repeat]
         n = len(self.parametrisation.nuisances)
-        known = start or Offsets(np.zeros(n), {}, {})
+        known = start or Offsets(np.zeros(n), {}, {}, {})
 
         def assembled(b: Floats | None, width: Floats) -> _OfRepeat:
             return self._assembled(runs, known if b is None else split(b, runs, self._sensors(runs), n), width)

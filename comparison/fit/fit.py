@@ -25,6 +25,7 @@ from updamp.comparison.fit.fit_round import compared_at_start, one_round, prior_
 from updamp.comparison.fit.observations import Plan
 from updamp.comparison.fit.scatter import Scatter, learn
 from updamp.comparison.fit.size_of_numerics import beside_noise
+from updamp.comparison.fit.unsure_scatter import widening
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
@@ -89,9 +90,11 @@ class Fit:
     def covariance_told(self) -> Floats:
         """(p, p) of u, of which intervals are made: with what finer numerics change among the unknowns, each as large
         as it is unsure, and that much counting as what the model lacks too, which neighbouring points have in common.
-        A thousand points would tell such a change from the parameters by details that are no surer than its shape."""
-        least = inflation(1 + self.numerics_beside_noise, 1, self.compared.as_many)
-        return covariance_of(self.parametrisation, self.compared, least=least)
+        A thousand points would tell such a change from the parameters by details that are no surer than its shape.
+        Wider where few assemblies tell by how much one differs from the next."""
+        p, c = self.parametrisation, self.compared
+        least = inflation(1 + self.numerics_beside_noise, 1, c.as_many)
+        return covariance_of(p, c, least=least) + widening(c.assemblies, c.scatter, p.deviation)
 
     @property
     def numerics_beside_noise(self) -> float:

@@ -35,7 +35,8 @@ def prior_scatter(parametrisation: Parametrisation, plan: Plan) -> Scatter:
     """As stated, before repeats have been looked at. The only assembly is what the parameters are fitted to: its
     offsets from others cannot be separated from them."""
     share = 1.0 if len(plan.repeats) > 1 else _ALONE
-    return Scatter({n.name: share * n.scatter for n in parametrisation.nuisances}, plan.drift, plan.gain)
+    sizes = {n.name: share * n.scatter for n in parametrisation.nuisances}
+    return Scatter(sizes, plan.drift, plan.gain, plan.level)
 
 
 def compared_at_start(

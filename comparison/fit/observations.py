@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from updamp.comparison.fit.failing_model import as_many, as_one
 from updamp.comparison.fit.roughness import freedom, roughness, shrunk
 from updamp.comparison.prediction.run_condition import DERIVATIVES, HeldResponse, RunCondition
-from updamp.measurement.measurement import DRIFT, GAIN, MeasuredRun, Measurement, MeasurementError
+from updamp.measurement.measurement import DRIFT, GAIN, LEVEL, MeasuredRun, Measurement, MeasurementError
 
 Floats = NDArray[np.float64]
 
@@ -59,7 +59,7 @@ class Observations:
 @dataclass(frozen=True, eq=False)
 class Plan:
     """conditions: the tests; observations: all runs and repeats of them
-    drift, gain: relative standard deviations as stated (`Measurement`), before repeats have been looked at
+    drift, gain, level: relative standard deviations as stated (`Measurement`), before repeats have been looked at
     repeatability: as stated, 0 where repeats tell; the observations' noise is no less
     lacks_nothing: whether the model that is compared is taken to
     noise_read: whether the sensors' noise was read off how rough the runs are, and is no better known than that
@@ -72,6 +72,7 @@ class Plan:
     observations: tuple[Observations, ...]
     drift: float = DRIFT
     gain: float = GAIN
+    level: float = LEVEL
     repeatability: float = 0.0
     lacks_nothing: bool = False
     noise_read: bool = False
@@ -170,7 +171,7 @@ def plan_of(measurement: Measurement) -> Plan:
     if len({c.unit for c in conditions}) > 1:  # forces are the one thing that all of them have
         conditions = [replace(c, held=None, unit=measurement.units[1]) for c in conditions]
     conditions = [replace(c, noise=tuple(noise_of(observations, test).tolist())) for test, c in enumerate(conditions)]
-    stated = measurement.drift, measurement.gain, measurement.repeatability
+    stated = measurement.drift, measurement.gain, measurement.level, measurement.repeatability
     return Plan(tuple(conditions), tuple(observations), *stated, noise_read=noise_read)
 
 

@@ -43,8 +43,8 @@ def scatter_of_repeats(fitted: Fit, plan: Plan) -> tuple[Scatter, float]:
     freed = _independent(freed)
     # what is rough about a large misfit is no scatter either
     sizes = {n.name: n.scatter for n in p.nuisances}
-    prior = Scatter(sizes, plan.drift, plan.gain, max(1.0, _roughness(freed)))
-    learnt = learn(freed, prior)
+    prior = Scatter(sizes, plan.drift, plan.gain, plan.level, max(1.0, _roughness(freed)))
+    learnt = learn(freed, prior, furthest=np.inf)
     return replace(learnt, noise=1.0), learnt.noise
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
-from scipy.optimize import minimize
+from scipy.optimize import Bounds, minimize
 
 from updamp.comparison.fit.matching import Matched
 from updamp.comparison.fit.observations import Observations
@@ -19,10 +19,12 @@ from updamp.measurement import measurement
 
 Floats = NDArray[np.float64]
 
-DRIFT, GAIN, NOISE = "frequency drift", "sensor gain", "sensor noise"
-# Standard deviations of the logarithms of what is stated.
-_UNSURE, _UNSURE_NOISE = 0.5, 0.3
-# No further from the guess than this many deviations: what would need more is a misfit, and no scatter.
+DRIFT, LEVEL, GAIN, NOISE = "frequency drift", "level of a run", "sensor gain", "sensor noise"
+# Standard deviations of the logarithms: of what is stated of the instruments; of what calibrated parameters are assumed
+# to scatter by, an engineer's reading before a rig has been put together twice; of the sensors' noise.
+_UNSURE, _UNSURE_PARAMETER, _UNSURE_NOISE = 0.5, 1.0, 0.3
+# No further from the guess than this many deviations while a fit is under way: what would need more is a misfit, and no
+# scatter. Where a misfit is left out of it beforehand only the noise is held so.
 _FURTHEST = 2.0
 # Times the stated noise that can be learnt.
 MOST_NOISE = float(np.exp(_FURTHEST * _UNSURE_NOISE))
@@ -31,15 +33,17 @@ MOST_NOISE = float(np.exp(_FURTHEST * _UNSURE_NOISE))
 @dataclass(frozen=True)
 class Scatter:
     """Standard deviations: of each nuisance parameter's logarithm from assembly to assembly, of the logarithm of a
-    run's frequency, of that of a sensor's gain; noise: factor on the sensors' stated noise"""
+    run's frequency, of that of a sensor's gain, of that of all amplitudes of a run; noise: factor on the sensors'
+    stated noise"""
 
     parameters: Mapping[str, float]
     drift: float = measurement.DRIFT
     gain: float = measurement.GAIN
+    level: float = measurement.LEVEL
     noise: float = 1.0
 
     def as_numbers(self) -> dict[str, float]:
-        return {**self.parameters, DRIFT: self.drift, GAIN: self.gain, NOISE: self.noise}
+        return {**self.parameters, DRIFT: self.drift, GAIN: self.gain, LEVEL: self.level, NOISE: self.noise}
 
     def inflated(self, factor: float) -> "Scatter":
         """With so many times the noise."""
@@ -47,8 +51,8 @@ class Scatter:
 
     @staticmethod
     def of(numbers: Mapping[str, float]) -> "Scatter":
-        rest = {name: value for name, value in numbers.items() if name not in (DRIFT, GAIN, NOISE)}
-        return Scatter(rest, numbers[DRIFT], numbers[GAIN], numbers[NOISE])
+        rest = {name: value for name, value in numbers.items() if name not in (DRIFT, GAIN, LEVEL, NOISE)}
+        return Scatter(rest, numbers[DRIFT], numbers[GAIN], numbers[LEVEL], numbers[NOISE])
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,17 +78,18 @@ class Assembly:
 
 @dataclass(frozen=True, eq=False)
 class Offsets:
-    """One assembly's: parameters (p_nuisance,), drift of each run and gain of each sensor, by name."""
+    """One assembly's: parameters (p_nuisance,), drift and level of each run and gain of each sensor, by name."""
 
     parameters: Floats
     drift: Mapping[str, float]
+    level: Mapping[str, float]
     gain: Mapping[tuple[str, int], float]
 
     def correction(self, run: str, sensors: Sequence[tuple[str, int]]) -> Floats:
         """(m,) of the observations of one run"""
         correction = np.zeros(1 + 2 * len(sensors))
         correction[0] = self.drift.get(run, 0.0)
-        correction[1::2] = [self.gain.get(sensor, 0.0) for sensor in sensors]
+        correction[1::2] = [self.level.get(run, 0.0) + self.gain.get(sensor, 0.0) for sensor in sensors]
         return correction
 
 
@@ -98,47 +103,60 @@ def assembly(
     """The equations of one repeat from its matched runs; sensors: of each run's condition."""
     runs = [m.observations.run for m in matched]
     gains = list(dict.fromkeys(sensor for of_run in sensors for sensor in of_run))
-    kinds = (*nuisances, *(DRIFT for _ in runs), *(GAIN for _ in gains))
+    n, count = len(nuisances), len(runs)
+    kinds = (*nuisances, *(DRIFT for _ in runs), *(LEVEL for _ in runs), *(GAIN for _ in gains))
     b = np.concatenate(
         [
             offsets.parameters,
             [offsets.drift.get(run, 0.0) for run in runs],
+            [offsets.level.get(run, 0.0) for run in runs],
             [offsets.gain.get(sensor, 0.0) for sensor in gains],
         ]
     )
     blocks, residual, common = [], [], []
     for i, (m, of_run) in enumerate(zip(matched, sensors, strict=True)):
-        n = m.residual.size
-        block = np.zeros((n, len(kinds)))
-        block[:, : len(nuisances)] = m.by_parameter.reshape(n, -1)[:, : len(nuisances)]
-        block[:, len(nuisances) + i] = m.by_observation[:, :, 0].ravel()
+        size = m.residual.size
+        block = np.zeros((size, len(kinds)))
+        block[:, :n] = m.by_parameter.reshape(size, -1)[:, :n]
+        block[:, n + i] = m.by_observation[:, :, 0].ravel()
+        block[:, n + count + i] = m.by_observation[:, :, 1::2].sum(axis=2).ravel()
         for j, sensor in enumerate(of_run):
-            place = len(nuisances) + len(runs) + gains.index(sensor)
-            block[:, place] = m.by_observation[:, :, 1 + 2 * j].ravel()
+            block[:, n + 2 * count + gains.index(sensor)] = m.by_observation[:, :, 1 + 2 * j].ravel()
         blocks.append(block)
         residual.append(m.residual.ravel() + block @ b)
-        common.append(m.by_parameter.reshape(n, -1))
+        common.append(m.by_parameter.reshape(size, -1))
     return Assembly(repeat, np.concatenate(residual), np.concatenate(common), np.concatenate(blocks), kinds, b)
 
 
 def split(b: Floats, runs: Sequence[Observations], sensors: Sequence[Sequence[tuple[str, int]]], n: int) -> Offsets:
     """The offsets of one assembly from their vector; runs: its own; n: nuisance parameters."""
     gains = list(dict.fromkeys(sensor for of_run in sensors for sensor in of_run))
-    drift = dict(zip((o.run for o in runs), b[n : n + len(runs)].tolist(), strict=True))
-    return Offsets(b[:n], drift, dict(zip(gains, b[n + len(runs) :].tolist(), strict=True)))
+    parameters, drift, level, gain = np.split(b, n + len(runs) * np.arange(3))
+
+    def of_runs(values: Floats) -> dict[str, float]:
+        return dict(zip((o.run for o in runs), values.tolist(), strict=True))
+
+    return Offsets(parameters, of_runs(drift), of_runs(level), dict(zip(gains, gain.tolist(), strict=True)))
 
 
-def learn(assemblies: Sequence[Assembly], prior: Scatter) -> Scatter:
+def how_unsure(name: str) -> float:
+    """Standard deviation of the logarithm of one size of the scatter, before the repeats are looked at."""
+    return {NOISE: _UNSURE_NOISE, DRIFT: _UNSURE, GAIN: _UNSURE, LEVEL: _UNSURE}.get(name, _UNSURE_PARAMETER)
+
+
+def learn(assemblies: Sequence[Assembly], prior: Scatter, furthest: float = _FURTHEST) -> Scatter:
     """The scatter that makes the differences between the repeats most likely, with each size lognormal about its prior.
 
     Restricted maximum likelihood (H. D. Patterson and R. Thompson, Biometrika 58 (1971) 545): the fitted parameters
     may be anything meanwhile, so that what all repeats have in common is no scatter. Of a single assembly the sensors'
     noise alone is learnt: what else differs from run to run there is what the model gets wrong.
+
+    furthest: deviations from the prior at most; the noise's is `MOST_NOISE` at most in any case
     """
     stated = prior.as_numbers()
     names = list(stated) if len(assemblies) > 1 else [NOISE]
     start = np.log([stated[name] for name in names])
-    sizes = np.array([_UNSURE_NOISE if name == NOISE else _UNSURE for name in names])
+    sizes = np.array([how_unsure(name) for name in names])
     products = [_Products.of(a) for a in assemblies]
 
     def unlikely(z: Floats) -> float:
@@ -152,7 +170,8 @@ def learn(assemblies: Sequence[Assembly], prior: Scatter) -> Scatter:
         free = (vectors[:, informed].T @ right) ** 2 / values[informed]
         return float(z @ z + chi2 - free.sum() + log_determinant + np.log(values[informed]).sum())
 
-    found = minimize(unlikely, np.zeros(len(names)), method="L-BFGS-B", bounds=[(-_FURTHEST, _FURTHEST)] * len(names))
+    most = np.array([_FURTHEST if name == NOISE else furthest for name in names])
+    found = minimize(unlikely, np.zeros(len(names)), method="L-BFGS-B", bounds=Bounds(-most, most))
     return Scatter.of({**stated, **dict(zip(names, np.exp(start + sizes * found.x).tolist(), strict=True))})
 
 

@@ -107,13 +107,14 @@ def _scatter(local: "_Local", slopes: Floats, scale: Floats, model: PredictedRun
     """(n, k) U, one assembly's"""
     sizes = [model.scatter.parameters.get(name, 0.0) for name in model.nuisances]
     n, m = local.state.shape
-    drift, gains = np.zeros((n, 1, m)), np.zeros((n, scale.shape[1], m))
-    drift[:, 0, 0] = model.scatter.drift
+    of_run, gains = np.zeros((n, 2, m)), np.zeros((n, scale.shape[1], m))
+    of_run[:, 0, 0] = model.scatter.drift
     for j in range(scale.shape[1]):
         columns = slice(1 + 2 * j, 3 + 2 * j)
         gains[:, j, columns] = model.scatter.gain * local.state[:, columns] / scale[:, j, None]
     parameters = slopes[:, : len(sizes)] * np.array(sizes)[:, None]
-    return project(np.concatenate([parameters, drift, gains], axis=1))
+    of_run[:, 1] = gains.sum(axis=1) * model.scatter.level / model.scatter.gain
+    return project(np.concatenate([parameters, of_run, gains], axis=1))
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,10 +21,10 @@ def linear_peak(
     problem: ResonanceProblem, window: tuple[float, float], log_force: float, mode_frequency: float | None = None
 ) -> ResonanceState:
     """The linear response at its resonance in `window` [Hz]. Contacts that are open at rest stay so at small forces.
-    Where the largest response around the mode is another mode's, beyond the window, a maximum of its own inside it is
-    taken, if it has one.
+    Of several maxima around the mode, as of two that overlap, one inside the window is taken, if there is one.
 
-    mode_frequency: [Hz], the mode next to it is taken; by default the one that responds most
+    mode_frequency: [Hz], the mode next to it is taken, at the maximum next to that; by default the one that responds
+        most, at the largest
     raises: ValueError where no mode that is driven and seen lies in the window, the mode is not damped, or damping is
         not symmetric
     """
@@ -45,11 +45,14 @@ def linear_peak(
     middle = 2 * np.pi * float(modes.frequencies[mode])
     width = middle * max(modes.loss_factor(mode), 1e-6)  # between the half-power points
     bounds = (middle - 2 * width, middle + 2 * width)
-    w = _largest(size, bounds, middle)
     low, high = (2 * np.pi * float(end) for end in window)
-    if not low <= w <= high:
-        own = _maximum_inside(size, (max(bounds[0], low), min(bounds[1], high)), width / _A_WIDTH, middle)
-        w = w if own is None else own
+    tops = _maxima(size, (max(bounds[0], low), min(bounds[1], high)), width / _A_WIDTH, middle)
+    if not tops:
+        w = _largest(size, bounds, middle)
+    elif mode_frequency is None:
+        w = max(tops, key=size)
+    else:
+        w = min(tops, key=lambda top: abs(top - middle))
     at_peak = response(w)
     z = np.zeros((n, system.harmonics.n_coefficients))
     system.harmonics.set_amplitude(z, 1, at_peak[:n])
@@ -61,18 +64,13 @@ def _largest(size: Callable[[float], float], bounds: tuple[float, float], middle
     return float(minimize_scalar(lambda w: -size(w), bounds=bounds, options={"xatol": 1e-9 * middle}).x)
 
 
-def _maximum_inside(
-    size: Callable[[float], float], bounds: tuple[float, float], apart: float, middle: float
-) -> float | None:
-    """The largest between two smaller ones, its place refined; None where it only rises or falls towards an end. All
-    of them [rad/s]."""
+def _maxima(size: Callable[[float], float], bounds: tuple[float, float], apart: float, middle: float) -> list[float]:
+    """All between two smaller ones, their places refined; none where it only rises or falls towards an end. All of them
+    [rad/s]."""
     places = np.linspace(*bounds, max(3, 1 + int(np.ceil((bounds[1] - bounds[0]) / apart))))
     sizes = np.array([size(float(w)) for w in places])
     tops = 1 + np.flatnonzero((sizes[1:-1] > sizes[:-2]) & (sizes[1:-1] >= sizes[2:]))
-    if not len(tops):
-        return None
-    top = int(tops[np.argmax(sizes[tops])])
-    return _largest(size, (float(places[top - 1]), float(places[top + 1])), middle)
+    return [_largest(size, (float(places[top - 1]), float(places[top + 1])), middle) for top in tops]
 
 
 def _refuse_gyroscopic(free: LinearModel) -> None:

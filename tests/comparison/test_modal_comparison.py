@@ -8,7 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.held_beam import MODE, held_beam, of_beam
+from support.two_modes import swept_levels, two_modes
 
+from updamp.comparison.compare import compare
 from updamp.comparison.comparison import COMPARISON_JSON, Comparison
 from updamp.measurement.load import load_measurement
 from updamp.measurement.measurement import Measurement
@@ -113,3 +115,17 @@ def test_a_linear_beam_is_calibrated_and_found_adequate() -> None:
     assert factor["loss_factor"] == pytest.approx(0.0045 / 0.0031, rel=0.03)
     assert factor["modal_mass"] == pytest.approx(1.0, rel=0.03)
     assert comparison.chi2_after / comparison.values < 1.25
+
+
+@pytest.mark.parametrize("apart", [0.003, 0.01])
+def test_assemblies_whose_resonances_lie_far_apart_agree_with_the_model(apart):
+    """By 15 and 50 times what is assumed: "the curves differ in shape", by 50 to 170 times the scatter. The truth is
+    the mean over many assemblies, as the model has it."""
+    measured = swept_levels((1.0, 1.0), (1.0, 1.0), (1.0, 1.0), repeats=3)
+    factors = np.exp(apart * np.array([-0.4, 1.3, -0.2]))
+    runs = tuple(replace(run, frequency=run.frequency * factors[run.repeat - 1]) for run in measured.runs)
+    found, *_ = compare(two_modes(), replace(measured, runs=runs))
+    assert found.findings == ()
+    stiffness = next(c for c in found.calibration if c.name == "modal_stiffness")
+    assert stiffness.lower < 1 < stiffness.upper
+    assert stiffness.upper - stiffness.lower < 12 * apart

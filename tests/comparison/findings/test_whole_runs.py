@@ -92,3 +92,13 @@ def test_one_sensor_of_one_repeat() -> None:
     (found,) = of_arm((1.0, 1.0), (1.0, 1.06), (1.0, 1.0), repeats=3, odd=3).findings
     assert (found.quantity, found.level, found.channel) == ("sensor", 2.0, TIP)
     assert f"first at 2 N, repeat 3: {TIP} reads" in found.text
+
+
+@pytest.mark.parametrize("repeats", [1, 3])
+def test_levels_that_scatter_by_a_third_of_a_per_cent_are_no_misfit(repeats: int) -> None:
+    """As a force's control and a laser that is aligned anew repeat: "the curves differ in shape"."""
+    measured = swept_levels((1.0, 1.0), (1.0, 1.0), (1.0, 1.0), repeats=repeats, odd=1)
+    factors = np.exp(0.003 * np.random.default_rng(7).standard_normal(len(measured.runs)))
+    found, *_ = compare(two_modes(), with_factors(measured, *factors))
+    assert found.findings == ()
+    assert found.adequate

@@ -82,8 +82,10 @@ def test_a_parameter_is_as_open_as_what_finer_numerics_change_is_unsure(gated):
     plan, p = gated
     found = fit(p, plan, np.zeros(len(p)), options=FitOptions(rounds=2))
     place = p.names.index("youngs_modulus")
-    alone = fit(parametrisation(), plan, np.zeros(4), options=FitOptions(rounds=2)).uncertainty[place]
-    assert alone < STIFFER / 10
+    alone = fit(parametrisation(), plan, np.zeros(4), options=FitOptions(rounds=2))
+    assert alone.deviations[place] < STIFFER / 10
+    # beside the scatter of three assemblies, which tell its size badly
+    assert alone.deviations[place] < alone.uncertainty[place] < UNSURE * STIFFER / 3
     assert found.uncertainty[place] == pytest.approx(UNSURE * STIFFER, rel=0.05)
     mode, share, _ = moved_frequencies(p.numerics, plan).split()
     assert (mode, float(share)) == ("first", pytest.approx(100 * STIFFER / 2, rel=0.15))

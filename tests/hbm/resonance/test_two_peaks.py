@@ -1,5 +1,7 @@
 """Two linear peaks close together: each can be followed by a window of its own."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -13,6 +15,7 @@ from updamp.hbm.resonance.conditions import MaximumResonance, PhaseResonance, Re
 from updamp.hbm.resonance.linear_peak import linear_peak
 from updamp.hbm.resonance.resonance import ResonanceProblem
 from updamp.hbm.resonance.resonance_curve import ResonanceRequest, whole_resonance
+from updamp.notebook.resonance import Resonance
 
 
 @pytest.fixture(scope="module")
@@ -66,3 +69,25 @@ def test_what_is_found_outside_the_window_is_told_as_such(absorber) -> None:
     assert "lies at 0.161096 Hz, outside the window from 0.165 to 0.25 Hz: widen the window" in curve.stopped
     assert "stalled" not in curve.stopped
     assert "samples" not in curve.stopped
+
+
+@pytest.mark.parametrize(("asked_for", "peak"), [(0.14, 0.143132), (0.17, 0.167498)])
+def test_of_two_that_overlap_the_one_that_is_asked_for_is_begun_at(absorber, asked_for, peak) -> None:
+    """In a window that holds both each was taken for the other."""
+    row = absorber.free.row("mass")
+    found = linear_peak(ResonanceProblem(absorber, row, row), (0.1, 0.3), 0.0, mode_frequency=asked_for)
+    assert found.w / (2 * np.pi) == pytest.approx(peak, rel=1e-5)
+
+
+def test_that_a_resonance_turned_back_in_force_is_told(absorber) -> None:
+    """Followed from the upper peak at a phase of its own it turns where both peaks come near each other, and from there
+    on the lower one is what is met: 0.206 Hz at 0.15 N, 0.178 Hz at 0.16 N."""
+    forces = (0.01, 0.13, 0.15, 0.16)
+    request = ResonanceRequest("1", "mass", "mass", (0.155, 0.3), forces, MaximumResonance())
+    whole = Resonance(whole_resonance(absorber, request))
+    before = Resonance(whole_resonance(absorber, replace(request, forces=forces[:3])))
+    assert len(before.turned) == 0
+    assert "turned" not in repr(before)
+    assert whole.frequency[-1] < whole.frequency[-2] - 0.02
+    assert np.all((whole.turned > 0.15) & (whole.turned < 0.16))
+    assert "turned back in force near 0.15" in repr(whole)
