@@ -39,12 +39,13 @@ from updamp.comparison.fit.calibration import Calibration
 from updamp.comparison.fit.compared import compare_at, predict_branches
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.gated_calibration import GatedCalibration, gated_calibration
+from updamp.comparison.fit.identified_shapes import with_shapes
 from updamp.comparison.fit.lack_of_fit import lack_of_fit
 from updamp.comparison.fit.numerical_gate import NumericalGate, finer_than
 from updamp.comparison.fit.observations import Plan, plan_of
 from updamp.comparison.fit.odd_readings import OddReading
 from updamp.comparison.fit.repeat_scatter import of_repeats
-from updamp.comparison.fit.scatter import Scatter
+from updamp.comparison.fit.scatter import NOISE, Scatter
 from updamp.comparison.fit.size_of_numerics import moved_frequencies
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.model_at import ModelAt
@@ -125,7 +126,7 @@ def calibrate(
 ) -> CalibrationResult:
     """As for `compare`, of a measurement with runs. Where all measured phases lag the model's by one angle or one time,
     together with that; where those of one sensor do, without them."""
-    plan = plan_of(measurement)
+    plan = with_shapes(plan_of(measurement), model, measurement.calibrated)
     plain = Parametrisation(model, nuisances(model), rig_effects=tuple(rig_effects))
     gate, everything = NumericalGate(plan, finer_than(model, finer or {}), branches_of), range(len(plan.conditions))
     first = gated_calibration(plain, gate, everything, None, progress)
@@ -181,7 +182,7 @@ def comparison_of(
         measured_backbones=of_tests,
         model_backbones=of_model,
         features=tuple(features),
-        scatter=fitted.compared.scatter.as_numbers(),
+        scatter=_scatter_of(fitted),
         chi2_before=as_given.chi2,
         chi2_after=fitted.compared.chi2,
         values=fitted.compared.values,
@@ -197,6 +198,13 @@ def comparison_of(
         questions=measurement.questions,
         checks=_of_repeatability(plan),
     )
+
+
+def _scatter_of(fitted: Fit) -> dict[str, float]:
+    """By name, of what there is in this measurement."""
+    compared = fitted.compared
+    there = {kind for a in compared.assemblies for kind in a.kinds} | {NOISE}
+    return {name: size for name, size in compared.scatter.as_numbers().items() if name in there}
 
 
 def _of_repeatability(plan: Plan) -> tuple[str, ...]:

@@ -18,7 +18,7 @@ def apply(model: RigModel, values: Values) -> RigModel:
 
 EFFECT = Effect(
     "shaker_attachment",
-    "the shaker's armature, stinger and force cell add mass, stiffness and damping where they hold the blade",
+    "the shaker's armature, stinger and force cell add mass, stiffness and damping where they hold the structure",
     (
         EffectParameter("mass", 0.0, 0.0, 1.0, 0.05, "kg", "force cell and stinger 20-50 g; armatures up to 0.5 kg"),
         EffectParameter(

@@ -260,7 +260,13 @@ def _check_power(
     """Where the sensor is that moves with the force."""
     for name, channel in converted.items():
         if file.channels[name].model_point == file.excitation and file.channels[name].phase is None:
-            check_power(f"{where} channel '{name}'", channel.displacement[harmonics.index(1)], force, w)
+            check_power(
+                f"{where} channel '{name}'",
+                channel.displacement[harmonics.index(1)],
+                force,
+                w,
+                file.time_convention or "exp(+iwt)",
+            )
 
 
 def _noise(where: str, converted: dict[str, Converted], order: slice) -> Floats | None:

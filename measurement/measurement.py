@@ -135,6 +135,11 @@ class Measurement:
     units: tuple[str, str] = ("m", "N")
 
     @property
+    def calibrated(self) -> bool:
+        """Whether a response over a force is one, in units that a model's can be held against."""
+        return self.units == ("m", "N")
+
+    @property
     def stated(self) -> tuple[str, ...]:
         """Questions and assumptions: what a reader of the results has to know first."""
         return (*self.questions, *self.assumptions)

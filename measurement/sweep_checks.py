@@ -102,16 +102,18 @@ def check_level(where: str, level: float, measured: Floats, unit: str) -> None:
         )
 
 
-def check_power(where: str, displacement: Complex, force: Complex, angular_frequency: Floats) -> None:
+def check_power(where: str, displacement: Complex, force: Complex, angular_frequency: Floats, convention: str) -> None:
     """At the excitation itself the force feeds the structure: the displacement lags, Im(x conj(F)) < 0 on the whole.
 
+    convention: as it is stated, or taken to be
     raises: MeasurementError where the structure would feed the shaker
     """
     power = -0.5 * angular_frequency * np.imag(displacement * np.conj(force))
     if float(power.sum()) < 0:
+        other = "exp(+iwt)" if convention == "exp(-iwt)" else "exp(-iwt)"
         raise MeasurementError(
             f"{where}: at the point of excitation the structure would feed the shaker ({power.sum() / len(power):.3g} "
-            f'W on average): the sign of direction is wrong, or time_convention = "exp(-iwt)" holds, or '
+            f'W on average): the sign of direction is wrong, or time_convention = "{other}" holds, or '
             f'the phase is another quantity\'s than the amplitude (phase_of = "displacement")'
         )
 

@@ -13,6 +13,7 @@ from rich.console import Console
 from updamp.comparison.compare import compare
 from updamp.comparison.comparison import COMPARISON_JSON, MOVED_BY_NUMERICS
 from updamp.comparison.fit.compared import compare_at, predict_branches
+from updamp.comparison.fit.identified_shapes import with_shapes
 from updamp.comparison.fit.observations import Plan, plan_of
 from updamp.comparison.fit.size_of_numerics import moved_frequencies
 from updamp.comparison.prediction.branch_tasks import Branches, BranchesBy, in_turn
@@ -97,7 +98,8 @@ def diagnose(files: CompareFiles, preset: str, options: DiagnoseOptions, console
         if not inputs.measurement.runs:
             return _of_stated(files, options, inputs, provenance, display, console)
         effects = _effects(inputs, options)
-        plan, progress = plan_of(inputs.measurement), _progress_bar(display)
+        plan = with_shapes(plan_of(inputs.measurement), inputs.before_effects, inputs.measurement.calibrated)
+        progress = _progress_bar(display)
         cache = _cache(files, preset, options, inputs, effects, display)
         with chosen_workers(options.jobs, options.scheduler, options.own) as workers:
             start = _baseline(cache, inputs, plan, options, progress, BranchesBy(workers))

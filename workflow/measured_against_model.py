@@ -231,7 +231,7 @@ def _channel(model: RigModel, found: SmallAmplitude, run: MeasuredRun, channel: 
         return
     frequency = _peak(run)
     mode, certain = _mode_of(run, found, frequency)
-    own = found.at(point, mode) * found.at(model.excitation, mode)
+    own = _own_constant(model, found, mode, run.frequency * found.frequencies[mode] / frequency, point)
     if own == 0:
         return
     where = f"channel '{name}' (run '{run.name}')"
@@ -264,6 +264,22 @@ def _channel(model: RigModel, found: SmallAmplitude, run: MeasuredRun, channel: 
             f"channels.{name}.direction right (with a minus sign where the sensor looks the other way), its point (two "
             f'sensors, or their phases, exchanged?), and mode = "{run.mode}"?',
         )
+
+
+def _own_constant(model: RigModel, found: SmallAmplitude, mode: int, frequency: Floats, point: str) -> complex:
+    """The model's, read off its own response at so many frequencies [Hz] as the measured one is, since other modes
+    have a part in it; where it cannot be read so, the product of its shape's entries, or 0 where they have."""
+    products = found.shapes[found.free.row(point)] * found.shapes[found.free.row(model.excitation)]
+    own = complex(products[mode])
+    if own == 0:
+        return own
+    read = modal_fit(frequency, np.sum(products / (found.squared - (2 * np.pi * frequency[:, None]) ** 2), axis=1))
+    if read is not None:
+        return read.constant
+    there = found.squared[mode].real
+    others = sum(products[i] / (found.squared[i] - there) for i in range(len(products)) if i != mode)
+    alone = abs(others * (found.squared[mode] - there)) <= QuestionOptions.exact * abs(own)
+    return own if alone else 0j
 
 
 def _turn(run: MeasuredRun, name: str) -> str:

@@ -24,7 +24,7 @@ from updamp.comparison.fit.scatter import (
 from updamp.comparison.prediction.branch_tasks import Branches, BranchTask, in_turn
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch
-from updamp.comparison.prediction.run_condition import same_sweeps
+from updamp.comparison.prediction.run_condition import RunCondition, same_sweeps
 from updamp.hbm.continuation.continuation import ContinuationOptions
 
 Floats = NDArray[np.float64]
@@ -215,27 +215,27 @@ class _Given:
         """With its best offsets; start: to begin with; widths: as `_with_best_offsets`"""
         runs = [o for o in self.plan.observations if o.repeat == repeat]
         n = len(self.parametrisation.nuisances)
-        known = start or Offsets(np.zeros(n), {}, {}, {})
+        known = start or Offsets(np.zeros(n), {}, {}, {}, {})
 
         def assembled(b: Floats | None, width: Floats) -> _OfRepeat:
-            return self._assembled(runs, known if b is None else split(b, runs, self._sensors(runs), n), width)
+            return self._assembled(runs, known if b is None else split(b, runs, self._conditions(runs)), width)
 
         return _with_best_offsets(assembled, self.scatter, widths)
 
     def _assembled(self, runs: Sequence[Observations], offsets: Offsets, width: Floats) -> _OfRepeat:
-        sensors = self._sensors(runs)
+        conditions = self._conditions(runs)
         there = self.u + padded(offsets.parameters, len(self.u))
         matched = [
-            match(self.branches[o.test], o, there, width, offsets.correction(o.run, s))
-            for o, s in zip(runs, sensors, strict=True)
+            match(self.branches[o.test], o, there, width, offsets.correction(o, condition))
+            for o, condition in zip(runs, conditions, strict=True)
         ]
         names = tuple(x.name for x in self.parametrisation.nuisances)
-        equations = assembly(runs[0].repeat, matched, sensors, names, offsets)
+        equations = assembly(runs[0].repeat, matched, conditions, names, offsets)
         parts = parts_of_chi2(equations, self.scatter)
         return _OfRepeat(tuple(matched), equations, offsets, *parts, self.plan.as_many)
 
-    def _sensors(self, runs: Sequence[Observations]) -> list[tuple[tuple[str, int], ...]]:
-        return [self.plan.conditions[o.test].sensors for o in runs]
+    def _conditions(self, runs: Sequence[Observations]) -> list[RunCondition]:
+        return [self.plan.conditions[o.test] for o in runs]
 
 
 def _with_best_offsets(

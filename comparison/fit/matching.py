@@ -48,7 +48,7 @@ def match(
 ) -> Matched:
     """Match a run against the branch moved to first order to the parameters u.
 
-    correction: (m,) taken off the observations, such as a known drift or gain
+    correction: (m,) or (n, m) taken off the observations, such as a known drift or gain
     spread: (p,) standard deviations that the parameters may still be off by; they say how much frequency, amplitude
         and phase each tell of the place
     """

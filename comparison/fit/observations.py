@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from updamp.comparison.fit.failing_model import as_many, as_one
 from updamp.comparison.fit.roughness import freedom, roughness, shrunk
+from updamp.comparison.fit.shape_error import ShapeError
 from updamp.comparison.prediction.run_condition import DERIVATIVES, HeldResponse, RunCondition
 from updamp.measurement.measurement import DRIFT, GAIN, LEVEL, MeasuredRun, Measurement, MeasurementError
 
@@ -25,6 +26,7 @@ class Observations:
     log_force: (n,) logarithm of the measured force over the condition's; log_level: (n,) of the measured response over
         the one to be held, None where the force was set
     repeatability: relative, that another test of the same is stated to differ by, the sensors' noise included
+    shapes: what errors of the mode's shape at each sensor do, where shapes were identified in a test; else none
     """
 
     run: str
@@ -35,6 +37,7 @@ class Observations:
     log_force: Floats
     log_level: Floats | None = None
     repeatability: float = 0.0
+    shapes: tuple[ShapeError, ...] = ()
 
     def __len__(self) -> int:
         return len(self.observed)

@@ -157,7 +157,9 @@ def _without(o: Observations, left_out: Collection[tuple[str, int, float]]) -> O
     if kept.all():
         return o
     level = None if o.log_level is None else o.log_level[kept]
-    return replace(o, observed=o.observed[kept], own=o.own[kept], log_force=o.log_force[kept], log_level=level)
+    shapes = tuple(shape.only(kept) for shape in o.shapes)
+    rows = {"observed": o.observed[kept], "own": o.own[kept], "log_force": o.log_force[kept]}
+    return replace(o, **rows, log_level=level, shapes=shapes)
 
 
 def _is_long_enough(m: Matched) -> bool:

@@ -15,11 +15,14 @@ from scipy.optimize import Bounds, minimize
 
 from updamp.comparison.fit.matching import Matched
 from updamp.comparison.fit.observations import Observations
+from updamp.comparison.prediction.run_condition import RunCondition
 from updamp.measurement import measurement
 
 Floats = NDArray[np.float64]
+Sensor = tuple[str, int]
+ShapeEntry = tuple[str, str, int]  # mode and sensor
 
-DRIFT, LEVEL, GAIN, NOISE = "frequency drift", "level of a run", "sensor gain", "sensor noise"
+DRIFT, LEVEL, GAIN, SHAPE, NOISE = "frequency drift", "level of a run", "sensor gain", "mode shape", "sensor noise"
 # Standard deviations of the logarithms: of what is stated of the instruments; of what calibrated parameters are assumed
 # to scatter by, an engineer's reading before a rig has been put together twice; of the sensors' noise.
 _UNSURE, _UNSURE_PARAMETER, _UNSURE_NOISE = 0.5, 1.0, 0.3
@@ -34,16 +37,19 @@ MOST_NOISE = float(np.exp(_FURTHEST * _UNSURE_NOISE))
 class Scatter:
     """Standard deviations: of each nuisance parameter's logarithm from assembly to assembly, of the logarithm of a
     run's frequency, of that of a sensor's gain, of that of all amplitudes of a run; noise: factor on the sensors'
-    stated noise"""
+    stated noise; shape: of what a mode identified in a test moves by at a point, over its largest, as a modal analysis
+    of one structure repeats"""
 
     parameters: Mapping[str, float]
     drift: float = measurement.DRIFT
     gain: float = measurement.GAIN
     level: float = measurement.LEVEL
     noise: float = 1.0
+    shape: float = 0.01
 
     def as_numbers(self) -> dict[str, float]:
-        return {**self.parameters, DRIFT: self.drift, GAIN: self.gain, LEVEL: self.level, NOISE: self.noise}
+        of_test = {DRIFT: self.drift, GAIN: self.gain, LEVEL: self.level, SHAPE: self.shape, NOISE: self.noise}
+        return {**self.parameters, **of_test}
 
     def inflated(self, factor: float) -> "Scatter":
         """With so many times the noise."""
@@ -51,8 +57,9 @@ class Scatter:
 
     @staticmethod
     def of(numbers: Mapping[str, float]) -> "Scatter":
-        rest = {name: value for name, value in numbers.items() if name not in (DRIFT, GAIN, LEVEL, NOISE)}
-        return Scatter(rest, numbers[DRIFT], numbers[GAIN], numbers[LEVEL], numbers[NOISE])
+        of_test = DRIFT, GAIN, LEVEL, NOISE, SHAPE
+        rest = {name: value for name, value in numbers.items() if name not in of_test}
+        return Scatter(rest, *(numbers[name] for name in of_test))
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,70 +85,107 @@ class Assembly:
 
 @dataclass(frozen=True, eq=False)
 class Offsets:
-    """One assembly's: parameters (p_nuisance,), drift and level of each run and gain of each sensor, by name."""
+    """One assembly's: parameters (p_nuisance,), drift and level of each run, gain of each sensor and entries of modes'
+    shapes, of the largest of each, by name."""
 
     parameters: Floats
     drift: Mapping[str, float]
     level: Mapping[str, float]
-    gain: Mapping[tuple[str, int], float]
+    gain: Mapping[Sensor, float]
+    shape: Mapping[ShapeEntry, float]
 
-    def correction(self, run: str, sensors: Sequence[tuple[str, int]]) -> Floats:
-        """(m,) of the observations of one run"""
-        correction = np.zeros(1 + 2 * len(sensors))
-        correction[0] = self.drift.get(run, 0.0)
-        correction[1::2] = [self.level.get(run, 0.0) + self.gain.get(sensor, 0.0) for sensor in sensors]
+    def correction(self, run: Observations, condition: RunCondition) -> Floats:
+        """(n, m) of the observations of one run"""
+        correction = np.zeros_like(run.observed)
+        correction[:, 0] = self.drift.get(run.run, 0.0)
+        for j, sensor in enumerate(condition.sensors):
+            correction[:, 1 + 2 * j] = self.level.get(run.run, 0.0) + self.gain.get(sensor, 0.0)
+        for j, shape in enumerate(run.shapes):
+            error = self.shape.get((condition.mode, *condition.sensors[j]), 0.0)
+            correction[:, 1 + 2 * j : 3 + 2 * j] += shape.moves(error)
         return correction
+
+
+@dataclass(frozen=True, eq=False)
+class _Names:
+    """Of the offsets of one assembly, in the order of their vector: parameters, drift and level of each run, gain of
+    each sensor, entries of shapes."""
+
+    runs: Sequence[str]
+    gains: Sequence[Sensor]
+    shapes: Sequence[ShapeEntry]
+
+    @staticmethod
+    def of(runs: Sequence[Observations], conditions: Sequence[RunCondition]) -> "_Names":
+        gains = dict.fromkeys(sensor for condition in conditions for sensor in condition.sensors)
+        known = [c for o, c in zip(runs, conditions, strict=True) if o.shapes]
+        shapes = dict.fromkeys((c.mode, *sensor) for c in known for sensor in c.sensors)
+        return _Names([o.run for o in runs], list(gains), list(shapes))
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        counts = (DRIFT, self.runs), (LEVEL, self.runs), (GAIN, self.gains), (SHAPE, self.shapes)
+        return tuple(kind for kind, names in counts for _ in names)
+
+    def columns(self, m: Matched, condition: RunCondition, offsets: Offsets) -> Floats:
+        """(values of the run, offsets but for the parameters)"""
+        amplitudes = m.by_observation[:, :, 1::2].reshape(m.residual.size, -1)
+        place, runs = self.runs.index(m.observations.run), len(self.runs)
+        block = np.zeros((m.residual.size, len(self.kinds)))
+        block[:, place] = m.by_observation[:, :, 0].ravel()
+        block[:, runs + place] = amplitudes.sum(axis=1)
+        for sensor, column in zip(condition.sensors, amplitudes.T, strict=True):
+            block[:, 2 * runs + self.gains.index(sensor)] = column
+        first = 2 * runs + len(self.gains)
+        for j, shape in enumerate(m.observations.shapes):
+            entry = condition.mode, *condition.sensors[j]
+            slopes = shape.slopes(offsets.shape.get(entry, 0.0))
+            moved = np.einsum("nrm,nm->nr", m.by_observation[:, :, 1 + 2 * j : 3 + 2 * j], slopes)
+            block[:, first + self.shapes.index(entry)] = moved.ravel()
+        return block
+
+    def vector(self, offsets: Offsets) -> Floats:
+        of_runs = [of.get(run, 0.0) for of in (offsets.drift, offsets.level) for run in self.runs]
+        gains = [offsets.gain.get(sensor, 0.0) for sensor in self.gains]
+        return np.concatenate([offsets.parameters, of_runs, gains, [offsets.shape.get(e, 0.0) for e in self.shapes]])
+
+    def split(self, b: Floats) -> Offsets:
+        counts = [len(each) for each in (self.runs, self.runs, self.gains, self.shapes)]
+        parameters, *parts = np.split(b, len(b) - sum(counts) + np.cumsum([0, *counts[:-1]]))
+        drift, level, gain, shape = (part.tolist() for part in parts)
+        drifts, levels = (dict(zip(self.runs, values, strict=True)) for values in (drift, level))
+        gains, shapes = dict(zip(self.gains, gain, strict=True)), dict(zip(self.shapes, shape, strict=True))
+        return Offsets(parameters, drifts, levels, gains, shapes)
 
 
 def assembly(
     repeat: int,
     matched: Sequence[Matched],
-    sensors: Sequence[Sequence[tuple[str, int]]],
+    conditions: Sequence[RunCondition],
     nuisances: Sequence[str],
     offsets: Offsets,
 ) -> Assembly:
-    """The equations of one repeat from its matched runs; sensors: of each run's condition."""
-    runs = [m.observations.run for m in matched]
-    gains = list(dict.fromkeys(sensor for of_run in sensors for sensor in of_run))
-    n, count = len(nuisances), len(runs)
-    kinds = (*nuisances, *(DRIFT for _ in runs), *(LEVEL for _ in runs), *(GAIN for _ in gains))
-    b = np.concatenate(
-        [
-            offsets.parameters,
-            [offsets.drift.get(run, 0.0) for run in runs],
-            [offsets.level.get(run, 0.0) for run in runs],
-            [offsets.gain.get(sensor, 0.0) for sensor in gains],
-        ]
-    )
-    blocks, residual, common = [], [], []
-    for i, (m, of_run) in enumerate(zip(matched, sensors, strict=True)):
-        size = m.residual.size
-        block = np.zeros((size, len(kinds)))
-        block[:, :n] = m.by_parameter.reshape(size, -1)[:, :n]
-        block[:, n + i] = m.by_observation[:, :, 0].ravel()
-        block[:, n + count + i] = m.by_observation[:, :, 1::2].sum(axis=2).ravel()
-        for j, sensor in enumerate(of_run):
-            block[:, n + 2 * count + gains.index(sensor)] = m.by_observation[:, :, 1 + 2 * j].ravel()
-        blocks.append(block)
-        residual.append(m.residual.ravel() + block @ b)
-        common.append(m.by_parameter.reshape(size, -1))
+    """The equations of one repeat from its matched runs; conditions: of each run."""
+    names, n = _Names.of([m.observations for m in matched], conditions), len(nuisances)
+    b, blocks, residual, common = names.vector(offsets), [], [], []
+    for m, condition in zip(matched, conditions, strict=True):
+        by_parameter = m.by_parameter.reshape(m.residual.size, -1)
+        blocks.append(np.concatenate([by_parameter[:, :n], names.columns(m, condition, offsets)], axis=1))
+        residual.append(m.residual.ravel() + blocks[-1] @ b)
+        common.append(by_parameter)
+    kinds = (*nuisances, *names.kinds)
     return Assembly(repeat, np.concatenate(residual), np.concatenate(common), np.concatenate(blocks), kinds, b)
 
 
-def split(b: Floats, runs: Sequence[Observations], sensors: Sequence[Sequence[tuple[str, int]]], n: int) -> Offsets:
-    """The offsets of one assembly from their vector; runs: its own; n: nuisance parameters."""
-    gains = list(dict.fromkeys(sensor for of_run in sensors for sensor in of_run))
-    parameters, drift, level, gain = np.split(b, n + len(runs) * np.arange(3))
-
-    def of_runs(values: Floats) -> dict[str, float]:
-        return dict(zip((o.run for o in runs), values.tolist(), strict=True))
-
-    return Offsets(parameters, of_runs(drift), of_runs(level), dict(zip(gains, gain.tolist(), strict=True)))
+def split(b: Floats, runs: Sequence[Observations], conditions: Sequence[RunCondition]) -> Offsets:
+    """The offsets of one assembly from their vector; runs: its own."""
+    return _Names.of(runs, conditions).split(b)
 
 
 def how_unsure(name: str) -> float:
     """Standard deviation of the logarithm of one size of the scatter, before the repeats are looked at."""
-    return {NOISE: _UNSURE_NOISE, DRIFT: _UNSURE, GAIN: _UNSURE, LEVEL: _UNSURE}.get(name, _UNSURE_PARAMETER)
+    stated = dict.fromkeys((DRIFT, GAIN, LEVEL, SHAPE), _UNSURE)
+    return {NOISE: _UNSURE_NOISE, **stated}.get(name, _UNSURE_PARAMETER)
 
 
 def learn(assemblies: Sequence[Assembly], prior: Scatter, furthest: float = _FURTHEST) -> Scatter:

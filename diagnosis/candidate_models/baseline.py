@@ -142,7 +142,7 @@ def _held_out(plan: Plan, names: Sequence[str] | None) -> tuple[int, ...]:
 
 def farthest_off(fitted: Fit) -> tuple[str, float]:
     """What stands farthest from where it was stated to be, in prior deviations, and by how many: a nuisance parameter,
-    or the drift or level of a run or the gain of a sensor in one of the assemblies."""
+    or the drift or level of a run, the gain of a sensor or an entry of a mode's shape in one of the assemblies."""
     return max(_stated_values(fitted), key=lambda named: abs(named[1]))
 
 
@@ -154,6 +154,8 @@ def _stated_values(fitted: Fit) -> Iterator[tuple[str, float]]:
     for offsets in fitted.compared.offsets.values():
         yield from ((f"the resonance of run '{run}'", b / scatter.drift) for run, b in offsets.drift.items())
         yield from ((f"the level of run '{run}'", b / scatter.level) for run, b in offsets.level.items())
+        shapes = ((f"the shape of {mode} at {point}", b) for (mode, point, _), b in offsets.shape.items())
+        yield from ((name, b / scatter.shape) for name, b in shapes)
         yield from ((f"the gain of the sensor at {point}", b / scatter.gain) for (point, _), b in offsets.gain.items())
 
 

@@ -98,7 +98,10 @@ def nearly(one: Refit, best: Refit, start: Baseline, criteria: Criteria) -> bool
 
 def reporting(progress: Progress) -> OnFitted:
     def done(task: FitTask, result: FittedCandidate | None) -> None:
-        left = "no response" if result is None else f"leaves {result.trial.excess**0.5:.2f} times the scatter"
+        if result is None:
+            left = "the same minimum again, or no response" if task.size != 1 else "no response"
+        else:
+            left = f"leaves {result.trial.excess**0.5:.2f} times the scatter"
         progress(f"{task.name}: {left}")
 
     return done

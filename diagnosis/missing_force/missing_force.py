@@ -184,12 +184,12 @@ def _equations(
     p, parts = len(parametrisation), []
     for repeat in plan.repeats:
         of_repeat = [run for run in runs if run.matched.observations.repeat == repeat]
-        sensors = [plan.conditions[run.test].sensors for run in of_repeat]
+        conditions = [plan.conditions[run.test] for run in of_repeat]
         wider = [
             replace(run.matched, by_parameter=np.concatenate([run.matched.by_parameter, unknowns(run)], axis=2))
             for run in of_repeat
         ]
-        parts.append(whitened(assembly(repeat, wider, sensors, names, compared.offsets[repeat]), compared.scatter))
+        parts.append(whitened(assembly(repeat, wider, conditions, names, compared.offsets[repeat]), compared.scatter))
     residual, columns = (np.concatenate(each) for each in zip(*parts, strict=True))
     return residual, columns[:, :p], columns[:, p:]
 

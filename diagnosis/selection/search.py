@@ -209,7 +209,7 @@ def _comes_close(fits: FitContext, singles: CandidateFits, free: IfRunsDrift) ->
 
 def _tested(extended: Extended, scored: Sequence[Score]) -> tuple[EffectScore, ...]:
     still = {name: 1e-9 * size for name, size in extended.compared.scatter.parameters.items()}
-    stiff = replace(extended.compared.scatter, parameters=still, drift=1e-12, gain=1e-9, level=1e-9)
+    stiff = replace(extended.compared.scatter, parameters=still, drift=1e-12, gain=1e-9, level=1e-9, shape=1e-9)
     without = {
         s.effect.name: s.score for s in scores(replace(extended, compared=replace(extended.compared, scatter=stiff)))
     }

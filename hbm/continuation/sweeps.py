@@ -1,4 +1,8 @@
-"""What a slow sweep would see of a branch: the parts it follows and the frequencies where it jumps."""
+"""What a slow sweep would see of a branch: the parts it follows and the frequencies where it jumps.
+
+By the folds of the branch alone. Where its motions lose their stability otherwise, as to a beating one, a sweep leaves
+it before: `hbm/stability/branch_stability.py` tells which points are unstable.
+"""
 
 from dataclasses import dataclass, replace
 

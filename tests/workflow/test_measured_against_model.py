@@ -151,3 +151,27 @@ def test_a_phase_in_the_wrong_unit_is_asked_about(factor: float, says: str) -> N
     response = np.abs(run.response) * np.exp(1j * factor * np.unwrap(np.angle(run.response), axis=-1))
     questions = measured_against_model(two_modes(), replace(swept_arm(), runs=(replace(run, response=response),)))
     assert sum(says in question for question in questions) == 2
+
+
+@pytest.mark.parametrize("loss", [0.04, 0.033])
+@pytest.mark.parametrize("noise", [0.0, 0.006])
+def test_modes_that_overlap_are_no_reason_to_ask(monkeypatch: pytest.MonkeyPatch, loss: float, noise: float) -> None:
+    """Read as one oscillator's, the true constant of the second was 1.9 times the product of the shape's entries: "peak
+    to peak taken for peak"; other such pairs were asked about a sign, or a quarter of a turn."""
+    modes = {"first": (80.32, loss, 0.8, 1.0), "second": (96.709, loss, 0.6, -1.1)}
+    monkeypatch.setattr("support.two_modes.MODES", modes)
+    sound, runs, rng = swept_arm(modes=tuple(modes)), [], np.random.default_rng(6)
+    for run in sound.runs:
+        f = modes[run.mode][0] * np.linspace(0.93, 1.09, 25)
+        w = 2 * np.pi * f
+        parts = {
+            place: sum(
+                m[2] * m[place] / ((2 * np.pi * m[0]) ** 2 - w**2 + 2j * m[1] * 2 * np.pi * m[0] * w)
+                for m in modes.values()
+            )
+            for place in (2, 3)
+        }
+        x = np.stack([parts[2], parts[3]])[:, None] * np.exp(noise * rng.standard_normal((2, 1, 25)))
+        runs.append(replace(run, frequency=f, force=np.ones(25, complex), response=x))
+    measured = replace(sound, runs=tuple(runs))
+    assert measured_against_model(two_modes(), measured) == []
