@@ -107,7 +107,7 @@ STATED = [
     stated('level = "17 N"', 'level = "17 N"\nrepeat = 4', "repeat 4", "it has repeat 1"),
     stated('level = "17 N"', 'level = "17 N"\nrun = "B 71 N"', "no run", "did you mean B 17 N"),
     stated('sweep = "up"', 'sweep = "down"', "no sweep down"),
-    stated("+iwt", "-iwt", "feed the shaker", "exp(-iwt)"),
+    stated("+iwt", "-iwt", "feed the shaker", "exp(+iwt)"),
     stated('direction = "x"\nunit = "g_0"', 'direction = "-x"\nunit = "g_0"', "feed the shaker", "direction"),
     stated('file = "data.csv"', 'file = "dta.csv"', "no such file", "did you mean data.csv"),
     stated('file = "data.csv"', 'file = "."', "folder"),
