@@ -70,7 +70,8 @@ class FittedCandidate:
         return replace(self, refit=replace(self.refit, fitted=fitted))
 
 
-# Called with a task that is done, and its result: None where the model with the effects has no response.
+# Called with a task that is done, and its result: None where the model with the effects has no response, in the runs of
+# the fit or in one that was held out.
 OnFitted = Callable[[FitTask, FittedCandidate | None], None]
 # Runs tasks, from a model that the effects are to be added to; results in the order of the tasks.
 FitRunner = Callable[[Baseline, Criteria, Sequence[FitTask], OnFitted], list[FittedCandidate | None]]
@@ -117,8 +118,14 @@ def _compared_anew(fitted: Fit, start: Baseline) -> Fit:
 def _run(shared: tuple[Baseline, Criteria], task: FitTask) -> FittedCandidate | None:
     start, criteria = shared
     r = _refit(start, criteria, task)
-    if r is None:
+    try:
+        return _assessed(start, task, r) if r is not None else None
+    except BranchStoppedError:  # in a run that was held out: what it is to predict it has no answer to
         return None
+
+
+def _assessed(start: Baseline, task: FitTask, r: Refit) -> FittedCandidate:
+    """raises: BranchStoppedError where the model has no response in a run that was held out"""
     held_out = prediction_error(r.fitted, start.held_out_plan) if task.full else PredictionError()
     names = tuple(e.name for e in task.effects)
     calibration = farthest_off(r.fitted)

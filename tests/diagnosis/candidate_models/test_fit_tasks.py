@@ -18,6 +18,8 @@ from updamp.comparison.prediction.traced_branch import observe
 from updamp.diagnosis.candidate_models import fit_tasks
 from updamp.diagnosis.candidate_models.fit_tasks import FitTask, with_branches, without_branches
 from updamp.diagnosis.criteria import Criteria
+from updamp.hbm.continuation.predictor_corrector import BranchStoppedError
+from updamp.hbm.newton.newton import Status
 
 U = np.array([0.0, 0.1, 0.05, 0.0])
 
@@ -62,6 +64,18 @@ def test_a_fit_with_its_own_numerical_error_begins_with_runs_compared_with_branc
     start = SimpleNamespace(train_plan=plan)
     assert fit_tasks._refit(start, Criteria(), FitTask((), (), True, near=lean, own_numerics=True)) is None
     np.testing.assert_allclose(begun[0].compared.matched[0].place, fitted.compared.matched[0].place)
+
+
+def test_a_model_without_a_response_in_a_run_that_was_held_out_is_none(fitted, plan, monkeypatch):
+    """The whole diagnosis ended, with "the branch stops": a level of 80 m/s2 that a slider could not be held at."""
+
+    def stops(*_):
+        raise BranchStoppedError(78.9, 3.7e-4, Status.TOO_MANY_ITERATIONS, "80 m/s2")
+
+    monkeypatch.setattr(fit_tasks, "_refit", lambda *_: SimpleNamespace(fitted=fitted))
+    monkeypatch.setattr(fit_tasks, "prediction_error", stops)
+    start = SimpleNamespace(held_out_plan=plan)
+    assert fit_tasks._run((start, Criteria()), FitTask((), (), True)) is None
 
 
 def test_whole_fits_are_left_as_they_are(fitted):
