@@ -11,16 +11,8 @@ from numpy.typing import NDArray
 from updamp.comparison.fit.failing_model import inflation, unlikelihood
 from updamp.comparison.fit.matching import Matched, match
 from updamp.comparison.fit.observations import Observations, Plan
-from updamp.comparison.fit.scatter import (
-    Assembly,
-    Offsets,
-    Scatter,
-    assembly,
-    offsets_of,
-    parts_of_chi2,
-    split,
-    whitened,
-)
+from updamp.comparison.fit.offsets import Offsets, assembly, split
+from updamp.comparison.fit.scatter import Assembly, Scatter, offsets_of, parts_of_chi2, whitened
 from updamp.comparison.prediction.branch_tasks import Branches, BranchTask, in_turn
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.comparison.prediction.predicted_branch import PredictedBranch

@@ -18,7 +18,7 @@ from updamp.comparison.fit.fit import Fit, FitOptions, fit
 from updamp.comparison.fit.fit_from_far import LAST, fit_from_far
 from updamp.comparison.fit.fit_round import fit_linear
 from updamp.comparison.fit.observations import Plan
-from updamp.comparison.fit.scatter import Offsets
+from updamp.comparison.fit.offsets import Offsets
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.diagnosis.criteria import Criteria
 from updamp.effects.effect import Effect

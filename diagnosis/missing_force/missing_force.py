@@ -28,7 +28,8 @@ from numpy.typing import NDArray
 
 from updamp.comparison.fit.compared import Compared
 from updamp.comparison.fit.observations import Plan
-from updamp.comparison.fit.scatter import assembly, whitened
+from updamp.comparison.fit.offsets import assembly
+from updamp.comparison.fit.scatter import whitened
 from updamp.comparison.prediction.model_at import ModelAt
 from updamp.comparison.prediction.observed_point import with_matrices
 from updamp.comparison.prediction.parameters import Parametrisation
