@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BarycentricInterpolator
+from scipy.interpolate import KroghInterpolator
 
 from updamp.hbm.continuation.response_curve import ResponseCurve
 
@@ -65,7 +65,7 @@ def _at_quadrature(frequency: Floats, receptance: Complex) -> tuple[float, float
     curve, and the diameter with it.
     """
     diameter = np.abs(receptance) ** 2 / np.abs(receptance.imag)
-    through = BarycentricInterpolator(_off(receptance), np.stack([frequency, diameter], axis=1))
+    through = KroghInterpolator(_off(receptance), np.stack([frequency, diameter], axis=1))
     at, size = through(0.0)
     return float(at), float(size)
 
