@@ -45,7 +45,7 @@ from updamp.comparison.fit.numerical_gate import NumericalGate, finer_than
 from updamp.comparison.fit.observations import Plan, plan_of
 from updamp.comparison.fit.odd_readings import OddReading
 from updamp.comparison.fit.repeat_scatter import of_repeats
-from updamp.comparison.fit.scatter import NOISE, Scatter
+from updamp.comparison.fit.scatter import Scatter, kinds_of
 from updamp.comparison.fit.size_of_numerics import moved_frequencies
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 from updamp.comparison.prediction.model_at import ModelAt
@@ -203,7 +203,7 @@ def comparison_of(
 def _scatter_of(fitted: Fit) -> dict[str, float]:
     """By name, of what there is in this measurement."""
     compared = fitted.compared
-    there = {kind for a in compared.assemblies for kind in a.kinds} | {NOISE}
+    there = kinds_of(compared.assemblies)
     return {name: size for name, size in compared.scatter.as_numbers().items() if name in there}
 
 

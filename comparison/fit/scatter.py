@@ -79,6 +79,11 @@ class Assembly:
         return np.array([numbers[kind] for kind in self.kinds]) / scatter.noise
 
 
+def kinds_of(assemblies: Sequence[Assembly]) -> set[str]:
+    """Of the sizes that these assemblies have offsets, and noise, of: no shapes where none was identified"""
+    return {NOISE}.union(*(a.kinds for a in assemblies))
+
+
 def how_unsure(name: str) -> float:
     """Standard deviation of the logarithm of one size of the scatter, before the repeats are looked at."""
     stated = dict.fromkeys((DRIFT, GAIN, LEVEL, SHAPE), _UNSURE)
@@ -95,7 +100,7 @@ def learn(assemblies: Sequence[Assembly], prior: Scatter, furthest: float = _FUR
     furthest: deviations from the prior at most; the noise's is `MOST_NOISE` at most in any case
     """
     stated = prior.as_numbers()
-    names = list(stated) if len(assemblies) > 1 else [NOISE]
+    names = [name for name in stated if name in kinds_of(assemblies)] if len(assemblies) > 1 else [NOISE]
     start = np.log([stated[name] for name in names])
     sizes = np.array([how_unsure(name) for name in names])
     products = [_Products.of(a) for a in assemblies]
