@@ -38,6 +38,12 @@ class Matched:
     by_parameter: Floats
     by_observation: Floats
 
+    def only(self, points: NDArray[np.int64]) -> "Matched":
+        """points: places of those that are kept"""
+        rows = ("place", "difference", "noise", "residual", "by_parameter", "by_observation")
+        kept = {name: getattr(self, name)[points] for name in rows}
+        return replace(self, observations=self.observations.only(points), **kept)
+
 
 def match(
     branch: PredictedBranch,

@@ -49,6 +49,17 @@ class Observations:
         noise[:, 1:] = np.maximum(noise[:, 1:], self.repeatability)
         return noise
 
+    def only(self, points: NDArray[np.bool_ | np.int64]) -> "Observations":
+        """points: which are kept, or their places"""
+        return replace(
+            self,
+            observed=self.observed[points],
+            own=self.own[points],
+            log_force=self.log_force[points],
+            log_level=None if self.log_level is None else self.log_level[points],
+            shapes=tuple(shape.only(points) for shape in self.shapes),
+        )
+
     def has_phase(self, sensor: int) -> bool:
         """Whether a phase was recorded; sensor: its place in the condition"""
         return bool(np.isfinite(self.noise[:, 2 + 2 * sensor]).all())

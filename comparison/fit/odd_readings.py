@@ -154,12 +154,7 @@ def without_odd(plan: Plan, odd: Collection[OddReading]) -> Plan:
 
 def _without(o: Observations, left_out: Collection[tuple[str, int, float]]) -> Observations:
     kept = np.array([(o.run, o.repeat, f) not in left_out for f in o.frequency.tolist()])
-    if kept.all():
-        return o
-    level = None if o.log_level is None else o.log_level[kept]
-    shapes = tuple(shape.only(kept) for shape in o.shapes)
-    rows = {"observed": o.observed[kept], "own": o.own[kept], "log_force": o.log_force[kept]}
-    return replace(o, **rows, log_level=level, shapes=shapes)
+    return o if kept.all() else o.only(kept)
 
 
 def _is_long_enough(m: Matched) -> bool:

@@ -31,8 +31,8 @@ class ShapeError:
         true = self._true(error)
         return _two(self.share * self.entry / true**2 / (1 - self.share * error / true))
 
-    def only(self, kept: NDArray[np.bool_]) -> "ShapeError":
-        return ShapeError(self.entry, self.share[kept])
+    def only(self, points: NDArray[np.bool_ | np.int64]) -> "ShapeError":
+        return ShapeError(self.entry, self.share[points])
 
     def _true(self, error: float) -> float:
         least = _LEAST * abs(self.entry)

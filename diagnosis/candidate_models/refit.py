@@ -106,6 +106,8 @@ def refit(
     fitted = _fit_from(base, plan, kinds, full)
     if fitted is None:
         return None
+    if full:
+        fitted = _no_worse(base, plan, kinds[-1].extended, fitted)
     best = assessed(base, fitted, plan, effects, criteria)
     return best if full else replace(best, ahead=_ahead(fitted, plan))
 
@@ -128,6 +130,20 @@ def _nested(base: Fit, plan: Plan, extended: Parametrisation) -> Fit | None:
             if objective(extended, best.compared) <= contained + LAST.tolerance:
                 break
     return best
+
+
+def _no_worse(base: Fit, plan: Plan, extended: Parametrisation, found: Fit) -> Fit:
+    """Where the fit ends worse than the model that it contains, the better one from there, effects absent. On traced
+    branches: where a model fails, moved ones are off by more than the two minima differ."""
+    if _misfit(found) <= misfit(base.parametrisation, base.compared) + FULL.tolerance:
+        return found
+    p = base.parametrisation
+    absent = p.with_further(base.u, np.zeros(extended.n_of_model - p.n_of_model))
+    traced = replace(base.compared, branches=())
+    for solved in compared_at(extended, plan, [absent], traced, traced.offsets):
+        contained = fit(extended, plan, solved.u, solved.scatter, solved.branches, FULL)
+        return contained if _misfit(contained) < _misfit(found) else found
+    return found
 
 
 def _lower(one: Fit, other: Fit) -> bool:

@@ -55,8 +55,9 @@ def expanded_run(matched: Matched, branch: PredictedBranch, excitation: str, mod
         return None
     rows = [_row(e, matched, branch, points.columns, i) for i, e in found.items()]
     residual, by_force, by_parameter, by_observation = (np.stack(each) for each in zip(*rows, strict=True))
+    of_points = matched.only(np.array(list(found)))
     return ExpandedRun(
-        replace(matched, residual=residual, by_parameter=by_parameter, by_observation=by_observation),
+        replace(of_points, residual=residual, by_parameter=by_parameter, by_observation=by_observation),
         np.array([abs(e.displacement) for e in found.values()]),
         np.array([e.w for e in found.values()]),
         by_force,

@@ -9,6 +9,7 @@ import pytest
 from support.small_model import NUISANCES, condition, small_model, synthetic_plan
 
 from updamp.comparison.fit.compared import compare_at, predict_branches
+from updamp.comparison.fit.fit import FitOptions
 from updamp.comparison.prediction.parameters import Parametrisation
 from updamp.diagnosis.candidate_models.baseline import baseline
 from updamp.diagnosis.candidate_models.candidate_fits import FitContext
@@ -56,10 +57,11 @@ def few_nuisances(monkeypatch):
 
 
 @lru_cache
-def start(stiffness, window=NARROW):
-    """Calibrated to data with a spring hidden in them; once for all tests."""
+def start(stiffness, window=NARROW, dashpot=0.0):
+    """Calibrated to data with a spring, and a dashpot, hidden in them; once for all tests."""
     model, levels = small_model(), tuple(condition(force, window=window) for force in LEVELS)
-    truth = Parametrisation(SPRING.apply(model, {"k": stiffness}) if stiffness else model, NUISANCES)
+    hidden = SPRING.apply(model, {"k": stiffness}) if stiffness else model
+    truth = Parametrisation(DASHPOT.apply(hidden, {"c": dashpot}) if dashpot else hidden, NUISANCES)
     plan, _ = synthetic_plan(truth, np.zeros(4), levels, SCATTER, seed=3, repeats=2, points=25)
     return baseline(model, (), plan, {})
 
@@ -205,10 +207,20 @@ def test_second_effects_are_looked_for_where_the_first_explains_all_but_stands_a
 
 
 @pytest.mark.long
+def test_no_fit_ends_worse_than_the_model_without_its_effect():
+    """A dashpot of half its typical size leads into another minimum, worse by ten in the misfit; none is best."""
+    fits = FitContext(start(3e3, WIDE), Criteria(), lambda _: None, fit_here)
+    (single,) = fits.results([FitTask((DASHPOT,), (np.full(1, 0.5),), full=True)]).values()
+    assert single.trial.full
+    assert single.refit.drop > -FitOptions().tolerance
+
+
+@pytest.mark.long
 def test_pairs_are_given_the_numerical_error_of_the_model_with_both_effects(monkeypatch):
-    """That they help is shown in test_refit.py; here that they are asked for, and that the answer counts. In the wide
-    window, where the dashpot alone takes off some of the misfit."""
-    fits, asked = FitContext(start(3e3, WIDE), Criteria(search=SearchEffort(score=0.0)), lambda _: None, fit_here), []
+    """That they help is shown in test_refit.py; here that they are asked for, and that the answer counts. With both
+    hidden, so that the dashpot alone takes off some of the misfit."""
+    both = start(3e3, WIDE, dashpot=4.0)
+    fits, asked = FitContext(both, Criteria(search=SearchEffort(score=0.0)), lambda _: None, fit_here), []
 
     def anew(beside, settled):
         asked.append((beside.start.fitted.parametrisation.effects, tuple(settled)))
