@@ -1,5 +1,6 @@
 """What a search has found so far, on disk, so that one that was stopped goes on where it was."""
 
+import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +12,9 @@ from updamp.diagnosis.criteria import Criteria
 from updamp.workflow.kept_results import Message, ResultKey, made_with, read_result, write_result
 
 T = TypeVar("T")
+# Bytes of a file's name: file systems take 255, of which endings and a file that is being written need some. Characters
+# that are kept of a longer one, four bytes each at most.
+_LONGEST, _READABLE = 200, 40
 
 
 @dataclass(frozen=True)
@@ -54,7 +58,11 @@ class SearchCache:
         write_result(self._path(name), self.key, value)
 
     def _path(self, name: str) -> Path:
-        return self.folder / f"{name.replace(', ', '__').replace(' ', '_')}.pickle"
+        """Of many effects the names are too long for a file's: their beginning, and what stands for all of it."""
+        plain = name.replace(", ", "__").replace(" ", "_")
+        if len(plain.encode()) > _LONGEST:
+            plain = f"{plain[:_READABLE]}_{hashlib.sha256(plain.encode()).hexdigest()[:16]}"
+        return self.folder / f"{plain}.pickle"
 
 
 @dataclass(frozen=True)

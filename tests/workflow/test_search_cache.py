@@ -126,3 +126,12 @@ def test_an_effect_beside_another_is_not_taken_for_both_at_once(tmp_path: Path) 
             task: Any = SimpleNamespace(name=name)
             assert fits(start, Criteria(), [task], lambda *_: None) == [None]
     assert made == [": crack, preload", "crack: preload", "crack+preload: gap", ": gap"]
+
+
+def test_what_is_kept_of_many_effects_has_a_name_that_a_file_can_have(tmp_path: Path) -> None:
+    many = [f"intervals of {' or '.join(f'joint_{i} and joint_{j}' for i in range(9) for j in range(i))}"]
+    many.append(f"{many[0]} with ü")
+    cache = SearchCache(tmp_path, KEY, print)
+    for value, name in enumerate(many):
+        cache.write(name, value)
+    assert [cache.read(name) for name in many] == [0, 1]
