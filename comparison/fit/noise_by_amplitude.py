@@ -1,9 +1,10 @@
 """The noise of each sensor, a share of the amplitude and a part that is there at any amplitude, read off what a model
 leaves of runs whose noise is not stated.
 
-A sensor and its amplifier have a floor. What is small beside it, the lowest levels, the flanks of a resonance, the
-neighbourhood of an antiresonance, is noisier in proportion, and one number for a sensor would count that as a misfit,
-and leave the peaks less sure than they are.
+A sensor and its amplifier have a floor, one for all where the range stays, a share of a run's largest amplitude where
+the range is set for each run. What is small beside it, the lowest levels, the flanks of a resonance, the neighbourhood
+of an antiresonance, is noisier in proportion, and one number for a sensor would count that as a misfit, and leave the
+peaks less sure than they are.
 
 How rough a run is tells its noise only where it has many points: third differences of a resonance in fifteen points are
 as large as its noise, which is then taken for twice what it is, and what a model lacks goes unseen. A model that is
@@ -39,14 +40,21 @@ _LOWEST, _HIGHEST = 1e-3, 10.0
 @dataclass(frozen=True)
 class SensorNoise:
     """Standard deviations of an amplitude, and of a phase times it. share: of the amplitude [-]
-    floor: beside it, by mode [m], since a sensor of velocity or acceleration has another one at another frequency"""
+    floor: beside it, by mode [m], since a sensor of velocity or acceleration has another one at another frequency
+    of_range: beside both, of the largest amplitude of the run [-]"""
 
     share: float
     floor: Mapping[str, float]
+    of_range: float = 0.0
 
     def of(self, amplitude: Floats, mode: str) -> Floats:
-        """(n,) relative to the amplitudes (n,) [m]"""
-        return np.hypot(self.share, self.floor[mode] / amplitude)
+        """(n,) relative to the amplitudes (n,) of a run [m]"""
+        at_any = np.hypot(self.floor[mode], self.of_range * amplitude.max())
+        return np.hypot(self.share, at_any / amplitude)
+
+    def times(self, factor: float) -> "SensorNoise":
+        floor = {mode: factor * floor for mode, floor in self.floor.items()}
+        return SensorNoise(factor * self.share, floor, factor * self.of_range)
 
 
 def noise_of_each_sensor(matched: Sequence[Matched], plan: Plan) -> dict[Sensor, SensorNoise]:
@@ -103,19 +111,25 @@ class _Rough:
 
 
 def _fitted(runs: Sequence[_Rough]) -> SensorNoise:
-    """The likeliest two parts, from both ends: nearly all of it a share of the amplitude, or nearly all a floor."""
+    """The likeliest three parts, from where nearly all of it is one of them."""
     modes = tuple(dict.fromkeys(r.mode for r in runs))
     typical = {m: float(np.median(np.concatenate([r.amplitude for r in runs if r.mode == m]))) for m in modes}
+    of_largest = float(np.median(np.concatenate([r.amplitude / r.amplitude.max() for r in runs])))
     alone = max(deviation_of(np.concatenate([r.differences for r in runs])), 1e-6)
-    units = np.array([alone, *(alone * typical[m] for m in modes)])
+    units = alone * np.array([1.0, of_largest, *typical.values()])
     unlikely = partial(_unlikely, runs, modes, units)
     bounds = [(np.log(_LOWEST), np.log(_HIGHEST))] * len(units)
-    ends = [np.log(np.array([part, *([1 - part] * len(modes))])) for part in (0.9, 0.1)]
+    kinds = np.minimum(np.arange(len(units)), 2)  # share, range, floors
+    ends = [np.log(np.where(kinds == most, 0.9, 0.1)) for most in range(3)]
     best = min((minimize(unlikely, end, method="L-BFGS-B", bounds=bounds) for end in ends), key=lambda r: float(r.fun))
-    share, *floors = (units * np.exp(best.x)).tolist()
-    found = SensorNoise(share, dict(zip(modes, floors, strict=True)))
-    factor = _spread(np.concatenate([r.differences / r.deviations(found) for r in runs]))
-    return SensorNoise(factor * found.share, {mode: factor * floor for mode, floor in found.floor.items()})
+    found = _of_parts(units * np.exp(best.x), modes)
+    return found.times(_spread(np.concatenate([r.differences / r.deviations(found) for r in runs])))
+
+
+def _of_parts(parts: Floats, modes: Sequence[str]) -> SensorNoise:
+    """parts: (2 + modes,)"""
+    share, of_range, *floors = parts.tolist()
+    return SensorNoise(share, dict(zip(modes, floors, strict=True)), of_range)
 
 
 def _spread(deviates: Floats) -> float:
@@ -129,8 +143,7 @@ def _spread(deviates: Floats) -> float:
 
 def _unlikely(runs: Sequence[_Rough], modes: Sequence[str], units: Floats, logarithms: Floats) -> float:
     """Minus the logarithm of the probability of the differences, as of a Cauchy distribution."""
-    share, *floors = (units * np.exp(logarithms)).tolist()
-    noise, total = SensorNoise(share, dict(zip(modes, floors, strict=True))), 0.0
+    noise, total = _of_parts(units * np.exp(logarithms), modes), 0.0
     for r in runs:
         scale = _CAUCHY * r.deviations(noise)
         total += float(np.sum(np.log(scale) + np.log1p((r.differences / scale) ** 2)))

@@ -58,6 +58,24 @@ def test_without_a_floor_all_amplitudes_are_as_noisy():
     assert noise.floor["first"] < 0.5 * SHARE * smallest * 10
 
 
+def test_a_floor_that_is_a_share_of_each_run_s_range_is_read_too():
+    """Fourteen half-widths to both sides, where the flanks are a fourteenth of the peak. One floor for all levels
+    cannot be a thousandth of the largest amplitude of each."""
+    exact = measured((BEAM,), Joint(), (78.6, 82.2), (0.05, 0.2, 0.8, 3.2), True, 60, 1e-12, 3)
+    rng, runs = np.random.default_rng(6), []
+    for run in exact.runs:
+        x = run.response
+        one, other = (rng.standard_normal(x.shape) + 1j * rng.standard_normal(x.shape) for _ in range(2))
+        runs.append(replace(run, response=x * (1 + SHARE * one) + 0.001 * np.abs(x).max() * other))
+    plan = plan_of(replace(exact, runs=tuple(runs), repeatability=0.0))
+    noise = read_off(plan)[SENSOR]
+    assert noise.share == pytest.approx(SHARE, rel=0.25)
+    assert noise.of_range == pytest.approx(0.001, rel=0.25)
+    for o in with_noise_of_sensors(plan, {SENSOR: noise}).observations:
+        amplitude = np.exp(o.observed[:, 1])
+        np.testing.assert_allclose(o.noise[:, 1], np.hypot(SHARE, 0.001 * amplitude.max() / amplitude), rtol=0.3)
+
+
 def test_stated_noise_stays_and_none_gets_larger():
     plan = runs_with_a_floor(FLOOR)
     assert noise_of_each_sensor((), replace(plan, noise_read=False)) == {}
