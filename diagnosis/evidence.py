@@ -85,6 +85,7 @@ class Evidence:
         sensors' noise, infinite where it is stated
     stated: how many calibrated parameters, drifts and gains there are, of which one stands farthest
     if_runs_drift: where that describes the data and no single effect does
+    unseen_farthest, unseen_deviations: of the rest, as for a `PredictionError`
     """
 
     excess: float
@@ -104,6 +105,8 @@ class Evidence:
     noise_freedom: float = float("inf")
     stated: int = 1
     if_runs_drift: IfRunsDrift | None = None
+    unseen_farthest: str = ""
+    unseen_deviations: float = 0.0
 
     @property
     def freedom(self) -> Freedom:

@@ -1,6 +1,6 @@
 """What one assembly, and each of its runs, is off by against all others, and the equations that they have with it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from updamp.comparison.fit.matching import Matched
 from updamp.comparison.fit.observations import Observations
-from updamp.comparison.fit.scatter import DRIFT, GAIN, LEVEL, SHAPE, Assembly
+from updamp.comparison.fit.scatter import DRIFT, GAIN, LEVEL, SHAPE, Assembly, Scatter
 from updamp.comparison.prediction.run_condition import RunCondition
 
 Floats = NDArray[np.float64]
@@ -26,6 +26,14 @@ class Offsets:
     level: Mapping[str, float]
     gain: Mapping[Sensor, float]
     shape: Mapping[ShapeEntry, float]
+
+    def in_deviations(self, scatter: Scatter) -> Iterator[tuple[str, float]]:
+        """Each but for the parameters, by what it is of, over its standard deviation"""
+        yield from ((f"the resonance of run '{run}'", b / scatter.drift) for run, b in self.drift.items())
+        yield from ((f"the level of run '{run}'", b / scatter.level) for run, b in self.level.items())
+        shapes = ((f"the shape of {mode} at {point}", b) for (mode, point, _), b in self.shape.items())
+        yield from ((name, b / scatter.shape) for name, b in shapes)
+        yield from ((f"the gain of the sensor at {point}", b / scatter.gain) for (point, _), b in self.gain.items())
 
     def correction(self, run: Observations, condition: RunCondition) -> Floats:
         """(n, m) of the observations of one run"""

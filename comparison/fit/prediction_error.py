@@ -7,7 +7,7 @@ covariance of r is 1 + C P C^T (posterior predictive distribution: A. Gelman and
 a fit that fails is not granted more.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from updamp.comparison.fit.compared import Compared, compare_at, predict_branches
 from updamp.comparison.fit.fit import Fit, covariance_of
 from updamp.comparison.fit.observations import Plan
+from updamp.comparison.fit.offsets import split
+from updamp.comparison.fit.scatter import offsets_of
 from updamp.comparison.prediction.branch_tasks import Branches, in_turn
 
 Floats = NDArray[np.float64]
@@ -23,11 +25,15 @@ Floats = NDArray[np.float64]
 @dataclass(frozen=True)
 class PredictionError:
     """error: weighted residual RMS in deviations of the scatter alone; misfit: mean squared misfit in units of what
-    the prediction is uncertain by too; nan where there are no runs; values: that were compared"""
+    the prediction is uncertain by too; nan where there are no runs; values: that were compared
+    farthest: which drift, level or gain of these runs would have to be farthest off if nothing else were; deviations:
+        by how many of its own"""
 
     error: float = float("nan")
     misfit: float = float("nan")
     values: int = 0
+    farthest: str = ""
+    deviations: float = 0.0
 
 
 def prediction_error(fitted: Fit, plan: Plan, branches_of: Branches = in_turn) -> PredictionError:
@@ -39,7 +45,18 @@ def prediction_error(fitted: Fit, plan: Plan, branches_of: Branches = in_turn) -
         return PredictionError()
     branches = predict_branches(fitted.parametrisation, fitted.u, plan, None, branches_of)
     compared = compare_at(fitted.parametrisation, fitted.u, plan, branches, fitted.compared.scatter)
-    return of_compared(compared, fitted)
+    farthest, deviations = _farthest(compared, plan)
+    return replace(of_compared(compared, fitted), farthest=farthest, deviations=deviations)
+
+
+def _farthest(compared: Compared, plan: Plan) -> tuple[str, float]:
+    """With all of the misfit put down to offsets, however many deviations of theirs that takes."""
+    found: list[tuple[str, float]] = []
+    for a in compared.assemblies:
+        runs = [o for o in plan.observations if o.repeat == a.repeat]
+        offsets, _ = offsets_of(a, compared.scatter)
+        found += split(offsets, runs, [plan.conditions[o.test] for o in runs]).in_deviations(compared.scatter)
+    return max(found, key=lambda named: abs(named[1]))
 
 
 def of_compared(compared: Compared, fitted: Fit) -> PredictionError:

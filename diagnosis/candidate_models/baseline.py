@@ -152,11 +152,7 @@ def _stated_values(fitted: Fit) -> Iterator[tuple[str, float]]:
     for n, u in zip(p.nuisances, fitted.u, strict=False):
         yield n.name, float(u / n.deviation)
     for offsets in fitted.compared.offsets.values():
-        yield from ((f"the resonance of run '{run}'", b / scatter.drift) for run, b in offsets.drift.items())
-        yield from ((f"the level of run '{run}'", b / scatter.level) for run, b in offsets.level.items())
-        shapes = ((f"the shape of {mode} at {point}", b) for (mode, point, _), b in offsets.shape.items())
-        yield from ((name, b / scatter.shape) for name, b in shapes)
-        yield from ((f"the gain of the sensor at {point}", b / scatter.gain) for (point, _), b in offsets.gain.items())
+        yield from offsets.in_deviations(scatter)
 
 
 def calibrated_as(base: Fit, other: Fit) -> Floats:

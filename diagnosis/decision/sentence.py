@@ -28,7 +28,8 @@ def sentence(decision: Decision, evidence: Evidence, criteria: Criteria, words: 
     if decision.outcome == "adequate":
         return (
             f"nothing is missing that these data show: the calibrated model is off by {before:.2f} times "
-            f"{words.scatter}{_held_out(evidence, words)}{_asked_for(evidence, criteria)}"
+            f"{words.scatter}{_held_out(evidence, words)}{_alone_off(evidence, criteria)}"
+            f"{_asked_for(evidence, criteria)}"
         )
     if decision.outcome == "unknown":
         return _of_unknown(evidence, criteria, words)
@@ -68,6 +69,15 @@ def _held_out(evidence: Evidence, words: Wording) -> str:
     if not np.isfinite(evidence.held_out):
         return "; no run was held out"
     return f", on {words.unseen} by {evidence.held_out:.2f}"
+
+
+def _alone_off(evidence: Evidence, criteria: Criteria) -> str:
+    """What one thing that is off in the held-out runs alone would make of them, where they are further off."""
+    doubtful = criteria.is_doubtful(evidence.unseen, evidence.unseen_freedom)
+    if not (doubtful and criteria.is_far_off(evidence.unseen_deviations, evidence.stated)):
+        return ""
+    off = f"{evidence.unseen_farthest} {abs(evidence.unseen_deviations):.0f} deviations off"
+    return f", as with {off}: look at these runs first"
 
 
 def _asked_for(evidence: Evidence, criteria: Criteria) -> str:

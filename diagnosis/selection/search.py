@@ -184,6 +184,8 @@ def _evidence(
         noise_freedom=start.plan.noise_freedom,
         stated=start.stated,
         if_runs_drift=free,
+        unseen_farthest=held_out.farthest,
+        unseen_deviations=held_out.deviations,
     )
 
 

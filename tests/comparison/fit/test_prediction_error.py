@@ -1,9 +1,19 @@
 """Whether a prediction's error is more than it is uncertain by."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
+from support.jumping_beam import Joint, Mode, measured
 
-from updamp.comparison.fit.prediction_error import uncertain_misfit
+from updamp.comparison.fit.fit_from_far import fit_from_far
+from updamp.comparison.fit.observations import plan_of
+from updamp.comparison.fit.prediction_error import prediction_error, uncertain_misfit
+from updamp.comparison.prediction.parameters import Parametrisation
+from updamp.model.build import modal_before_effects
+from updamp.model.calibration import OF_MODES
+from updamp.model.rig_files import load_modal
 
 
 def test_it_is_that_of_the_dense_covariance() -> None:
@@ -26,3 +36,19 @@ def test_a_model_that_lacks_nothing_is_off_by_what_its_prediction_is_uncertain_b
         plain.append(residual @ residual / 40)
     assert np.mean(found) == pytest.approx(1.0, abs=0.04)
     assert np.mean(plain) > 4  # as if parameters were known
+
+
+@pytest.mark.parametrize("times", [1.0, 1.3])
+def test_what_a_run_that_no_fit_saw_would_have_to_be_off_by_is_named(times: float) -> None:
+    """A sensor's gain of 1 %, a level of 0.1 %: thirty per cent are of the sensor."""
+    model = modal_before_effects(load_modal(Path(__file__).parents[3] / "rigs" / "brake_reuss.toml"))
+    test = measured((Mode(80.38, 0.0031, 2.0),), Joint(), (79.9, 80.9), (0.1, 0.4), True, 41, 3e-3, 3)
+    plan = plan_of(test)
+    fitted = fit_from_far(Parametrisation(model, OF_MODES), plan, np.zeros(len(OF_MODES)))
+    off = plan_of(replace(test, runs=tuple(replace(run, response=times * run.response) for run in test.runs)))
+    found = prediction_error(fitted, off)
+    if times == 1:
+        assert abs(found.deviations) < 3
+    else:
+        assert found.farthest == "the gain of the sensor at beam.drive.x"
+        assert found.deviations == pytest.approx(np.log(times) / fitted.compared.scatter.gain, rel=0.1)

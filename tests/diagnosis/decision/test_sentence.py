@@ -67,6 +67,15 @@ def test_what_the_runs_of_the_fit_do_not_show_is_told_with_what_to_do() -> None:
     )
 
 
+def test_what_is_off_in_held_out_runs_alone_is_told_beside_an_adequate_model() -> None:
+    """Their misfit is one that chance makes in one test of twenty at most, or nothing is said."""
+    off = {"held_out": 8.1, "unseen_independent": 32.0, "unseen_farthest": "the gain of the sensor at tip.x"}
+    looked_at = "on runs that the fit never saw by 8.10, as with the gain of the sensor at tip.x 9 deviations off: look"
+    assert looked_at in said(trials=(), excess=1.0, unseen=1.8, unseen_deviations=-9.2, **off)
+    assert "deviations off" not in said(trials=(), excess=1.0, unseen=1.1, unseen_deviations=-9.2, **off)
+    assert "deviations off" not in said(trials=(), excess=1.0, unseen=1.8, unseen_deviations=2.0, **off)
+
+
 def test_an_adequate_model_is_told_with_what_the_data_ask_for_and_why_it_is_not_named() -> None:
     found = said(excess=1.2, held_out=0.9, unseen=0.8, trials=(replace(SLIP, at_bound="slip.size"),))
     why = "slip.size would have to be beyond what is physical"
