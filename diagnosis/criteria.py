@@ -22,6 +22,7 @@ class SearchEffort:
         the next one has second effects looked for beside it
     comparable: mean squared misfit, over that of the best one, beyond which it does not count as nearly as good
     promising: share of the misfit left by a short refit from where on the full one is done before others are tried
+    starts: pairs from which three and more effects are looked for, until they explain the data
     """
 
     score: float = 4.0
@@ -31,6 +32,7 @@ class SearchEffort:
     nearly: float = 0.8
     comparable: float = 4.0
     promising: float = 0.2
+    starts: int = 2
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
 """A third and further effects, one by one, where two are not enough; each for any other in what is found."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
-from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext, better_of
+from updamp.diagnosis.candidate_models.candidate_fits import CandidateFits, FitContext, better_of, nearly
 from updamp.diagnosis.candidate_models.fit_tasks import FittedCandidate
 from updamp.diagnosis.selection.beside import beside
 from updamp.effects.effect import Effect
@@ -11,17 +11,41 @@ from updamp.effects.effect import Effect
 def further_effects(
     fits: FitContext, effects: Sequence[Effect], singles: CandidateFits, pairs: CandidateFits
 ) -> CandidateFits:
-    """Beside the likeliest pair, then beside the likeliest three, as long as no verdict can rest on what is found, each
-    effect more is asked for by the data and makes runs that the fit never saw better predicted.
+    """Beside the likeliest pair, and where that does not come to explain the data beside the next one that explains
+    nearly as much: two effects less in common are further apart than exchanges of single ones lead.
 
     Of models without contacts alone: theirs are fitted in seconds.
     """
     found: CandidateFits = {}
     if fits.start.fitted.parametrisation.base.contacts is not None:
         return found
-    best = _likeliest(pairs)
-    while best is not None and fits.cannot_be_named(best.trial) and _is_asked_for(fits, best):
-        more = _one_more(fits, effects, best, singles | pairs | found)
+    for first in _starts(fits, pairs):
+        led_to = _likeliest(found)
+        if led_to is not None and (
+            fits.explains(led_to.trial) or set(first.trial.effects) <= set(led_to.trial.effects)
+        ):
+            continue
+        found |= _one_by_one(fits, effects, first, singles | pairs | found)
+    return found
+
+
+def _starts(fits: FitContext, pairs: CandidateFits) -> Iterator[FittedCandidate]:
+    """The likeliest first; none where a verdict can rest on that."""
+    ranked = sorted(pairs.values(), key=lambda r: -r.refit.delta_bic)[: fits.criteria.search.starts]
+    if ranked and not fits.cannot_be_named(ranked[0].trial):
+        return
+    yield from (r for r in ranked if nearly(r.refit, ranked[0].refit, fits.start, fits.criteria))
+
+
+def _one_by_one(
+    fits: FitContext, effects: Sequence[Effect], first: FittedCandidate, known: CandidateFits
+) -> CandidateFits:
+    """Beside a pair, then beside the likeliest three, as long as no verdict can rest on what is found, each effect more
+    is asked for by the data and makes runs that the fit never saw better predicted."""
+    found: CandidateFits = {}
+    best = first
+    while fits.cannot_be_named(best.trial) and _is_asked_for(fits, best):
+        more = _one_more(fits, effects, best, known | found)
         found |= more
         after = _likeliest(more)
         if after is None or after.trial.held_out >= (1 - fits.criteria.gain) * best.trial.held_out:
