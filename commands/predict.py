@@ -1,6 +1,7 @@
 """Commands of a prediction: `updamp run`, `check`, `show`."""
 
-from collections.abc import Iterator, Mapping
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -78,7 +79,7 @@ def run(
     with clean_errors(debug), interruptible():
         one_thread_for_numpy()
 
-        forces, last = tuple(_force(text) for text in force or ()), _stage(until)
+        forces, last = _forces(force or ()), _stage(until)
         with Meter() as meter:
             from updamp.model.rig_files import load_with_dimensions
 
@@ -88,7 +89,7 @@ def run(
             preset = mesh if mesh is not None else next(iter(loaded.mesh))
             workers = jobs if jobs is not None else usual_workers()
             options = RunOptions(
-                preset, out, workers, tuple(mode or ()), forces,
+                preset, out, workers, tuple(dict.fromkeys(mode or ())), forces,
                 check=check, pictures=pictures, accuracy=accuracy, stability=stability, marching=marching,
                 resonance=resonance, quick=quick, until=last,
             )  # fmt: skip
@@ -162,6 +163,15 @@ def _problems(products: "Products", summary: Mapping[str, Any]) -> Iterator[str]
     yield from (f"{c['mode']} {c['force_N']:g} N: {c['problem']}" for c in summary.get("curves", ()) if c["problem"])
     yield from (f"{name}: {message}" for name, message in summary.get("failed_curves", {}).items())
     yield from not_followed(products)
+
+
+def _forces(texts: Sequence[str]) -> tuple[float, ...]:
+    """[N], each once, in whatever unit it was said."""
+    found: list[float] = []
+    for force in map(_force, texts):
+        if not any(math.isclose(force, known) for known in found):
+            found.append(force)
+    return tuple(found)
 
 
 def _force(text: str) -> float:

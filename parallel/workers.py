@@ -4,6 +4,7 @@ Whoever has such pieces is handed a `Workers`, and need not know which it is.
 """
 
 import pickle
+import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future, as_completed
 from concurrent.futures.process import BrokenProcessPool
@@ -24,11 +25,30 @@ LOST = "a process was ended from outside, likely for want of memory; run again w
 
 
 class WorkerLostError(RuntimeError):
-    """A process that was ended from outside. place: of the item that it was at, or that was next"""
+    """A process that ended before its work. place: of the item that it was at, or that was next"""
 
     def __init__(self, place: int) -> None:
-        super().__init__(LOST)
+        super().__init__(_cannot_be_started_anew() or LOST)
         self.place = place
+
+
+def _cannot_be_started_anew() -> str:
+    """Why no process can begin: each reads the program that called for it anew (`multiprocessing`, "spawn"). "" where
+    it can."""
+    main = sys.modules["__main__"]
+    path = getattr(main, "__file__", None)
+    if path is None or getattr(main, "__spec__", None) is not None:  # a notebook, or python -m
+        return ""
+    if not Path(path).is_file():
+        return (
+            f"other processes cannot read this program anew, there is no file {path}: run it from one, or with jobs=1"
+        )
+    if "__main__" not in Path(path).read_text(encoding="utf-8", errors="replace"):
+        return (
+            f"other processes read {path} anew, to its end: put what calls for them under "
+            'if __name__ == "__main__":, or use jobs=1'
+        )
+    return ""
 
 
 class Workers(Protocol):

@@ -20,6 +20,7 @@ from rich.console import Console
 from support.curves import softening_curve
 from support.short_study import RIG, run_command, short_study
 
+from updamp.commands import predict
 from updamp.fem.lumped_damper import damper_mass
 from updamp.hbm.analysis.finer_points import PointErrors
 from updamp.hbm.continuation.response_curve import ResponseCurve
@@ -333,6 +334,15 @@ def _command_of(process: psutil.Process) -> list[str]:
         return process.cmdline()
     except (psutil.ZombieProcess, psutil.NoSuchProcess):
         return []
+
+
+def test_what_is_asked_for_twice_is_computed_once(monkeypatch, tmp_path):
+    asked = []
+    monkeypatch.setattr(predict, "_run", lambda _rig, options, _meter: not asked.append(options))
+    twice = ["--mode", "OOP", "--mode", "OOP", "--force", "17 N", "--force", "17000 mN", "--force", "9.6 N"]
+    ended = run_command("run", RIG, "--out", tmp_path, *twice)
+    assert ended.exit_code == 0, ended.output
+    assert (asked[0].modes, asked[0].forces) == (("OOP",), (17.0, 9.6))
 
 
 def test_an_interruption_is_survived(finished, tmp_path):

@@ -1,6 +1,9 @@
 """Pieces of work, here and in other processes."""
 
 import os
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 from support import measured_beam
@@ -73,3 +76,26 @@ def test_a_process_that_the_system_ends_is_told_and_so_is_what_to_do():
 def test_workers_that_the_memory_does_not_hold_are_refused_before_any_is_begun(number: int) -> None:
     with pytest.raises(ValueError, match=f"--jobs {number}: "), chosen_workers(number):
         raise AssertionError("begun")
+
+
+CALLED = """
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from updamp.parallel.workers import Elsewhere, WorkerLostError
+
+try:
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as executor:
+        Elsewhere(executor)(divmod, 7, [2], lambda *_: None)
+except WorkerLostError as error:
+    print(error)
+"""
+
+
+@pytest.mark.parametrize("piped", [True, False])
+def test_a_program_that_other_processes_cannot_read_anew_is_told(tmp_path: Path, piped: bool) -> None:
+    program = tmp_path / "program.py"
+    program.write_text(CALLED, encoding="utf-8")
+    command = [sys.executable, "-" if piped else str(program)]
+    ended = subprocess.run(command, input=CALLED if piped else None, capture_output=True, text=True, check=False)
+    expected = "there is no file <stdin>" if piped else f"other processes read {program} anew, to its end"
+    assert expected in ended.stdout.replace(f"{tmp_path}/<stdin>", "<stdin>")
