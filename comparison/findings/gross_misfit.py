@@ -5,7 +5,7 @@ To first order, as misfits are estimated elsewhere, a resonance that is wrong by
 curves that the model cannot follow at all would be followed by impossible parameters that nearly cancel.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,24 +74,48 @@ def _has_peak(plan: Plan, test: int) -> bool:
 
 
 def gross_misfits(fit: Fit, plan: Plan, measured: Sequence[Backbone], model: Sequence[Backbone]) -> tuple[Misfit, ...]:
-    """Frequency and damping of each test, as mean over its repeats and sensors.
+    """Frequency and damping of each test, as mean over its repeats and sensors, held against the scatter by itself and
+    less the mean over its mode's tests, in which assemblies differ alike. The larger significance counts.
 
     measured: one a mode and sensor, entries in the order of the plan's runs; model: likewise, of its conditions
     """
     found = []
     for kind in OF_MODES:
-        for test in range(len(plan.conditions)):
-            logs = np.log(_ratios(kind, test, plan, measured, model))
-            logs = logs[np.isfinite(logs)]
+        each = [_by_repeat(kind, test, plan, measured, model) for test in range(len(plan.conditions))]
+        scatter = kind.scatter(fit.compared.scatter)
+        for test, own in enumerate(each):
+            logs = _finite(own)
             if len(logs) == 0:
                 continue
-            spread = np.std(logs, ddof=1) / np.sqrt(len(logs)) if len(logs) > 1 else 0.0
-            deviation = float(np.hypot(spread, kind.scatter(fit.compared.scatter)))
-            relative = float(np.expm1(np.mean(logs)))
-            # as significant as the logarithm is
-            scale = relative / float(np.mean(logs)) if relative else 1.0
-            found.append(Misfit(kind(test), relative, scale * deviation))
+            mean = float(np.mean(logs))
+            relative = float(np.expm1(mean))
+            alike = [e for e, c in zip(each, plan.conditions, strict=True) if c.mode == plan.conditions[test].mode]
+            significance = max(_significance(logs, scatter), _significance(_less_mean(own, alike), scatter))
+            found.append(Misfit(kind(test), relative, abs(relative) / significance if significance else scatter))
     return tuple(found)
+
+
+def _significance(logs: Floats, scatter: float) -> float:
+    """Of a mean over repeats and sensors; scatter: of a test, at least"""
+    if len(logs) == 0:
+        return 0.0
+    spread = np.std(logs, ddof=1) / np.sqrt(len(logs)) if len(logs) > 1 else 0.0
+    return abs(float(np.mean(logs))) / float(np.hypot(spread, scatter))
+
+
+def _less_mean(own: Mapping[int, Floats], tests: Sequence[Mapping[int, Floats]]) -> Floats:
+    """Logarithms of a test less those of all tests of its mode in the same repeat, sensor by sensor"""
+    found = []
+    for repeat, logs in own.items():
+        alike = [e[repeat] for e in tests if repeat in e and np.isfinite(e[repeat]).all()]
+        if len(alike) > 1:
+            found.append(logs - np.mean(alike, axis=0))
+    return _finite(dict(enumerate(found)))
+
+
+def _finite(by_repeat: Mapping[int, Floats]) -> Floats:
+    logs = np.concatenate(list(by_repeat.values())) if by_repeat else np.zeros(0)
+    return logs[np.isfinite(logs)]
 
 
 def damping_growth(
@@ -123,13 +147,14 @@ def damping_growth(
     return tuple(found)
 
 
-def _ratios(
+def _by_repeat(
     kind: type[OfMode], test: int, plan: Plan, measured: Sequence[Backbone], model: Sequence[Backbone]
-) -> Floats:
-    """Model over measured: all runs of a test at all sensors."""
+) -> dict[int, Floats]:
+    """Repeat -> (n_sensors,) logarithms of model over measured."""
     pairs = [(m, c) for m, c in zip(measured, model, strict=True) if m.mode == plan.conditions[test].mode]
     there, here = places_of(plan, test, False), places_of(plan, test, True)
-    return np.concatenate([kind.of(c)[there] / kind.of(m)[here] for m, c in pairs])
+    logs = np.log([kind.of(c)[there] / kind.of(m)[here] for m, c in pairs]).T
+    return dict(zip([o.repeat for o in plan.observations if o.test == test], logs, strict=True))
 
 
 def _logs(backbones: Sequence[Backbone], plan: Plan, test: int, is_measured: bool) -> Floats:

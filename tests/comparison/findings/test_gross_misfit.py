@@ -1,13 +1,18 @@
 """What is said of a model without contacts that fails: what was not read is told too."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
+import numpy as np
 from support.held_beam import MODE, RIG, held_beam, of_beam
 
 from updamp.comparison.findings.direction import Misfit
 from updamp.comparison.findings.findings import findings
-from updamp.comparison.findings.kinds import Damping
+from updamp.comparison.findings.gross_misfit import gross_misfits
+from updamp.comparison.findings.kinds import Damping, Frequency
 from updamp.comparison.fit.observations import plan_of
+from updamp.comparison.fit.scatter import Scatter
+from updamp.model.calibration import LOSS_FACTOR
 
 SOUND = held_beam((80.40,) * 3, (0.003,) * 3)
 
@@ -32,3 +37,30 @@ def test_an_end_of_the_window_is_no_resonance_of_the_model(tmp_path: Path) -> No
     said = of_beam(SOUND, far)
     assert said.findings[0].text.startswith(f"{MODE}: the model has no peak where it was measured")
     assert not [f for f in said.findings if f.text.startswith((f"{MODE}: resonance", "the curves differ"))]
+
+
+def test_what_levels_differ_by_is_held_against_what_assemblies_differ_by_in_all_of_them_alike() -> None:
+    """Resonances fall by 0.04 % from level to level, those of the second assembly lie 0.25 % lower. Without the fall
+    nothing stands out, and where the model is off in all levels alike neither does."""
+    tests, repeats = range(3), (1, 2)
+    plan = SimpleNamespace(
+        conditions=[SimpleNamespace(mode="first") for _ in tests],
+        observations=[SimpleNamespace(test=t, repeat=r) for r in repeats for t in tests],
+    )
+    scatter = Scatter({LOSS_FACTOR.name: 0.01}, drift=5e-5)
+    fit = SimpleNamespace(compared=SimpleNamespace(scatter=scatter))
+    falls, assemblies = np.array([4e-4, 0.0, -4e-4]), np.array([1.25e-3, -1.25e-3])
+
+    def significance(fall: float, off: float) -> list[float]:
+        logs = (assemblies[:, None] + fall * falls).ravel()
+        measured = SimpleNamespace(mode="first", frequency=80 * np.exp(logs), damping=np.full(6, 0.01))
+        model = SimpleNamespace(mode="first", frequency=np.full(3, 80 * np.exp(off)), damping=np.full(3, 0.01))
+        found = gross_misfits(fit, plan, [measured, measured], [model, model])
+        return [m.significance for m in found if isinstance(m.direction, Frequency)]
+
+    low, right, high = significance(1.0, 0.0)
+    assert low < -7
+    assert high > 7
+    assert abs(right) < 1e-6
+    for fall, off in ((0.0, 0.0), (0.0, 1e-3), (0.1, 0.0)):
+        assert max(np.abs(significance(fall, off))) < 2
