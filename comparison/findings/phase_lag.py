@@ -192,7 +192,10 @@ def fitted_lag(fit: Fit, effect: Effect) -> PhaseLag:
 
 
 def lag_finding(lag: PhaseLag) -> Finding:
-    text = f"measured phases {_by(lag, '')}; what else is told is of the model that lags as much"
+    text = (
+        f"measured phases {_by(lag, '')}, or linear dynamics that the model lacks; what else is told is of the model "
+        f"that {'lags' if lag.size > 0 else 'leads'} as much"
+    )
     return Finding(text, "", None, PHASE, "", lag.size, lag.significance)
 
 
@@ -211,6 +214,7 @@ def _by(lag: PhaseLag, unlike: str) -> str:
     side = "lag" if lag.size > 0 else "lead"
     if lag.effect is PHASE_LAG:
         angle = f"{np.degrees(abs(lag.size)):.1f} degrees in all runs"
-        return f"{side} the model's by {angle}{unlike}, as a delay or a filter of the measurement makes them"
+        cause = "a delay or a filter of the measurement" if lag.size > 0 else "a filter of the measurement"
+        return f"{side} the model's by {angle}{unlike}, as {cause} makes them"
     time = f"{1e3 * abs(lag.size):.3g} ms in all runs{unlike}, more degrees the higher the frequency is"
     return f"{side} the model's by {time}, as a delay makes them"

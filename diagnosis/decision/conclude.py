@@ -11,7 +11,7 @@ from updamp.comparison.fit.repeat_scatter import scatter_of_repeats
 from updamp.diagnosis.candidate_models.baseline import unseen
 from updamp.diagnosis.candidate_models.refit import Refit
 from updamp.diagnosis.criteria import Criteria
-from updamp.diagnosis.decision.decide import Decision, not_identifiable, reason_against
+from updamp.diagnosis.decision.decide import Decision, not_identifiable, reason_against, still_fails
 from updamp.diagnosis.decision.explanations import explanations
 from updamp.diagnosis.decision.fitted_parameters import fitted_parameters
 from updamp.diagnosis.decision.sentence import Wording, sentence
@@ -33,6 +33,7 @@ from updamp.diagnosis.verdict import (
 
 Floats = NDArray[np.float64]
 _LESS_WELL = "would explain it too, less well"
+_LEAVES_MORE = "takes off some of it, and leaves more than chance can"
 
 
 def conclude(
@@ -75,7 +76,9 @@ def _candidates(found: SearchResult, decision: Decision, criteria: Criteria) -> 
         candidate = _candidate(found, tested, found.evidence.trial_of(joint), found.refits.get(joint), criteria)
         named = (*decision.effects, *decision.group)
         if candidate.accepted and named and name not in named:
-            candidate = replace(candidate, accepted=False, reason=_LESS_WELL)
+            trial = found.evidence.trial_of(joint)
+            fails = trial is not None and still_fails(trial, found.evidence, criteria)
+            candidate = replace(candidate, accepted=False, reason=_LEAVES_MORE if fails else _LESS_WELL)
         listed.append(candidate)
     return tuple(sorted(listed, key=lambda c: -c.obtained_drop if np.isfinite(c.obtained_drop) else -c.predicted_drop))
 

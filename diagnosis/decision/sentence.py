@@ -11,6 +11,7 @@ from updamp.diagnosis.evidence import Evidence, Trial
 
 # Explanations that are told where none is good enough.
 _CLOSEST = 3
+_NOTHING_HELD_OUT = "; no run was held out"
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,8 @@ def sentence(decision: Decision, evidence: Evidence, criteria: Criteria, words: 
     fall = f"the error falls from {before:.1f} to {trial.excess**0.5:.2f} times {words.scatter}"
     if np.isfinite(trial.held_out):
         fall += f", on {words.unseen} from {evidence.held_out:.1f} to {trial.held_out:.2f}"
+    else:
+        fall += _NOTHING_HELD_OUT
     if criteria.is_doubtful(trial.excess, evidence.freedom):
         rarely = f"chance leaves as much in one test of {1 / criteria.doubtful:.0f} at most"
         fall += f"; {rarely}: it may not be all, or a like law"
@@ -67,7 +70,7 @@ def _apart(decision: Decision, words: Wording) -> str:
 
 def _held_out(evidence: Evidence, words: Wording) -> str:
     if not np.isfinite(evidence.held_out):
-        return "; no run was held out"
+        return _NOTHING_HELD_OUT
     return f", on {words.unseen} by {evidence.held_out:.2f}"
 
 

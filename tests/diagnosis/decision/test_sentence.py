@@ -38,6 +38,12 @@ def test_what_is_named_is_told_with_its_fall() -> None:
     )
 
 
+def test_it_is_told_that_nothing_was_held_out() -> None:
+    unseen = {"held_out": float("nan"), "unseen": float("nan")}
+    fall = "the error falls from 3.0 to 1.02 times the scatter; no run was held out"
+    assert said(**unseen, trials=(replace(SLIP, **unseen),)) == f"contacts slip (slip): {fall}"
+
+
 def test_what_cannot_be_told_apart_is_told_with_what_is_missing_whichever_it_is() -> None:
     pairs = tuple(replace(SLIP, effects=("slip", name), excess=1.0 + i / 100) for i, name in enumerate(("a", "b")))
     fall = "and these data do not tell which: the error falls from 3.0 to 1.00 times the scatter, on"
