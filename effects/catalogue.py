@@ -29,6 +29,7 @@ from updamp.effects import (
     joint_microslip,
     joint_quadratic,
     joint_quintic,
+    joint_slider,
     joint_square,
     joint_viscoelastic,
     joint_viscous,
@@ -113,6 +114,7 @@ JOINTS = _by_name(
     joint_quadratic,
     joint_cubic_damping,
     joint_friction,
+    joint_slider,
     joint_microslip,
 )
 

@@ -22,7 +22,7 @@ UNITS = pint.get_application_registry()  # one for all: to make one takes half a
 
 NAMES = (
     "joint_viscous", "joint_viscoelastic", "joint_square", "joint_cubic", "joint_quintic", "joint_clearance",
-    "joint_quadratic", "joint_cubic_damping", "joint_friction", "joint_microslip",
+    "joint_quadratic", "joint_cubic_damping", "joint_friction", "joint_slider", "joint_microslip",
 )  # fmt: skip
 POINT = "beam.drive.x"
 FORCED = RunCondition("forced", "first", 0.2, True, (79.0, 81.5), ((POINT, 1),))
@@ -117,6 +117,7 @@ def test_slope_by_the_level_is_what_a_higher_level_does(beam: RigModel) -> None:
         ("joint_cubic_damping", 0.0, 0.75 * 1e3),
         ("joint_friction", 0.0, 4 / np.pi * 0.1),
         ("joint_viscoelastic", 5e3, 0.0),
+        ("joint_slider", -5e3, 4 * 5e3 / np.pi),
     ],
 )
 def test_resonance_at_a_held_level_is_that_of_the_equivalent_mode(
@@ -124,7 +125,7 @@ def test_resonance_at_a_held_level_is_that_of_the_equivalent_mode(
 ) -> None:
     """stiffness, dashpot: equivalent ones at this amplitude; those of the springs per A, A^2 and A^4, of a clearance
     far beyond the gap, of the quadratic damper per w A, of the cubic one per its square, of dry friction over w A, the
-    viscoelastic layer's as k i w tau / (1 + i w tau)."""
+    viscoelastic layer's as k i w tau / (1 + i w tau); of a slider the stiffness lost far beyond where it slips."""
     f, receptance = peak(branch(beam, name, 1.0, HELD))
     w = 2 * np.pi * f
     amplitude = LEVEL / w**2
@@ -132,6 +133,11 @@ def test_resonance_at_a_held_level_is_that_of_the_equivalent_mode(
     if name == "joint_clearance":
         t = np.arccos(5e-5 / amplitude)
         stiffness *= 2 / np.pi * (t - np.sin(t) * np.cos(t))
+    if name == "joint_slider":
+        slip = 5e-5 / amplitude
+        t = np.arccos(1 - 2 * slip)
+        stiffness *= 1 - (t - np.sin(t) * np.cos(t)) / np.pi
+        dashpot *= slip * (1 - slip) / w
     dashpot *= (w * amplitude) ** {"joint_quadratic": 1, "joint_cubic_damping": 2, "joint_friction": -1}.get(name, 0)
     added = complex(stiffness, w * dashpot)
     if name == "joint_viscoelastic":
