@@ -8,27 +8,37 @@ from updamp.report.markup import MISSING, number, percent, table, with_unit
 from updamp.report.section import Content, Report, ReportSection
 
 MAKES_UP = "A calibration that has to go so far often makes up for something that the model lacks"
+_HEAD = ("Parameter", "Rig file", "Calibrated", "95 % interval", "Change", "Change / prior deviation")
 
 
 def render(report: Report) -> Content | None:
     calibration = report.comparison.calibration
     if not calibration:
         return None
-    head = ("Parameter", "Rig file", "Calibrated", "95 % interval", "Change", "Change / prior deviation")
-    html = table(head, [_row(each) for each in calibration])
+    html = table(_HEAD, [_row(each) for each in calibration])
     if of_modes := report.comparison.calibrated_modes:
         html += (
             "<p>Of each mode, the factor on all modes and the one on it alone together: what the test tells, often far "
             "better than each of the two.</p>"
         )
-        html += table(head, [_row(each) for each in of_modes])
+        html += table(_HEAD, [_row(each) for each in of_modes])
     far = [each.name for each in _as_told(report.comparison) if each.far]
     if far:
         html += (
             f'<p class="note">Further from the rig file than {FAR:g} standard deviations of the prior: '
             f"{escape(', '.join(far))}. {MAKES_UP}.</p>"
         )
-    return Content(html)
+    return Content(html + _with_effects(report))
+
+
+def _with_effects(report: Report) -> str:
+    """What else is calibrated once a verdict has named what is missing: the model without that bends to make up for
+    it, and its intervals need not hold what is true."""
+    verdict = report.verdict
+    if verdict is None or not verdict.effects or not verdict.calibration:
+        return ""
+    text = f"<p>All above is of the model without effects. Together with {escape(', '.join(verdict.effects))}:</p>"
+    return text + table(_HEAD, [_row(each) for each in verdict.calibration])
 
 
 def far_calibrated(comparison: Comparison) -> str:

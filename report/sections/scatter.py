@@ -21,7 +21,7 @@ def render(report: Report) -> Content | None:
 
 def _row(name: str, value: float, share: float) -> tuple[str, str, str]:
     if name == NOISE:  # a factor, not relative to a value
-        return escape(name), f"{number(value, 3)} {TIMES} stated", ""
+        return escape(name), f"{number(value, 3)} {TIMES} what is stated, or read off the runs", ""
     return escape(name), f"{number(100 * value, 2)} %", bar(share)
 
 

@@ -155,7 +155,7 @@ def test_sections_without_content_are_left_out() -> None:
 
 
 def test_sensor_noise_is_a_factor_the_rest_relative(page: str) -> None:
-    assert f"1.08 {TIMES} stated" in page
+    assert f"1.08 {TIMES} what is stated, or read off the runs" in page
     assert "4 %" in page
 
 
@@ -206,6 +206,19 @@ def test_the_best_explanations_are_shown_whatever_the_verdict(comparison: Compar
         assert all(text in found for text in ("very likely", "97 %", "3 %", "< 1 %"))
         assert "nothing is missing" not in found, "the fourth, of less than a percent"
     assert explained(comparison, explanations=()) == ""
+
+
+def test_what_is_calibrated_together_with_what_is_missing_stands_beside_it(comparison: Comparison) -> None:
+    told = "All above is of the model without effects. Together with material_damping:"
+    both = tuple(replace(each, after=1.2345) for each in comparison.calibration)
+
+    def page(**changes: object) -> str:
+        return build_page(Report(comparison, replace(synthetic_verdict(comparison), **changes)), SECTIONS)
+
+    together = page(calibration=both).partition(told)[2].partition("</table>")[0]
+    assert together.count("1.23") >= len(both)
+    assert told not in page(calibration=both, verdict="unknown", effects=())
+    assert told not in page(calibration=())
 
 
 def test_what_cannot_be_told_apart_has_one_probability(comparison: Comparison) -> None:
