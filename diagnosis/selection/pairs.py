@@ -55,15 +55,25 @@ def _all_pairs(
     fits: FitContext, effects: Sequence[Effect], firsts: Sequence[Refit], singles: CandidateFits
 ) -> CandidateFits:
     """Each effect beside every other, once: two that are missing together need not come close alone, and one may show
-    beside the other and not the other way round. The better one goes first where both show."""
+    beside the other and not the other way round. The better one goes first where both show.
+
+    Once a pair explains the data, beside effects of such pairs alone, until there are no further ones: what explains
+    the data as well differs from it by one effect after the other."""
     found: CandidateFits = {}
-    for first in firsts:
+    waiting = list(firsts)
+    while (first := _next_first(fits, waiting, found)) is not None:
+        waiting.remove(first)
         (one,) = first.effects
         fitted = {one.name} | {name for names in found if one.name in names for name in names}
         known = {r.effects[0].name for r in firsts} - fitted
         if known:
             found |= beside(fits, first, [e for e in effects if e.name in known], singles)
     return found
+
+
+def _next_first(fits: FitContext, waiting: Sequence[Refit], pairs: CandidateFits) -> Refit | None:
+    explaining = {name for names, r in pairs.items() if fits.explains_believably(r.trial) for name in names}
+    return next((r for r in waiting if not explaining or r.effects[0].name in explaining), None)
 
 
 def exchanged(

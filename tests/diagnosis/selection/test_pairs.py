@@ -74,17 +74,41 @@ def test_a_pair_is_fitted_in_the_order_in_which_it_shows_and_once(monkeypatch):
     def beside(_, first, effects, __):
         (one,) = first.effects
         tried.extend((one.name, e.name) for e in effects)
-        return {(one.name, e.name): e for e in effects if (one.name, e.name) in shows}
+        return {(one.name, e.name): SimpleNamespace(trial=None) for e in effects if (one.name, e.name) in shows}
 
     monkeypatch.setattr(pairs, "beside", beside)
     effects = [ONE, effect("two", 1), THREE]
     firsts = [refit(e, drop=drop) for e, drop in zip(effects, (30.0, 20.0, 10.0), strict=True)]
-    assert set(pairs._all_pairs(None, [*effects, effect("four", 1)], firsts, {})) == {
+    fits = SimpleNamespace(explains_believably=lambda _: False)
+    assert set(pairs._all_pairs(fits, [*effects, effect("four", 1)], firsts, {})) == {
         ("three", "one"),
         ("two", "three"),
     }
     assert ("three", "two") not in tried
     assert not any("four" in names for names in tried)
+
+
+@pytest.mark.parametrize(
+    ("explaining", "beside_which"),
+    [((), "abcdef"), (({"b", "e"},), "abe"), (({"b", "e"}, {"e", "f"}), "abef"), (({"c", "d"},), "abcd")],
+)
+def test_once_a_pair_explains_the_data_only_what_shares_an_effect_with_such_is_tried(
+    monkeypatch, explaining, beside_which
+):
+    """In the order of what they take off alone, from a to f; others than those named are no more looked at."""
+    tried = []
+
+    def beside(_, first, effects, __):
+        (one,) = first.effects
+        tried.append(one.name)
+        return {(one.name, e.name): SimpleNamespace(trial={one.name, e.name}) for e in effects}
+
+    monkeypatch.setattr(pairs, "beside", beside)
+    fits = SimpleNamespace(explains_believably=lambda names: names in explaining)
+    effects = [effect(name, 1) for name in "abcdef"]
+    pairs._all_pairs(fits, effects, [refit(e, drop=30.0) for e in effects], {})
+    # beside the last one all others have been
+    assert tried == [name for name in beside_which if explaining or name != "f"]
 
 
 @pytest.mark.parametrize(
