@@ -100,7 +100,7 @@ def _significance(logs: Floats, scatter: float) -> float:
     if len(logs) == 0:
         return 0.0
     spread = np.std(logs, ddof=1) / np.sqrt(len(logs)) if len(logs) > 1 else 0.0
-    return abs(float(np.mean(logs))) / float(np.hypot(spread, scatter))
+    return abs(float(np.mean(logs))) / max(float(np.hypot(spread, scatter)), np.finfo(float).tiny)
 
 
 def _less_mean(own: Mapping[int, Floats], tests: Sequence[Mapping[int, Floats]]) -> Floats:
