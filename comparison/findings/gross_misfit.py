@@ -20,6 +20,7 @@ from updamp.comparison.findings.peak_misfit import without_peak
 from updamp.comparison.findings.peak_sentences import without_peak_findings
 from updamp.comparison.findings.several_peaks import several_peaks, several_peaks_findings
 from updamp.comparison.findings.whole_runs import whole_run_findings
+from updamp.comparison.findings.words import aimed_at
 from updamp.comparison.fit.failing_model import RISK
 from updamp.comparison.fit.fit import Fit
 from updamp.comparison.fit.lack_of_fit import lack_of_fit
@@ -138,7 +139,7 @@ def damping_growth(
         significance = (models - grown) / deviation
         if abs(significance) > _STANDS_OUT and abs(models - grown) > _WORTH:
             text = (
-                f"{mode}: measured damping {_fold(grown)} from {first.level_name} to {last.level_name}, "
+                f"{mode}: measured damping {_fold(grown)} from {aimed_at(first)} to {aimed_at(last)}, "
                 f"the model's {_fold(models)}"
             )
             found.append(

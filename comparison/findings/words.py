@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from updamp.comparison.fit.observations import Plan
+from updamp.comparison.prediction.run_condition import RunCondition
 
 # Share of a mode's largest misfit below which a level gets no number: it is right, or far less wrong.
 FAR_LESS = 0.25
@@ -26,12 +27,15 @@ def levels_of(tests: Sequence[int], plan: Plan) -> str:
 
 def level_of(plan: Plan, test: int) -> str:
     """A test's level with its unit, and the sweep's direction where both were swept."""
-    condition = plan.conditions[test]
+    return f"{aimed_at(plan.conditions[test])}{_sweep(plan, test)}"
+
+
+def aimed_at(condition: RunCondition) -> str:
+    """Its level as it was meant, with its unit: a force is the mean of what was measured."""
     unit = condition.level_name.split(" ", 1)[1]
-    # as it was meant: a force is the mean of what was measured
     short = [float(f"{condition.level:.{digits}g}") for digits in (1, 2, 3)]
     name = next((s for s in short if abs(s / condition.level - 1) < _AS_MEANT), short[-1])
-    return f"{name:g} {unit}{_sweep(plan, test)}"
+    return f"{name:g} {unit}"
 
 
 def _sweep(plan: Plan, test: int) -> str:

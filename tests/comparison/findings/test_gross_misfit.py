@@ -10,6 +10,7 @@ from updamp.comparison.findings.direction import Misfit
 from updamp.comparison.findings.findings import findings
 from updamp.comparison.findings.gross_misfit import gross_misfits
 from updamp.comparison.findings.kinds import Damping, Frequency
+from updamp.comparison.findings.words import aimed_at
 from updamp.comparison.fit.observations import plan_of
 from updamp.comparison.fit.scatter import Scatter
 from updamp.model.calibration import LOSS_FACTOR
@@ -64,3 +65,8 @@ def test_what_levels_differ_by_is_held_against_what_assemblies_differ_by_in_all_
     assert abs(right) < 1e-6
     for fall, off in ((0.0, 0.0), (0.0, 1e-3), (0.1, 0.0)):
         assert max(np.abs(significance(fall, off))) < 2
+
+
+def test_levels_are_called_what_they_were_aimed_at() -> None:
+    assert aimed_at(SimpleNamespace(level=0.2005, level_name="0.2005 N")) == "0.2 N"
+    assert aimed_at(SimpleNamespace(level=0.213, level_name="0.213 N")) == "0.213 N"
