@@ -5,7 +5,7 @@ To first order, as misfits are estimated elsewhere, a resonance that is wrong by
 curves that the model cannot follow at all would be followed by impossible parameters that nearly cancel.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,7 +85,7 @@ def gross_misfits(fit: Fit, plan: Plan, measured: Sequence[Backbone], model: Seq
         each = [_by_repeat(kind, test, plan, measured, model) for test in range(len(plan.conditions))]
         scatter = kind.scatter(fit.compared.scatter)
         for test, own in enumerate(each):
-            logs = _finite(own)
+            logs = _finite(own.values())
             if len(logs) == 0:
                 continue
             mean = float(np.mean(logs))
@@ -111,11 +111,11 @@ def _less_mean(own: Mapping[int, Floats], tests: Sequence[Mapping[int, Floats]])
         alike = [e[repeat] for e in tests if repeat in e and np.isfinite(e[repeat]).all()]
         if len(alike) > 1:
             found.append(logs - np.mean(alike, axis=0))
-    return _finite(dict(enumerate(found)))
+    return _finite(found)
 
 
-def _finite(by_repeat: Mapping[int, Floats]) -> Floats:
-    logs = np.concatenate(list(by_repeat.values())) if by_repeat else np.zeros(0)
+def _finite(of_repeats: Iterable[Floats]) -> Floats:
+    logs = np.concatenate([np.zeros(0), *of_repeats])
     return logs[np.isfinite(logs)]
 
 

@@ -9,12 +9,13 @@ from dataclasses import replace
 import numpy as np
 
 from updamp.comparison.fit.observations import Observations, Plan
+from updamp.comparison.fit.scatter import Scatter
 from updamp.comparison.fit.shape_error import ShapeError
 from updamp.comparison.prediction.run_condition import RunCondition
 from updamp.effects.rig_model import RigModel
 
 # Of the largest displacement: what is smaller counts as much, so that an error of the usual size doubles it.
-_LEAST = 0.01
+_LEAST = Scatter.shape
 
 
 def with_shapes(plan: Plan, model: RigModel, calibrated: bool) -> Plan:
